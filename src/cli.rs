@@ -1,0 +1,82 @@
+//! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is done and written.
+
+use clap::{Parser, Subcommand};
+
+use crate::error::Result;
+
+pub mod adapters;
+pub mod allan;
+pub mod bench;
+pub mod candidates;
+pub mod diagnose;
+pub mod map;
+pub mod paper;
+pub mod study;
+pub mod trial;
+pub mod validate;
+
+/// How far will this inertial sensor drift, which error is to blame, and what physics does the model leave out?
+#[derive(Debug, Parser)]
+#[command(name = "proofmass", version, about, max_term_width = 100, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Print the result as one JSON document on stdout
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// What to do; without one, the default study runs
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXAMPLES: &str = "Examples:
+  proofmass                                         the default study: how far a MEMS accelerometer drifts
+  proofmass study study.toml --members 100000       your own sensor
+  proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
+  proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
+  proofmass validate                                check this build against laws and closed forms";
+
+/// One per job.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate an ensemble and report how far it drifts
+    Study(study::Arguments),
+    /// Estimate noise coefficients from a static log
+    Allan(allan::Arguments),
+    /// Say what physics a model of a recording leaves out
+    Diagnose(diagnose::Arguments),
+    /// List the physics that `diagnose` can name
+    Candidates(candidates::Arguments),
+    /// Reproduce the paper's twenty figures, each with its checks
+    Paper(paper::Arguments),
+    /// Map the Duffing equation's Lyapunov exponent and period
+    Map(map::Arguments),
+    /// Prove the diagnosis on blind cases
+    Trial(trial::Arguments),
+    /// Check this build against laws, parities and closed forms
+    Validate(validate::Arguments),
+    /// List the GPU adapters
+    Adapters(adapters::Arguments),
+    /// Measure speed on this machine
+    Bench(bench::Arguments),
+}
+
+/// Does what the arguments ask.
+///
+/// # Errors
+/// Whatever stopped the work, as attempt, cause and hint.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    crate::progress::listen_for_interrupt();
+    let json = arguments.json;
+    match &arguments.command {
+        None => study::run_default(json),
+        Some(Command::Study(a)) => study::run(a, json),
+        Some(Command::Allan(a)) => allan::run(a, json),
+        Some(Command::Diagnose(a)) => diagnose::run(a, json),
+        Some(Command::Candidates(a)) => candidates::run(a, json),
+        Some(Command::Paper(a)) => paper::run(a, json),
+        Some(Command::Map(a)) => map::run(a, json),
+        Some(Command::Trial(a)) => trial::run(a, json),
+        Some(Command::Validate(a)) => validate::run(a, json),
+        Some(Command::Adapters(a)) => adapters::run(a, json),
+        Some(Command::Bench(a)) => bench::run(a, json),
+    }
+}

@@ -1,0 +1,15 @@
+//! `proofmass bench`.
+
+use crate::error::{Error, Result};
+
+/// Arguments of `bench`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {}
+
+/// Runs it.
+///
+/// # Errors
+/// Always, until it is built.
+pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
+    Err(Error::new("could not run `bench`", "not built yet", "see the README"))
+}

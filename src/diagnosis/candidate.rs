@@ -1,0 +1,48 @@
+//! A candidate: physics that a base model may have left out. Words and numbers only; how each is simulated and fitted
+//! lives with its kind (driven, static, tumble). Ids are a public contract.
+
+/// The kind of recording a candidate belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Input and output of one proof mass, or its free ring-down.
+    Driven,
+    /// A sensor at rest.
+    Static,
+    /// An IMU in many still poses.
+    Tumble,
+}
+
+/// One parameter of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Parameter {
+    /// Symbol in the equation.
+    pub name: &'static str,
+    /// Unit, with `u` for the input's and `y` for the output's unit.
+    pub unit: &'static str,
+    /// Plausible range in those units, or relative to the base model where `unit` is "1".
+    pub range: (f64, f64),
+}
+
+/// What the library says of one candidate.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Candidate {
+    /// Public id, e.g. "cubic-stiffness".
+    pub id: &'static str,
+    /// Which recordings can show it.
+    pub kind: Kind,
+    /// One sentence: what was left out.
+    pub statement: &'static str,
+    /// The term, as an equation.
+    pub equation: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Where it acts: "equation of motion", "readout", …
+    pub acts: &'static str,
+    /// What in a residual points to it.
+    pub signature: &'static str,
+    /// Ids it can be mistaken for.
+    pub confusable_with: &'static [&'static str],
+    /// Where to read about it.
+    pub reference: &'static str,
+}

@@ -1,0 +1,167 @@
+//! model.toml: what a recording is and what the engineer believes of it. Paths are relative to the file.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::document::read_toml;
+use crate::error::Result;
+
+/// A model, by kind of recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Model {
+    /// Input and output of one proof mass.
+    Driven(Driven),
+    /// A sensor at rest.
+    Static(Static),
+    /// An IMU in many still poses.
+    Tumble(Tumble),
+}
+
+/// Half-open ranges of samples.
+pub type Ranges = Vec<[usize; 2]>;
+
+/// Which samples are fitted and which judge; absent means interleaved blocks.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Split {
+    /// Fitted.
+    #[serde(default)]
+    pub train: Ranges,
+    /// Held out.
+    #[serde(default)]
+    pub test: Ranges,
+}
+
+/// kind = "driven".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Driven {
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Columns by role.
+    pub columns: DrivenColumns,
+    /// Hints, which may be off by a factor of two.
+    #[serde(default)]
+    pub start: Start,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a driven recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrivenColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Force; absent for a free ring-down.
+    pub input: Option<String>,
+    /// Reading.
+    pub output: String,
+    /// Offered to candidates.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
+
+/// Hints for the base model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// ω₀/2π.
+    pub resonance_hz: Option<f64>,
+    /// ζ.
+    pub damping_ratio: Option<f64>,
+}
+
+/// kind = "static".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Static {
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Unit of the channels, for words and plots.
+    #[serde(default)]
+    pub unit: String,
+    /// Columns by role.
+    pub columns: StaticColumns,
+    /// What the datasheet promises; absent, white noise whose level is estimated.
+    pub noise: Option<Noise>,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a static recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StaticColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Readings.
+    pub channels: Vec<String>,
+    /// Temperature and the like.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
+
+/// Noise as a datasheet states it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// One-sided, unit/√Hz.
+    pub density: f64,
+    /// B, unit.
+    #[serde(default)]
+    pub bias_instability: f64,
+    /// K, unit/√s.
+    #[serde(default)]
+    pub random_walk: f64,
+}
+
+/// kind = "tumble".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tumble {
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// |g| where it was recorded.
+    pub gravity_m_s2: f64,
+    /// CSV of start_row,end_row_exclusive; absent: found by the tool.
+    pub poses: Option<PathBuf>,
+    /// Columns by role.
+    pub columns: TumbleColumns,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a tumble recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TumbleColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Three rates.
+    pub gyro: [String; 3],
+    /// Three specific forces.
+    pub accelerometer: [String; 3],
+    /// Temperature and the like.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
+
+/// Reads model.toml; `poses` becomes a path that can be opened.
+///
+/// # Errors
+/// As `document::read_toml`.
+pub fn read(path: &Path) -> Result<Model> {
+    let mut model: Model = read_toml(path)?;
+    if let Model::Tumble(Tumble { poses: Some(poses), .. }) = &mut model
+        && poses.is_relative()
+    {
+        *poses = path.parent().unwrap_or(Path::new(".")).join(&*poses);
+    }
+    Ok(model)
+}

@@ -1,0 +1,175 @@
+//! The verdict as the public document `proofmass.verdict/1`: what is named, where it shows, how sure we are.
+
+use serde::Serialize;
+
+/// The four things a diagnosis can say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Nothing is missing that this recording could show.
+    Adequate,
+    /// Named effects bring the residual to the noise.
+    Explained,
+    /// The mismatch is real and nothing in the library accounts for it.
+    Unexplained,
+    /// Several candidates fit equally, or the excitation is too weak.
+    Undecidable,
+}
+
+/// What was diagnosed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Source {
+    /// File as given.
+    pub file: String,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+    /// Rows used.
+    pub samples: usize,
+    /// Sampling rate.
+    pub rate_hz: f64,
+}
+
+/// A fitted number with its interval.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Symbol.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// Why an effect is believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Evidence {
+    /// Share of the held-out mean-square error (beyond the noise floor) or log-score gain that it removes.
+    pub held_out_gain: f64,
+    /// Corrected for the number of candidates tried.
+    pub p_value: f64,
+}
+
+/// One named effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effect {
+    /// Library id.
+    pub id: String,
+    /// What was left out.
+    pub statement: String,
+    /// The term.
+    pub equation: String,
+    /// Fitted parameters.
+    pub parameters: Vec<Estimate>,
+    /// Columns it shows in.
+    pub channels: Vec<String>,
+    /// Why it is believed.
+    pub evidence: Evidence,
+    /// Ids that fit equally or nearly so.
+    pub confusable_with: Vec<String>,
+}
+
+/// A stretch of time, band of frequency or range of state where the residual exceeds the noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stretch {
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// Residual power over what noise explains, as a ratio.
+    pub excess: f64,
+}
+
+/// Where the mismatch lives, after false-discovery control.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Where {
+    /// In a sentence.
+    pub summary: String,
+    /// In time, s.
+    pub time_s: Vec<Stretch>,
+    /// In frequency, Hz.
+    pub frequency_hz: Vec<Stretch>,
+    /// In state (amplitude), output unit; for static logs averaging time in s.
+    pub state: Vec<Stretch>,
+}
+
+/// Fit on one part of the recording: root-mean-square error of free simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Score {
+    /// Base model.
+    pub rmse_before: f64,
+    /// With the named effects.
+    pub rmse_after: f64,
+    /// 95 % interval of after / before, block bootstrap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_ci95: Option<[f64; 2]>,
+}
+
+/// Mean log-likelihood per sample on the test part.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LogScore {
+    /// Base model.
+    pub before: f64,
+    /// With the named effects.
+    pub after: f64,
+}
+
+/// How well it fits.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// Unit of the errors.
+    pub unit: String,
+    /// What noise alone leaves.
+    pub noise_floor: f64,
+    /// On the data fitted.
+    pub train: Score,
+    /// On the data held out.
+    pub test: Score,
+    /// Where noise terms are judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log_score: Option<LogScore>,
+    /// RMSE of one-step prediction on the test part, stated apart from free simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub one_step_rmse: Option<[f64; 2]>,
+}
+
+/// Whether the repaired model leaves white noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Whiteness {
+    /// At the 5 % level after correction.
+    pub white: bool,
+    /// Of the portmanteau test.
+    pub p_value: f64,
+}
+
+/// The whole document.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Always "proofmass.verdict/1".
+    pub schema: &'static str,
+    /// Kind of recording.
+    pub kind: super::candidate::Kind,
+    /// What is said.
+    pub verdict: Outcome,
+    /// In plain words, for the first screen.
+    pub sentence: String,
+    /// What was diagnosed.
+    pub recording: Source,
+    /// Named effects, strongest first.
+    pub effects: Vec<Effect>,
+    /// Where the mismatch lives.
+    #[serde(rename = "where")]
+    pub location: Where,
+    /// How well it fits.
+    pub fit: Fit,
+    /// Whether anything is left.
+    pub residual_after: Whiteness,
+    /// What would decide or confirm.
+    pub next_experiment: String,
+    /// Found in the file and survived; said so that nothing is silent.
+    pub findings: Vec<String>,
+}
+
+/// The schema's name.
+pub const SCHEMA: &str = "proofmass.verdict/1";

@@ -1,0 +1,65 @@
+//! The one error type: what was tried, what was wrong, and what to do about it.
+//!
+//! Not for control flow inside numerics: a fit that does not converge is a result there, not an error.
+
+use std::path::Path;
+
+/// Shorthand used throughout the crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// An error a person can act on. Printed by `main` alone, with exit code 2.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{attempt}\n  cause: {cause}\n  hint:  {hint}")]
+pub struct Error {
+    /// What was tried, as a clause: "could not read model.toml".
+    pub attempt: String,
+    /// What was wrong, with file, line, column and need/got where they exist.
+    pub cause: String,
+    /// What to do now.
+    pub hint: String,
+}
+
+impl Error {
+    /// An error from its three parts.
+    pub fn new(attempt: impl Into<String>, cause: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { attempt: attempt.into(), cause: cause.into(), hint: hint.into() }
+    }
+
+    /// A failed file operation.
+    pub fn io(verb: &str, path: &Path, cause: &std::io::Error) -> Self {
+        let hint = match cause.kind() {
+            std::io::ErrorKind::NotFound => "check the spelling; paths inside a .toml are relative to that file",
+            std::io::ErrorKind::PermissionDenied => "choose a folder you may write to, e.g. with --out DIR",
+            std::io::ErrorKind::IsADirectory => "give a file, not a folder",
+            _ => "check the path, the permissions and the free space",
+        };
+        Self::new(format!("could not {verb} {}", path.display()), cause.to_string(), hint)
+    }
+
+    /// The run was stopped by Ctrl-C; `hint` says how to continue it.
+    pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self::new(attempt, "stopped by Ctrl-C", hint)
+    }
+}
+
+/// The nearest of `known` to a misspelt `word`, if any is near enough to be meant.
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|k| (strsim::damerau_levenshtein(word, k), k))
+        .filter(|(d, k)| *d <= 2 + k.len() / 4)
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, k)| k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_key_finds_its_neighbour_and_a_stranger_does_not() {
+        let known = ["duration_s", "step_s", "members"];
+        assert_eq!(nearest("durations", known), Some("duration_s"));
+        assert_eq!(nearest("zzzzzzzzzz", known), None);
+    }
+}

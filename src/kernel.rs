@@ -1,0 +1,5 @@
+//! The contract between host and device: what a backend is given and what it returns.
+//!
+//! Not for choosing what to simulate (`study`) nor for looping over batches (`ensemble`).
+
+pub mod job;

@@ -1,0 +1,91 @@
+//! One ensemble, ready to integrate: everything a backend needs, in SI units and f64.
+
+use std::sync::Arc;
+
+use crate::sensor::Sensor;
+
+/// How the proof mass is stepped. `study` chooses and says why; see DESIGN notes in `lib.rs`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integrator {
+    /// No mechanics: the reading follows the force at once.
+    Ideal,
+    /// Linear: the exact zero-order-hold map in error coordinates, one step whatever the resonance.
+    ExactHold,
+    /// Cubic with ω₀h small: classic Runge–Kutta, `substeps` per step.
+    RungeKutta4 {
+        /// Substeps per integration step.
+        substeps: u32,
+    },
+    /// Stiff cubic, Q ≤ 1: exponential Runge–Kutta of order 2.
+    ExponentialRk2 {
+        /// Substeps per integration step.
+        substeps: u32,
+    },
+    /// Stiff cubic, Q ≥ 10: Rosenbrock–Euler.
+    RosenbrockEuler {
+        /// Substeps per integration step.
+        substeps: u32,
+    },
+}
+
+/// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clock {
+    /// Integration step h, s.
+    pub step_s: f64,
+    /// Steps between readings.
+    pub steps_per_sample: u32,
+    /// Length of the run in samples.
+    pub samples: u64,
+    /// Samples after which statistics are taken, increasing, 1-based (the last one is usually `samples`).
+    pub report_samples: Vec<u64>,
+}
+
+/// Specific force along the sensitive axis, shared by all members up to `Sensor::excitation_gain`.
+pub trait Waveform: Send + Sync {
+    /// f(t), m/s².
+    fn specific_force_m_s2(&self, time_s: f64) -> f64;
+}
+
+/// A sine whose amplitude, frequency and phase are drawn per member; added to the shared waveform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MemberSine {
+    /// Amplitude, m/s².
+    pub amplitude_m_s2: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Phase at t = 0, rad.
+    pub phase_rad: f64,
+}
+
+/// One member as drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Member {
+    /// Its sensor.
+    pub sensor: Sensor,
+    /// Its own sine, where the study draws one per member.
+    pub sine: Option<MemberSine>,
+}
+
+/// One ensemble.
+#[derive(Clone)]
+pub struct Job {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Number of members.
+    pub members: u64,
+    /// Discrete time.
+    pub clock: Clock,
+    /// Draws a member; a pure function of its index.
+    pub draw: Arc<dyn Fn(u64) -> Member + Send + Sync>,
+    /// Shared excitation.
+    pub waveform: Arc<dyn Waveform>,
+    /// How the proof mass is stepped, the same for all members.
+    pub integrator: Integrator,
+    /// g by which tilt becomes acceleration, m/s².
+    pub gravity_m_s2: f64,
+}
+
+/// What is measured of every member at every report time, in this order.
+pub const QUANTITIES: [&str; 4] =
+    ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];

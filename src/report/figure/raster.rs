@@ -1,0 +1,85 @@
+//! A picture behind a chart: a heat map with its colour bar, or a cloud of points too many for SVG.
+
+use base64::Engine as _;
+
+/// Pixels with the rectangle they cover.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    /// RGBA, row by row from the top.
+    pub pixels: Vec<u8>,
+    /// Columns and rows.
+    pub shape: (u32, u32),
+    /// x from, x to in axis units.
+    pub x: (f64, f64),
+    /// y from (bottom), y to (top) in axis units.
+    pub y: (f64, f64),
+    /// Colour bar: label, low, high. Absent for clouds.
+    pub bar: Option<(String, f64, f64)>,
+}
+
+impl Raster {
+    /// A heat map of `values` (rows from the bottom up, `columns` each), coloured between `limits`; NaN stays clear.
+    pub fn heat_map(
+        values: &[f64],
+        columns: usize,
+        x: (f64, f64),
+        y: (f64, f64),
+        limits: (f64, f64),
+        label: &str,
+    ) -> Self {
+        let columns = columns.max(1);
+        let rows = values.len() / columns;
+        let mut pixels = Vec::with_capacity(rows * columns * 4);
+        for row in (0..rows).rev() {
+            for value in &values[row * columns..(row + 1) * columns] {
+                pixels.extend(colour((value - limits.0) / (limits.1 - limits.0)));
+            }
+        }
+        let bar = Some((label.to_owned(), limits.0, limits.1));
+        Self { pixels, shape: (columns as u32, rows as u32), x, y, bar }
+    }
+
+    /// A cloud: each pixel darker the more points fall on it (grey blue that reads on light and dark).
+    pub fn cloud(points: impl Iterator<Item = (f64, f64)>, shape: (u32, u32), x: (f64, f64), y: (f64, f64)) -> Self {
+        let mut counts = vec![0u32; (shape.0 * shape.1) as usize];
+        for (px, py) in points {
+            let column = ((px - x.0) / (x.1 - x.0) * f64::from(shape.0)).floor();
+            let row = ((y.1 - py) / (y.1 - y.0) * f64::from(shape.1)).floor();
+            if column >= 0.0 && row >= 0.0 && column < f64::from(shape.0) && row < f64::from(shape.1) {
+                counts[row as usize * shape.0 as usize + column as usize] += 1;
+            }
+        }
+        let alpha = |n: u32| if n == 0 { 0 } else { (150 + 35 * n.min(3)) as u8 };
+        let pixels = counts.iter().flat_map(|n| [0x2E, 0x7F, 0xBF, alpha(*n)]).collect();
+        Self { pixels, shape, x, y, bar: None }
+    }
+
+    /// The picture as a PNG data URI. Clouds compress to one bit's worth, so pages stay small.
+    pub(super) fn data_uri(&self) -> String {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.shape.0.max(1), self.shape.1.max(1));
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
+        // Writing into memory cannot fail for pixels of the right length; a mismatch gives an empty picture.
+        let written = encoder.write_header().and_then(|mut w| w.write_image_data(&self.pixels));
+        if written.is_err() {
+            bytes.clear();
+        }
+        format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes))
+    }
+}
+
+/// A perceptually even ramp from dark blue over green to yellow (control points of viridis), 0 to 1; NaN is clear.
+pub(super) fn colour(fraction: f64) -> [u8; 4] {
+    const RAMP: [[f64; 3]; 6] =
+        [[68., 1., 84.], [65., 68., 135.], [42., 120., 142.], [34., 168., 132.], [122., 209., 81.], [253., 231., 37.]];
+    if fraction.is_nan() {
+        return [0; 4];
+    }
+    let position = fraction.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let index = (position as usize).min(RAMP.len() - 2);
+    let weight = position - index as f64;
+    let channel = |c: usize| (RAMP[index][c] * (1.0 - weight) + RAMP[index + 1][c] * weight).round() as u8;
+    [channel(0), channel(1), channel(2), 255]
+}

@@ -1,0 +1,82 @@
+//! One table, shown on a terminal or in a page.
+
+use std::fmt;
+
+use super::html::escape;
+
+/// Rows of text under headings. The first column is left-aligned, `numeric` ones right-aligned.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    /// One heading per column, with the unit.
+    pub headings: Vec<String>,
+    /// Cells; short rows are padded.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// An empty table with these headings.
+    pub fn new(headings: &[&str]) -> Self {
+        Self { headings: headings.iter().map(|h| (*h).to_owned()).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+
+    fn cell(&self, row: usize, column: usize) -> &str {
+        self.rows[row].get(column).map_or("", String::as_str)
+    }
+
+    /// A column whose cells all begin like a number is set flush right.
+    fn numeric(&self, column: usize) -> bool {
+        let starts_numeric =
+            |c: &str| c.is_empty() || c.starts_with(|f: char| f.is_ascii_digit() || "−-–±(<>≤≥+∞".contains(f));
+        column > 0 && (0..self.rows.len()).all(|r| starts_numeric(self.cell(r, column)))
+    }
+
+    /// The table as HTML, escaped.
+    pub fn to_html(&self) -> String {
+        let class = |c| if self.numeric(c) { " class=\"n\"" } else { "" };
+        let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
+        for (c, heading) in self.headings.iter().enumerate() {
+            out += &format!("<th{}>{}</th>", class(c), escape(heading));
+        }
+        out += "</tr></thead><tbody>";
+        for r in 0..self.rows.len() {
+            out += "<tr>";
+            for c in 0..self.headings.len() {
+                out += &format!("<td{}>{}</td>", class(c), escape(self.cell(r, c)));
+            }
+            out += "</tr>";
+        }
+        out + "</tbody></table></div>\n"
+    }
+}
+
+/// The table for a terminal: aligned columns, a rule under the headings.
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = |c: usize| {
+            let cells = (0..self.rows.len()).map(|r| self.cell(r, c).chars().count());
+            cells.chain([self.headings[c].chars().count()]).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..self.headings.len()).map(width).collect();
+        let line = |f: &mut fmt::Formatter<'_>, cell: &dyn Fn(usize) -> String| {
+            let parts: Vec<String> = (0..widths.len())
+                .map(|c| {
+                    let text = cell(c);
+                    let pad = " ".repeat(widths[c].saturating_sub(text.chars().count()));
+                    if self.numeric(c) { pad + &text } else { text + &pad }
+                })
+                .collect();
+            writeln!(f, "{}", parts.join("  ").trim_end())
+        };
+        line(f, &|c| self.headings[c].clone())?;
+        line(f, &|c| "─".repeat(widths[c]))?;
+        for r in 0..self.rows.len() {
+            line(f, &|c| self.cell(r, c).to_owned())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,21 @@
+//! The one test binary. A sentence per module; tests that need an adapter or the data folder are listed at run time and
+//! shown as ignored, with the reason, where it is absent.
+
+mod suite {
+    pub mod cli;
+    pub mod world;
+}
+
+use libtest_mimic::{Arguments, Trial};
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let tests: Vec<Trial> = [
+        // cli: the commands answer as the contract says.
+        suite::cli::tests(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    libtest_mimic::run(&arguments, tests).exit();
+}

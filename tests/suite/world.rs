@@ -1,0 +1,45 @@
+//! What this machine offers to tests: the data folder, the binary, and how absence is shown.
+
+use std::path::{Path, PathBuf};
+
+use libtest_mimic::{Failed, Trial};
+
+/// A plain test.
+pub fn test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
+    Trial::test(name, body)
+}
+
+/// The folder of real recordings: `PROOFMASS_DATA`, else `../shared/data` beside the checkout.
+pub fn data() -> Option<PathBuf> {
+    let folder = std::env::var_os("PROOFMASS_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    folder.is_dir().then_some(folder)
+}
+
+/// A test on real recordings: ignored where the folder is absent, a failure where `PROOFMASS_REQUIRE_DATA=1` demands it.
+pub fn data_test(name: &str, body: impl FnOnce(&Path) -> Result<(), Failed> + Send + 'static) -> Trial {
+    match data() {
+        Some(folder) => Trial::test(name, move || body(&folder)),
+        None if std::env::var_os("PROOFMASS_REQUIRE_DATA").is_some() => Trial::test(name, || {
+            Err("PROOFMASS_REQUIRE_DATA is set and there is no data folder (PROOFMASS_DATA)".into())
+        }),
+        None => {
+            Trial::test(format!("{name} (needs recordings: set PROOFMASS_DATA)"), || Ok(())).with_ignored_flag(true)
+        }
+    }
+}
+
+/// Fails with a sentence unless `holds`.
+pub fn check(holds: bool, sentence: impl Into<String>) -> Result<(), Failed> {
+    if holds { Ok(()) } else { Err(sentence.into().into()) }
+}
+
+/// Fails unless `got` is within `tolerance` of `expected`; NaN fails.
+pub fn near(what: &str, got: f64, expected: f64, tolerance: f64) -> Result<(), Failed> {
+    check((got - expected).abs() <= tolerance, format!("{what}: got {got:e}, expected {expected:e} ± {tolerance:e}"))
+}
+
+/// The built program.
+pub fn program() -> std::process::Command {
+    std::process::Command::new(env!("CARGO_BIN_EXE_proofmass"))
+}
