@@ -8,6 +8,26 @@
 //! recording  → Recording → base model → Residual → Detection → Isolation → Candidates → Identification
 //!            → Selection → Verdict → Report (and an augmented model, which a study can run)
 //! ```
+//!
+//! Imports run one way, lowest layer first; `tests/suite/architecture.rs` keeps this table true:
+//!
+//! | layer | modules | answers |
+//! |---|---|---|
+//! | 0 | `units` `error` `document` `progress` | how we name, fail, read and write |
+//! | 1 | `numerics` | mathematics without a domain |
+//! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
+//! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
+//! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
+//! | 5 | `backend` | CPU lanes or GPU |
+//! | 6 | `ensemble` | study × backend → statistics |
+//! | 7 | `diagnosis` | what physics was left out |
+//! | 8 | `paper` `trial` `validation` `benchmark` | the tool put to the test |
+//! | 9 | `report` | figures, tables, pages |
+//! | 10 | `cli` | the commands |
+//!
+//! Glossary: *member*, one noisy sensor of an ensemble; *step*, one integration step; *sample*, one reading; *tile*,
+//! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
+//! can name; *null*, a recording without any.
 
 pub mod cli;
 pub mod diagnosis;

@@ -2,6 +2,7 @@
 //! shown as ignored, with the reason, where it is absent.
 
 mod suite {
+    pub mod architecture;
     pub mod cli;
     pub mod world;
 }
@@ -11,6 +12,8 @@ use libtest_mimic::{Arguments, Trial};
 fn main() {
     let arguments = Arguments::from_args();
     let tests: Vec<Trial> = [
+        // architecture: imports run one way, heavy crates have one owner.
+        suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
     ]
