@@ -1,7 +1,81 @@
 //! When simulation and recording differ: locate the mismatch, name the physics, model it, show the fit improve.
 //!
-//! Chain: residual → detection → isolation → identification → selection → verdict. One sub-folder per kind of recording.
+//! Chain: residual → detection → isolation → identification → selection → verdict. One sub-folder per kind of recording;
+//! each returns the same [`Diagnosis`], with its own plain numbers for figures in [`Detail`]. Not for drawing: `report`
+//! turns a `Diagnosis` into a page.
 
 pub mod candidate;
+pub mod driven;
+pub mod fixed;
 pub mod model;
+pub mod repair;
+pub mod tumble;
 pub mod verdict;
+
+use crate::error::Result;
+use crate::recording::Recording;
+
+use candidate::Candidate;
+use model::Model;
+use repair::Repair;
+use verdict::Verdict;
+
+/// What a diagnosis found, whatever the kind of recording.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The public document.
+    pub verdict: Verdict,
+    /// Every candidate that was tried, best first, named or not.
+    pub ranking: Vec<Ranked>,
+    /// The sensor with and without the named physics, for a study and for the cost in metres. `None` where nothing a
+    /// study could run came out, e.g. when the base model could not be fitted.
+    pub repair: Option<Repair>,
+    /// Plain numbers behind the figures.
+    pub detail: Detail,
+}
+
+/// One candidate's standing.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Ranked {
+    /// Library id.
+    pub id: &'static str,
+    /// As `verdict::Evidence::held_out_gain`: what it adds, alone or to the effects already named (say which in `note`).
+    pub held_out_gain: f64,
+    /// 95 % interval of the gain; infinite where it could not be had.
+    pub ci95: [f64; 2],
+    /// Corrected for the number of candidates tried.
+    pub p_value: f64,
+    /// Whether it stands in the verdict.
+    pub named: bool,
+    /// Why it was kept, dropped or cannot be judged, in a few words; may be empty.
+    pub note: String,
+}
+
+/// What each kind keeps for its figures and its own paragraphs.
+#[derive(Debug, Clone)]
+pub enum Detail {
+    /// Input and output of one proof mass.
+    Driven(Box<driven::Detail>),
+    /// A sensor at rest.
+    Static(Box<fixed::Detail>),
+    /// An IMU in many still poses.
+    Tumble(Box<tumble::Detail>),
+}
+
+/// Diagnoses a recording by the kind its model states.
+///
+/// # Errors
+/// When the recording cannot be judged at all (columns missing, too few samples); what can be survived stands in
+/// `verdict.findings` instead.
+pub fn diagnose(recording: &Recording, model: &Model) -> Result<Diagnosis> {
+    match model {
+        Model::Driven(model) => driven::diagnose(recording, model),
+        Model::Static(model) => fixed::diagnose(recording, model),
+        Model::Tumble(model) => tumble::diagnose(recording, model),
+    }
+}
+
+/// Every candidate of every kind, in the order of each kind's list.
+pub fn library() -> impl Iterator<Item = &'static Candidate> {
+    driven::CANDIDATES.iter().chain(fixed::CANDIDATES).chain(tumble::CANDIDATES)
+}

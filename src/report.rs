@@ -2,6 +2,10 @@
 //!
 //! Not for computing anything: it receives finished results. `figure` is the only place that names plotters.
 
+pub mod diagnosis;
+pub mod diagnosis_driven;
+pub mod diagnosis_static;
+pub mod diagnosis_tumble;
 pub mod figure;
 pub mod html;
 pub mod number;
