@@ -39,6 +39,8 @@ pub struct Diagnosis {
 pub struct Ranked {
     /// Library id.
     pub id: &'static str,
+    /// Columns it was tried in; the same id may stand once per sensor or channel.
+    pub channels: Vec<String>,
     /// As `verdict::Evidence::held_out_gain`: what it adds, alone or to the effects already named (say which in `note`).
     pub held_out_gain: f64,
     /// 95 % interval of the gain; infinite where it could not be had.
