@@ -33,6 +33,7 @@ pub mod cli;
 pub mod diagnosis;
 pub mod document;
 pub mod error;
+pub mod excitation;
 pub mod kernel;
 pub mod progress;
 pub mod recording;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+pub use crate::excitation::{MemberSine, Waveform};
 use crate::sensor::Sensor;
 
 /// How the proof mass is stepped. `study` chooses and says why; see DESIGN notes in `lib.rs`.
@@ -39,23 +40,6 @@ pub struct Clock {
     pub samples: u64,
     /// Samples after which statistics are taken, increasing, 1-based (the last one is usually `samples`).
     pub report_samples: Vec<u64>,
-}
-
-/// Specific force along the sensitive axis, shared by all members up to `Sensor::excitation_gain`.
-pub trait Waveform: Send + Sync {
-    /// f(t), m/s².
-    fn specific_force_m_s2(&self, time_s: f64) -> f64;
-}
-
-/// A sine whose amplitude, frequency and phase are drawn per member; added to the shared waveform.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MemberSine {
-    /// Amplitude, m/s².
-    pub amplitude_m_s2: f64,
-    /// Frequency, Hz.
-    pub frequency_hz: f64,
-    /// Phase at t = 0, rad.
-    pub phase_rad: f64,
 }
 
 /// One member as drawn.
