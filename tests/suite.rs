@@ -4,6 +4,7 @@
 mod suite {
     pub mod architecture;
     pub mod cli;
+    pub mod recording;
     pub mod world;
 }
 
@@ -16,6 +17,8 @@ fn main() {
         suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
+        // recording: files are read as they are, or refused with a reason.
+        suite::recording::tests(),
     ]
     .into_iter()
     .flatten()

@@ -1,0 +1,239 @@
+//! From time stamps to a uniform clock: rate, gaps, repeats, jitter; and what is done about each.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::FILL_LIMIT;
+use crate::error::{Error, Result};
+
+/// A step shorter or longer than its number of ticks by this share of a tick is uneven.
+const UNEVEN: f64 = 0.25;
+
+/// Where the samples of a uniform clock come from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ticks {
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// What was found and survived.
+    pub findings: Vec<String>,
+    /// Row and share of the way to the following one, per tick; `None` where every row is a tick.
+    places: Option<Vec<(usize, f64)>>,
+    kept: Vec<usize>,
+}
+
+impl Ticks {
+    /// Values on the uniform clock: rows as they are, straight lines between them where a tick has no row.
+    pub fn resample(&self, values: &[f64]) -> Vec<f64> {
+        let kept: Vec<f64> = self.kept.iter().map(|row| values[*row]).collect();
+        let Some(places) = &self.places else { return kept };
+        let at = |&(row, share): &(usize, f64)| {
+            if share == 0.0 { kept[row] } else { kept[row] + share * (kept[row + 1] - kept[row]) }
+        };
+        places.iter().map(at).collect()
+    }
+}
+
+/// Judges a time column in s. Where `rate_hz` is given as well, the two must agree within 1 %.
+///
+/// # Errors
+/// Time that runs backwards or stands still, more than 5 % of it missing, or a rate that disagrees.
+pub fn ticks(path: &Path, times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> {
+    let fail = |cause: String, hint: &str| {
+        Error::new(format!("could not place {} in time", path.display()), cause, hint.to_owned())
+    };
+    let mut findings = Vec::new();
+    let kept = advancing(times, &mut findings).map_err(|(cause, hint)| fail(cause, hint))?;
+    let steps: Vec<f64> = kept.windows(2).map(|w| times[w[1]] - times[w[0]]).collect();
+    let median_s = median(&steps);
+    let part = longest_part(times, &kept, &steps, median_s, &mut findings);
+    let (kept, steps) = (&kept[part.clone()], &steps[part.start..part.end - 1]);
+    let advance = |step: f64, tick_s: f64| ((step / tick_s + UNEVEN).floor() as usize).max(1);
+    let span_s: f64 = steps.iter().sum();
+    let tick_s = span_s / steps.iter().map(|s| advance(*s, median_s)).sum::<usize>() as f64;
+    let uneven = steps.iter().filter(|s| (**s / tick_s - advance(**s, tick_s) as f64).abs() > UNEVEN).count();
+    let mut places = None;
+    let mut rate = 1.0 / tick_s;
+    if uneven as f64 > 0.01 * steps.len() as f64 {
+        let grid_s = span_s / steps.len() as f64;
+        rate = 1.0 / grid_s;
+        places = Some(even_grid(times, kept, grid_s));
+        findings.push(format!(
+            "the clock is uneven ({:.1} % of the steps are off by more than a quarter): resampled by straight lines to \
+             {rate:.6} Hz, which dampens noise near half that rate",
+            100.0 * uneven as f64 / steps.len() as f64
+        ));
+    } else {
+        let mut filled: Vec<(usize, f64)> = Vec::with_capacity(kept.len());
+        let mut gaps = 0;
+        for (row, step) in steps.iter().enumerate() {
+            let count = advance(*step, tick_s);
+            gaps += usize::from(count > 1);
+            filled.extend((0..count).map(|k| (row, k as f64 / count as f64)));
+        }
+        filled.push((kept.len() - 1, 0.0));
+        let missing = filled.len() - kept.len();
+        if missing as f64 > FILL_LIMIT * filled.len() as f64 {
+            return Err(fail(
+                format!("{missing} of {} samples are missing, in {gaps} gaps", filled.len()),
+                "cut the recording to a stretch without gaps",
+            ));
+        }
+        if missing > 0 {
+            findings.push(format!("{missing} missing samples in {gaps} short gaps were filled by straight lines"));
+            places = Some(filled);
+        }
+    }
+    if let Some(stated) = rate_hz {
+        let ratio = rate / stated;
+        if ratio.is_nan() || (ratio - 1.0).abs() > 0.01 {
+            let unit =
+                [(1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")].into_iter().find(|(f, _)| (ratio / f - 1.0).abs() < 0.05);
+            let hint = match unit {
+                Some((_, unit)) => format!("the time column seems to be in {unit}; it must be in s"),
+                None => "correct the rate, or leave it out and let the time column decide".to_owned(),
+            };
+            return Err(fail(format!("the time column says {rate:.6} Hz, the rate given is {stated} Hz"), &hint));
+        }
+    }
+    Ok(Ticks { rate_hz: rate, findings, places, kept: kept.to_vec() })
+}
+
+/// Rows whose time is known and later than the one before.
+fn advancing(times: &[f64], findings: &mut Vec<String>) -> Result<Vec<usize>, (String, &'static str)> {
+    let mut kept: Vec<usize> = Vec::with_capacity(times.len());
+    let (mut repeated, mut unknown) = (0, 0);
+    for (row, time) in times.iter().enumerate() {
+        let before = kept.last().map(|k| times[*k]);
+        match before {
+            _ if time.is_nan() => unknown += 1,
+            Some(before) if *time < before => {
+                let cause = format!("time runs backwards in data row {}: {before} s, then {time} s", row + 1);
+                return Err((cause, "sort the rows, or cut the file where the clock was reset"));
+            }
+            Some(before) if *time == before => repeated += 1,
+            _ => kept.push(row),
+        }
+    }
+    if kept.len() < 2 || (repeated + unknown) as f64 > FILL_LIMIT * times.len() as f64 {
+        let cause =
+            format!("of {} time stamps {repeated} repeat the one before and {unknown} are missing", times.len());
+        return Err((cause, "if the stamps are only too coarse, give the sampling rate instead of the time column"));
+    }
+    if repeated > 0 {
+        findings.push(format!("{repeated} rows repeat the time stamp before them and were dropped"));
+    }
+    if unknown > 0 {
+        findings.push(format!("{unknown} rows have no time stamp and were dropped"));
+    }
+    Ok(kept)
+}
+
+/// The longest stretch without a gap of more than 1 % of the recording (and ten ticks).
+fn longest_part(
+    times: &[f64],
+    kept: &[usize],
+    steps: &[f64],
+    median_s: f64,
+    findings: &mut Vec<String>,
+) -> Range<usize> {
+    let limit_s = median_s * (0.01 * kept.len() as f64).max(10.0);
+    let mut cuts = vec![0];
+    cuts.extend(steps.iter().enumerate().filter(|(_, s)| **s > limit_s).map(|(i, _)| i + 1));
+    cuts.push(kept.len());
+    let parts = cuts.windows(2).map(|w| w[0]..w[1]);
+    let longest = parts.max_by_key(Range::len).filter(|p| p.len() >= 2).unwrap_or(0..kept.len());
+    if cuts.len() > 2 {
+        findings.push(format!(
+            "{} long gaps, the first of {:.3} s after t = {:.3} s; only the longest part is used, {} of {} rows from \
+             t = {:.3} s",
+            cuts.len() - 2,
+            steps[cuts[1] - 1],
+            times[kept[cuts[1] - 1]],
+            longest.len(),
+            kept.len(),
+            times[kept[longest.start]]
+        ));
+    }
+    longest
+}
+
+fn even_grid(times: &[f64], kept: &[usize], grid_s: f64) -> Vec<(usize, f64)> {
+    let start = times[kept[0]];
+    let mut row = 0;
+    let at = |tick: usize| {
+        let time = start + tick as f64 * grid_s;
+        while row + 2 < kept.len() && times[kept[row + 1]] <= time {
+            row += 1;
+        }
+        let (left, right) = (times[kept[row]], times[kept[row + 1]]);
+        (row, ((time - left) / (right - left)).clamp(0.0, 1.0))
+    };
+    (0..kept.len()).map(at).collect()
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    let middle = sorted.len() / 2;
+    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judge(times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> {
+        ticks(Path::new("log.csv"), times, rate_hz)
+    }
+
+    fn even(count: usize) -> Vec<f64> {
+        (0..count).map(|i| 5.0 + i as f64 * 0.01).collect()
+    }
+
+    #[test]
+    fn an_even_clock_passes_untouched() {
+        let times = even(1000);
+        let ticks = judge(&times, Some(100.0)).expect("even");
+        assert!((ticks.rate_hz - 100.0).abs() < 1e-6 && ticks.findings.is_empty());
+        assert_eq!(ticks.resample(&times), times);
+    }
+
+    #[test]
+    fn a_short_gap_is_filled_by_a_straight_line_and_a_repeat_dropped() {
+        let mut times = even(1000);
+        times.drain(400..403);
+        times.insert(100, times[100]);
+        let ticks = judge(&times, None).expect("survivable");
+        let filled = ticks.resample(&times);
+        assert_eq!((filled.len(), ticks.findings.len()), (1000, 2), "{:?}", ticks.findings);
+        assert!(filled.iter().zip(even(1000)).all(|(got, want)| (got - want).abs() < 1e-9));
+    }
+
+    #[test]
+    fn at_a_long_gap_the_longer_part_is_kept() {
+        let mut times = even(1000);
+        times.iter_mut().skip(300).for_each(|t| *t += 60.0);
+        let ticks = judge(&times, None).expect("survivable");
+        assert_eq!(ticks.resample(&times).len(), 700);
+        assert!(ticks.findings[0].contains("longest part"), "{:?}", ticks.findings);
+    }
+
+    #[test]
+    fn a_clock_in_milliseconds_or_backwards_or_too_coarse_is_refused() {
+        let in_ms: Vec<f64> = even(100).iter().map(|t| t * 1e3).collect();
+        assert!(judge(&in_ms, Some(100.0)).expect_err("wrong unit").hint.contains("ms"));
+        let mut backwards = even(100);
+        backwards.swap(50, 51);
+        assert!(judge(&backwards, None).expect_err("backwards").cause.contains("row 52"));
+        let coarse: Vec<f64> = (0..100).map(|i| (i / 10) as f64).collect();
+        assert!(judge(&coarse, None).expect_err("coarse").hint.contains("sampling rate"));
+    }
+
+    #[test]
+    fn an_uneven_clock_is_resampled_and_said() {
+        let times: Vec<f64> = (0..1000).map(|i| i as f64 + if i % 3 == 1 { 0.4 } else { 0.0 }).collect();
+        let ticks = judge(&times, None).expect("survivable");
+        let line = ticks.resample(&times);
+        assert!(line.windows(2).all(|w| (w[1] - w[0] - 1.0).abs() < 2e-3), "a straight line stays straight");
+        assert!(ticks.findings[0].contains("uneven"));
+    }
+}

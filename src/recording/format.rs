@@ -1,0 +1,89 @@
+//! What kind of text file this is: its separator, whether it has a header, and what it is when it is no table at all.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// How cells are separated and whether the first row names them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Format {
+    /// Between cells.
+    pub separator: u8,
+    /// Bytes of a byte-order mark to skip.
+    pub skip: usize,
+}
+
+/// Judges a file by its first bytes.
+///
+/// # Errors
+/// Empty files, compressed files, UTF-16 and binary content, each by its own sentence.
+pub fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
+    let fail = |cause: &str, hint: &str| Err(Error::new(format!("could not read {}", path.display()), cause, hint));
+    match head {
+        [] => return fail("the file is empty", "was the recording stopped before it was written?"),
+        [0x1f, 0x8b, ..] => return fail("this is gzip data, not text", "unpack it first: gunzip FILE"),
+        [b'P', b'K', 3, 4, ..] => return fail("this is a zip archive or a spreadsheet", "save it as CSV"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return fail("this is UTF-16 text", "save it as UTF-8 CSV"),
+        _ => {}
+    }
+    if head.contains(&0) {
+        return fail("this is binary data, not text", "convert it to CSV: one row per sample, a header, numbers");
+    }
+    let skip = if head.starts_with(&[0xef, 0xbb, 0xbf]) { 3 } else { 0 };
+    let mut lines = head[skip..].split(|b| *b == b'\n' || *b == b'\r');
+    let Some(line) = lines.find(|l| !l.trim_ascii().is_empty() && !l.starts_with(b"#")) else {
+        return fail("the file holds no row", "a recording is a header and one row per sample");
+    };
+    let count = |separator: u8| line.iter().filter(|b| **b == separator).count();
+    // On a tie the first wins: a comma.
+    let separator = [b',', b';', b'\t'].into_iter().rev().max_by_key(|s| count(*s)).unwrap_or(b',');
+    Ok(Format { separator, skip })
+}
+
+/// A cell as a number; `None` when it is text. Empty cells and the usual words for "missing" are NaN.
+pub fn number(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?.trim();
+    if let Ok(value) = text.parse::<f64>() {
+        return Some(if value.is_finite() { value } else { f64::NAN });
+    }
+    let missing = ["", "na", "n/a", "null", "none", "-", "#n/a"];
+    missing.contains(&text.to_ascii_lowercase().as_str()).then_some(f64::NAN)
+}
+
+/// Whether a heading names a clock, so that it is no channel.
+pub fn names_a_clock(heading: &str) -> bool {
+    let heading = heading.to_ascii_lowercase();
+    let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
+    matches!(stem, "t" | "time" | "timestamp" | "stamp" | "date" | "datetime" | "seq" | "index" | "sample" | "row")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separators_marks_and_strangers_are_told_apart() {
+        let sniff = |text: &[u8]| sniff(Path::new("log.csv"), text);
+        assert_eq!(sniff(b"a,b\n1,2\n").expect("comma").separator, b',');
+        assert_eq!(sniff(b"\xef\xbb\xbfa;b\r\n1;2\r\n").expect("semicolon"), Format { separator: b';', skip: 3 });
+        assert_eq!(sniff(b"# made by x, y\na\tb\n").expect("tab").separator, b'\t');
+        for stranger in [&b""[..], b"\x1f\x8b\x08", b"PK\x03\x04", b"\xff\xfea\0", b"a\0b", b"\n\n"] {
+            assert!(sniff(stranger).is_err(), "{stranger:?}");
+        }
+    }
+
+    #[test]
+    fn cells_are_numbers_missing_or_text() {
+        assert_eq!(number(b" 1.5e-3 "), Some(1.5e-3));
+        assert!(number(b"").is_some_and(f64::is_nan) && number(b"NaN").is_some_and(f64::is_nan));
+        assert!(number(b"inf").is_some_and(f64::is_nan), "an infinite reading is a missing one");
+        assert_eq!(number(b"1,5"), None);
+        assert_eq!(number(b"\xff"), None);
+    }
+
+    #[test]
+    fn clocks_are_recognised_by_name() {
+        assert!(["t", "t_s", "Time [s]", "timestamp"].into_iter().all(names_a_clock));
+        assert!(!["temp", "ax", "tilt", "temperature_c"].into_iter().any(names_a_clock));
+    }
+}

@@ -1,0 +1,239 @@
+//! Rows of a CSV file one by one, in bounded memory, with the file's checksum on the way.
+//!
+//! Not for clocks or gaps: a row is a row here, and a missing cell is NaN.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use csv::ByteRecord;
+use sha2::{Digest, Sha256};
+
+use super::format;
+use crate::error::{Error, Result, nearest};
+
+/// A line longer than this is no row of a recording; a million columns are shorter.
+const LONGEST_HEADER_BYTES: u64 = 32 << 20;
+
+/// A CSV file being read.
+#[derive(Debug)]
+pub struct Rows {
+    path: PathBuf,
+    table: csv::Reader<BufReader<Hashed>>,
+    record: ByteRecord,
+    /// The first row where there is no header: already read, not yet given.
+    first: Option<ByteRecord>,
+    names: Vec<String>,
+    /// Place in the row of each column wanted.
+    places: Vec<usize>,
+    width: usize,
+    length_bytes: u64,
+    findings: Vec<String>,
+}
+
+/// What is known of a file once it has been read to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// SHA-256 of all its bytes, hexadecimal.
+    pub sha256: String,
+    /// What was found and survived.
+    pub findings: Vec<String>,
+}
+
+impl Rows {
+    /// Opens a file for the columns of these headings, in this order. None named: all numeric columns but clocks.
+    ///
+    /// # Errors
+    /// A file that is no table, or a column that is not there; the nearest heading is named.
+    pub fn open(path: &Path, columns: &[String]) -> Result<Self> {
+        let file = File::open(path).map_err(|e| Error::io("read", path, &e))?;
+        let about = file.metadata().map_err(|e| Error::io("read", path, &e))?;
+        if about.is_dir() {
+            return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
+        }
+        let mut reader = BufReader::with_capacity(1 << 18, Hashed { file, digest: Sha256::new(), bytes: 0 });
+        let format = format::sniff(path, reader.fill_buf().map_err(|e| Error::io("read", path, &e))?)?;
+        reader.consume(format.skip);
+        let table = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .delimiter(format.separator)
+            .comment(Some(b'#'))
+            .from_reader(reader);
+        let mut rows = Self {
+            path: path.into(),
+            table,
+            record: ByteRecord::new(),
+            first: None,
+            names: Vec::new(),
+            places: Vec::new(),
+            width: 0,
+            length_bytes: about.len(),
+            findings: Vec::new(),
+        };
+        rows.read_header(columns)?;
+        Ok(rows)
+    }
+
+    fn read_header(&mut self, columns: &[String]) -> Result<()> {
+        let mut header = ByteRecord::new();
+        if !self.read_record(&mut header)? || header.as_slice().len() as u64 > LONGEST_HEADER_BYTES {
+            return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
+        }
+        self.width = header.len();
+        let mut headings: Vec<String> =
+            header.iter().map(|c| String::from_utf8_lossy(c).trim().trim_matches('"').to_owned()).collect();
+        if header.iter().all(|c| format::number(c).is_some()) {
+            headings = (1..=self.width).map(|n| n.to_string()).collect();
+            self.findings.push("the file has no header; its columns are called 1, 2, 3, … here".into());
+            self.first = Some(header);
+        }
+        self.places = if columns.is_empty() {
+            self.numeric_places(&headings)?
+        } else {
+            columns.iter().map(|c| self.place(c, &headings)).collect::<Result<_>>()?
+        };
+        self.names = self.places.iter().map(|p| headings[*p].clone()).collect();
+        Ok(())
+    }
+
+    fn numeric_places(&mut self, headings: &[String]) -> Result<Vec<usize>> {
+        if self.first.is_none() {
+            let mut row = ByteRecord::new();
+            if self.read_record(&mut row)? {
+                self.first = Some(row);
+            }
+        }
+        let numeric = |place: usize| match &self.first {
+            Some(row) => row.get(place).is_some_and(|c| format::number(c).is_some()),
+            None => true,
+        };
+        let places: Vec<usize> =
+            (0..self.width).filter(|p| numeric(*p) && !format::names_a_clock(&headings[*p])).collect();
+        match places.len() {
+            0 => Err(self.fail("no column holds numbers", "name the columns wanted")),
+            1..=64 => Ok(places),
+            n => Err(self.fail(&format!("it has {n} columns of numbers"), "name the columns wanted")),
+        }
+    }
+
+    fn place(&self, wanted: &str, headings: &[String]) -> Result<usize> {
+        let mut found = headings.iter().enumerate().filter(|(_, h)| *h == wanted).map(|(i, _)| i);
+        match (found.next(), found.next()) {
+            (Some(place), None) => Ok(place),
+            (Some(_), Some(_)) => {
+                Err(self.fail(&format!("two columns are called `{wanted}`"), "give each column its own heading"))
+            }
+            (None, _) => {
+                let known = headings.iter().take(1000).map(String::as_str);
+                let hint = match nearest(wanted, known.clone()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("it has: {}", known.take(40).collect::<Vec<_>>().join(", ")),
+                };
+                Err(self.fail(&format!("there is no column `{wanted}`"), &hint))
+            }
+        }
+    }
+
+    /// Headings of the columns given, in order.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Size of the file, for a progress bar.
+    pub fn length_bytes(&self) -> u64 {
+        self.length_bytes
+    }
+
+    /// How far it has been read.
+    pub fn bytes_read(&self) -> u64 {
+        self.table.get_ref().get_ref().bytes
+    }
+
+    /// Writes the next row into `values`, as long as [`Rows::names`]; a missing cell is NaN. False at the end.
+    ///
+    /// # Errors
+    /// A row with too few or too many cells and a cell that is text, each with its line.
+    pub fn next(&mut self, values: &mut [f64]) -> Result<bool> {
+        let mut record = match self.first.take() {
+            Some(first) => first,
+            None => {
+                let mut record = std::mem::take(&mut self.record);
+                if !self.read_record(&mut record)? {
+                    return Ok(false);
+                }
+                record
+            }
+        };
+        if record.len() != self.width {
+            let line = line_of(&record);
+            let got = record.len();
+            let last = !self.read_record(&mut record)?;
+            if last && got < self.width {
+                self.findings.push(format!("the last line ({line}) is cut short; it was left out"));
+                return Ok(false);
+            }
+            return Err(self.fail(
+                &format!("line {line} has {got} cells, the header {}", self.width),
+                "every row needs as many cells as the header; was the log interrupted, or is the decimal sign a comma?",
+            ));
+        }
+        for (value, place) in values.iter_mut().zip(&self.places) {
+            let cell = record.get(*place).unwrap_or_default();
+            *value = match format::number(cell) {
+                Some(number) => number,
+                None => {
+                    let text: String = String::from_utf8_lossy(cell).chars().take(40).collect();
+                    return Err(self.fail(
+                        &format!("line {}, column {}: `{text}` is no number", line_of(&record), place + 1),
+                        "write numbers with a decimal point and leave missing ones empty; name other columns if this \
+                         one is text",
+                    ));
+                }
+            };
+        }
+        self.record = record;
+        Ok(true)
+    }
+
+    fn read_record(&mut self, record: &mut ByteRecord) -> Result<bool> {
+        self.table.read_byte_record(record).map_err(|e| self.fail(&e.to_string(), "is the file complete?"))
+    }
+
+    fn fail(&self, cause: &str, hint: &str) -> Error {
+        Error::new(format!("could not read {}", self.path.display()), cause, hint)
+    }
+
+    /// Reads whatever is left for the checksum.
+    ///
+    /// # Errors
+    /// When the file cannot be read on.
+    pub fn finish(self) -> Result<Source> {
+        let mut rest = self.table.into_inner();
+        std::io::copy(&mut rest, &mut std::io::sink()).map_err(|e| Error::io("read", &self.path, &e))?;
+        let digest = rest.into_inner().digest.finalize();
+        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Source { sha256, findings: self.findings })
+    }
+}
+
+fn line_of(record: &ByteRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
+}
+
+/// A file that is digested as it is read.
+#[derive(Debug)]
+struct Hashed {
+    file: File,
+    digest: Sha256,
+    bytes: u64,
+}
+
+impl Read for Hashed {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.digest.update(&buffer[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+}
