@@ -35,6 +35,7 @@ pub mod document;
 pub mod error;
 pub mod excitation;
 pub mod kernel;
+pub mod numerics;
 pub mod progress;
 pub mod recording;
 pub mod report;
