@@ -2,4 +2,6 @@
 //!
 //! Not for choosing what to simulate (`study`) nor for looping over batches (`ensemble`).
 
+pub mod cpu;
 pub mod job;
+pub mod orbit;

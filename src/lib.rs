@@ -21,7 +21,7 @@
 //! | 5 | `backend` | CPU lanes or GPU |
 //! | 6 | `ensemble` | study × backend → statistics |
 //! | 7 | `diagnosis` | what physics was left out |
-//! | 8 | `paper` `trial` `validation` `benchmark` | the tool put to the test |
+//! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
 //! | 9 | `report` | figures, tables, pages |
 //! | 10 | `cli` | the commands |
 //!
@@ -29,14 +29,18 @@
 //! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
 //! can name; *null*, a recording without any.
 
+pub mod backend;
 pub mod cli;
 pub mod diagnosis;
 pub mod document;
+pub mod dynamics;
 pub mod error;
 pub mod excitation;
 pub mod kernel;
+pub mod map;
 pub mod navigation;
 pub mod numerics;
+pub mod paper;
 pub mod progress;
 pub mod recording;
 pub mod report;

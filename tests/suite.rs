@@ -4,6 +4,7 @@
 mod suite {
     pub mod architecture;
     pub mod cli;
+    pub mod dynamics;
     pub mod recording;
     pub mod world;
 }
@@ -19,6 +20,8 @@ fn main() {
         suite::cli::tests(),
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
+        // dynamics: Duffing orbits match analysis, print and each other.
+        suite::dynamics::tests(),
     ]
     .into_iter()
     .flatten()

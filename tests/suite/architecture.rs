@@ -16,7 +16,7 @@ const LAYERS: [&[&str]; 12] = [
     &["backend"],
     &["ensemble"],
     &["diagnosis"],
-    &["paper", "trial", "validation", "benchmark"],
+    &["map", "paper", "trial", "validation", "benchmark"],
     &["report"],
     &["cli"],
     &["main", "lib"],

@@ -1,0 +1,3 @@
+//! Where kernels run: CPU lanes, or a GPU.
+
+pub mod orbits;

@@ -1,0 +1,154 @@
+//! CPU twin of `poincare.wgsl`: forced Duffing oscillators strobed once per forcing period, 64 lanes at a time.
+
+#![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
+
+use std::ops::{Add, Mul, Sub};
+
+use crate::kernel::orbit::{LOST_M, Plan, Point};
+use crate::rng::{Stream, philox4x32_10};
+
+/// Lanes per block: wide enough to hide the latency of a vector unit, small enough for the first-level cache.
+pub const LANES: usize = 64;
+
+/// What the kernels need of f32 and f64.
+pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Send + Sync {
+    /// Rounded from f64.
+    fn of(value: f64) -> Self;
+    /// Widened to f64, exactly.
+    fn wide(self) -> f64;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+}
+
+/// Parameters and state of one block of lanes.
+#[derive(Debug, Clone)]
+pub struct Block<T> {
+    pub(super) damping: [T; LANES],
+    pub(super) stiffness: [T; LANES],
+    pub(super) cubic: [T; LANES],
+    pub(super) amplitude: [T; LANES],
+    pub(super) h: [T; LANES],
+    pub(super) x: [T; LANES],
+    pub(super) v: [T; LANES],
+    pub(super) lost: [bool; LANES],
+    /// Deviation of the force noise held over a step; `None` where no lane has any.
+    sigma: Option<[T; LANES]>,
+    first_member: u64,
+}
+
+impl<T: Real> Block<T> {
+    /// Loads up to 64 points; spare lanes repeat the last one. `first` is the number of the block's first point.
+    pub fn load(points: &[Point], plan: &Plan, first: u64) -> Self {
+        let at = |l: usize| &points[l.min(points.len().saturating_sub(1))];
+        let step_s = |p: &Point| 2.0 * std::f64::consts::PI / (p.omega_rad_s * f64::from(plan.steps_per_period));
+        let lanes = |f: &dyn Fn(&Point) -> f64| -> [T; LANES] { std::array::from_fn(|l| T::of(f(at(l)))) };
+        let noisy = points.iter().any(|p| p.noise_m_s2_rts > 0.0);
+        Self {
+            damping: lanes(&|p| p.damping_per_s),
+            stiffness: lanes(&|p| p.stiffness_per_s2),
+            cubic: lanes(&|p| p.cubic_per_m2_s2),
+            amplitude: lanes(&|p| p.amplitude_m_s2),
+            h: lanes(&step_s),
+            x: lanes(&|p| p.x_m),
+            v: lanes(&|p| p.v_m_s),
+            lost: [false; LANES],
+            sigma: noisy.then(|| lanes(&|p| p.noise_m_s2_rts / step_s(p).sqrt())),
+            first_member: plan.first_member + first,
+        }
+    }
+}
+
+/// Runs `plan.strobes` periods from where the block stands; `out` receives the lanes' states after each.
+#[inline(always)]
+pub fn strobes<T: Real>(
+    block: &mut Block<T>,
+    plan: &Plan,
+    table: &[T],
+    begin_period: u32,
+    out: &mut Vec<[[f32; 2]; LANES]>,
+) {
+    for strobe in 0..plan.strobes {
+        for j in 0..plan.steps_per_period as usize {
+            let noise = noise(block, plan, begin_period + strobe, j);
+            step(block, [table[2 * j], table[2 * j + 1], table[2 * j + 2]], &noise);
+        }
+        lose(block);
+        out.push(std::array::from_fn(|l| [block.x[l].wide() as f32, block.v[l].wide() as f32]));
+    }
+}
+
+/// One Runge–Kutta step of all lanes. `cosine` is cos ωt at the step's beginning, middle and end.
+#[inline(always)]
+pub(super) fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LANES]) {
+    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
+    for l in 0..LANES {
+        let (d, k, b, h) = (block.damping[l], block.stiffness[l], block.cubic[l], block.h[l]);
+        let force = |c: T| block.amplitude[l] * c + noise[l];
+        let rate = |x: T, v: T, f: T| f - d * v - x * (k + b * (x * x));
+        let (x, v, hh) = (block.x[l], block.v[l], half * h);
+        let a1 = rate(x, v, force(cosine[0]));
+        let (x2, v2) = (x + hh * v, v + hh * a1);
+        let a2 = rate(x2, v2, force(cosine[1]));
+        let (x3, v3) = (x + hh * v2, v + hh * a2);
+        let a3 = rate(x3, v3, force(cosine[1]));
+        let (x4, v4) = (x + h * v3, v + h * a3);
+        let a4 = rate(x4, v4, force(cosine[2]));
+        let w = h * sixth;
+        block.x[l] = x + w * (v + two * (v2 + v3) + v4);
+        block.v[l] = v + w * (a1 + two * (a2 + a3) + a4);
+    }
+}
+
+/// The force noise of all lanes over one step; zero where there is none.
+///
+/// Sum of the eight 16-bit halves of one Philox block, each uniform: an Irwin–Hall deviate, whose moments up to the third
+/// are the normal ones. A force held over one of some hundred steps per period acts only through sums of many steps, so
+/// its own tails are never seen.
+#[inline(always)]
+pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usize) -> [T; LANES] {
+    let Some(sigma) = &block.sigma else { return [T::of(0.0); LANES] };
+    let count = period.wrapping_mul(plan.steps_per_period).wrapping_add(j as u32);
+    let key = [plan.seed as u32, (plan.seed >> 32) as u32];
+    // Halves of 16 bits: their sum is exact in u32, and the same on host and device.
+    std::array::from_fn(|l| {
+        let member = block.first_member + l as u64;
+        let words = philox4x32_10([count, member as u32, (member >> 32) as u32, Stream::Force as u32], key);
+        let total: u32 = words.iter().map(|w| (w >> 16) + (w & 0xFFFF)).sum();
+        // Eight uniforms on [0, 65535]: mean 4 × 65535, variance 8 (2³² − 1)/12.
+        let centred = f64::from(total) - 4.0 * 65535.0;
+        sigma[l] * (T::of(centred) * T::of(1.868_812_365e-5))
+    })
+}
+
+/// Marks lanes that left every bound and brings them back to rest, so that they cost nothing and poison nothing.
+#[inline(always)]
+pub(super) fn lose<T: Real>(block: &mut Block<T>) {
+    for l in 0..LANES {
+        let x = block.x[l].wide();
+        if x.is_nan() || x.abs() > LOST_M {
+            block.lost[l] = true;
+            block.x[l] = T::of(0.0);
+            block.v[l] = T::of(0.0);
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! The paper, figure by figure: what each one claims, computed and checked.
