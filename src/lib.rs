@@ -47,4 +47,5 @@ pub mod report;
 pub mod rng;
 pub mod sensor;
 pub mod study;
+pub mod trial;
 pub mod units;

@@ -1,0 +1,15 @@
+//! The proof of `diagnosis`: blind trials on recordings in which the missing physics is known, and concealed.
+//!
+//! A generator of its own (`excitation`, `proof_mass`, `standstill`: closed-form inputs, own integrator with 20 or more
+//! sub-steps, own parameter ranges) plants effects at a stated size; the truth is sealed (its SHA-256 is printed first)
+//! and opened only after the verdicts. The diagnosis receives two files, recording and base model, and nothing else.
+//!
+//! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
+
+pub mod driven;
+pub mod excitation;
+pub mod physics;
+pub mod plant;
+pub mod proof_mass;
+pub mod readout;
+pub mod refit;

@@ -1,0 +1,199 @@
+//! One blind driven case: all its numbers, and the recording they make.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::excitation::Excitation;
+use super::physics::{Physics, Scales, Term};
+use super::proof_mass::{self, Clock, Oscillator};
+use super::readout::{self, Noise, Tap};
+use super::refit;
+
+/// Samples before the first recorded one, so that the record does not begin at rest.
+const RUN_IN: usize = 300;
+/// Integration steps per sample; twice as many for abrupt physics.
+const SUBSTEPS: usize = 20;
+
+/// A planted effect with its size.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Planted {
+    /// What.
+    pub term: Term,
+    /// rms of what the best linear proof mass cannot explain, over the rms output: the size that can be seen.
+    pub visible: f64,
+    /// rms change of the output before any refit, over the rms output.
+    pub raw: f64,
+}
+
+/// The numbers of a driven case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Driven {
+    /// Of noise and environment.
+    pub seed: u64,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// Rows.
+    pub samples: usize,
+    /// ω₀.
+    pub omega_rad_s: f64,
+    /// ζ.
+    pub zeta: f64,
+    /// Output unit per input unit and s².
+    pub gain: f64,
+    /// Reading at rest.
+    pub offset: f64,
+    /// Displacement where a ring-down begins.
+    pub released_at: f64,
+    /// Input.
+    pub excitation: Excitation,
+    /// White readout noise, standard deviation.
+    pub noise: f64,
+    /// Of the undisturbed motion.
+    pub scales: Scales,
+    /// Effects, largest first.
+    pub planted: Vec<Planted>,
+    /// Hints given in model.toml: resonance in Hz and damping ratio, wrong by up to a factor of two.
+    pub hints: Option<[f64; 2]>,
+}
+
+/// Columns as the file will hold them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    /// Absent for a ring-down.
+    pub force: Option<Vec<f64>>,
+    /// Reading.
+    pub reading: Vec<f64>,
+    /// A slow environment, given where an effect follows it.
+    pub temperature: Option<Vec<f64>>,
+}
+
+/// Inputs tabulated once per case.
+pub struct Scene<'a> {
+    case: &'a Driven,
+    lead: usize,
+    substeps: usize,
+    /// On half-steps, from the start of the run-in.
+    input: Vec<f64>,
+    environment: Vec<f64>,
+}
+
+impl Driven {
+    /// Whether an effect follows the environment column.
+    pub fn has_environment(&self) -> bool {
+        self.planted.iter().any(|p| p.term.physics == Physics::StiffnessDrift && p.term.shape[1] != 0.0)
+    }
+
+    /// A slow, smooth environment, about ±1.
+    fn environment_at(&self, t_s: f64) -> f64 {
+        let phase = (self.seed % 1000) as f64 / 1000.0 * TAU;
+        let turn = TAU * t_s / self.scales.duration_s;
+        0.7 * (1.3 * turn + phase).sin() + 0.5 * (3.1 * turn + 2.0 * phase).sin()
+    }
+
+    fn is_abrupt(&self) -> bool {
+        self.planted.iter().any(|p| p.term.physics.is_abrupt())
+    }
+
+    /// Makes the recording.
+    pub fn render(&self) -> Columns {
+        let scene = Scene::new(self, if self.is_abrupt() { 2 * SUBSTEPS } else { SUBSTEPS });
+        let terms: Vec<Term> = self.planted.iter().map(|p| p.term).collect();
+        let reading = scene.output(&terms, self.noise);
+        let force = scene.has_input().then(|| scene.input_at_samples());
+        let at = |n: usize| self.environment_at(n as f64 / self.rate_hz);
+        let temperature = self.has_environment().then(|| (0..self.samples).map(|n| 25.0 + 3.0 * at(n)).collect());
+        Columns { force, reading, temperature }
+    }
+
+    /// Scales of the motion without any effect.
+    pub fn measure_scales(&self) -> Scales {
+        let scene = Scene::new(self, SUBSTEPS / 2);
+        let motion = scene.motion(&[]);
+        let record = &motion.signal[scene.lead * scene.substeps..];
+        let input = scene.input_at_samples();
+        let rms = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt();
+        Scales {
+            x: rms(record),
+            peak: record.iter().fold(0.0, |m, x| m.max(x.abs())),
+            v: motion.velocity_rms,
+            u: rms(&input).max(f64::MIN_POSITIVE),
+            duration_s: self.samples as f64 / self.rate_hz,
+            omega_rad_s: self.omega_rad_s,
+            damping_rad_s: 2.0 * self.zeta * self.omega_rad_s,
+        }
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// Tabulates the inputs of a case.
+    pub fn new(case: &'a Driven, substeps: usize) -> Self {
+        let lead = if case.excitation == Excitation::None { 0 } else { RUN_IN };
+        let half_step_s = 0.5 / (case.rate_hz * substeps as f64);
+        let start_s = -(lead as f64) / case.rate_hz;
+        let count = 2 * substeps * (lead + case.samples - 1) + 1;
+        let input = case.excitation.tabulate(start_s, half_step_s, count);
+        let environment = if case.has_environment() {
+            (0..count).map(|k| case.environment_at(start_s + k as f64 * half_step_s)).collect()
+        } else {
+            Vec::new()
+        };
+        Self { case, lead, substeps, input, environment }
+    }
+
+    /// For calibration.
+    pub fn coarse(case: &'a Driven) -> Self {
+        Self::new(case, if case.is_abrupt() { SUBSTEPS } else { SUBSTEPS / 2 })
+    }
+
+    fn has_input(&self) -> bool {
+        self.case.excitation != Excitation::None
+    }
+
+    fn input_at_samples(&self) -> Vec<f64> {
+        let stride = 2 * self.substeps;
+        self.input.iter().skip(self.lead * stride).step_by(stride).copied().collect()
+    }
+
+    fn motion(&self, terms: &[Term]) -> proof_mass::Motion {
+        let c = self.case;
+        let clock = Clock {
+            input: &self.input,
+            step_s: 1.0 / (c.rate_hz * self.substeps as f64),
+            start_s: -(self.lead as f64) / c.rate_hz,
+            environment: &self.environment,
+        };
+        let start = [c.released_at, 0.0];
+        let oscillator = Oscillator { omega_rad_s: c.omega_rad_s, zeta: c.zeta, gain: c.gain, start };
+        proof_mass::integrate(oscillator, terms, c.scales, &clock, c.seed)
+    }
+
+    /// The output column with these effects and this noise.
+    pub fn output(&self, terms: &[Term], noise: f64) -> Vec<f64> {
+        let motion = self.motion(terms);
+        let input = self.input_at_samples();
+        let tap = Tap {
+            signal: &motion.signal,
+            lead: self.lead * self.substeps,
+            substeps: self.substeps,
+            rate_hz: self.case.rate_hz,
+            input: &input,
+        };
+        let noise = Noise { deviation: noise, seed: self.case.seed };
+        readout::read(&tap, terms, &self.case.scales, self.case.offset, noise)
+    }
+
+    /// Visible and raw size of one effect, relative to the rms output; infinite where the motion diverges.
+    pub fn size_of(&self, term: Term, undisturbed: &[f64]) -> [f64; 2] {
+        let output = self.output(&[term], 0.0);
+        if output.iter().any(|y| !y.is_finite()) {
+            return [f64::INFINITY; 2];
+        }
+        let input = if self.has_input() { &self.input[2 * self.substeps * self.lead..] } else { &[] };
+        let window = refit::Window { input, output: &output, substeps: self.substeps, rate_hz: self.case.rate_hz };
+        let visible =
+            refit::refine(&window, self.case.omega_rad_s, self.case.zeta, 6).map_or(f64::INFINITY, |f| f.rms());
+        let change: f64 = output.iter().zip(undisturbed).map(|(a, b)| (a - b).powi(2)).sum();
+        [visible / self.case.scales.x, (change / output.len() as f64).sqrt() / self.case.scales.x]
+    }
+}

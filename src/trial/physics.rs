@@ -1,0 +1,210 @@
+//! What can be planted in a driven recording: the library's effects and physics that no library names.
+//!
+//! A term has one dimensionless amplitude, calibrated to a visible size, and a shape drawn beforehand. The amplitude is
+//! made physical by the scales of the undisturbed motion (rms displacement σ, velocity σv, input σu, stiffness k = ω₀²,
+//! damping c = 2ζω₀, duration T):
+//!
+//! | effect | physical value | shape |
+//! |---|---|---|
+//! | cubic, quadratic stiffness | β = ±a k/σ², α = ±a k/σ | sign |
+//! | quadratic, squeeze-film damping, Coulomb friction | a c/σv, a c/σ², a c σv | |
+//! | hysteresis (Bouc–Wen, n = 1) | stiffness a k | yield/σ, share of β in β + γ |
+//! | stiffness drift | k(1 ± a t/T), or ± a × environment column | sign, 1 for the column |
+//! | parasitic mode | static gain ±a of the first | frequency ratio, damping ratio; a's sign with the ratio's |
+//! | drive nonlinearity | u ± a u²/σu | sign |
+//! | end stop, saturation | at peak/(1 + a) | stiffness/k (stop only), side −1 0 1 |
+//! | force noise | rms response a σ | |
+//! | quantisation, periodic, warm-up, ramp, walk | a σ (step, amplitude, amplitude, end value, end deviation) | see `parameters` |
+//! | delay, low-pass | a/ω₀ | |
+//! | readout nonlinearity | a s₂/σ, a s₃/σ² | s₂, s₃ |
+
+use serde::{Deserialize, Serialize};
+
+/// An effect by name. The first twenty-one are public ids of the library; the rest are foreign to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(
+    missing_docs,
+    reason = "each variant is its public id, explained in the library and in `Physics::foreign_words`"
+)]
+pub enum Physics {
+    CubicStiffness,
+    QuadraticStiffness,
+    QuadraticDamping,
+    SqueezeFilmDamping,
+    CoulombFriction,
+    Hysteresis,
+    StiffnessDrift,
+    ParasiticMode,
+    DriveNonlinearity,
+    EndStop,
+    ForceNoise,
+    ReadoutSaturation,
+    ReadoutQuantisation,
+    ReadoutDelay,
+    ReadoutLowpass,
+    ReadoutNonlinearity,
+    Feedthrough,
+    BiasDrift,
+    WarmUp,
+    BiasRandomWalk,
+    PeriodicDisturbance,
+    FractionalDamper,
+    SofteningWithHistory,
+    SlippingMount,
+    NegativeDamping,
+    BacklashSpring,
+    ParametricPumping,
+    StiffnessJump,
+    GainControl,
+    ClockWander,
+    DampingDrift,
+}
+
+use Physics::*;
+
+/// The driven library, in its public order.
+pub const LIBRARY: [Physics; 21] = [
+    CubicStiffness,
+    QuadraticStiffness,
+    QuadraticDamping,
+    SqueezeFilmDamping,
+    CoulombFriction,
+    Hysteresis,
+    StiffnessDrift,
+    ParasiticMode,
+    DriveNonlinearity,
+    EndStop,
+    ForceNoise,
+    ReadoutSaturation,
+    ReadoutQuantisation,
+    ReadoutDelay,
+    ReadoutLowpass,
+    ReadoutNonlinearity,
+    Feedthrough,
+    BiasDrift,
+    WarmUp,
+    BiasRandomWalk,
+    PeriodicDisturbance,
+];
+
+/// Physics that no candidate describes, unlike each other.
+pub const FOREIGN: [Physics; 10] = [
+    FractionalDamper,
+    SofteningWithHistory,
+    SlippingMount,
+    NegativeDamping,
+    BacklashSpring,
+    ParametricPumping,
+    StiffnessJump,
+    GainControl,
+    ClockWander,
+    DampingDrift,
+];
+
+impl Physics {
+    /// The public id, or a name of the same form for foreign physics.
+    pub fn id(self) -> String {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::String(id)) => id,
+            _ => String::new(),
+        }
+    }
+
+    /// Whether the library has a candidate for it.
+    pub fn in_library(self) -> bool {
+        !FOREIGN.contains(&self)
+    }
+
+    /// What a foreign effect is, in words; empty for the library's own.
+    pub fn foreign_words(self) -> &'static str {
+        match self {
+            FractionalDamper => "a damper of fractional order, as in rubber",
+            SofteningWithHistory => "a spring that softens with the largest excursion it has seen",
+            SlippingMount => "a mount that slips above a force and creeps with every slip",
+            NegativeDamping => "negative damping near the rest position",
+            BacklashSpring => "a spring with a dead zone",
+            ParametricPumping => "a stiffness modulated by a clock",
+            StiffnessJump => "a stiffness that changes once, suddenly",
+            GainControl => "a readout gain that follows the mean amplitude",
+            ClockWander => "sampling instants that wander",
+            DampingDrift => "a damping that drifts",
+            _ => "",
+        }
+    }
+
+    /// Effects with corners or jumps in time, integrated with twice the sub-steps.
+    pub fn is_abrupt(self) -> bool {
+        matches!(self, CoulombFriction | Hysteresis | EndStop | BacklashSpring | SlippingMount | SofteningWithHistory)
+    }
+}
+
+/// Scales of the motion before anything is planted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Scales {
+    /// rms displacement, output unit.
+    pub x: f64,
+    /// Largest displacement.
+    pub peak: f64,
+    /// rms velocity.
+    pub v: f64,
+    /// rms input.
+    pub u: f64,
+    /// Length of the recording.
+    pub duration_s: f64,
+    /// ω₀.
+    pub omega_rad_s: f64,
+    /// 2ζω₀.
+    pub damping_rad_s: f64,
+}
+
+/// One planted effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Term {
+    /// Which.
+    pub physics: Physics,
+    /// Dimensionless amplitude; see the module's table.
+    pub amplitude: f64,
+    /// Shape; see the module's table.
+    pub shape: [f64; 2],
+}
+
+impl Term {
+    /// Physical values by the symbols the library uses (output unit y, input unit u, seconds).
+    pub fn parameters(&self, s: &Scales) -> Vec<(&'static str, f64)> {
+        let (a, [p, q]) = (self.amplitude, self.shape);
+        let k = s.omega_rad_s * s.omega_rad_s;
+        let c = s.damping_rad_s;
+        match self.physics {
+            CubicStiffness => vec![("beta", p * a * k / (s.x * s.x))],
+            QuadraticStiffness => vec![("alpha", p * a * k / s.x)],
+            QuadraticDamping => vec![("c2", a * c / s.v)],
+            SqueezeFilmDamping => vec![("c", a * c / (s.x * s.x))],
+            CoulombFriction => vec![("f_c", a * c * s.v)],
+            Hysteresis => vec![("k_h", a * k), ("z_y", p * s.x), ("share", q)],
+            StiffnessDrift if q == 0.0 => vec![("kappa", p * a / s.duration_s)],
+            StiffnessDrift => vec![("kappa", p * a)],
+            ParasiticMode => {
+                vec![("gain", a * p.signum()), ("omega_2", p.abs() * s.omega_rad_s), ("zeta_2", q)]
+            }
+            DriveNonlinearity => vec![("d", p * a / s.u)],
+            EndStop => vec![("gap", s.peak / (1.0 + a)), ("k_s", p * k), ("side", q)],
+            ForceNoise => vec![("psd", (a * s.x).powi(2) * 2.0 * c * k)],
+            ReadoutSaturation => vec![("level", s.peak / (1.0 + a)), ("side", q)],
+            ReadoutQuantisation => vec![("step", a * s.x)],
+            ReadoutDelay | ReadoutLowpass => vec![("tau", a / s.omega_rad_s)],
+            ReadoutNonlinearity => vec![("a2", a * p / s.x), ("a3", a * q / (s.x * s.x))],
+            Feedthrough => vec![("gain", p * a * s.x / s.u)],
+            BiasDrift => vec![("rate", p * a * s.x / s.duration_s)],
+            WarmUp => vec![("amplitude", q * a * s.x), ("tau", p * s.duration_s)],
+            BiasRandomWalk => vec![("density", a * s.x / s.duration_s.sqrt())],
+            PeriodicDisturbance => vec![("amplitude", a * s.x), ("frequency", p), ("phase", q)],
+            _ => vec![("amplitude", a), ("shape", p), ("shape_2", q)],
+        }
+    }
+
+    /// The first physical value.
+    pub fn value(&self, s: &Scales) -> f64 {
+        self.parameters(s).first().map_or(0.0, |p| p.1)
+    }
+}
