@@ -1,0 +1,189 @@
+//! What an IMU makes of specific force and rate, and the way back from counts to m/s² and rad/s.
+//!
+//! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ, v = M f. Its M is upper triangular with ones: the frame is the
+//! accelerometer's own, z along its z axis, because gravity's length alone cannot show a rotation of all axes together.
+//! Gyro: (y − b)/s = w + k₂w² + k₃w³ + cτ with w = M ω + K f; its six off-diagonal M stand against the accelerometer's frame.
+//! τ is an environment column, or time without one. Not for fitting: see `fit`.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Which sensor of the IMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sensor {
+    /// Specific force.
+    Accelerometer,
+    /// Angular rate.
+    Gyro,
+}
+
+/// Number of parameters, fitted or not.
+pub const PARAMETERS: usize = 51;
+/// A point in the space of all parameters; zero is "absent" except for offsets and common scales.
+pub type Point = [f64; PARAMETERS];
+
+/// Where the parameters of the accelerometer stand.
+pub mod accelerometer {
+    use std::ops::Range;
+    /// Offsets, counts.
+    pub const OFFSET: Range<usize> = 0..3;
+    /// Common scale, counts per m/s².
+    pub const SCALE: Range<usize> = 3..4;
+    /// Scale of y and z over that of x, less one.
+    pub const AXIS_SCALE: Range<usize> = 4..6;
+    /// M's xy, xz, yz.
+    pub const MISALIGNMENT: Range<usize> = 6..9;
+    /// k₂ per axis, 1/(m/s²).
+    pub const QUADRATIC: Range<usize> = 9..12;
+    /// k₃ per axis, 1/(m/s²)².
+    pub const CUBIC: Range<usize> = 12..15;
+    /// c per axis, m/s² per unit of τ.
+    pub const TEMPERATURE: Range<usize> = 15..18;
+}
+
+/// Where the parameters of the gyro stand.
+pub mod gyro {
+    use std::ops::Range;
+    /// Offsets, counts.
+    pub const OFFSET: Range<usize> = 18..21;
+    /// Common scale, counts per rad/s.
+    pub const SCALE: Range<usize> = 21..22;
+    /// Scale of y and z over that of x, less one.
+    pub const AXIS_SCALE: Range<usize> = 22..24;
+    /// M's xy, xz, yx, yz, zx, zy.
+    pub const MISALIGNMENT: Range<usize> = 24..30;
+    /// K by rows, rad/s per m/s².
+    pub const G_SENSITIVITY: Range<usize> = 30..39;
+    /// k₂ per axis, 1/(rad/s).
+    pub const QUADRATIC: Range<usize> = 39..42;
+    /// k₃ per axis, 1/(rad/s)².
+    pub const CUBIC: Range<usize> = 42..45;
+    /// c per axis, rad/s per unit of τ.
+    pub const TEMPERATURE: Range<usize> = 45..48;
+    /// Rate of the frame itself (the earth), in the first pose's frame, rad/s.
+    pub const FRAME_RATE: Range<usize> = 48..51;
+}
+
+/// Off-diagonal places of the gyro's M in the order of its parameters.
+pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+
+/// One sensor's way from counts to SI, per axis and across axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triad {
+    /// Counts at rest.
+    pub offset: Vector3<f64>,
+    /// Counts per m/s² or rad/s, per axis.
+    pub scale: Vector3<f64>,
+    /// M: rows are sensitive axes in the accelerometer's frame.
+    pub alignment: Matrix3<f64>,
+    /// k₂, per axis.
+    pub quadratic: Vector3<f64>,
+    /// k₃, per axis.
+    pub cubic: Vector3<f64>,
+    /// c, per axis.
+    pub temperature: Vector3<f64>,
+    /// M⁻¹.
+    inverse: Matrix3<f64>,
+}
+
+impl Triad {
+    /// The reading in SI along the sensitive axes, before alignment is undone.
+    pub fn along_axes(&self, counts: Vector3<f64>, covariate: f64) -> Vector3<f64> {
+        let reading = (counts - self.offset).component_div(&self.scale) - self.temperature * covariate;
+        // The inverse of v + k₂v² + k₃v³ to first order in small k; the error, of order k², is below any k seen here.
+        reading - self.quadratic.component_mul(&reading.map(|v| v * v)) - self.cubic.component_mul(&reading.map(|v| v * v * v))
+    }
+
+    /// M⁻¹.
+    pub fn unalign(&self) -> &Matrix3<f64> {
+        &self.inverse
+    }
+}
+
+/// A fitted IMU: turns counts into m/s² and rad/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Calibration {
+    /// Specific force.
+    pub accelerometer: Triad,
+    /// Angular rate.
+    pub gyro: Triad,
+    /// K: rows gyro axes, columns specific force, rad/s per m/s².
+    pub g_sensitivity: Matrix3<f64>,
+    /// Rate of the frame in the first pose's frame, rad/s.
+    pub frame_rate_rad_s: Vector3<f64>,
+}
+
+impl Calibration {
+    /// The calibration that a parameter point stands for.
+    pub fn from_point(p: &Point) -> Self {
+        let three = |r: std::ops::Range<usize>| Vector3::new(p[r.start], p[r.start + 1], p[r.start + 2]);
+        let scale = |common: usize, axis: usize| {
+            p[common] * Vector3::new(1.0, 1.0 + p[axis], 1.0 + p[axis + 1])
+        };
+        let m = &p[accelerometer::MISALIGNMENT];
+        let upper = Matrix3::new(1.0, m[0], m[1], 0.0, 1.0, m[2], 0.0, 0.0, 1.0);
+        let mut full = Matrix3::identity();
+        for ((i, j), value) in GYRO_OFF_DIAGONAL.iter().zip(&p[gyro::MISALIGNMENT]) {
+            full[(*i, *j)] = *value;
+        }
+        let triad = |offset, scale, alignment: Matrix3<f64>, quadratic, cubic, temperature| Triad {
+            offset,
+            scale,
+            alignment,
+            quadratic,
+            cubic,
+            temperature,
+            inverse: alignment.try_inverse().unwrap_or_else(Matrix3::identity),
+        };
+        Self {
+            accelerometer: triad(
+                three(accelerometer::OFFSET),
+                scale(accelerometer::SCALE.start, accelerometer::AXIS_SCALE.start),
+                upper,
+                three(accelerometer::QUADRATIC),
+                three(accelerometer::CUBIC),
+                three(accelerometer::TEMPERATURE),
+            ),
+            gyro: triad(
+                three(gyro::OFFSET),
+                scale(gyro::SCALE.start, gyro::AXIS_SCALE.start),
+                full,
+                three(gyro::QUADRATIC),
+                three(gyro::CUBIC),
+                three(gyro::TEMPERATURE),
+            ),
+            g_sensitivity: Matrix3::from_row_slice(&p[gyro::G_SENSITIVITY]),
+            frame_rate_rad_s: three(gyro::FRAME_RATE),
+        }
+    }
+
+    /// Specific force in the accelerometer's frame, m/s². `covariate` is the temperature column's value, or 0.
+    pub fn specific_force_m_s2(&self, counts: [f64; 3], covariate: f64) -> Vector3<f64> {
+        self.accelerometer.inverse * self.accelerometer.along_axes(counts.into(), covariate)
+    }
+
+    /// Angular rate in the accelerometer's frame, rad/s, free of what the specific force does to the gyro.
+    pub fn rate_rad_s(&self, counts: [f64; 3], specific_force_m_s2: &Vector3<f64>, covariate: f64) -> Vector3<f64> {
+        self.gyro.inverse * (self.gyro.along_axes(counts.into(), covariate) - self.g_sensitivity * specific_force_m_s2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_come_back_as_the_force_and_rate_that_made_them() {
+        let mut p = [0.0; PARAMETERS];
+        p[..9].copy_from_slice(&[100.0, -20.0, 7.0, 400.0, 0.01, -0.02, 0.01, -0.02, 0.03]);
+        p[18..30].copy_from_slice(&[5.0, 6.0, 7.0, 4800.0, 0.01, 0.02, 0.01, 0.02, -0.03, 0.04, 0.05, -0.06]);
+        p[30..39].copy_from_slice(&[1e-4; 9]);
+        let c = Calibration::from_point(&p);
+        let (force, rate) = (Vector3::new(1.0, -2.0, 9.0), Vector3::new(0.3, -0.2, 1.1));
+        let a = c.accelerometer.offset + c.accelerometer.scale.component_mul(&(c.accelerometer.alignment * force));
+        let g = c.gyro.offset
+            + c.gyro.scale.component_mul(&(c.gyro.alignment * rate + c.g_sensitivity * force));
+        let back = c.specific_force_m_s2(a.into(), 0.0);
+        assert!((back - force).norm() < 1e-12);
+        assert!((c.rate_rad_s(g.into(), &back, 0.0) - rate).norm() < 1e-12);
+    }
+}

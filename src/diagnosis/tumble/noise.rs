@@ -1,0 +1,122 @@
+//! How far a sensor's mean over a still pose, or its integral over a move, may err by noise alone.
+//!
+//! Measured inside the poses only, so that no mismatch between poses can pass for noise: the pooled Allan deviation of all
+//! poses (by the median, so that a pose that slipped does not count) is split into white noise and flicker,
+//! σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C.
+
+use std::f64::consts::{LN_2, PI};
+use std::ops::Range;
+
+/// Noise of one axis in its own unit u: N in u·√s, B in u.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisNoise {
+    /// White level as a random-walk coefficient.
+    pub random_walk: f64,
+    /// Flicker.
+    pub bias_instability: f64,
+    /// Length of the whole recording: flicker between poses grows with it.
+    pub record_s: f64,
+}
+
+impl AxisNoise {
+    /// Estimates both terms from what happens inside the poses.
+    pub fn inside(values: &[f64], poses: &[Range<usize>], rate_hz: f64) -> Self {
+        let record_s = values.len() as f64 / rate_hz;
+        let mut points: Vec<(f64, f64, f64)> = Vec::new();
+        let mut m = ((0.05 * rate_hz).round() as usize).max(1);
+        loop {
+            let mut steps: Vec<f64> = Vec::new();
+            for pose in poses {
+                let means: Vec<f64> =
+                    values[pose.clone()].chunks_exact(m).map(|c| c.iter().sum::<f64>() / m as f64).collect();
+                steps.extend(means.windows(2).map(|w| (w[1] - w[0]).abs()));
+            }
+            if steps.len() < 12 {
+                break;
+            }
+            let count = steps.len() as f64;
+            // Steps between neighbouring means are normal with variance 2σ²; their median size is 0.6745·√2·σ.
+            let middle = steps.len() / 2;
+            steps.select_nth_unstable_by(middle, f64::total_cmp);
+            let deviation = steps[middle] / (0.674_490 * 2f64.sqrt());
+            points.push((m as f64 / rate_hz, deviation * deviation, count));
+            m *= 2;
+        }
+        let (white, flicker) = split(&points);
+        Self { random_walk: white.sqrt(), bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(), record_s }
+    }
+
+    /// Variance of a mean over `length_s` about the recording's mean: white noise, and flicker from the record's length
+    /// down to that of the pose.
+    pub fn mean_variance(&self, length_s: f64) -> f64 {
+        let octaves = (self.record_s / length_s).max(1.0).ln();
+        self.random_walk.powi(2) / length_s + self.bias_instability.powi(2) / PI * octaves
+    }
+
+    /// Variance of an integral over `length_s`, in (u·s)².
+    pub fn integral_variance(&self, length_s: f64) -> f64 {
+        self.mean_variance(length_s) * length_s * length_s
+    }
+}
+
+/// Least squares of σ² = white/τ + flat in relative error (the weights 1/σ⁴ that Allan variances call for), both kept positive.
+fn split(points: &[(f64, f64, f64)]) -> (f64, f64) {
+    let usable = points.iter().filter(|p| p.1 > 0.0);
+    let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (tau, variance, count) in usable {
+        let (a, b, w) = (1.0 / tau / variance, 1.0 / variance, *count);
+        aa += w * a * a;
+        ab += w * a * b;
+        bb += w * b * b;
+        ay += w * a;
+        by += w * b;
+    }
+    let determinant = aa * bb - ab * ab;
+    if determinant > 1e-9 * aa * bb {
+        let (white, flat) = ((ay * bb - by * ab) / determinant, (aa * by - ab * ay) / determinant);
+        if white > 0.0 && flat > 0.0 {
+            return (white, flat);
+        }
+        if white <= 0.0 && bb > 0.0 {
+            return (0.0, by / bb);
+        }
+    }
+    if aa > 0.0 { (ay / aa, 0.0) } else { (0.0, 0.0) }
+}
+
+/// Standard error of a pose's mean from the scatter of eight batches: shows a pose that was not still.
+pub fn batch_error(values: &[f64]) -> f64 {
+    const BATCHES: usize = 8;
+    let m = values.len() / BATCHES;
+    if m == 0 {
+        return 0.0;
+    }
+    let means: Vec<f64> =
+        values.chunks_exact(m).take(BATCHES).map(|c| c.iter().sum::<f64>() / m as f64).collect();
+    let mean = means.iter().sum::<f64>() / BATCHES as f64;
+    let variance = means.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
+    (variance / BATCHES as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::rng::{Philox, Stream};
+
+    #[test]
+    fn white_noise_is_measured_in_spite_of_steps_between_poses_and_one_pose_that_slips() {
+        let mut rng = Philox::new(3, 0, Stream::Host);
+        let mut values: Vec<f64> = (0..20_000).map(|_| StandardNormal.sample(&mut rng)).collect();
+        let poses: Vec<Range<usize>> = (0..20).map(|k| k * 1000..k * 1000 + 800).collect();
+        for (k, pose) in poses.iter().enumerate() {
+            values[pose.clone()].iter_mut().for_each(|v| *v += 50.0 * k as f64);
+        }
+        values[400..800].iter_mut().for_each(|v| *v += 10.0);
+        let noise = AxisNoise::inside(&values, &poses, 100.0);
+        // σ = N√f: one per sample at 100 Hz is N = 0.1.
+        assert!((noise.random_walk - 0.1).abs() < 0.01, "{noise:?}");
+        assert!(noise.mean_variance(8.0).sqrt() < 0.06, "{noise:?}");
+    }
+}

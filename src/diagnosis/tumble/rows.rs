@@ -1,0 +1,329 @@
+//! Three kinds of residual, each over its own noise, and their slopes by every parameter.
+//!
+//! - gravity: |f| − g, one per pose;
+//! - still: the gyro's reading at rest, three per pose;
+//! - turn: gravity's direction as the integrated gyro carries it from one pose to the next, two per move.
+//!
+//! A row belongs to a pose (a move to the pose it starts from), so that whole poses can be held out.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+
+use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, PARAMETERS, Point, Sensor, Triad, accelerometer, gyro};
+use super::imu::{Observed, Pose};
+
+/// Which residual.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Group {
+    /// |f| − g.
+    Gravity,
+    /// Rate at rest.
+    Still,
+    /// Gravity's direction after a move.
+    Turn,
+}
+
+/// All groups in order.
+pub const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
+
+/// Residuals over their noise, with slopes by the active parameters where asked for.
+#[derive(Debug, Clone)]
+pub struct Rows {
+    /// Each over its standard deviation.
+    pub residual: DVector<f64>,
+    /// Rows × active parameters; no columns where slopes were not asked for.
+    pub slope: DMatrix<f64>,
+    /// In SI: divide by it what is in SI to get `residual`.
+    pub deviation: Vec<f64>,
+    /// Kind of each row.
+    pub group: Vec<Group>,
+    /// Pose of each row.
+    pub pose: Vec<usize>,
+}
+
+/// Which columns of the slope matrix are wanted.
+struct Active<'a> {
+    column: [Option<usize>; PARAMETERS],
+    list: &'a [usize],
+}
+
+/// Calls `give(parameter, axis, φ)` for every parameter that moves axis i of the reading v by −φ.
+fn reading_slopes(sensor: Sensor, triad: &Triad, scale: f64, counts: &Vector3<f64>, covariate: f64, mut give: impl FnMut(usize, usize, f64)) {
+    let (offset, common, axis, quadratic, cubic, temperature) = match sensor {
+        Sensor::Accelerometer => (
+            accelerometer::OFFSET.start,
+            accelerometer::SCALE.start,
+            accelerometer::AXIS_SCALE.start,
+            accelerometer::QUADRATIC.start,
+            accelerometer::CUBIC.start,
+            accelerometer::TEMPERATURE.start,
+        ),
+        Sensor::Gyro => (
+            gyro::OFFSET.start,
+            gyro::SCALE.start,
+            gyro::AXIS_SCALE.start,
+            gyro::QUADRATIC.start,
+            gyro::CUBIC.start,
+            gyro::TEMPERATURE.start,
+        ),
+    };
+    for i in 0..3 {
+        let raw = (counts[i] - triad.offset[i]) / triad.scale[i];
+        let x = raw - triad.temperature[i] * covariate;
+        let steep = 1.0 - 2.0 * triad.quadratic[i] * x - 3.0 * triad.cubic[i] * x * x;
+        give(offset + i, i, steep / triad.scale[i]);
+        give(common, i, steep * raw / scale);
+        if i > 0 {
+            give(axis + i - 1, i, steep * raw * scale / triad.scale[i]);
+        }
+        give(quadratic + i, i, x * x);
+        give(cubic + i, i, x * x * x);
+        give(temperature + i, i, steep * covariate);
+    }
+}
+
+impl Active<'_> {
+    fn new(list: &[usize]) -> Active<'_> {
+        let mut column = [None; PARAMETERS];
+        for (c, &p) in list.iter().enumerate() {
+            column[p] = Some(c);
+        }
+        Active { column, list }
+    }
+
+    /// ∂f of a pose by every active parameter of the accelerometer: (column, ∂f).
+    fn force_slopes(&self, point: &Point, calibration: &Calibration, pose: &Pose, force: &Vector3<f64>) -> Vec<(usize, Vector3<f64>)> {
+        let triad = &calibration.accelerometer;
+        let mut out: Vec<(usize, Vector3<f64>)> = Vec::new();
+        let mut give = |parameter: usize, axis: usize, phi: f64| {
+            if let Some(column) = self.column[parameter] {
+                let change = triad.unalign().column(axis) * -phi;
+                match out.iter_mut().find(|o| o.0 == column) {
+                    Some(o) => o.1 += change,
+                    None => out.push((column, change)),
+                }
+            }
+        };
+        reading_slopes(Sensor::Accelerometer, triad, point[accelerometer::SCALE.start], &pose.accelerometer, pose.covariate, &mut give);
+        let m = accelerometer::MISALIGNMENT.start;
+        give(m, 0, force[1]);
+        give(m + 1, 0, force[2]);
+        give(m + 2, 1, force[2]);
+        out
+    }
+}
+
+/// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it by.
+struct Turn {
+    rotation: Matrix3<f64>,
+    /// δφ at the end, by active parameter.
+    slopes: Vec<Vector3<f64>>,
+}
+
+impl Observed<'_> {
+    fn turn(&self, point: &Point, calibration: &Calibration, active: Option<&Active<'_>>, from: usize) -> Turn {
+        let step_s = 1.0 / self.imu.rate_hz;
+        let samples = self.poses[from].samples.end..self.poses[from + 1].samples.start;
+        let columns = active.map_or(0, |a| a.list.len());
+        let mut slopes = vec![Vector3::zeros(); columns];
+        let mut rotation = Matrix3::identity();
+        let unalign = *calibration.gyro.unalign();
+        for k in samples {
+            let covariate = self.imu.covariate[k];
+            let counts = self.imu.gyro_at(k);
+            let force = calibration.specific_force_m_s2(self.imu.accelerometer_at(k).into(), covariate);
+            let rate = calibration.rate_rad_s(counts.into(), &force, covariate);
+            let angle = rate * step_s;
+            if let Some(active) = active {
+                // The right Jacobian of a rotation, to first order in one sample's angle.
+                let lever = rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
+                let mut give = |parameter: usize, axis: usize, phi: f64| {
+                    if let Some(column) = active.column[parameter] {
+                        slopes[column] -= lever.column(axis) * phi;
+                    }
+                };
+                reading_slopes(Sensor::Gyro, &calibration.gyro, point[gyro::SCALE.start], &counts, covariate, &mut give);
+                for (n, (i, j)) in GYRO_OFF_DIAGONAL.iter().enumerate() {
+                    give(gyro::MISALIGNMENT.start + n, *i, rate[*j]);
+                }
+                for n in 0..9 {
+                    give(gyro::G_SENSITIVITY.start + n, n / 3, force[n % 3]);
+                }
+            }
+            rotation *= Rotation3::new(angle).matrix();
+        }
+        let back = rotation.transpose();
+        slopes.iter_mut().for_each(|s| *s = back * *s);
+        Turn { rotation, slopes }
+    }
+
+    /// Specific force of each pose, m/s².
+    pub fn forces_m_s2(&self, calibration: &Calibration) -> Vec<Vector3<f64>> {
+        self.poses.iter().map(|p| calibration.specific_force_m_s2(p.accelerometer.into(), p.covariate)).collect()
+    }
+
+    /// All residuals at a point of the parameter space; slopes by `active` (empty: none).
+    pub fn rows(&self, point: &Point, active: &[usize]) -> Rows {
+        let calibration = Calibration::from_point(point);
+        let active = Active::new(active);
+        let forces = self.forces_m_s2(&calibration);
+        let force_slopes: Vec<Vec<(usize, Vector3<f64>)>> = self
+            .poses
+            .iter()
+            .zip(&forces)
+            .map(|(pose, force)| active.force_slopes(point, &calibration, pose, force))
+            .collect();
+        let turns: Vec<Turn> = (0..self.poses.len().saturating_sub(1))
+            .map(|k| self.turn(point, &calibration, (!active.list.is_empty()).then_some(&active), k))
+            .collect();
+        let attitudes = attitudes(&forces, &turns);
+
+        let count = self.poses.len() * 4 + turns.len() * 2;
+        let mut rows = Rows {
+            residual: DVector::zeros(count),
+            slope: DMatrix::zeros(count, active.list.len()),
+            deviation: Vec::with_capacity(count),
+            group: Vec::with_capacity(count),
+            pose: Vec::with_capacity(count),
+        };
+        for (k, pose) in self.poses.iter().enumerate() {
+            self.gravity_row(&mut rows, &calibration, k, &forces[k], &force_slopes[k]);
+            self.still_rows(&mut rows, (point, &calibration, &active), k, (&forces[k], &force_slopes[k]), &attitudes[k]);
+            if let Some(turn) = turns.get(k) {
+                let ends = [(&forces[k], &force_slopes[k]), (&forces[k + 1], &force_slopes[k + 1])];
+                self.turn_rows(&mut rows, &calibration, k, turn, ends);
+            }
+            debug_assert_eq!(pose.samples.is_empty(), false);
+        }
+        rows
+    }
+
+    fn gravity_row(&self, rows: &mut Rows, calibration: &Calibration, k: usize, force: &Vector3<f64>, slopes: &[(usize, Vector3<f64>)]) {
+        let length = force.norm().max(f64::MIN_POSITIVE);
+        let up = force / length;
+        let variance: f64 = (0..3)
+            .map(|i| self.poses[k].accelerometer_variance[i] * (up[i] / calibration.accelerometer.scale[i]).powi(2))
+            .sum();
+        let deviation = variance.sqrt();
+        let row = rows.push(Group::Gravity, k, length - self.imu.gravity_m_s2, deviation);
+        for (column, change) in slopes {
+            rows.slope[(row, *column)] += up.dot(change) / rows.deviation[row];
+        }
+    }
+
+    fn still_rows(
+        &self,
+        rows: &mut Rows,
+        (point, calibration, active): (&Point, &Calibration, &Active<'_>),
+        k: usize,
+        (force, force_slopes): (&Vector3<f64>, &[(usize, Vector3<f64>)]),
+        attitude: &Matrix3<f64>,
+    ) {
+        let pose = &self.poses[k];
+        let triad = &calibration.gyro;
+        let into_axes = triad.alignment * attitude.transpose();
+        let residual = triad.along_axes(pose.gyro, pose.covariate)
+            - calibration.g_sensitivity * force
+            - into_axes * calibration.frame_rate_rad_s;
+        let first = rows.deviation.len();
+        for i in 0..3 {
+            rows.push(Group::Still, k, residual[i], pose.gyro_variance[i].sqrt() / triad.scale[i].abs());
+        }
+        let mut give = |parameter: usize, axis: usize, phi: f64| {
+            if let Some(column) = active.column[parameter] {
+                rows.slope[(first + axis, column)] -= phi / rows.deviation[first + axis];
+            }
+        };
+        reading_slopes(Sensor::Gyro, triad, point[gyro::SCALE.start], &pose.gyro, pose.covariate, &mut give);
+        for i in 0..3 {
+            for j in 0..3 {
+                give(gyro::G_SENSITIVITY.start + 3 * i + j, i, force[j]);
+                give(gyro::FRAME_RATE.start + j, i, into_axes[(i, j)]);
+            }
+        }
+        for (column, change) in force_slopes {
+            let through = calibration.g_sensitivity * change;
+            for i in 0..3 {
+                rows.slope[(first + i, *column)] -= through[i] / rows.deviation[first + i];
+            }
+        }
+    }
+
+    fn turn_rows(
+        &self,
+        rows: &mut Rows,
+        calibration: &Calibration,
+        k: usize,
+        turn: &Turn,
+        [(start, start_slopes), (end, end_slopes)]: [(&Vector3<f64>, &Vec<(usize, Vector3<f64>)>); 2],
+    ) {
+        let back = turn.rotation.transpose();
+        let (up_start, up_end) = (start.normalize(), end.normalize());
+        let carried = back * up_start;
+        let length_s =
+            (self.poses[k + 1].samples.start - self.poses[k].samples.end) as f64 / self.imu.rate_hz;
+        let scale = calibration.gyro.scale;
+        let angle_variance: f64 =
+            (0..3).map(|i| self.gyro_noise[i].integral_variance(length_s) / scale[i].powi(2)).sum::<f64>() / 3.0;
+        let direction_variance: f64 = [k, k + 1]
+            .iter()
+            .map(|p| {
+                let v = self.poses[*p].accelerometer_variance;
+                (0..3).map(|i| v[i] / calibration.accelerometer.scale[i].powi(2)).sum::<f64>() / 3.0
+            })
+            .sum::<f64>()
+            / self.imu.gravity_m_s2.powi(2);
+        let deviation = (angle_variance + direction_variance).sqrt();
+        let (first, second) = tangents(&up_end);
+        for tangent in [first, second] {
+            let row = rows.push(Group::Turn, k, tangent.dot(&carried), deviation);
+            let over = 1.0 / rows.deviation[row];
+            for (column, slope) in turn.slopes.iter().enumerate() {
+                rows.slope[(row, column)] += tangent.dot(&carried.cross(slope)) * over;
+            }
+            for (column, change) in start_slopes {
+                let turned = back * (change - up_start * up_start.dot(change)) / start.norm();
+                rows.slope[(row, *column)] += tangent.dot(&turned) * over;
+            }
+            for (column, change) in end_slopes {
+                rows.slope[(row, *column)] -= tangent.dot(change) / end.norm() * over;
+            }
+        }
+    }
+}
+
+impl Rows {
+    fn push(&mut self, group: Group, pose: usize, value_si: f64, deviation_si: f64) -> usize {
+        let row = self.deviation.len();
+        // A column without any noise (a perfect simulation, a dead channel) must not divide by zero.
+        let deviation = deviation_si.max(1e-12);
+        self.residual[row] = value_si / deviation;
+        self.deviation.push(deviation);
+        self.group.push(group);
+        self.pose.push(pose);
+        row
+    }
+
+    /// Sum of squares of one group, and its number of rows.
+    pub fn chi_square(&self, group: Group) -> (f64, usize) {
+        let squares = self.group.iter().zip(self.residual.iter()).filter(|(g, _)| **g == group);
+        squares.fold((0.0, 0), |(sum, n), (_, r)| (sum + r * r, n + 1))
+    }
+}
+
+/// Two directions across `up`.
+fn tangents(up: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    let least = up.iamin();
+    let first = up.cross(&Vector3::ith(least, 1.0)).normalize();
+    (first, up.cross(&first))
+}
+
+/// Rotation from each pose's frame to the first one's: gyro for the heading, gravity for the rest.
+fn attitudes(forces: &[Vector3<f64>], turns: &[Turn]) -> Vec<Matrix3<f64>> {
+    let mut out = vec![Matrix3::identity()];
+    for (k, turn) in turns.iter().enumerate() {
+        let next = out[k] * turn.rotation;
+        let level = Rotation3::rotation_between(&(next * forces[k + 1]), &forces[0]);
+        out.push(level.map_or(next, |r| r.matrix() * next));
+    }
+    out
+}

@@ -1,0 +1,71 @@
+//! Where the fit begins: offsets and scales from the poses alone, whatever the unit of the counts.
+
+use nalgebra::Vector3;
+
+use super::calibration::{Calibration, PARAMETERS, Point, accelerometer, gyro};
+use super::imu::Observed;
+use super::rows::Group;
+
+/// Parameters of the base model: per axis an offset, per sensor one common scale.
+pub fn base() -> Vec<usize> {
+    accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro::OFFSET).chain(gyro::SCALE).collect()
+}
+
+/// A first guess of the base model.
+pub fn guess(observed: &Observed<'_>) -> Point {
+    let mut point = [0.0; PARAMETERS];
+    let poses = &observed.poses;
+    let (offset, scale) = sphere(&poses.iter().map(|p| p.accelerometer).collect::<Vec<_>>());
+    for i in 0..3 {
+        point[accelerometer::OFFSET.start + i] = offset[i];
+        point[gyro::OFFSET.start + i] = poses.iter().map(|p| p.gyro[i]).sum::<f64>() / poses.len().max(1) as f64;
+    }
+    point[accelerometer::SCALE.start] = scale / observed.imu.gravity_m_s2;
+    point[gyro::SCALE.start] = 1.0;
+    point[gyro::SCALE.start] = gyro_scale(observed, &point);
+    point
+}
+
+/// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2 y·o + (r² − o²).
+fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
+    let count = means.len().max(1) as f64;
+    let centre = means.iter().sum::<Vector3<f64>>() / count;
+    let rows = means.len();
+    let centred: Vec<Vector3<f64>> = means.iter().map(|m| m - centre).collect();
+    let design = nalgebra::DMatrix::from_fn(rows, 4, |r, c| if c < 3 { 2.0 * centred[r][c] } else { 1.0 });
+    let target = nalgebra::DVector::from_fn(rows, |r, _| centred[r].norm_squared());
+    let spread = (target.sum() / count).sqrt();
+    let Ok(solution) = design.svd(true, true).solve(&target, 1e-9 * spread) else { return (centre, spread) };
+    let offset = Vector3::new(solution[0], solution[1], solution[2]);
+    let radius = (solution[3] + offset.norm_squared()).max(0.0).sqrt();
+    if radius.is_finite() && radius > 0.0 { (centre + offset, radius) } else { (centre, spread) }
+}
+
+/// Counts per rad/s: turns between poses give the order of magnitude, a scan finds the valley.
+fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
+    let calibration = Calibration::from_point(point);
+    let up: Vec<Vector3<f64>> = observed.forces_m_s2(&calibration).iter().map(Vector3::normalize).collect();
+    let mut ratios: Vec<f64> = Vec::new();
+    for k in 0..observed.poses.len().saturating_sub(1) {
+        let between = observed.poses[k].samples.end..observed.poses[k + 1].samples.start;
+        let turned: Vector3<f64> = between
+            .map(|s| (observed.imu.gyro_at(s) - calibration.gyro.offset) / observed.imu.rate_hz)
+            .sum();
+        let angle = up[k].dot(&up[k + 1]).clamp(-1.0, 1.0).acos();
+        if angle > 0.3 {
+            ratios.push(turned.norm() / angle);
+        }
+    }
+    ratios.sort_by(f64::total_cmp);
+    let rough = ratios.get(ratios.len() / 2).copied().filter(|r| *r > 0.0).unwrap_or(1.0);
+    let misfit = |scale: f64| {
+        let mut trial = *point;
+        trial[gyro::SCALE.start] = scale;
+        let rows = observed.rows(&trial, &[]);
+        // In SI, because the noise over which rows are taken shrinks as the scale grows.
+        let turns = (0..rows.group.len()).filter(|r| rows.group[*r] == Group::Turn);
+        turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).sum::<f64>()
+    };
+    let scan = (-16..=16).map(|n| rough * 1.06f64.powi(n));
+    scan.map(|s| (misfit(s), s)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(rough, |m| m.1)
+}
