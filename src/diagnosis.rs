@@ -5,6 +5,7 @@
 //! turns a `Diagnosis` into a page.
 
 pub mod candidate;
+pub mod consequence;
 pub mod driven;
 pub mod fixed;
 pub mod model;

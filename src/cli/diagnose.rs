@@ -1,15 +1,94 @@
-//! `proofmass diagnose`.
+//! `proofmass diagnose`: a recording and the model that should explain it in, a verdict out.
 
+use std::path::{Path, PathBuf};
+
+use crate::diagnosis::model::{self, Model};
+use crate::diagnosis::{self, Diagnosis, consequence, repair};
+use crate::document::write_whole;
 use crate::error::{Error, Result};
+use crate::recording::{self, Recording, Request};
+use crate::report::diagnosis as page;
 
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// The recording: a CSV file with a header row
+    pub recording: PathBuf,
+    /// What the recording is and what is believed of it (model.toml)
+    #[arg(long)]
+    pub model: PathBuf,
+    /// Where to write report.html, verdict.json, model.toml and the figures
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
 
-/// Runs it.
+/// Diagnoses, prints the verdict and writes the report.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `diagnose`", "not built yet", "see the README"))
+/// A recording or model that cannot be read or judged; a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let model = model::read(&arguments.model)?;
+    let recording = read(&arguments.recording, &model)?;
+    let diagnosis = diagnosis::diagnose(&recording, &model)?;
+    let costs = consequence::costs(&diagnosis)?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &diagnosis, &costs)?;
+    }
+    if json {
+        println!("{}", verdict_json(&diagnosis)?);
+    } else {
+        print!("{}", page::terminal(&diagnosis, &costs));
+        if let Some(folder) = &arguments.out {
+            println!("report: {}", folder.join("report.html").display());
+        }
+    }
+    Ok(())
+}
+
+/// Reads the columns that the model names.
+fn read(path: &Path, model: &Model) -> Result<Recording> {
+    let (rate_hz, time, columns): (Option<f64>, &Option<String>, Vec<&String>) = match model {
+        Model::Driven(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.input.iter().chain([&c.output]).chain(&c.environment).collect())
+        }
+        Model::Static(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.channels.iter().chain(&c.environment).collect())
+        }
+        Model::Tumble(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
+        }
+    };
+    for (n, column) in columns.iter().enumerate() {
+        if columns[..n].contains(column) {
+            return Err(Error::new(
+                format!("could not use {}", path.display()),
+                format!("the model gives the column `{column}` two roles"),
+                "name each column once under [columns]",
+            ));
+        }
+    }
+    let columns = columns.into_iter().cloned().collect();
+    recording::read(path, &Request { columns, rate_hz, time: time.clone(), rows: None })
+}
+
+fn verdict_json(diagnosis: &Diagnosis) -> Result<String> {
+    serde_json::to_string_pretty(&diagnosis.verdict)
+        .map_err(|e| Error::new("could not write the verdict as JSON", e.to_string(), "report this as a defect"))
+}
+
+fn write(folder: &Path, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> Result<()> {
+    let exhibits = page::exhibits(&diagnosis.detail);
+    for exhibit in &exhibits {
+        write_whole(&folder.join(format!("{}.svg", exhibit.name)), exhibit.figure.file_svg().as_bytes())?;
+    }
+    write_whole(&folder.join("verdict.json"), verdict_json(diagnosis)?.as_bytes())?;
+    let study = diagnosis.repair.as_ref().map(|r| repair::study_document(r, &diagnosis.verdict));
+    if let Some(study) = &study {
+        write_whole(&folder.join("model.toml"), study.as_bytes())?;
+    }
+    let html = page::page(diagnosis, costs, &exhibits, study.as_deref());
+    write_whole(&folder.join("report.html"), html.as_bytes())
 }

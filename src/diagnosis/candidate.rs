@@ -13,6 +13,17 @@ pub enum Kind {
     Tumble,
 }
 
+impl Kind {
+    /// As written in model.toml.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Driven => "driven",
+            Kind::Static => "static",
+            Kind::Tumble => "tumble",
+        }
+    }
+}
+
 /// One parameter of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Parameter {

@@ -1,6 +1,14 @@
 //! The sensor with and without the named physics: what a study can run, and what it cannot express.
 
+use std::fmt::Write;
+
 use crate::sensor::Sensor;
+use crate::units::{
+    DEGREE_PER_HOUR, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, DENSITY_TO_RANDOM_WALK, MICRO_G, MILLI_G,
+    PPM, STANDARD_GRAVITY_M_S2,
+};
+
+use super::verdict::Verdict;
 
 /// A sine that the cost is stated under.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,4 +49,123 @@ pub struct Cost {
     pub position_60_s_m: f64,
     /// How it was computed, in a few words.
     pub basis: String,
+}
+
+/// The repaired sensor as a study: DIR/model.toml. What a study cannot run stands in comments, so that nothing named is lost.
+pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
+    let rate_hz = round_rate(verdict.recording.rate_hz);
+    let mut text = String::new();
+    let mut comment = |line: &str| {
+        for part in line.lines() {
+            let _ = writeln!(text, "# {part}");
+        }
+    };
+    comment(&format!("The sensor of {} with the physics that its diagnosis named.", verdict.recording.file));
+    comment(&format!("Verdict: {}. {}", verdict.verdict.name(), verdict.sentence));
+    comment(&repair.relation);
+    for effect in &verdict.effects {
+        comment(&format!("{}: {}", effect.id, effect.equation));
+        for p in &effect.parameters {
+            comment(&format!("  {} = {} {} (95 %: {} to {})", p.name, p.value, p.unit, p.ci95[0], p.ci95[1]));
+        }
+    }
+    for term in &repair.not_expressible {
+        comment(&format!("A study cannot run: {term}"));
+    }
+    let _ = write!(
+        text,
+        "\nname = \"repaired\"\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
+        1.0 / rate_hz
+    );
+    section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
+    section(&mut text, "accelerometer", &accelerometer_keys(&repair.after));
+    section(&mut text, "gyro", &gyro_keys(&repair.after));
+    let v = &repair.vibration;
+    if v.amplitude_m_s2 > 0.0 && v.frequency_hz > 0.0 && repair.after.proof_mass.is_some() {
+        let _ = write!(
+            text,
+            "\n[excitation]\nkind = \"sine\"\namplitude_m_s2 = {:?}\nfrequency_hz = {:?}\n",
+            v.amplitude_m_s2, v.frequency_hz
+        );
+    }
+    text + "\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n"
+}
+
+/// The next round rate (1, 2 or 5 times a power of ten, at least 100 Hz), so that a minute is a whole number of samples.
+fn round_rate(rate_hz: f64) -> f64 {
+    let rate_hz = rate_hz.clamp(100.0, 1e6);
+    let power = 10f64.powf(rate_hz.log10().floor());
+    let digit = [1.0, 2.0, 5.0].into_iter().find(|d| d * power >= rate_hz * (1.0 - 1e-9)).unwrap_or(10.0);
+    (digit * power).round()
+}
+
+fn section(text: &mut String, name: &str, keys: &[(&str, f64)]) {
+    let used: Vec<_> = keys.iter().filter(|(_, v)| *v != 0.0 && v.is_finite()).collect();
+    if used.is_empty() {
+        return;
+    }
+    let _ = write!(text, "\n[{name}]\n");
+    for (key, value) in used {
+        let _ = writeln!(text, "{key} = {value:?}");
+    }
+}
+
+fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
+    let mut keys =
+        vec![("sample_rate_hz", rate_hz), ("range_g", sensor.accelerometer.range_m_s2 / STANDARD_GRAVITY_M_S2)];
+    if let Some(mass) = &sensor.proof_mass {
+        keys.extend([
+            ("resonance_hz", mass.natural_frequency_rad_s / (2.0 * std::f64::consts::PI)),
+            ("damping_ratio", mass.damping_ratio),
+            ("cubic_stiffness_per_m2_s2", mass.cubic_per_m2_s2),
+            ("quadratic_stiffness_per_m_s2", mass.quadratic_per_m_s2),
+            ("quadratic_damping_per_m", mass.quadratic_damping_per_m),
+            ("squeeze_film_per_m2_s", mass.squeeze_film_per_m2_s),
+            ("coulomb_friction_m_s2", mass.coulomb_m_s2),
+            ("force_noise_density_ug_rthz", mass.force_noise_m_s_rts / DENSITY_TO_RANDOM_WALK / MICRO_G),
+        ]);
+    }
+    keys
+}
+
+fn accelerometer_keys(sensor: &Sensor) -> Vec<(&'static str, f64)> {
+    let a = &sensor.accelerometer;
+    vec![
+        ("bias_mg", a.bias_m_s2 / MILLI_G),
+        ("scale_factor_ppm", a.scale_factor / PPM),
+        ("k2_ug_per_g2", a.k2_per_m_s2 * STANDARD_GRAVITY_M_S2 / 1e-6),
+        ("noise_density_ug_rthz", a.velocity_random_walk_m_s_rts / DENSITY_TO_RANDOM_WALK / MICRO_G),
+        ("bias_instability_ug", a.bias_instability_m_s2 / MICRO_G),
+        ("acceleration_random_walk_ug_rts", a.acceleration_random_walk_m_s2_rts / MICRO_G),
+        ("quantisation_mg", a.quantisation_m_s2 / MILLI_G),
+    ]
+}
+
+fn gyro_keys(sensor: &Sensor) -> Vec<(&'static str, f64)> {
+    let g = &sensor.gyro;
+    vec![
+        ("bias_deg_h", g.bias_rad_s / DEGREE_PER_HOUR),
+        ("angle_random_walk_deg_rth", g.angle_random_walk_rad_rts / DEGREE_PER_ROOT_HOUR),
+        ("bias_instability_deg_h", g.bias_instability_rad_s / DEGREE_PER_HOUR),
+        ("rate_random_walk_deg_h_rth", g.rate_random_walk_rad_s_rts / DEGREE_PER_HOUR_PER_ROOT_HOUR),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_become_round_ones_that_are_no_lower() {
+        assert_eq!([610.35, 100.0, 0.1, 1000.0, 2001.0].map(round_rate), [1000.0, 100.0, 100.0, 1000.0, 5000.0]);
+    }
+
+    #[test]
+    fn densities_are_written_as_one_sided() {
+        let mut sensor = Sensor::ideal();
+        sensor.accelerometer.velocity_random_walk_m_s_rts = 60.0 * MICRO_G * DENSITY_TO_RANDOM_WALK;
+        let keys = accelerometer_keys(&sensor);
+        let density = keys.iter().find(|k| k.0 == "noise_density_ug_rthz").map(|k| k.1);
+        assert!(density.is_some_and(|d| (d - 60.0).abs() < 1e-9), "{keys:?}");
+    }
 }

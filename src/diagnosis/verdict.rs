@@ -16,6 +16,18 @@ pub enum Outcome {
     Undecidable,
 }
 
+impl Outcome {
+    /// As written in verdict.json.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Adequate => "adequate",
+            Outcome::Explained => "explained",
+            Outcome::Unexplained => "unexplained",
+            Outcome::Undecidable => "undecidable",
+        }
+    }
+}
+
 /// What was diagnosed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Source {

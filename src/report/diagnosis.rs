@@ -2,9 +2,14 @@
 //!
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
-use crate::diagnosis::Detail;
+use crate::diagnosis::repair::Cost;
+use crate::diagnosis::verdict::{Effect, Estimate, Outcome, Verdict};
+use crate::diagnosis::{Detail, Diagnosis, Ranked};
 
 use super::figure::Figure;
+use super::html::Page;
+use super::number::{significant, with_uncertainty};
+use super::table::Table;
 use super::{diagnosis_driven, diagnosis_static, diagnosis_tumble};
 
 /// The part of the page a figure belongs to, in the page's order.
@@ -39,5 +44,229 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         Detail::Driven(detail) => diagnosis_driven::exhibits(detail),
         Detail::Static(detail) => diagnosis_static::exhibits(detail),
         Detail::Tumble(detail) => diagnosis_tumble::exhibits(detail),
+    }
+}
+
+/// What stands on a terminal.
+pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
+    let verdict = &diagnosis.verdict;
+    let mut out = format!("{}: {}\n\n", verdict.verdict.name(), verdict.sentence);
+    out += &answers(verdict, costs).iter().map(|(k, v)| format!("{:<18}{v}\n", format!("{k}:"))).collect::<String>();
+    if !verdict.effects.is_empty() {
+        out += &format!("\n{}", effects_table(&verdict.effects));
+    }
+    if !verdict.findings.is_empty() {
+        out += "\nfound in the file:\n";
+        out += &verdict.findings.iter().map(|f| format!("- {f}\n")).collect::<String>();
+    }
+    out
+}
+
+/// The whole page.
+pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: Option<&str>) -> String {
+    let verdict = &diagnosis.verdict;
+    let file = std::path::Path::new(&verdict.recording.file);
+    let name = file.file_name().map_or(verdict.recording.file.clone(), |n| n.to_string_lossy().into_owned());
+    let mut page = Page::new(&format!("{}: {name}", headline(verdict.verdict)), &verdict.sentence);
+    let mut first = Table::new(&["", ""]);
+    answers(verdict, costs).into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
+    page.table(&first);
+    figures(&mut page, exhibits, Part::Opening);
+
+    page.section("What was left out");
+    match verdict.effects.is_empty() {
+        true => page.paragraph(nothing_named(verdict.verdict)),
+        false => {
+            for effect in &verdict.effects {
+                page.paragraph(&format!("{} ({}): {}", effect.id, effect.channels.join(", "), effect.statement));
+            }
+            page.table(&effects_table(&verdict.effects));
+        }
+    }
+    page.section("What fits better, and what does not");
+    page.paragraph(
+        "Every candidate that was tried, best first. The gain is the share of the held-out error above the noise that goes \
+         away (1 is all of it), with its 95 % interval; p is corrected for the number of candidates tried.",
+    );
+    page.table(&ranking_table(&diagnosis.ranking));
+    page.section("Before and after");
+    page.table(&fit_table(verdict));
+    figures(&mut page, exhibits, Part::Improvement);
+    page.section("Where it shows");
+    page.paragraph(&verdict.location.summary);
+    figures(&mut page, exhibits, Part::Isolation);
+    page.section("How sure the numbers are");
+    figures(&mut page, exhibits, Part::Identification);
+    if !costs.is_empty() {
+        page.section("What it costs");
+        if let Some(repair) = &diagnosis.repair {
+            page.paragraph(&repair.relation);
+        }
+        page.table(&cost_table(costs));
+    }
+    page.section("What to do next");
+    page.callout(&verdict.next_experiment);
+    if let Some(study) = study {
+        page.paragraph("The repaired sensor as a study, also in model.toml beside this page: run it with `proofmass study model.toml`.");
+        page.preformatted(study);
+    }
+    if !verdict.findings.is_empty() {
+        page.section("Found in the file");
+        page.list(&verdict.findings);
+    }
+    page.section("Provenance");
+    let recording = &verdict.recording;
+    let mut table = Table::new(&["", ""]);
+    table.row(["recording", &recording.file]);
+    table.row(["SHA-256", &recording.sha256]);
+    table.row(["samples", &recording.samples.to_string()]);
+    table.row(["rate", &format!("{} Hz", significant(recording.rate_hz, 6))]);
+    table.row(["proofmass", env!("CARGO_PKG_VERSION")]);
+    page.table(&table);
+    page.finish()
+}
+
+fn headline(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Adequate => "Nothing is missing",
+        Outcome::Explained => "Physics was left out, and named",
+        Outcome::Unexplained => "Something unknown is left out",
+        Outcome::Undecidable => "This recording cannot decide",
+    }
+}
+
+fn nothing_named(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Adequate => "Nothing that this recording could show.",
+        Outcome::Explained | Outcome::Unexplained => {
+            "Nothing in the library accounts for the mismatch, so nothing is named."
+        }
+        Outcome::Undecidable => "Nothing is named, because this recording cannot tell the candidates apart.",
+    }
+}
+
+/// The four questions of the first screen.
+fn answers(verdict: &Verdict, costs: &[Cost]) -> Vec<(&'static str, String)> {
+    let named: Vec<String> = verdict.effects.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
+    let what = if named.is_empty() { nothing_named(verdict.verdict).to_owned() } else { named.join("; ") };
+    let sure = {
+        let test = &verdict.fit.test;
+        let gain = format!(
+            "held-out error {} → {} {} (noise alone {})",
+            significant(test.rmse_before, 3),
+            significant(test.rmse_after, 3),
+            verdict.fit.unit,
+            significant(verdict.fit.noise_floor, 3)
+        );
+        let worst = verdict.effects.iter().map(|e| e.evidence.p_value).fold(f64::NAN, f64::max);
+        if worst.is_finite() { format!("{gain}; chance of a false name {}", chance(worst)) } else { gain }
+    };
+    let mut out = vec![("left out", what), ("where it shows", verdict.location.summary.clone()), ("how sure", sure)];
+    if let [before, rest @ ..] = costs {
+        let metres = |c: &Cost| {
+            format!(
+                "{} m after 10 s, {} m after 60 s",
+                significant(c.position_10_s_m, 2),
+                significant(c.position_60_s_m, 2)
+            )
+        };
+        let text = match rest.first() {
+            Some(after) => {
+                format!("{} ({}): {}; {}: {}", before.of, before.under, metres(before), after.of, metres(after))
+            }
+            None => format!("{} ({}): {}", before.of, before.under, metres(before)),
+        };
+        out.push(("what it costs", text));
+    }
+    out.push(("next experiment", verdict.next_experiment.clone()));
+    out
+}
+
+fn chance(p: f64) -> String {
+    if p < 1e-6 { "below one in a million".into() } else { significant(p, 2) }
+}
+
+/// Value and half the width of its interval, both rounded to what they are worth.
+fn estimate(e: &Estimate) -> String {
+    let (below, above) = (e.value - e.ci95[0], e.ci95[1] - e.value);
+    if below > 0.0 && above > 0.0 && (below / above).max(above / below) < 1.5 {
+        with_uncertainty(e.value, 0.5 * (below + above))
+    } else {
+        format!("{} ({} to {})", significant(e.value, 3), significant(e.ci95[0], 3), significant(e.ci95[1], 3))
+    }
+}
+
+fn effects_table(effects: &[Effect]) -> Table {
+    let mut table = Table::new(&["effect", "channels", "parameter", "value ± 95 %", "unit", "held-out gain"]);
+    for effect in effects {
+        for (n, p) in effect.parameters.iter().enumerate() {
+            let once = |text: String| if n == 0 { text } else { String::new() };
+            table.row([
+                once(effect.id.clone()),
+                once(effect.channels.join(", ")),
+                p.name.clone(),
+                estimate(p),
+                p.unit.clone(),
+                once(significant(effect.evidence.held_out_gain, 3)),
+            ]);
+        }
+    }
+    table
+}
+
+fn ranking_table(ranking: &[Ranked]) -> Table {
+    let mut table = Table::new(&["candidate", "channels", "held-out gain", "95 %", "p", "named", "note"]);
+    for r in ranking {
+        table.row([
+            r.id.to_owned(),
+            r.channels.join(", "),
+            significant(r.held_out_gain, 2),
+            format!("{} to {}", significant(r.ci95[0], 2), significant(r.ci95[1], 2)),
+            if r.p_value < 1e-6 { "<10⁻⁶".into() } else { significant(r.p_value, 2) },
+            if r.named { "yes" } else { "no" }.to_owned(),
+            r.note.clone(),
+        ]);
+    }
+    table
+}
+
+fn fit_table(verdict: &Verdict) -> Table {
+    let fit = &verdict.fit;
+    let mut table =
+        Table::new(&[&format!("root-mean-square error, {}", fit.unit), "base model", "with the named physics"]);
+    for (name, score) in [("fitted data", &fit.train), ("held-out data", &fit.test)] {
+        table.row([name.to_owned(), significant(score.rmse_before, 3), significant(score.rmse_after, 3)]);
+    }
+    if let Some([before, after]) = fit.one_step_rmse {
+        table.row(["held-out data, one step ahead".to_owned(), significant(before, 3), significant(after, 3)]);
+    }
+    if let Some(score) = fit.log_score {
+        table.row([
+            "log-likelihood per held-out sample".to_owned(),
+            significant(score.before, 4),
+            significant(score.after, 4),
+        ]);
+    }
+    table.row(["noise alone".to_owned(), significant(fit.noise_floor, 3), String::new()]);
+    table
+}
+
+fn cost_table(costs: &[Cost]) -> Table {
+    let mut table = Table::new(&["of", "under", "after 10 s, m", "after 60 s, m", "computed by"]);
+    for c in costs {
+        let metres = [c.position_10_s_m, c.position_60_s_m].map(|v| significant(v, 2));
+        let [ten, sixty] = metres;
+        table.row([c.of.clone(), c.under.clone(), ten, sixty, c.basis.clone()]);
+    }
+    table
+}
+
+fn figures(page: &mut Page, exhibits: &[Exhibit], part: Part) {
+    let chosen: Vec<(&Figure, &str)> =
+        exhibits.iter().filter(|e| e.part == part).map(|e| (&e.figure, e.caption.as_str())).collect();
+    match chosen.as_slice() {
+        [] => {}
+        [(figure, caption)] => page.figure(figure, caption),
+        several => page.figure_row(several),
     }
 }
