@@ -4,6 +4,8 @@
 //! Zero switches a term off (`range_m_s2`: infinity). White levels are two-sided coefficients N as in IEEE 952:
 //! N = n/√2 for a one-sided density n, and a white sequence at rate f has σ = N√f.
 
+pub mod source;
+
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with further terms that a diagnosis may
 /// have found: + αx² + c₂|x′|x′ + c₃x²x′ + f_c sgn x′.
 #[derive(Debug, Clone, Copy, PartialEq)]

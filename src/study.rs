@@ -2,4 +2,148 @@
 //!
 //! Not for running anything: `ensemble` integrates the job, `drift` makes the answer of it.
 
+mod check;
+mod draw;
+pub mod file;
 pub mod number;
+pub mod parameter;
+pub mod plan;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::document::{parse_toml, read_toml};
+use crate::error::{Error, Result};
+use crate::kernel::job::{Clock, Integrator, Job, Member};
+use crate::units::STANDARD_GRAVITY_M_S2;
+use parameter::Tolerances;
+use plan::Plan;
+
+/// The study that runs when none is named: a consumer-grade MEMS IMU, half a minute.
+const DEFAULT: &str = include_str!("../reports/default/study.toml");
+
+/// A study, checked.
+#[derive(Clone)]
+pub struct Study {
+    /// Name of the report's folder.
+    pub name: String,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Number of members.
+    pub members: u64,
+    /// Discrete time; `report_samples` are the user's report times.
+    pub clock: Clock,
+    /// Every number that may be drawn.
+    pub tolerances: Tolerances,
+    /// What the sensor is subjected to.
+    pub excitation: Plan,
+    /// A static log to lay beside the simulation.
+    pub compare: Option<file::Compare>,
+    /// What relative paths start from.
+    pub folder: PathBuf,
+}
+
+/// What the command line changes in a study.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Overrides {
+    /// Members.
+    pub members: Option<u64>,
+    /// Seed.
+    pub seed: Option<u64>,
+}
+
+/// Reads and checks study.toml.
+///
+/// # Errors
+/// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense alone or beside the
+/// others, a replay that cannot be read.
+pub fn read(path: &Path, overrides: Overrides) -> Result<Study> {
+    let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+    Study::new(&path.display().to_string(), read_toml(path)?, overrides, folder)
+}
+
+/// The default study.
+///
+/// # Errors
+/// None, unless the embedded file is broken, which a test excludes.
+pub fn read_default(overrides: Overrides) -> Result<Study> {
+    Study::new("the default study", parse_toml("the default study", DEFAULT)?, overrides, PathBuf::new())
+}
+
+/// A study from text, with paths relative to `folder`.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
+    Study::new(name, parse_toml(name, text)?, Overrides::default(), folder.into())
+}
+
+impl Study {
+    fn new(source: &str, mut file: file::File, overrides: Overrides, folder: PathBuf) -> Result<Self> {
+        file.members = overrides.members.or(file.members);
+        let seed = overrides.seed.or(file.seed).unwrap_or(1);
+        let members = check::members(source, &file)?;
+        let clock = check::clock(source, &file)?;
+        let mut tolerances = check::tolerances(source, &file)?;
+        let duration_s = clock.samples as f64 * clock.step_s * f64::from(clock.steps_per_sample);
+        let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
+        Ok(Self {
+            name: checked_name(source, file.name)?,
+            seed,
+            members,
+            clock,
+            tolerances,
+            excitation,
+            compare: file.compare,
+            folder,
+        })
+    }
+
+    /// Length of the run, s.
+    pub fn duration_s(&self) -> f64 {
+        self.clock.samples as f64 * self.sample_s()
+    }
+
+    /// Time between readings, s.
+    pub fn sample_s(&self) -> f64 {
+        self.clock.step_s * f64::from(self.clock.steps_per_sample)
+    }
+
+    /// The user's report times, s.
+    pub fn report_times_s(&self) -> Vec<f64> {
+        self.clock.report_samples.iter().map(|s| *s as f64 * self.sample_s()).collect()
+    }
+
+    /// One member as drawn.
+    pub fn member(&self, index: u64) -> Member {
+        draw::member(&self.tolerances, self.excitation.variation, self.seed, index)
+    }
+
+    /// The ensemble to integrate, with statistics at `report_samples`.
+    pub fn job(&self, integrator: Integrator, report_samples: Vec<u64>) -> Job {
+        let (tolerances, variation, seed) = (self.tolerances.clone(), self.excitation.variation, self.seed);
+        Job {
+            seed,
+            members: self.members,
+            clock: Clock { report_samples, ..self.clock.clone() },
+            draw: Arc::new(move |index| draw::member(&tolerances, variation, seed, index)),
+            waveform: self.excitation.waveform.clone(),
+            integrator,
+            gravity_m_s2: STANDARD_GRAVITY_M_S2,
+        }
+    }
+}
+
+/// A name that can be a folder's.
+fn checked_name(source: &str, name: Option<String>) -> Result<String> {
+    let name = name.unwrap_or_else(|| "study".into());
+    let plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+    match !name.is_empty() && name.len() <= 100 && name.chars().all(plain) && !name.starts_with('.') {
+        true => Ok(name),
+        false => Err(Error::new(
+            format!("could not use {source}"),
+            format!("name = \"{name}\" cannot be the name of a folder"),
+            "use letters, digits, - and _",
+        )),
+    }
+}

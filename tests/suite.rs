@@ -6,6 +6,7 @@ mod suite {
     pub mod cli;
     pub mod dynamics;
     pub mod recording;
+    pub mod study;
     pub mod world;
 }
 
@@ -22,6 +23,8 @@ fn main() {
         suite::recording::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
+        // study: a study is read as it is meant, or refused in a sentence.
+        suite::study::tests(),
     ]
     .into_iter()
     .flatten()

@@ -1,0 +1,253 @@
+//! Whether the numbers of a study make sense, each alone and together, before anything is computed.
+
+use super::file::{Accelerometer, File, Gyro};
+use super::number::Number;
+use super::parameter::{PARAMETERS, Parameter, Sign, Tolerances};
+use crate::error::{Error, Result};
+use crate::kernel::job::Clock;
+
+/// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
+const MOST_STEPS: f64 = 1e12;
+/// Most members: what the counters of the kernels address.
+const MOST_MEMBERS: u64 = u32::MAX as u64;
+
+/// Why a study cannot be used.
+pub(super) fn refuse(name: &str, cause: impl Into<String>, hint: impl Into<String>) -> Error {
+    Error::new(format!("could not use {name}"), cause, hint)
+}
+
+/// The numbers of a study by parameter, each checked for its sign and pairs that mean the same refused.
+pub(super) fn tolerances(name: &str, file: &File) -> Result<Tolerances> {
+    use Parameter::*;
+    let mut all = Tolerances::default();
+    let s = &file.sensor;
+    for (parameter, number) in [
+        (Resonance, s.resonance_hz),
+        (DampingRatio, s.damping_ratio),
+        (CubicStiffness, s.cubic_stiffness_per_m2_s2),
+        (QuadraticStiffness, s.quadratic_stiffness_per_m_s2),
+        (QuadraticDamping, s.quadratic_damping_per_m),
+        (SqueezeFilm, s.squeeze_film_per_m2_s),
+        (CoulombFriction, s.coulomb_friction_m_s2),
+        (ForceNoise, s.force_noise_density_ug_rthz),
+        (Mass, s.mass_kg),
+        (Damping, s.damping_n_s_m),
+        (Stiffness, s.stiffness_n_m),
+        (CubicSpring, s.cubic_stiffness_n_m3),
+        (Range, s.range_g),
+    ] {
+        all[parameter] = number;
+    }
+    accelerometer(name, &file.accelerometer, &mut all)?;
+    gyro(name, &file.gyro, &mut all)?;
+    mechanics(name, &all)?;
+    signs(name, &all)?;
+    Ok(all)
+}
+
+/// Puts `[accelerometer]` in its places.
+pub(super) fn accelerometer(name: &str, section: &Accelerometer, all: &mut Tolerances) -> Result<()> {
+    use Parameter::*;
+    for (parameter, number) in [
+        (AccelerometerBias, section.bias_mg),
+        (ScaleFactor, section.scale_factor_ppm),
+        (K2, section.k2_ug_per_g2),
+        (NoiseDensity, section.noise_density_ug_rthz),
+        (VelocityRandomWalk, section.velocity_random_walk_m_s_rth),
+        (AccelerometerBiasInstability, section.bias_instability_ug),
+        (AccelerationRandomWalk, section.acceleration_random_walk_ug_rts),
+        (Quantisation, section.quantisation_mg),
+    ] {
+        all[parameter] = number;
+    }
+    one_of(name, all, NoiseDensity, VelocityRandomWalk)
+}
+
+/// Puts `[gyro]` in its places.
+pub(super) fn gyro(name: &str, section: &Gyro, all: &mut Tolerances) -> Result<()> {
+    use Parameter::*;
+    for (parameter, number) in [
+        (GyroBias, section.bias_deg_h),
+        (GyroNoiseDensity, section.noise_density_deg_s_rthz),
+        (AngleRandomWalk, section.angle_random_walk_deg_rth),
+        (GyroBiasInstability, section.bias_instability_deg_h),
+        (RateRandomWalk, section.rate_random_walk_deg_h_rth),
+    ] {
+        all[parameter] = number;
+    }
+    one_of(name, all, GyroNoiseDensity, AngleRandomWalk)
+}
+
+fn one_of(name: &str, all: &Tolerances, density: Parameter, walk: Parameter) -> Result<()> {
+    if all[density].is_none() || all[walk].is_none() {
+        return Ok(());
+    }
+    let (density, walk) = (density.description(), walk.description());
+    Err(refuse(
+        name,
+        format!("both `{}` and `{}` are given; they are two names of one white noise", density.key, walk.key),
+        "keep one: a one-sided density n (datasheets) is a random walk N = n/√2 (IEEE 952)",
+    ))
+}
+
+fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
+    use Parameter::*;
+    let given = |p: &Parameter| all[*p].is_some();
+    let modal = [Resonance, DampingRatio, CubicStiffness].into_iter().find(given);
+    let physical = [Mass, Damping, Stiffness, CubicSpring].into_iter().find(given);
+    let further =
+        [QuadraticStiffness, QuadraticDamping, SqueezeFilm, CoulombFriction, ForceNoise].into_iter().find(given);
+    let key = |p: Parameter| p.description().key;
+    if let (Some(a), Some(b)) = (modal, physical) {
+        return Err(refuse(
+            name,
+            format!("`{}` and `{}` describe the proof mass in two ways", key(a), key(b)),
+            "give either resonance, damping ratio and cubic stiffness, or mass, damping, stiffness and cubic stiffness",
+        ));
+    }
+    let missing = match (modal.or(further), physical) {
+        (_, Some(p)) => [Mass, Stiffness].into_iter().find(|m| !given(m)).map(|m| (p, m)),
+        (Some(p), None) if !given(&Resonance) => Some((p, Resonance)),
+        _ => None,
+    };
+    match missing {
+        Some((has, lacks)) => Err(refuse(
+            name,
+            format!("`{}` is given without `{}`", key(has), key(lacks)),
+            format!("add `{}`, or leave the mechanics out for an ideal proof mass", key(lacks)),
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Refuses values that make no sense for their parameter.
+pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
+    for row in &PARAMETERS {
+        let (Some(number), true) = (all[row.parameter], row.sign != Sign::Any) else { continue };
+        let strict = row.sign == Sign::Positive;
+        let below = |value: f64| value < 0.0 || strict && value == 0.0;
+        let need = if strict { "more than zero" } else { "zero or more" };
+        let unit = if row.unit == "1" { String::new() } else { format!(" {}", row.unit) };
+        let (cause, hint) = match number {
+            Number::Fixed(value) if below(value) => {
+                (format!("`{}` = {value}{unit}: need {need}", row.key), "check the sign".to_owned())
+            }
+            Number::Uniform { min, .. } if below(min) => {
+                (format!("`{}` is drawn from {min}{unit} upward: need {need}", row.key), "raise min".to_owned())
+            }
+            Number::Normal { mean, sd } if below(mean) || mean < 2.0 * sd => (
+                format!(
+                    "`{}` is drawn with mean {mean} and sd {sd}{unit}: more than 2 % of the members would fall below \
+                     zero, and it must be {need}",
+                    row.key
+                ),
+                "use { min = …, max = … }, or an sd of at most half the mean".to_owned(),
+            ),
+            _ => continue,
+        };
+        return Err(refuse(name, cause, hint));
+    }
+    Ok(())
+}
+
+/// Members, from the file or the default.
+pub(super) fn members(name: &str, file: &File) -> Result<u64> {
+    match file.members.unwrap_or(16_384) {
+        0 => Err(refuse(
+            name,
+            "`members` = 0: an ensemble needs at least one",
+            "16384 gives percentiles to a few per cent",
+        )),
+        1 => Err(refuse(name, "`members` = 1: one sensor has no spread", "16384 gives percentiles to a few per cent")),
+        many if many > MOST_MEMBERS => Err(refuse(
+            name,
+            format!("`members` = {many}: at most {MOST_MEMBERS} can be addressed"),
+            "a million members already give the 1 % percentile to half a per cent",
+        )),
+        members => Ok(members),
+    }
+}
+
+/// Discrete time: duration, step and sampling rate that fit each other, and report times that fall on samples.
+pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
+    let positive = |key: &str, value: Option<f64>, unit: &str| match value {
+        Some(v) if !(v > 0.0 && v.is_finite()) => {
+            Err(refuse(name, format!("`{key}` = {v} {unit}: need more than zero"), "give a positive number"))
+        }
+        v => Ok(v),
+    };
+    let Some(duration_s) = positive("duration_s", file.duration_s, "s")? else {
+        return Err(refuse(name, "`duration_s` is missing", "say how long the run is, e.g. duration_s = 60.0"));
+    };
+    let step = positive("step_s", file.step_s, "s")?;
+    let rate = positive("sensor.sample_rate_hz", file.sensor.sample_rate_hz, "Hz")?;
+    let (step_s, steps_per_sample) = match (step, rate) {
+        (Some(step_s), Some(rate_hz)) => (step_s, whole(name, "sample period", "step_s", 1.0 / rate_hz, step_s)?),
+        (Some(step_s), None) => (step_s, 1.0),
+        (None, rate_hz) => (1.0 / rate_hz.unwrap_or(100.0), 1.0),
+    };
+    if step_s > duration_s {
+        return Err(refuse(
+            name,
+            format!("the step of {step_s} s is longer than the run of {duration_s} s"),
+            "shorten `step_s` or lengthen `duration_s`",
+        ));
+    }
+    let steps = duration_s / step_s;
+    if steps > MOST_STEPS {
+        return Err(refuse(
+            name,
+            format!("{duration_s} s in steps of {step_s} s are {steps:.1e} steps"),
+            format!("keep it below {MOST_STEPS:.0e}: a longer step does, the linear map is exact at any step"),
+        ));
+    }
+    let sample_s = step_s * steps_per_sample;
+    let samples = whole(name, "duration_s", "sample period", duration_s, sample_s)? as u64;
+    let report_samples = report_samples(name, file, duration_s, sample_s, samples)?;
+    Ok(Clock { step_s, steps_per_sample: steps_per_sample as u32, samples, report_samples })
+}
+
+/// How often `part_s` fits into `whole_s`, which must be a whole number.
+fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f64) -> Result<f64> {
+    let ratio = whole_s / part_s;
+    let nearest = ratio.round();
+    if nearest < 1.0 || (ratio - nearest).abs() > 1e-6 * nearest.max(1.0) || nearest > f64::from(u32::MAX) * 4096.0 {
+        return Err(refuse(
+            name,
+            format!("the {whole_name} of {whole_s} s is {ratio:.4} times the {part_name} of {part_s} s"),
+            format!("it must be a whole multiple, e.g. {} s", (nearest.max(1.0) * part_s * 1e9).round() / 1e9),
+        ));
+    }
+    Ok(nearest)
+}
+
+fn report_samples(name: &str, file: &File, duration_s: f64, sample_s: f64, samples: u64) -> Result<Vec<u64>> {
+    let Some(times_s) = &file.report.times_s else {
+        let mut places: Vec<u64> =
+            [0.1, 0.2, 0.5, 1.0].iter().map(|part| ((samples as f64 * part).round() as u64).max(1)).collect();
+        places.dedup();
+        return Ok(places);
+    };
+    if times_s.is_empty() || times_s.len() > 64 {
+        return Err(refuse(
+            name,
+            format!("`report.times_s` has {} times: need 1 to 64", times_s.len()),
+            "the curves are drawn at many more times anyway; these are the rows of the table",
+        ));
+    }
+    let mut places = Vec::new();
+    for time_s in times_s {
+        if !(*time_s > 0.0 && *time_s <= duration_s * (1.0 + 1e-9)) {
+            return Err(refuse(
+                name,
+                format!("`report.times_s` holds {time_s} s, outside the run of {duration_s} s"),
+                "keep report times above zero and within `duration_s`",
+            ));
+        }
+        places.push(whole(name, "report time", "sample period", *time_s, sample_s)? as u64);
+    }
+    if places.windows(2).any(|w| w[0] >= w[1]) {
+        return Err(refuse(name, "`report.times_s` does not increase", "sort the times and drop repeated ones"));
+    }
+    Ok(places)
+}
