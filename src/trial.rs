@@ -6,10 +6,13 @@
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
+pub mod case;
 pub mod driven;
 pub mod excitation;
 pub mod physics;
+pub mod plan;
 pub mod plant;
 pub mod proof_mass;
 pub mod readout;
 pub mod refit;
+pub mod standstill;

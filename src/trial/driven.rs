@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::excitation::Excitation;
-use super::physics::{Physics, Scales, Term};
+use super::physics::{DEGREES, Physics, Scales, Term};
 use super::proof_mass::{self, Clock, Oscillator};
 use super::readout::{self, Noise, Tap};
 use super::refit;
@@ -49,8 +49,10 @@ pub struct Driven {
     pub excitation: Excitation,
     /// White readout noise, standard deviation.
     pub noise: f64,
-    /// Of the undisturbed motion.
+    /// Of the undisturbed motion that the amplitudes refer to.
     pub scales: Scales,
+    /// rms of the undisturbed output in this recording; below `scales.x` where the loud part is withheld.
+    pub output_rms: f64,
     /// Effects, largest first.
     pub planted: Vec<Planted>,
     /// Hints given in model.toml: resonance in Hz and damping ratio, wrong by up to a factor of two.
@@ -84,11 +86,12 @@ impl Driven {
         self.planted.iter().any(|p| p.term.physics == Physics::StiffnessDrift && p.term.shape[1] != 0.0)
     }
 
-    /// A slow, smooth environment, about ±1.
+    /// A slow, smooth environment, about ±1 and zero on average over the recording.
     fn environment_at(&self, t_s: f64) -> f64 {
         let phase = (self.seed % 1000) as f64 / 1000.0 * TAU;
-        let turn = TAU * t_s / self.scales.duration_s;
-        0.7 * (1.3 * turn + phase).sin() + 0.5 * (3.1 * turn + 2.0 * phase).sin()
+        let waves = [(0.7, 1.3 * TAU, phase), (0.5, 3.1 * TAU, 2.0 * phase)];
+        let turn = t_s / self.scales.duration_s;
+        waves.iter().map(|(a, w, p)| a * ((w * turn + p).sin() - (p.cos() - (w + p).cos()) / w)).sum()
     }
 
     fn is_abrupt(&self) -> bool {
@@ -102,7 +105,7 @@ impl Driven {
         let reading = scene.output(&terms, self.noise);
         let force = scene.has_input().then(|| scene.input_at_samples());
         let at = |n: usize| self.environment_at(n as f64 / self.rate_hz);
-        let temperature = self.has_environment().then(|| (0..self.samples).map(|n| 25.0 + 3.0 * at(n)).collect());
+        let temperature = self.has_environment().then(|| (0..self.samples).map(|n| 25.0 + DEGREES * at(n)).collect());
         Columns { force, reading, temperature }
     }
 
@@ -121,7 +124,15 @@ impl Driven {
             duration_s: self.samples as f64 / self.rate_hz,
             omega_rad_s: self.omega_rad_s,
             damping_rad_s: 2.0 * self.zeta * self.omega_rad_s,
+            gain: self.gain,
         }
+    }
+}
+
+impl Planted {
+    /// The visible size in units of the readout noise.
+    pub fn over_noise(&self, case: &Driven) -> f64 {
+        self.visible * case.output_rms / case.noise
     }
 }
 
@@ -194,6 +205,6 @@ impl<'a> Scene<'a> {
         let visible =
             refit::refine(&window, self.case.omega_rad_s, self.case.zeta, 6).map_or(f64::INFINITY, |f| f.rms());
         let change: f64 = output.iter().zip(undisturbed).map(|(a, b)| (a - b).powi(2)).sum();
-        [visible / self.case.scales.x, (change / output.len() as f64).sqrt() / self.case.scales.x]
+        [visible, (change / output.len() as f64).sqrt()].map(|size| size / self.case.output_rms)
     }
 }

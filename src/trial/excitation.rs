@@ -76,6 +76,15 @@ impl Lines {
 }
 
 impl Excitation {
+    /// Multiplies the amplitude.
+    pub fn scale(&mut self, by: f64) {
+        match self {
+            Self::None => {}
+            Self::Multisine(lines) | Self::Random(lines) => lines.rms *= by,
+            Self::Sweep { amplitude, .. } => *amplitude *= by,
+        }
+    }
+
     /// Values at `start_s + k·step_s` for k < `count`; sines advance by rotation, renewed from their phase every 64 steps.
     pub fn tabulate(&self, start_s: f64, step_s: f64, count: usize) -> Vec<f64> {
         let (spec, lines) = match self {

@@ -9,8 +9,8 @@
 //! | cubic, quadratic stiffness | β = ±a k/σ², α = ±a k/σ | sign |
 //! | quadratic, squeeze-film damping, Coulomb friction | a c/σv, a c/σ², a c σv | |
 //! | hysteresis (Bouc–Wen, n = 1) | stiffness a k | yield/σ, share of β in β + γ |
-//! | stiffness drift | k(1 ± a t/T), or ± a × environment column | sign, 1 for the column |
-//! | parasitic mode | static gain ±a of the first | frequency ratio, damping ratio; a's sign with the ratio's |
+//! | stiffness drift | k(1 ± a (t − T/2)/T), or k(1 ± a × environment) | sign, 1 for the column |
+//! | parasitic mode | static gain a of the first's, with the ratio's sign | ± frequency ratio, damping ratio |
 //! | drive nonlinearity | u ± a u²/σu | sign |
 //! | end stop, saturation | at peak/(1 + a) | stiffness/k (stop only), side −1 0 1 |
 //! | force noise | rms response a σ | |
@@ -156,7 +156,12 @@ pub struct Scales {
     pub omega_rad_s: f64,
     /// 2ζω₀.
     pub damping_rad_s: f64,
+    /// Output unit per input unit and s².
+    pub gain: f64,
 }
+
+/// °C by which the environment column moves where it matters.
+pub const DEGREES: f64 = 3.0;
 
 /// One planted effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -181,24 +186,26 @@ impl Term {
             QuadraticDamping => vec![("c2", a * c / s.v)],
             SqueezeFilmDamping => vec![("c", a * c / (s.x * s.x))],
             CoulombFriction => vec![("f_c", a * c * s.v)],
-            Hysteresis => vec![("k_h", a * k), ("z_y", p * s.x), ("share", q)],
+            Hysteresis => vec![("k_h", a * k), ("z_y", p * s.x)],
             StiffnessDrift if q == 0.0 => vec![("kappa", p * a / s.duration_s)],
-            StiffnessDrift => vec![("kappa", p * a)],
+            StiffnessDrift => vec![("kappa", p * a / DEGREES)],
             ParasiticMode => {
-                vec![("gain", a * p.signum()), ("omega_2", p.abs() * s.omega_rad_s), ("zeta_2", q)]
+                let omega2 = p.abs() * s.omega_rad_s;
+                let g2 = a * p.signum() * p * p * s.gain;
+                vec![("g2", g2), ("omega2", omega2), ("zeta2", q)]
             }
-            DriveNonlinearity => vec![("d", p * a / s.u)],
-            EndStop => vec![("gap", s.peak / (1.0 + a)), ("k_s", p * k), ("side", q)],
-            ForceNoise => vec![("psd", (a * s.x).powi(2) * 2.0 * c * k)],
-            ReadoutSaturation => vec![("level", s.peak / (1.0 + a)), ("side", q)],
+            DriveNonlinearity => vec![("kappa", p * a / s.u)],
+            EndStop => vec![("gap", s.peak / (1.0 + a)), ("k_c", p * k)],
+            ForceNoise => vec![("rms_displacement", a * s.x)],
+            ReadoutSaturation => vec![("level", s.peak / (1.0 + a))],
             ReadoutQuantisation => vec![("step", a * s.x)],
             ReadoutDelay | ReadoutLowpass => vec![("tau", a / s.omega_rad_s)],
-            ReadoutNonlinearity => vec![("a2", a * p / s.x), ("a3", a * q / (s.x * s.x))],
-            Feedthrough => vec![("gain", p * a * s.x / s.u)],
-            BiasDrift => vec![("rate", p * a * s.x / s.duration_s)],
-            WarmUp => vec![("amplitude", q * a * s.x), ("tau", p * s.duration_s)],
-            BiasRandomWalk => vec![("density", a * s.x / s.duration_s.sqrt())],
-            PeriodicDisturbance => vec![("amplitude", a * s.x), ("frequency", p), ("phase", q)],
+            ReadoutNonlinearity => vec![("k2", a * p / s.x), ("k3", a * q / (s.x * s.x))],
+            Feedthrough => vec![("d", p * a * s.x / s.u)],
+            BiasDrift => vec![("c", p * a * s.x / s.duration_s)],
+            WarmUp => vec![("c", q * a * s.x), ("tau", p * s.duration_s)],
+            BiasRandomWalk => vec![("K", a * s.x / s.duration_s.sqrt())],
+            PeriodicDisturbance => vec![("amplitude", a * s.x), ("frequency", p)],
             _ => vec![("amplitude", a), ("shape", p), ("shape_2", q)],
         }
     }

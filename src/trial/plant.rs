@@ -17,15 +17,15 @@ pub enum Drive {
     RingDown,
 }
 
-fn uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
+pub(super) fn uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.random::<f64>()
 }
 
-fn log_uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
+pub(super) fn log_uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
     (uniform(rng, low.ln(), high.ln())).exp()
 }
 
-fn sign(rng: &mut impl Rng) -> f64 {
+pub(super) fn sign(rng: &mut impl Rng) -> f64 {
     if rng.random::<bool>() { 1.0 } else { -1.0 }
 }
 
@@ -70,6 +70,7 @@ pub fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Dri
         duration_s: 1.0,
         omega_rad_s: omega,
         damping_rad_s: 2.0 * zeta * omega,
+        gain,
     };
     let mut case = Driven {
         seed: rng.random(),
@@ -83,10 +84,12 @@ pub fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Dri
         excitation,
         noise: 0.0,
         scales: unknown,
+        output_rms: 1.0,
         planted: Vec::new(),
         hints,
     };
     case.scales = case.measure_scales();
+    case.output_rms = case.scales.x;
     case.offset = case.scales.x * uniform(rng, -1.0, 1.0);
     case.noise = case.scales.x * noise;
     case
@@ -99,7 +102,11 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
         // Springs harden more often than they soften.
         CubicStiffness => [if rng.random::<f64>() < 0.75 { 1.0 } else { -1.0 }, 0.0],
         QuadraticStiffness | DriveNonlinearity | Feedthrough | BiasDrift => [sign(rng), 0.0],
-        Hysteresis => [uniform(rng, 0.3, 1.0), uniform(rng, 0.5, 1.0)],
+        // Half of them with β = γ, the usual choice; the rest anywhere up to γ = 0.
+        Hysteresis => {
+            let share = if rng.random::<bool>() { 0.5 } else { uniform(rng, 0.5, 1.0) };
+            [uniform(rng, 0.3, 1.0), share]
+        }
         StiffnessDrift => [sign(rng), if rng.random::<f64>() < 0.3 { 1.0 } else { 0.0 }],
         ParasiticMode => {
             let highest = (0.4 * std::f64::consts::TAU * case.rate_hz / case.omega_rad_s).min(3.0);
@@ -127,8 +134,18 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
     }
 }
 
-/// Adds an effect of visible size `asked` (relative to the rms output); false when no amplitude makes it that large.
-pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], asked: f64) -> bool {
+/// Which size is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Size {
+    /// After the best refit of the base, relative to the rms output.
+    Visible(f64),
+    /// Before any refit.
+    Raw(f64),
+}
+
+/// Adds an effect of the size asked; false when no amplitude makes it that large.
+pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], size: Size) -> bool {
+    let (Size::Visible(asked) | Size::Raw(asked)) = size;
     let mut alone = case.clone();
     let mut term = Term { physics, amplitude: 0.05, shape };
     alone.planted = vec![Planted { term, visible: 0.0, raw: 0.0 }];
@@ -138,20 +155,21 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], asked: f64) -
     let mut best: Option<(f64, Planted)> = None;
     for _ in 0..14 {
         let [visible, raw] = scene.size_of(term, &undisturbed);
-        let miss = (visible / asked).ln();
+        let reached = if matches!(size, Size::Raw(_)) { raw } else { visible };
+        let miss = (reached / asked).ln();
         if miss.is_finite() && best.is_none_or(|(m, _)| miss.abs() < m) {
             best = Some((miss.abs(), Planted { term, visible, raw }));
         }
         if miss.abs() < 0.04 {
             break;
         }
-        if visible > asked {
+        if reached > asked {
             high = high.min(term.amplitude)
         } else {
             low = low.max(term.amplitude)
         }
         // Sizes grow about as the amplitude: a Newton step in logarithms, held inside what is known.
-        let aim = term.amplitude / (visible / asked).clamp(0.05, 20.0);
+        let aim = term.amplitude / (reached / asked).clamp(0.05, 20.0);
         let inside = aim > low * 1.001 && aim < high * 0.999;
         term.amplitude = if inside || low == 0.0 || high.is_infinite() { aim } else { (low * high).sqrt() };
         if !(1e-9..1e4).contains(&term.amplitude) {
@@ -164,6 +182,36 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], asked: f64) -
             true
         }
         _ => false,
+    }
+}
+
+/// Takes the loud part away: the same physics, driven at `share` of the amplitude, with noise relative to what is left.
+pub fn quieten(case: &mut Driven, share: f64, noise: f64) {
+    case.excitation.scale(share);
+    case.output_rms = case.measure_scales().x;
+    case.noise = noise * case.output_rms;
+    remeasure(case);
+}
+
+/// A stop that only the `contacts` highest swings of the undisturbed motion reach; `stiffness` relative to ω₀².
+pub fn plant_rare_stop(case: &mut Driven, contacts: usize, stiffness: f64) {
+    let undisturbed = Scene::coarse(case).output(&[], 0.0);
+    let motion: Vec<f64> = undisturbed.iter().map(|y| (y - case.offset).abs()).collect();
+    let mut swings: Vec<f64> = motion.windows(3).filter(|w| w[1] >= w[0] && w[1] > w[2]).map(|w| w[1]).collect();
+    swings.sort_by(|a, b| b.total_cmp(a));
+    let gap = swings.get(contacts).or(swings.last()).copied().unwrap_or(case.scales.peak).min(0.98 * case.scales.peak);
+    let term = Term { physics: Physics::EndStop, amplitude: case.scales.peak / gap - 1.0, shape: [stiffness, 0.0] };
+    case.planted.push(Planted { term, visible: 0.0, raw: 0.0 });
+    remeasure(case);
+}
+
+/// Measures every planted effect anew, each alone.
+fn remeasure(case: &mut Driven) {
+    let before = case.clone();
+    let scene = Scene::coarse(&before);
+    let undisturbed = scene.output(&[], 0.0);
+    for planted in &mut case.planted {
+        [planted.visible, planted.raw] = scene.size_of(planted.term, &undisturbed);
     }
 }
 
@@ -180,7 +228,7 @@ mod tests {
             let reached = (0..6).any(|_| {
                 let mut case = bare(&mut rng, Drive::Any, 1500, 0.002);
                 let shape = shape(&mut rng, physics, &case);
-                plant(&mut case, physics, shape, 0.03)
+                plant(&mut case, physics, shape, Size::Visible(0.03))
                     && (case.planted[0].visible / 0.03 - 1.0).abs() < 0.3
                     && case.render().reading.iter().all(|y| y.is_finite())
             });

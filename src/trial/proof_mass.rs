@@ -96,8 +96,10 @@ impl Machine<'_> {
                 Physics::QuadraticDamping => total -= value * v.abs() * v,
                 Physics::SqueezeFilmDamping => total -= value * x * x * v,
                 Physics::Hysteresis => total -= value * s[HYSTERESIS],
-                Physics::StiffnessDrift if q == 0.0 => total -= k * value * now.t_s * x,
-                Physics::StiffnessDrift => total -= k * value * now.environment * x,
+                Physics::StiffnessDrift if q == 0.0 => {
+                    total -= k * value * (now.t_s - self.scales.duration_s / 2.0) * x
+                }
+                Physics::StiffnessDrift => total -= k * p * a * now.environment * x,
                 Physics::DriveNonlinearity => input += value * now.input * now.input,
                 Physics::EndStop => {
                     let above = if q >= 0.0 { (x - value).max(0.0) } else { 0.0 };
@@ -312,8 +314,12 @@ pub fn integrate(oscillator: Oscillator, terms: &[Term], scales: Scales, clock: 
             .map_or_else(Vec::new, |t| fractional_elements(t.shape[0], oscillator.omega_rad_s)),
         states,
     };
-    // White acceleration of two-sided density S kicks the velocity by √(S h) per step: exact as h → 0.
-    let kick = of(Physics::ForceNoise).map(|t| (t.value(&scales) * clock.step_s).sqrt());
+    // White acceleration of two-sided density S kicks the velocity by √(S h) per step, and makes a displacement of
+    // variance S/(4ζω₀³).
+    let kick = of(Physics::ForceNoise).map(|t| {
+        let density = t.value(&scales).powi(2) * 2.0 * scales.damping_rad_s * scales.omega_rad_s.powi(2);
+        (density * clock.step_s).sqrt()
+    });
     let mut rng = Philox::new(noise_seed, 0, Stream::Force);
     let steps = (clock.input.len() - 1) / 2;
     let mut state = [0.0; STATES];
@@ -367,7 +373,7 @@ mod tests {
     use super::*;
 
     fn scales() -> Scales {
-        Scales { x: 1.0, peak: 1.5, v: 6.0, u: 1.0, duration_s: 10.0, omega_rad_s: 6.0, damping_rad_s: 1.2 }
+        Scales { x: 1.0, peak: 1.5, v: 6.0, u: 1.0, duration_s: 10.0, omega_rad_s: 6.0, damping_rad_s: 1.2, gain: 30.0 }
     }
 
     fn run(term: Option<Term>, steps: usize, gain: f64, start: [f64; 2]) -> Vec<f64> {

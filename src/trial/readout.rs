@@ -121,8 +121,16 @@ mod tests {
         let signal: Vec<f64> = (0..4000).map(|k| (k as f64 * 0.01).sin()).collect();
         let input = vec![0.0; 150];
         let tap = Tap { signal: &signal, lead: 500, substeps: 20, rate_hz: 5.0, input: &input };
-        let scales =
-            Scales { x: 1.0, peak: 1.0, v: 1.0, u: 1.0, duration_s: 30.0, omega_rad_s: 1.0, damping_rad_s: 0.1 };
+        let scales = Scales {
+            x: 1.0,
+            peak: 1.0,
+            v: 1.0,
+            u: 1.0,
+            duration_s: 30.0,
+            omega_rad_s: 1.0,
+            damping_rad_s: 0.1,
+            gain: 1.0,
+        };
         let delay = Term { physics: Physics::ReadoutDelay, amplitude: 0.123, shape: [0.0; 2] };
         let read = read(&tap, &[delay], &scales, 0.5, Noise { deviation: 0.0, seed: 1 });
         for (n, y) in read.iter().enumerate() {

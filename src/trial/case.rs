@@ -1,0 +1,223 @@
+//! One blind case: its truth, and the two files that the diagnosis gets.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::driven::Driven;
+use super::standstill::Still;
+use crate::document::write_whole;
+use crate::error::Result;
+
+/// How an effect is concealed, or what else a case is for. Each is a row of the report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Nothing planted: linear, white noise.
+    Null,
+    /// Nothing but noise that enters as a force.
+    ForceNoiseOnly,
+    /// One effect at 1 % of the output.
+    SingleOnePercent,
+    /// One effect at 5 % of the output.
+    SingleFivePercent,
+    /// Two effects of similar size.
+    Pair,
+    /// Physics that no candidate describes.
+    UnknownPhysics,
+    /// Smaller than the noise.
+    UnderTheNoise,
+    /// A narrow band at one amplitude: the base parameters take most of it.
+    AbsorbedByBase,
+    /// The amplitudes that show it are not in the recording.
+    AmplitudesNotRecorded,
+    /// One of a group of look-alikes.
+    LookAlikes,
+    /// A small effect behind one ten times larger.
+    BehindALarger,
+    /// A few contacts with a stop.
+    RareInTime,
+    /// One effect at a size drawn around the detection limit.
+    AroundTheLimit,
+    /// A free ring-down, with or without an effect.
+    RingDown,
+    /// At rest, white noise only.
+    StillNull,
+    /// At rest, one process.
+    StillPlanted,
+    /// At rest, temperature acts and its column is withheld.
+    WithheldColumn,
+}
+
+impl Family {
+    /// Every family, in the order of the report.
+    pub const ALL: [Family; 17] = [
+        Self::Null,
+        Self::ForceNoiseOnly,
+        Self::SingleOnePercent,
+        Self::SingleFivePercent,
+        Self::Pair,
+        Self::UnknownPhysics,
+        Self::UnderTheNoise,
+        Self::AbsorbedByBase,
+        Self::AmplitudesNotRecorded,
+        Self::LookAlikes,
+        Self::BehindALarger,
+        Self::RareInTime,
+        Self::AroundTheLimit,
+        Self::RingDown,
+        Self::StillNull,
+        Self::StillPlanted,
+        Self::WithheldColumn,
+    ];
+
+    /// The row's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Null => "nothing planted",
+            Self::ForceNoiseOnly => "force noise only",
+            Self::SingleOnePercent => "one effect, 1 % of the output",
+            Self::SingleFivePercent => "one effect, 5 % of the output",
+            Self::Pair => "two effects",
+            Self::UnknownPhysics => "unknown physics",
+            Self::UnderTheNoise => "under the noise",
+            Self::AbsorbedByBase => "absorbed by base parameters",
+            Self::AmplitudesNotRecorded => "amplitudes not in the recording",
+            Self::LookAlikes => "look-alikes",
+            Self::BehindALarger => "behind a larger effect",
+            Self::RareInTime => "rare in time (end stop)",
+            Self::AroundTheLimit => "around the detection limit",
+            Self::RingDown => "free ring-down",
+            Self::StillNull => "at rest, nothing planted",
+            Self::StillPlanted => "at rest, one process",
+            Self::WithheldColumn => "at rest, temperature withheld",
+        }
+    }
+}
+
+/// What was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Body {
+    /// One proof mass.
+    Driven(Box<Driven>),
+    /// A sensor at rest.
+    Still(Box<Still>),
+}
+
+/// A case with its truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// Its number in the trial.
+    pub number: usize,
+    /// Its row.
+    pub family: Family,
+    /// Its physics.
+    pub body: Body,
+}
+
+/// The files of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Files {
+    /// recording.csv.
+    pub recording: PathBuf,
+    /// model.toml.
+    pub model: PathBuf,
+}
+
+fn table(headings: &[&str], columns: &[&[f64]]) -> String {
+    let mut text = headings.join(",") + "\n";
+    for n in 0..columns[0].len() {
+        for (c, column) in columns.iter().enumerate() {
+            // Nine digits: finer than any noise planted, so that the file itself adds nothing.
+            let _ = write!(text, "{}{:.8e}", if c > 0 { "," } else { "" }, column[n]);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+impl Case {
+    /// Ids of what is planted, sorted; foreign physics by its own name.
+    pub fn planted(&self) -> Vec<String> {
+        let mut ids: Vec<String> = match &self.body {
+            Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.id()).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| p.slow.id()).collect(),
+        };
+        ids.sort();
+        ids
+    }
+
+    /// Whether the library has a candidate for everything planted.
+    pub fn in_library(&self) -> bool {
+        match &self.body {
+            Body::Driven(d) => d.planted.iter().all(|p| p.term.physics.in_library()),
+            Body::Still(_) => true,
+        }
+    }
+
+    /// Visible size of each effect over the noise, with its id.
+    pub fn sizes_over_noise(&self) -> Vec<(String, f64)> {
+        match &self.body {
+            Body::Driven(d) => d.planted.iter().map(|p| (p.term.physics.id(), p.over_noise(d))).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| (p.slow.id(), p.visible())).collect(),
+        }
+    }
+
+    /// Writes what the diagnosis may see, and nothing else.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Files> {
+        let (recording, model) = match &self.body {
+            Body::Driven(d) => driven_files(d),
+            Body::Still(s) => still_files(s),
+        };
+        let files = Files { recording: folder.join("recording.csv"), model: folder.join("model.toml") };
+        write_whole(&files.recording, recording.as_bytes())?;
+        write_whole(&files.model, model.as_bytes())?;
+        Ok(files)
+    }
+}
+
+fn driven_files(case: &Driven) -> (String, String) {
+    let columns = case.render();
+    let mut headings = Vec::new();
+    let mut values: Vec<&[f64]> = Vec::new();
+    let mut model = format!("kind = \"driven\"\nrate_hz = {}\n[columns]\n", case.rate_hz);
+    if let Some(force) = &columns.force {
+        headings.push("force");
+        values.push(force);
+        model += "input = \"force\"\n";
+    }
+    headings.push("reading");
+    values.push(&columns.reading);
+    model += "output = \"reading\"\n";
+    if let Some(temperature) = &columns.temperature {
+        headings.push("temperature");
+        values.push(temperature);
+        model += "environment = [\"temperature\"]\n";
+    }
+    if let Some([resonance_hz, damping_ratio]) = case.hints {
+        let _ = write!(model, "[start]\nresonance_hz = {resonance_hz:e}\ndamping_ratio = {damping_ratio:e}\n");
+    }
+    (table(&headings, &values), model)
+}
+
+fn still_files(case: &Still) -> (String, String) {
+    let channels = case.render();
+    let mut headings = vec!["x", "y", "z"];
+    let mut values: Vec<&[f64]> = channels.readings.iter().map(Vec::as_slice).collect();
+    let mut model = format!("kind = \"static\"\nrate_hz = {}\nunit = \"g\"\n[columns]\n", case.rate_hz);
+    model += "channels = [\"x\", \"y\", \"z\"]\n";
+    if let Some(temperature) = &channels.temperature {
+        headings.push("temperature");
+        values.push(temperature);
+        model += "environment = [\"temperature\"]\n";
+    }
+    if let Some(density) = case.promised_density() {
+        let _ = write!(model, "[noise]\ndensity = {density:e}\n");
+    }
+    (table(&headings, &values), model)
+}
