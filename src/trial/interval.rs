@@ -1,0 +1,121 @@
+//! Exact intervals for shares, and the size at which nine of ten effects are noticed.
+
+use serde::Serialize;
+use statrs::distribution::{Beta, ContinuousCDF};
+
+/// A share of cases.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Share {
+    /// Hits over cases; zero when there are none.
+    pub value: f64,
+    /// Exact 95 % interval (Clopper & Pearson, Biometrika 26, 1934).
+    pub ci95: [f64; 2],
+    /// Hits.
+    #[serde(skip)]
+    pub hits: usize,
+    /// Cases.
+    #[serde(skip)]
+    pub cases: usize,
+}
+
+impl Share {
+    /// `hits` of `cases`.
+    pub fn of(hits: usize, cases: usize) -> Self {
+        let quantile = |a: usize, b: usize, p: f64| {
+            Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(p))
+        };
+        let low = if hits == 0 { 0.0 } else { quantile(hits, cases - hits + 1, 0.025) };
+        let high = if hits == cases { 1.0 } else { quantile(hits + 1, cases - hits, 0.975) };
+        Self { value: hits as f64 / cases.max(1) as f64, ci95: [low, high], hits, cases }
+    }
+
+    /// Over booleans.
+    pub fn over(hits: impl IntoIterator<Item = bool>) -> Self {
+        let (mut count, mut cases) = (0, 0);
+        for hit in hits {
+            count += usize::from(hit);
+            cases += 1;
+        }
+        Self::of(count, cases)
+    }
+}
+
+/// A detection curve p = 1/(1 + e^(−slope·(ln size − middle))).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curve {
+    /// ln size of half power.
+    pub middle: f64,
+    /// Steepness per unit of ln size.
+    pub slope: f64,
+}
+
+impl Curve {
+    /// Most probable curve for (size, noticed) pairs; the slope is held near 3 by a log-normal prior of one unit, because
+    /// few cases per effect cannot tell it. None when nothing, or everything, was noticed: there is no limit in range.
+    pub fn fit(cases: &[(f64, bool)]) -> Option<Self> {
+        let noticed = cases.iter().filter(|c| c.1).count();
+        if noticed == 0 || noticed == cases.len() {
+            return None;
+        }
+        let score = |middle: f64, slope: f64| -> f64 {
+            let fit: f64 = cases
+                .iter()
+                .map(|(size, hit)| {
+                    let x = slope * (size.ln() - middle);
+                    // ln of the logistic function, without overflow.
+                    let toward = if *hit { -x } else { x };
+                    -(toward.max(0.0) + (-toward.abs()).exp().ln_1p())
+                })
+                .sum();
+            fit - 0.5 * (slope / 3.0).ln().powi(2)
+        };
+        let sizes = || cases.iter().map(|c| c.0.ln());
+        let (low, high) = (sizes().fold(f64::INFINITY, f64::min) - 1.0, sizes().fold(f64::NEG_INFINITY, f64::max) + 1.0);
+        let mut best = (f64::NEG_INFINITY, Self { middle: low, slope: 3.0 });
+        for i in 0..=200 {
+            for j in 0..=40 {
+                let curve = Self {
+                    middle: low + (high - low) * f64::from(i) / 200.0,
+                    slope: 0.5 * 24f64.powf(f64::from(j) / 40.0),
+                };
+                let value = score(curve.middle, curve.slope);
+                if value > best.0 {
+                    best = (value, curve);
+                }
+            }
+        }
+        Some(best.1)
+    }
+
+    /// Size found with this power.
+    pub fn size_at(&self, power: f64) -> f64 {
+        (self.middle + (power / (1.0 - power)).ln() / self.slope).exp()
+    }
+
+    /// Power at a size.
+    pub fn power_at(&self, size: f64) -> f64 {
+        1.0 / (1.0 + (-self.slope * (size.ln() - self.middle)).exp())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Clopper & Pearson: 0 of 300 has the upper limit 1 − 0.025^(1/300) = 0.01222; 3 of 10 is [0.0667, 0.6525].
+    #[test]
+    fn exact_intervals_match_the_tables() {
+        assert!((Share::of(0, 300).ci95[1] - 0.012_22).abs() < 1e-5);
+        let share = Share::of(3, 10);
+        assert!((share.ci95[0] - 0.066_74).abs() < 1e-4 && (share.ci95[1] - 0.652_45).abs() < 1e-4, "{share:?}");
+        assert_eq!(Share::of(5, 5).ci95[1], 1.0);
+    }
+
+    #[test]
+    fn a_curve_finds_the_size_where_noticing_begins() {
+        let cases: Vec<(f64, bool)> = (0..40).map(|k| 0.01 * 1.2f64.powi(k)).map(|s| (s, s > 0.2)).collect();
+        let limit = Curve::fit(&cases).expect("both kinds").size_at(0.9);
+        assert!((0.15..0.35).contains(&limit), "{limit}");
+        assert!(Curve::fit(&[(1.0, true), (2.0, true)]).is_none());
+    }
+}

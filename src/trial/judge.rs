@@ -1,0 +1,131 @@
+//! Right or wrong: one verdict against its truth, by fixed rules.
+//!
+//! - Nothing planted: `adequate` is right; `undecidable` without a name is no alarm; all else is a false alarm.
+//! - Physics of the library: the named set must be the planted set. `undecidable` also counts as right when every planted
+//!   effect stands in a tie of at most two and every tie holds a planted effect.
+//! - Foreign physics: only `unexplained` is right.
+
+use serde::{Deserialize, Serialize};
+
+use super::case::Case;
+use super::said::Said;
+
+/// What a verdict was worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mark {
+    /// Exactly what was planted.
+    Named,
+    /// Undecidable, the truth among at most two.
+    Tied,
+    /// Part of what was planted, nothing else.
+    Partial,
+    /// All of it and something more.
+    Extra,
+    /// Something that is not there, with confidence.
+    Wrong,
+    /// A real mismatch, no name.
+    Unexplained,
+    /// No decision between several, or too weak to say.
+    Undecided,
+    /// Nothing is missing.
+    Silent,
+    /// The diagnosis stopped.
+    Error,
+}
+
+impl Mark {
+    /// For people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Named => "named",
+            Self::Tied => "tied with one other",
+            Self::Partial => "part of it",
+            Self::Extra => "and something more",
+            Self::Wrong => "wrong name",
+            Self::Unexplained => "unexplained",
+            Self::Undecided => "undecided",
+            Self::Silent => "silent",
+            Self::Error => "error",
+        }
+    }
+
+    /// Whether the planted effects were named, alone or in a tie of two.
+    pub fn is_named(self) -> bool {
+        matches!(self, Self::Named | Self::Tied)
+    }
+
+    /// Whether a false name was given with confidence.
+    pub fn is_confidently_wrong(self) -> bool {
+        matches!(self, Self::Wrong | Self::Extra)
+    }
+}
+
+/// Judges one verdict.
+pub fn judge(case: &Case, said: &Said) -> Mark {
+    let truth = case.planted();
+    let ids = said.ids();
+    match said.outcome.as_str() {
+        "error" => Mark::Error,
+        "adequate" => Mark::Silent,
+        "unexplained" => Mark::Unexplained,
+        "undecidable" => {
+            let covered = truth.iter().all(|t| ids.contains(t));
+            let tight = said.groups.iter().all(|g| g.len() <= 2 && g.iter().any(|id| truth.contains(id)));
+            if !truth.is_empty() && covered && tight { Mark::Tied } else { Mark::Undecided }
+        }
+        _ => {
+            let (inside, outside): (Vec<_>, Vec<_>) = ids.iter().partition(|id| truth.contains(id));
+            match (inside.len(), outside.len()) {
+                (hit, 0) if hit == truth.len() && hit > 0 => Mark::Named,
+                (1.., 0) => Mark::Partial,
+                (hit, _) if hit == truth.len() && hit > 0 => Mark::Extra,
+                _ => Mark::Wrong,
+            }
+        }
+    }
+}
+
+/// Whether a verdict on a null raised an alarm: a name, or a mismatch claimed.
+pub fn is_alarm(said: &Said) -> bool {
+    match said.outcome.as_str() {
+        "adequate" | "error" => false,
+        "undecidable" => !said.groups.is_empty(),
+        _ => true,
+    }
+}
+
+/// Whether the mismatch was noticed at all, whatever it was called.
+pub fn is_detected(said: &Said) -> bool {
+    !matches!(said.outcome.as_str(), "adequate" | "error")
+}
+
+/// For each planted parameter that the verdict gives an interval for: whether the interval covers the truth.
+pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
+    if judge(case, said) != Mark::Named {
+        return Vec::new();
+    }
+    let numbers = said.numbers.iter();
+    numbers
+        .filter_map(|n| {
+            let truth = case.parameter(&n.id, &n.channel, &n.name)?;
+            let covers = n.ci95[0] <= truth && truth <= n.ci95[1];
+            Some(Covered { id: n.id.clone(), name: n.name.clone(), truth, value: n.value, covers })
+        })
+        .collect()
+}
+
+/// One interval against the truth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covered {
+    /// Effect.
+    pub id: String,
+    /// Symbol.
+    pub name: String,
+    /// Planted.
+    pub truth: f64,
+    /// Estimated.
+    pub value: f64,
+    /// Whether the interval holds the truth.
+    pub covers: bool,
+}

@@ -1,0 +1,102 @@
+//! The truth as a sealed document: written and hashed before the first verdict, opened and checked after the last.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::case::Case;
+use super::plan::Plan;
+use crate::document::write_whole;
+use crate::error::{Error, Result};
+
+/// What is in the envelope.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Always "proofmass.truth/1".
+    pub schema: String,
+    /// How it was drawn.
+    pub plan: Plan,
+    /// Every case with what was planted.
+    pub cases: Vec<Case>,
+}
+
+/// A closed envelope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sealed {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// Of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+impl Truth {
+    /// Wraps the cases of a plan.
+    pub fn new(plan: Plan, cases: Vec<Case>) -> Self {
+        Self { schema: "proofmass.truth/1".into(), plan, cases }
+    }
+
+    /// Writes the document and returns its seal.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn seal(&self, path: &Path) -> Result<Sealed> {
+        let bytes = serde_json::to_vec(self).map_err(|e| {
+            Error::new("could not seal the truth", e.to_string(), "this is a defect of the program; please report it")
+        })?;
+        write_whole(path, &bytes)?;
+        Ok(Sealed { path: path.into(), sha256: hash(&bytes) })
+    }
+}
+
+impl Sealed {
+    /// The seal of a document that lies there already.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn of(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
+        Ok(Self { path: path.into(), sha256: hash(&bytes) })
+    }
+
+    /// Opens the envelope.
+    ///
+    /// # Errors
+    /// When the document has changed since it was sealed, or cannot be read.
+    pub fn open(&self) -> Result<Truth> {
+        let attempt = format!("could not open the sealed truth {}", self.path.display());
+        let bytes = std::fs::read(&self.path).map_err(|e| Error::io("read", &self.path, &e))?;
+        let found = hash(&bytes);
+        if found != self.sha256 {
+            let cause = format!("its SHA-256 is {found}, sealed was {}", self.sha256);
+            return Err(Error::new(attempt, cause, "the trial is void; run it again in an empty folder"));
+        }
+        serde_json::from_slice(&bytes)
+            .map_err(|e| Error::new(attempt, e.to_string(), "it was written by another version; run the trial again"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_changed_truth_is_refused_and_an_untouched_one_comes_back_whole() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("truth.json");
+        let plan = Plan { seed: 1, cases: 17, samples: 400 };
+        let cases = vec![plan.draw(0, crate::trial::case::Family::Null, 0)];
+        let truth = Truth::new(plan, cases);
+        let sealed = truth.seal(&path).expect("written");
+        assert_eq!(sealed.open().expect("opens"), truth);
+        let mut bytes = std::fs::read(&path).expect("readable");
+        let last = bytes.len() - 10;
+        bytes[last] ^= 1;
+        std::fs::write(&path, bytes).expect("writable");
+        assert!(sealed.open().is_err());
+    }
+}
