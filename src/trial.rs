@@ -6,13 +6,19 @@
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
+pub mod blind;
 pub mod case;
 pub mod driven;
 pub mod excitation;
+pub mod interval;
+pub mod judge;
+pub mod outcome;
 pub mod physics;
 pub mod plan;
 pub mod plant;
 pub mod proof_mass;
 pub mod readout;
 pub mod refit;
+pub mod said;
+pub mod seal;
 pub mod standstill;

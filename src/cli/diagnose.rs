@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnosis::model::{self, Model};
+use crate::diagnosis::model;
 use crate::diagnosis::{self, Diagnosis, consequence, repair};
 use crate::document::write_whole;
 use crate::error::{Error, Result};
-use crate::recording::{self, Recording, Request};
 use crate::report::diagnosis as page;
 
 /// Arguments of `diagnose`.
@@ -28,7 +27,7 @@ pub struct Arguments {
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
-    let recording = read(&arguments.recording, &model)?;
+    let recording = model::read_recording(&arguments.recording, &model)?;
     let diagnosis = diagnosis::diagnose(&recording, &model)?;
     let costs = consequence::costs(&diagnosis)?;
     if let Some(folder) = &arguments.out {
@@ -43,35 +42,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Reads the columns that the model names.
-fn read(path: &Path, model: &Model) -> Result<Recording> {
-    let (rate_hz, time, columns): (Option<f64>, &Option<String>, Vec<&String>) = match model {
-        Model::Driven(m) => {
-            let c = &m.columns;
-            (m.rate_hz, &c.time, c.input.iter().chain([&c.output]).chain(&c.environment).collect())
-        }
-        Model::Static(m) => {
-            let c = &m.columns;
-            (m.rate_hz, &c.time, c.channels.iter().chain(&c.environment).collect())
-        }
-        Model::Tumble(m) => {
-            let c = &m.columns;
-            (m.rate_hz, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
-        }
-    };
-    for (n, column) in columns.iter().enumerate() {
-        if columns[..n].contains(column) {
-            return Err(Error::new(
-                format!("could not use {}", path.display()),
-                format!("the model gives the column `{column}` two roles"),
-                "name each column once under [columns]",
-            ));
-        }
-    }
-    let columns = columns.into_iter().cloned().collect();
-    recording::read(path, &Request { columns, rate_hz, time: time.clone(), rows: None })
 }
 
 fn verdict_json(diagnosis: &Diagnosis) -> Result<String> {

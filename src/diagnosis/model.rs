@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::document::read_toml;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::recording::{self, Recording, Request};
 
 /// A model, by kind of recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -164,4 +165,36 @@ pub fn read(path: &Path) -> Result<Model> {
         *poses = path.parent().unwrap_or(Path::new(".")).join(&*poses);
     }
     Ok(model)
+}
+
+/// Reads the columns of a recording that its model names.
+///
+/// # Errors
+/// As [`recording::read`], and a column that is given two roles.
+pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
+    let (rate_hz, time, columns): (Option<f64>, &Option<String>, Vec<&String>) = match model {
+        Model::Driven(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.input.iter().chain([&c.output]).chain(&c.environment).collect())
+        }
+        Model::Static(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.channels.iter().chain(&c.environment).collect())
+        }
+        Model::Tumble(m) => {
+            let c = &m.columns;
+            (m.rate_hz, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
+        }
+    };
+    for (n, column) in columns.iter().enumerate() {
+        if columns[..n].contains(column) {
+            return Err(Error::new(
+                format!("could not use {}", path.display()),
+                format!("the model gives the column `{column}` two roles"),
+                "name each column once under [columns]",
+            ));
+        }
+    }
+    let columns = columns.into_iter().cloned().collect();
+    recording::read(path, &Request { columns, rate_hz, time: time.clone(), rows: None })
 }

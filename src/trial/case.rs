@@ -165,6 +165,22 @@ impl Case {
         }
     }
 
+    /// Planted value of a parameter by its symbol, where the library's symbol means just that.
+    pub fn parameter(&self, id: &str, channel: &str, name: &str) -> Option<f64> {
+        let pick = |values: Vec<(&str, f64)>| values.into_iter().find(|(n, _)| *n == name).map(|(_, v)| v);
+        match &self.body {
+            Body::Driven(d) => {
+                let planted = d.planted.iter().find(|p| p.term.physics.id() == id)?;
+                pick(planted.term.parameters(&d.scales))
+            }
+            Body::Still(s) => {
+                let planted = s.planted.iter().find(|p| p.slow.id() == id)?;
+                let channel = ["x", "y", "z"].iter().position(|c| *c == channel)?;
+                pick(s.parameters(planted, channel))
+            }
+        }
+    }
+
     /// Writes what the diagnosis may see, and nothing else.
     ///
     /// # Errors

@@ -21,9 +21,8 @@ pub struct Share {
 impl Share {
     /// `hits` of `cases`.
     pub fn of(hits: usize, cases: usize) -> Self {
-        let quantile = |a: usize, b: usize, p: f64| {
-            Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(p))
-        };
+        let quantile =
+            |a: usize, b: usize, p: f64| Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
         let low = if hits == 0 { 0.0 } else { quantile(hits, cases - hits + 1, 0.025) };
         let high = if hits == cases { 1.0 } else { quantile(hits + 1, cases - hits, 0.975) };
         Self { value: hits as f64 / cases.max(1) as f64, ci95: [low, high], hits, cases }
@@ -70,7 +69,8 @@ impl Curve {
             fit - 0.5 * (slope / 3.0).ln().powi(2)
         };
         let sizes = || cases.iter().map(|c| c.0.ln());
-        let (low, high) = (sizes().fold(f64::INFINITY, f64::min) - 1.0, sizes().fold(f64::NEG_INFINITY, f64::max) + 1.0);
+        let (low, high) =
+            (sizes().fold(f64::INFINITY, f64::min) - 1.0, sizes().fold(f64::NEG_INFINITY, f64::max) + 1.0);
         let mut best = (f64::NEG_INFINITY, Self { middle: low, slope: 3.0 });
         for i in 0..=200 {
             for j in 0..=40 {

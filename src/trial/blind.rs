@@ -1,0 +1,154 @@
+//! The blind part: truth drawn and sealed, then one verdict per case from the two files alone; what is done survives a stop.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::case::{Case, Files};
+use super::plan::Plan;
+use super::said::Said;
+use super::seal::{Sealed, Truth};
+use crate::diagnosis::verdict::Verdict;
+use crate::diagnosis::{self, model};
+use crate::error::{Error, Result};
+use crate::progress;
+
+/// Anything that turns a recording and a base model into a verdict.
+pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
+
+/// Verdicts by case number.
+pub type Verdicts = BTreeMap<usize, Said>;
+
+/// The tool itself, by the way that `proofmass diagnose` goes.
+///
+/// # Errors
+/// As `diagnose`.
+pub fn tool(files: &Files) -> Result<Verdict> {
+    let model = model::read(&files.model)?;
+    let recording = model::read_recording(&files.recording, &model)?;
+    Ok(diagnosis::diagnose(&recording, &model)?.verdict)
+}
+
+/// Draws the cases of a plan and seals them in `folder/truth.json`; a truth of the same plan that lies there is kept.
+///
+/// # Errors
+/// When the folder cannot be written, or on Ctrl-C.
+pub fn prepare(plan: Plan, folder: &Path) -> Result<(Sealed, Vec<Case>)> {
+    let path = folder.join("truth.json");
+    if path.is_file() {
+        let sealed = Sealed::of(&path)?;
+        if let Ok(truth) = sealed.open()
+            && truth.plan == plan
+        {
+            return Ok((sealed, truth.cases));
+        }
+    }
+    let families = plan.families();
+    let bar = progress::bar("planting effects", families.len() as u64);
+    let cases: Vec<Option<Case>> = families
+        .par_iter()
+        .enumerate()
+        .map(|(number, (family, nth))| {
+            let case = (!progress::interrupted()).then(|| plan.draw(number, *family, *nth));
+            bar.inc(1);
+            case
+        })
+        .collect();
+    bar.finish_and_clear();
+    let cases: Vec<Case> =
+        cases.into_iter().collect::<Option<_>>().ok_or_else(|| stopped("nothing is lost; run it again"))?;
+    let sealed = Truth::new(plan, cases.clone()).seal(&path)?;
+    Ok((sealed, cases))
+}
+
+fn stopped(hint: &str) -> Error {
+    Error::interrupted("could not finish the trial", hint)
+}
+
+/// A line of the state file.
+#[derive(Serialize, Deserialize)]
+struct Done {
+    /// Seal of the truth that the verdict belongs to.
+    seal: String,
+    number: usize,
+    said: Said,
+}
+
+/// Verdicts of an earlier run on the same sealed truth.
+pub fn earlier(state: &Path, sealed: &Sealed) -> Verdicts {
+    // A line cut off by a power failure is simply not a verdict.
+    let text = std::fs::read_to_string(state).unwrap_or_default();
+    text.lines()
+        .filter_map(|line| serde_json::from_str::<Done>(line).ok())
+        .filter(|done| done.seal == sealed.sha256)
+        .map(|done| (done.number, done.said))
+        .collect()
+}
+
+/// One verdict from files in a folder that exists for this case only.
+///
+/// # Errors
+/// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
+pub fn ask(case: &Case, subject: &Subject<'_>) -> Result<Said> {
+    let folder = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+    let files = case.write(folder.path())?;
+    let start = Instant::now();
+    let verdict = subject(&files);
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(match verdict {
+        Ok(verdict) => Said::from_verdict(&verdict, seconds),
+        Err(error) => Said::from_error(&error, seconds),
+    })
+}
+
+/// Asks for every verdict that is not in `done` yet, cases in parallel, and notes each in the state file.
+///
+/// # Errors
+/// When files cannot be written, or on Ctrl-C; what is done then stands in the state file.
+pub fn run(
+    cases: &[Case],
+    sealed: &Sealed,
+    state: &Path,
+    mut done: Verdicts,
+    subject: &Subject<'_>,
+) -> Result<Verdicts> {
+    let mut file =
+        std::fs::OpenOptions::new().create(true).append(true).open(state).map_err(|e| Error::io("open", state, &e))?;
+    // A line that was cut off must not swallow the next one.
+    writeln!(file).map_err(|e| Error::io("write", state, &e))?;
+    let file = Mutex::new(file);
+    let open: Vec<&Case> = cases.iter().filter(|c| !done.contains_key(&c.number)).collect();
+    let bar = progress::bar("blind verdicts", cases.len() as u64);
+    bar.set_position((cases.len() - open.len()) as u64);
+    bar.reset_eta();
+    let fresh: Vec<Option<(usize, Said)>> = open
+        .par_iter()
+        .map(|case| {
+            if progress::interrupted() {
+                return Ok(None);
+            }
+            let said = ask(case, subject)?;
+            // A diagnosis that stopped because of Ctrl-C is no verdict.
+            if progress::interrupted() && said.outcome == "error" {
+                return Ok(None);
+            }
+            let line = Done { seal: sealed.sha256.clone(), number: case.number, said };
+            if let (Ok(text), Ok(mut file)) = (serde_json::to_string(&line), file.lock()) {
+                writeln!(file, "{text}").map_err(|e| Error::io("write", state, &e))?;
+            }
+            bar.inc(1);
+            Ok(Some((line.number, line.said)))
+        })
+        .collect::<Result<_>>()?;
+    bar.finish_and_clear();
+    done.extend(fresh.into_iter().flatten());
+    if done.len() < cases.len() {
+        return Err(stopped("run the same command with --resume: finished verdicts are kept"));
+    }
+    Ok(done)
+}

@@ -1,0 +1,244 @@
+//! What a trial found: rates, families, confusion, detection limits, coverage; the public document of `trial --json`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+
+use super::blind::Verdicts;
+use super::case::{Case, Family};
+use super::interval::{Curve, Share};
+use super::judge::{self, Covered, Mark};
+use super::said::Said;
+
+/// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
+pub const FALLBACK_LIMIT: f64 = 3.0;
+
+/// One row of the report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Family.
+    pub name: String,
+    /// Cases.
+    pub cases: usize,
+    /// Share with the planted effects named, alone or in a tie of two; for nulls, silent; for unknown physics, flagged.
+    pub named_correctly: f64,
+    /// Share in which a false name was given with confidence.
+    pub confidently_wrong: f64,
+    /// Share that said nothing was missing.
+    pub silent: f64,
+}
+
+/// What was planted and what was said.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Confusion {
+    /// Planted effects, joined by " + "; "nothing" for a null.
+    pub planted: String,
+    /// Named effects, a tie joined by " | ", or the outcome where nothing was named.
+    pub said: String,
+    /// How often.
+    pub cases: usize,
+}
+
+/// Where an effect begins to be noticed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Limit {
+    /// Library id.
+    pub id: String,
+    /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was never, or always, noticed.
+    pub effect_over_noise: Option<f64>,
+    /// Smallest and largest size tried.
+    pub tried: [f64; 2],
+    /// Share noticed over all sizes tried.
+    pub noticed: f64,
+    /// (size, noticed) of every case.
+    #[serde(skip)]
+    pub cases: Vec<(f64, bool)>,
+    /// The curve, where there is one.
+    #[serde(skip)]
+    pub curve: Option<Curve>,
+}
+
+/// The public document.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Number of cases.
+    pub cases: usize,
+    /// Share of library effects named correctly, of the cases above their detection limit.
+    pub named_correctly: f64,
+    /// Alarms over nulls.
+    pub false_alarm_rate: Share,
+    /// Share of foreign physics that was called unexplained.
+    pub unknown_flagged: f64,
+    /// Share of 95 % intervals that hold the planted value.
+    pub interval_coverage: f64,
+    /// One row per family.
+    pub families: Vec<Row>,
+    /// Every combination that occurred.
+    pub confusion: Vec<Confusion>,
+    /// Per effect.
+    pub detection_limit: Vec<Limit>,
+    /// Median share of the removable held-out error that the named physics removed, where it was named correctly.
+    pub held_out_gain: f64,
+    /// Median and largest time per verdict.
+    pub seconds_per_case: [f64; 2],
+    /// Verdicts that gave a false name with confidence, as a share of all cases.
+    pub confidently_wrong: f64,
+    /// Foreign physics given a library name with confidence.
+    pub unknown_named: f64,
+    /// SHA-256 of the sealed truth.
+    pub truth_sha256: String,
+    /// The share behind `named_correctly`.
+    #[serde(skip)]
+    pub named: Share,
+    /// The share behind `unknown_flagged`.
+    #[serde(skip)]
+    pub flagged: Share,
+    /// The share behind `interval_coverage`.
+    #[serde(skip)]
+    pub coverage: Share,
+    /// Every interval compared.
+    #[serde(skip)]
+    pub covered: Vec<Covered>,
+}
+
+struct Judged<'a> {
+    case: &'a Case,
+    said: &'a Said,
+    mark: Mark,
+    /// Planted by the library's own kind of physics.
+    library: bool,
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+impl Outcome {
+    /// Scores the verdicts against the opened truth.
+    pub fn of(cases: &[Case], verdicts: &Verdicts, truth_sha256: &str) -> Self {
+        let judged: Vec<Judged<'_>> = cases
+            .iter()
+            .filter_map(|case| {
+                let said = verdicts.get(&case.number)?;
+                Some(Judged { case, said, mark: judge::judge(case, said), library: case.in_library() })
+            })
+            .collect();
+        let nulls = || judged.iter().filter(|j| j.case.planted().is_empty());
+        let foreign = || judged.iter().filter(|j| !j.library);
+        let planted = || judged.iter().filter(|j| j.library && !j.case.planted().is_empty());
+        let limits = limits(&judged);
+        let limit_of: BTreeMap<&str, f64> = limits.iter().map(|l| (l.id.as_str(), l.threshold())).collect();
+        let above = |j: &Judged<'_>| {
+            let sizes = j.case.sizes_over_noise();
+            sizes.iter().all(|(id, size)| *size >= limit_of.get(id.as_str()).copied().unwrap_or(FALLBACK_LIMIT))
+        };
+        let covered: Vec<Covered> = planted().flat_map(|j| judge::coverage(j.case, j.said)).collect();
+        let gain = |j: &Judged<'_>| {
+            let [before, after, floor] = j.said.rmse;
+            let removable = before * before - floor * floor;
+            // Noise terms change no simulation; where nothing is removable there is no gain to speak of.
+            (removable > 0.1 * floor * floor).then(|| (before * before - after * after) / removable)
+        };
+        let named = Share::over(planted().filter(|j| above(j)).map(|j| j.mark.is_named()));
+        let flagged = Share::over(foreign().map(|j| j.mark == Mark::Unexplained));
+        let coverage = Share::over(covered.iter().map(|c| c.covers));
+        let wrong = |j: &Judged<'_>| {
+            if j.case.planted().is_empty() { judge::is_alarm(j.said) } else { j.mark.is_confidently_wrong() }
+        };
+        Self {
+            cases: judged.len(),
+            named_correctly: named.value,
+            false_alarm_rate: Share::over(nulls().map(|j| judge::is_alarm(j.said))),
+            unknown_flagged: flagged.value,
+            interval_coverage: coverage.value,
+            families: rows(&judged),
+            confusion: confusion(&judged),
+            held_out_gain: median(planted().filter(|j| j.mark == Mark::Named).filter_map(gain).collect()),
+            seconds_per_case: [
+                median(judged.iter().map(|j| j.said.seconds).collect()),
+                judged.iter().map(|j| j.said.seconds).fold(0.0, f64::max),
+            ],
+            confidently_wrong: Share::over(judged.iter().map(wrong)).value,
+            unknown_named: Share::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
+            truth_sha256: truth_sha256.into(),
+            detection_limit: limits,
+            named,
+            flagged,
+            coverage,
+            covered,
+        }
+    }
+}
+
+impl Limit {
+    /// Size from which a case counts as above the limit.
+    pub fn threshold(&self) -> f64 {
+        match self.effect_over_noise {
+            Some(limit) => limit,
+            // Always noticed: every size tried is above the limit.
+            None if self.noticed == 1.0 => self.tried[0],
+            None => FALLBACK_LIMIT,
+        }
+    }
+}
+
+fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
+    Family::ALL
+        .into_iter()
+        .filter_map(|family| {
+            let of: Vec<&Judged<'_>> = judged.iter().filter(|j| j.case.family == family).collect();
+            let share = |right: &dyn Fn(&Judged<'_>) -> bool| Share::over(of.iter().map(|j| right(j))).value;
+            let right = |j: &Judged<'_>| match (j.library, j.case.planted().is_empty()) {
+                (_, true) => j.mark == Mark::Silent,
+                (true, _) => j.mark.is_named(),
+                (false, _) => j.mark == Mark::Unexplained,
+            };
+            (!of.is_empty()).then(|| Row {
+                name: family.name().into(),
+                cases: of.len(),
+                named_correctly: share(&right),
+                confidently_wrong: share(&|j| j.mark.is_confidently_wrong()),
+                silent: share(&|j| j.mark == Mark::Silent),
+            })
+        })
+        .collect()
+}
+
+fn confusion(judged: &[Judged<'_>]) -> Vec<Confusion> {
+    let mut counts: BTreeMap<(String, String), usize> = BTreeMap::new();
+    for j in judged {
+        let planted = j.case.planted();
+        let planted = if planted.is_empty() { "nothing".into() } else { planted.join(" + ") };
+        let groups: Vec<String> = j.said.groups.iter().map(|g| g.join(" | ")).collect();
+        let said = if groups.is_empty() { j.said.outcome.clone() } else { groups.join(" + ") };
+        *counts.entry((planted, said)).or_default() += 1;
+    }
+    counts.into_iter().map(|((planted, said), cases)| Confusion { planted, said, cases }).collect()
+}
+
+fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
+    let single = |j: &&Judged<'_>| j.library && j.case.planted().len() == 1;
+    let ids: BTreeSet<String> = judged.iter().filter(single).flat_map(|j| j.case.planted()).collect();
+    ids.into_iter()
+        .map(|id| {
+            let cases: Vec<(f64, bool)> = judged
+                .iter()
+                .filter(single)
+                .filter(|j| j.case.planted()[0] == id)
+                .map(|j| (j.case.sizes_over_noise()[0].1.max(1e-6), judge::is_detected(j.said)))
+                .collect();
+            let curve = Curve::fit(&cases);
+            let sizes = || cases.iter().map(|c| c.0);
+            Limit {
+                id,
+                effect_over_noise: curve.map(|c| c.size_at(0.9)),
+                tried: [sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max)],
+                noticed: Share::over(cases.iter().map(|c| c.1)).value,
+                curve,
+                cases,
+            }
+        })
+        .collect()
+}
