@@ -3,5 +3,9 @@
 //! Not for choosing what to simulate (`study`) nor for looping over batches (`ensemble`).
 
 pub mod cpu;
+pub mod flicker;
+pub mod force;
+pub mod integrator;
 pub mod job;
+pub mod member;
 pub mod orbit;

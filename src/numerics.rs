@@ -1,4 +1,5 @@
-//! Pure f64 mathematics without a domain.
+//! Pure mathematics without a domain. Nothing here knows what a sensor is.
 
+pub mod elementary;
 pub mod special;
 pub mod spectrum;

@@ -8,7 +8,7 @@ pub mod source;
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with further terms that a diagnosis may
 /// have found: + αx² + c₂|x′|x′ + c₃x²x′ + f_c sgn x′.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ProofMass {
     /// Undamped natural frequency ω₀.
     pub natural_frequency_rad_s: f64,
@@ -26,6 +26,16 @@ pub struct ProofMass {
     pub coulomb_m_s2: f64,
     /// Random-walk coefficient of Brownian force noise per unit mass, m/s²·√s (two-sided).
     pub force_noise_m_s_rts: f64,
+}
+
+impl ProofMass {
+    /// Whether there is anything beyond the linear and the cubic spring.
+    pub fn has_further_terms(&self) -> bool {
+        self.quadratic_per_m_s2 != 0.0
+            || self.quadratic_damping_per_m != 0.0
+            || self.squeeze_film_per_m2_s != 0.0
+            || self.coulomb_m_s2 != 0.0
+    }
 }
 
 /// The accelerometer's reading errors.
@@ -49,8 +59,24 @@ pub struct Accelerometer {
     pub range_m_s2: f64,
 }
 
+/// Without any error.
+impl Default for Accelerometer {
+    fn default() -> Self {
+        Self {
+            bias_m_s2: 0.0,
+            scale_factor: 0.0,
+            k2_per_m_s2: 0.0,
+            velocity_random_walk_m_s_rts: 0.0,
+            bias_instability_m_s2: 0.0,
+            acceleration_random_walk_m_s2_rts: 0.0,
+            quantisation_m_s2: 0.0,
+            range_m_s2: f64::INFINITY,
+        }
+    }
+}
+
 /// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal acceleration error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gyro {
     /// Constant bias, rad/s.
     pub bias_rad_s: f64,

@@ -5,6 +5,7 @@ mod suite {
     pub mod architecture;
     pub mod cli;
     pub mod dynamics;
+    pub mod law;
     pub mod recording;
     pub mod study;
     pub mod world;
@@ -19,6 +20,8 @@ fn main() {
         suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
+        // law: every error source grows by its closed form.
+        suite::law::tests(),
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.

@@ -1,4 +1,15 @@
-//! CPU twins of the shaders, same names: 64 lanes per block, the time loop outside, written so that compilers vectorise.
+//! The kernels on the host: 64 members side by side in plain loops that the compiler turns into vector instructions.
+//!
+//! Twins of `shaders/`: same file names, same order of operations, generic over f32 (the twin) and f64 (the oracle).
+//! Not for threads or batches: that is `backend::cpu`.
 
+// Lanes are indexed in plain loops over several arrays at once: the form that the compiler turns into vector code.
+#![allow(clippy::needless_range_loop)]
+
+pub mod lanes;
 pub mod lyapunov;
+pub mod noise;
+pub mod oscillator;
 pub mod poincare;
+pub mod reduce;
+pub mod simulate;

@@ -2,32 +2,10 @@
 
 use std::sync::Arc;
 
+pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
 use crate::sensor::Sensor;
-
-/// How the proof mass is stepped. `study` chooses and says why; see DESIGN notes in `lib.rs`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Integrator {
-    /// No mechanics: the reading follows the force at once.
-    Ideal,
-    /// Linear: the exact zero-order-hold map in error coordinates, one step whatever the resonance.
-    ExactHold,
-    /// Cubic with ω₀h small: classic Runge–Kutta, `substeps` per step.
-    RungeKutta4 {
-        /// Substeps per integration step.
-        substeps: u32,
-    },
-    /// Stiff cubic, Q ≤ 1: exponential Runge–Kutta of order 2.
-    ExponentialRk2 {
-        /// Substeps per integration step.
-        substeps: u32,
-    },
-    /// Stiff cubic, Q ≥ 10: Rosenbrock–Euler.
-    RosenbrockEuler {
-        /// Substeps per integration step.
-        substeps: u32,
-    },
-}
+pub use crate::statistics::QUANTITIES;
 
 /// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +47,3 @@ pub struct Job {
     /// g by which tilt becomes acceleration, m/s².
     pub gravity_m_s2: f64,
 }
-
-/// What is measured of every member at every report time, in this order.
-pub const QUANTITIES: [&str; 4] =
-    ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];

@@ -1,0 +1,219 @@
+//! The CPU backend: lanes × threads. Members in groups of 64 go to the threads; time is cut into tiles so that the
+//! table of the excitation stays small and Ctrl-C is heard.
+
+use rayon::prelude::*;
+
+use super::tile;
+use super::{Backend, Batch, Partial};
+use crate::error::{Error, Result};
+use crate::kernel::cpu::lanes::{LANES, Level};
+use crate::kernel::cpu::noise::Lane;
+use crate::kernel::cpu::reduce::{self, BLOCK};
+use crate::kernel::cpu::simulate::{Members, Observer, Shared, Simulate, Snapshot};
+use crate::kernel::force;
+use crate::kernel::job::Job;
+use crate::kernel::member::Column;
+use crate::numerics::elementary::Real;
+use crate::progress;
+use crate::statistics::{Bins, Histogram, Machine};
+
+/// Precision of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// f32, the twin of the shader.
+    #[default]
+    F32,
+    /// f64, the oracle.
+    F64,
+}
+
+/// The CPU, with one instruction set and one precision.
+#[derive(Debug, Clone, Copy)]
+pub struct Cpu {
+    /// Precision.
+    pub precision: Precision,
+    /// Instruction set.
+    pub level: Level,
+    /// Most samples per tile.
+    pub tile_samples: u64,
+    /// Members per batch.
+    pub batch_members: u64,
+}
+
+impl Default for Cpu {
+    fn default() -> Self {
+        Self { precision: Precision::F32, level: Level::best(), tile_samples: 4096, batch_members: 32_768 }
+    }
+}
+
+/// Substeps tabulated at a time: 20 bytes each, so that the table stays in the second-level cache.
+const MOST_SUBSTEPS: u64 = 16_384;
+
+impl Backend for Cpu {
+    fn machine(&self, job: &Job) -> Machine {
+        Machine {
+            kind: "cpu".to_owned(),
+            name: processor_name(),
+            driver: format!("{}, {} threads", self.level.name(), rayon::current_num_threads()),
+            precision: if self.precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
+            fused_multiply_add: if self.level.fused() { "yes" } else { "no" }.to_owned(),
+            integrator: job.integrator.to_string(),
+        }
+    }
+
+    fn batch_members(&self, _: &Job) -> Result<u64> {
+        Ok(self.batch_members.next_multiple_of(BLOCK as u64))
+    }
+
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>> {
+        match self.precision {
+            Precision::F32 => self.integrate::<f32>(batch),
+            Precision::F64 => self.integrate::<f64>(batch),
+        }
+    }
+}
+
+/// The 64 members from `first` on, below `end`, ready to integrate.
+fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Members<T>> {
+    let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
+    Ok(Members::new(job.seed, first, &columns, flicker_terms))
+}
+
+/// One member, drawn and checked.
+///
+/// # Errors
+/// Its proof mass cannot be stepped by the job's integrator.
+pub fn column(job: &Job, index: u64) -> Result<Column> {
+    let member = (job.draw)(index);
+    job.integrator.check(member.sensor.proof_mass.as_ref(), job.clock.step_s)?;
+    let column = Column::of(&member, &job.clock, job.integrator);
+    if column.values.iter().all(|v| v.is_finite()) {
+        return Ok(column);
+    }
+    Err(Error::new(
+        format!("could not prepare member {index}"),
+        format!("one of its parameters is no number: {:?}", member.sensor),
+        "check the tolerances: a draw may have left the range where the sensor makes sense",
+    ))
+}
+
+impl Cpu {
+    fn integrate<T: Real>(&self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>> {
+        let (job, members) = (batch.job, &batch.members);
+        let shared = Shared::<T>::of(job);
+        let starts: Vec<u64> = members.clone().step_by(LANES).collect();
+        let mut groups = starts
+            .par_iter()
+            .map(|&first| draw::<T>(job, first, members.end, shared.flicker.len()))
+            .collect::<Result<Vec<Members<T>>>>()?;
+        let most = self.tile_samples.min(MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
+        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+        let (mut partials, mut from) = (Vec::with_capacity(job.clock.report_samples.len()), 0);
+        while let Some(tile) = tile::next(&job.clock, from, most) {
+            if progress::interrupted() {
+                return Ok(None);
+            }
+            let count = tile.samples.end - from;
+            let table = force::table::<T>(job, from, count);
+            groups.par_iter_mut().for_each(|members| {
+                let work = Simulate { shared: &shared, members, force: &table, first: from, count, observer: &mut () };
+                self.level.run(work);
+            });
+            from = tile.samples.end;
+            (batch.progress)(count * (members.end - members.start));
+            if let Some(report) = tile.report {
+                let bins = batch.bins.get(report);
+                partials.push(partial(&groups, (members.end - members.start) as usize, from, sample_s, bins));
+            }
+        }
+        Ok(Some(partials))
+    }
+}
+
+/// Sums up all groups at a report time.
+fn partial<T: Real>(
+    groups: &[Members<T>],
+    members: usize,
+    samples: u64,
+    sample_s: f64,
+    bins: Option<&[Bins; 4]>,
+) -> Partial {
+    let empty = || bins.map(|b| b.map(Histogram::new));
+    // Counting is by threads in stretches of blocks; counts are integers, so their order is free.
+    let stretch = 16;
+    let parts: Vec<Partial> = groups
+        .par_chunks(stretch * BLOCK / LANES)
+        .enumerate()
+        .map(|(i, groups)| {
+            let mut part = Partial::default();
+            let mut histograms = empty();
+            for (j, block) in groups.chunks(BLOCK / LANES).enumerate() {
+                let size = (members - (i * stretch + j) * BLOCK).min(BLOCK);
+                let snapshots: Vec<Snapshot> = block.iter().map(|m| m.snapshot(samples, sample_s)).collect();
+                let moments = reduce::moments(&snapshots, size);
+                part.failed += size as u64 - moments[0].count;
+                part.blocks.push(moments);
+                if let Some(histograms) = &mut histograms {
+                    reduce::count(&snapshots, size, histograms);
+                }
+            }
+            part.histograms = histograms.map_or_else(Vec::new, Vec::from);
+            part
+        })
+        .collect();
+    let mut whole = Partial { histograms: empty().map_or_else(Vec::new, Vec::from), ..Partial::default() };
+    for part in parts {
+        whole.failed += part.failed;
+        whole.blocks.extend(part.blocks);
+        for (mine, theirs) in whole.histograms.iter_mut().zip(&part.histograms) {
+            mine.merge(&theirs.counts);
+        }
+    }
+    whole
+}
+
+/// Reading errors of 64 members, from the multiple of 64 at or below `member` on, sample by sample: `sink` is given the
+/// accelerometer's (m/s²) and the gyro's (rad/s). Returns early, with `false`, when the user asked to stop.
+///
+/// # Errors
+/// A member that the integrator cannot step.
+pub fn readings<T: Real>(job: &Job, member: u64, sink: impl FnMut(&Lane<T>, &Lane<T>)) -> Result<bool> {
+    struct Sink<F>(F);
+    impl<T: Real, F: FnMut(&Lane<T>, &Lane<T>)> Observer<T> for Sink<F> {
+        #[inline(always)]
+        fn sample(&mut self, accelerometer: &Lane<T>, gyro: &Lane<T>) {
+            (self.0)(accelerometer, gyro);
+        }
+    }
+    let first = member / LANES as u64 * LANES as u64;
+    let shared = Shared::<T>::of(job);
+    let mut members = draw::<T>(job, first, job.members.max(first + 1), shared.flicker.len())?;
+    let (mut observer, mut from) = (Sink(sink), 0);
+    let most = (MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
+    while let Some(tile) = tile::next(&job.clock, from, most) {
+        if progress::interrupted() {
+            return Ok(false);
+        }
+        let count = tile.samples.end - from;
+        let force = force::table::<T>(job, from, count);
+        let work = Simulate {
+            shared: &shared,
+            members: &mut members,
+            force: &force,
+            first: from,
+            count,
+            observer: &mut observer,
+        };
+        Level::best().run(work);
+        from = tile.samples.end;
+    }
+    Ok(true)
+}
+
+/// The processor's name, as the system gives it.
+pub fn processor_name() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name =
+        info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(": ").map(|(_, n)| n.trim().to_owned()));
+    name.unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}

@@ -1,0 +1,106 @@
+//! Vector instructions without intrinsics: a kernel is written once over arrays of 64 lanes, compiled for three
+//! instruction sets, and the best that the machine has is called.
+//!
+//! Trap that this file exists to avoid: `mul_add` without the fma feature is a library call, thirty times slower. Hence
+//! the constant `FMA`. With and without, results differ in the last bit; AVX-512 and AVX2 agree bit for bit.
+
+/// Members side by side. Sixteen would wait for each other's latency; sixty-four hide it.
+pub const LANES: usize = 64;
+
+/// Work that can be compiled for several instruction sets. Mark `run` and all that it calls `#[inline(always)]`.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// Does the work.
+    fn run<const FMA: bool>(self) -> Self::Output;
+}
+
+/// An instruction set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// What every machine of this architecture has (on aarch64: NEON, with fused multiply-add).
+    Baseline,
+    /// AVX2 with fused multiply-add.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512 (F, BW, CD, DQ, VL).
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// The best that this machine has.
+    pub fn best() -> Self {
+        *Self::available().last().unwrap_or(&Self::Baseline)
+    }
+
+    /// All that this machine has, worst first.
+    pub fn available() -> Vec<Self> {
+        #[allow(unused_mut)]
+        let mut levels = vec![Self::Baseline];
+        #[cfg(target_arch = "x86_64")]
+        {
+            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            if has_avx2 {
+                levels.push(Self::Avx2);
+            }
+            if has_avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512cd")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                levels.push(Self::Avx512);
+            }
+        }
+        levels
+    }
+
+    /// Whether multiply and add are fused.
+    pub fn fused(self) -> bool {
+        self != Self::Baseline || cfg!(target_arch = "aarch64")
+    }
+
+    /// For provenance.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline if cfg!(target_arch = "aarch64") => "NEON",
+            Self::Baseline if cfg!(target_arch = "x86_64") => "SSE2",
+            Self::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "AVX2 + FMA",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "AVX-512",
+        }
+    }
+
+    /// Runs a kernel compiled for this level; one that the machine lacks runs at the baseline.
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
+            Self::Baseline => kernel.run::<{ cfg!(target_arch = "aarch64") }>(),
+            // SAFETY: the features are checked here, at the call.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") => unsafe {
+                avx2(kernel)
+            },
+            // SAFETY: `available` lists the level only where all of its features were detected.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 if Self::available().contains(&Self::Avx512) => unsafe { avx512(kernel) },
+            #[cfg(target_arch = "x86_64")]
+            _ => kernel.run::<false>(),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<true>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,fma")]
+fn avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<true>()
+}

@@ -1,0 +1,142 @@
+//! One substep of the proof mass in error coordinates, for each integrator. Twin of `shaders/shared/oscillator.wgsl`.
+//!
+//! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the substep. Integrating
+//! the error, never the reading, keeps f32 good enough: a constant force of 1 g cancels exactly. Equation, with the
+//! substep as unit of time (see `member`): a″ + Ca′ + W(a + κa³) = W(f + w), with w held.
+
+use crate::kernel::force::Force;
+use crate::kernel::member::COEFFICIENTS;
+use crate::numerics::elementary::{Real, fma, sin_cos};
+
+/// A member's coefficients, as `member::coefficients` orders them.
+pub type Coefficients<T> = [T; COEFFICIENTS];
+
+/// A way of stepping; implemented by types without values, so that a kernel is compiled for each.
+pub trait Oscillator<T: Real>: Send + Sync + 'static {
+    /// Whether there is a state at all.
+    const MOVES: bool = true;
+    /// (e, q) after one substep under force `f` and noise `w`.
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T);
+}
+
+/// The reading follows the force at once.
+pub struct Ideal;
+/// The exact map of a linear proof mass.
+pub struct ExactHold;
+/// Runge–Kutta of order 4, linear and cubic spring.
+pub struct RungeKutta4;
+/// Runge–Kutta of order 4 with all terms.
+pub struct RungeKutta4General;
+/// Exponential Runge–Kutta of order 2.
+pub struct ExponentialRk2;
+/// Exponential Rosenbrock–Euler.
+pub struct RosenbrockEuler;
+
+impl<T: Real> Oscillator<T> for Ideal {
+    const MOVES: bool = false;
+    #[inline(always)]
+    fn step<const FMA: bool>(_: &Coefficients<T>, e: T, q: T, _: &Force<T>, _: T) -> (T, T) {
+        (e, q)
+    }
+}
+
+/// The linear map: with a force that grows by f.to_end, the error tends to w − (C/W)·growth.
+#[inline(always)]
+fn relax<T: Real, const FMA: bool>(k: &Coefficients<T>, u: T, r: T) -> (T, T) {
+    (fma::<T, FMA>(k[0], u, k[1] * r), fma::<T, FMA>(k[2], u, k[3] * r))
+}
+
+impl<T: Real> Oscillator<T> for ExactHold {
+    #[inline(always)]
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
+        let rest = fma::<T, FMA>(-k[4], f.to_end, w);
+        let (u, r) = relax::<T, FMA>(k, e - rest, q - f.to_end);
+        (u + rest, r + f.to_end)
+    }
+}
+
+/// Classic Runge–Kutta on (a, q), written for e = a − f: algebraically the same, without the large parts.
+#[inline(always)]
+fn runge_kutta<T: Real, const FMA: bool>(e: T, q: T, f: &Force<T>, acceleration: impl Fn(T, T, T) -> T) -> (T, T) {
+    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
+    let d1 = acceleration(e, e + f.begin, q);
+    let e2 = fma::<T, FMA>(half, q, e - f.to_middle);
+    let q2 = fma::<T, FMA>(half, d1, q);
+    let d2 = acceleration(e2, e2 + f.middle, q2);
+    let e3 = fma::<T, FMA>(half, q2, e - f.to_middle);
+    let q3 = fma::<T, FMA>(half, d2, q);
+    let d3 = acceleration(e3, e3 + f.middle, q3);
+    let (e4, q4) = (e - f.to_end + q3, q + d3);
+    let d4 = acceleration(e4, e4 + f.end, q4);
+    let rise = fma::<T, FMA>(two, q2 + q3, q + q4);
+    let push = fma::<T, FMA>(two, d2 + d3, d1 + d4);
+    (fma::<T, FMA>(sixth, rise, e - f.to_end), fma::<T, FMA>(sixth, push, q))
+}
+
+impl<T: Real> Oscillator<T> for RungeKutta4 {
+    #[inline(always)]
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
+        let push = k[0] * w;
+        runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
+            let bent = fma::<T, FMA>(k[2] * a, a * a, e);
+            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-k[1], q, push))
+        })
+    }
+}
+
+impl<T: Real> Oscillator<T> for RungeKutta4General {
+    #[inline(always)]
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
+        let push = k[0] * w;
+        runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
+            let square = a * a;
+            let bent = fma::<T, FMA>(fma::<T, FMA>(k[2], a, k[3]), square, e);
+            let damping = fma::<T, FMA>(k[4], q.abs(), fma::<T, FMA>(k[5], square, k[1]));
+            // sgn q, smoothed over the rate that friction could undo in one substep.
+            let friction = k[6] * (q / (q.abs() + k[6] + T::of(1e-30)));
+            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-damping, q, push - friction))
+        })
+    }
+}
+
+impl<T: Real> Oscillator<T> for ExponentialRk2 {
+    #[inline(always)]
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
+        let bend = |a: T| k[5] * a * (a * a);
+        let rest = fma::<T, FMA>(-k[4], f.to_end, w);
+        // The cubic force held at its first value moves the point of rest by −κa³.
+        let bent = bend(e + f.begin);
+        let (u, r) = relax::<T, FMA>(k, e - rest + bent, q - f.to_end);
+        let first = u - bent + rest;
+        // Then its growth over the step is put right.
+        let growth = bend(first + f.end) - bent;
+        (fma::<T, FMA>(-k[6], growth, first), fma::<T, FMA>(-k[7], growth, r + f.to_end))
+    }
+}
+
+impl<T: Real> Oscillator<T> for RosenbrockEuler {
+    #[inline(always)]
+    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
+        let (w0, c, half_c) = (k[0], k[1], T::of(0.5) * k[1]);
+        let a = e + f.begin;
+        let square = k[2] * (a * a);
+        let slope = T::of(3.0) * square;
+        // Tangent stiffness; with a hardening spring it is positive.
+        let stiff = fma::<T, FMA>(w0, slope, w0);
+        let r = q - f.to_end;
+        // Newton's distance to rest, z = J⁻¹F, and what the force's growth adds.
+        let pull = fma::<T, FMA>(w0, fma::<T, FMA>(square, a, e - w), c * q);
+        let share = T::of(1.0) / stiff;
+        let g = slope * f.to_end * (w0 * share);
+        let y1 = (pull - c * (r + g)) * share;
+        let y2 = r + g;
+        // exp(J) in closed form.
+        let frequency = fma::<T, FMA>(-half_c, half_c, stiff).max(T::of(1e-12)).sqrt();
+        let (sin, cos) = sin_cos::<T, FMA>(frequency);
+        let odd = k[3] * (sin / frequency);
+        let even = k[3] * cos;
+        let ey1 = fma::<T, FMA>(even + half_c * odd, y1, odd * y2);
+        let ey2 = fma::<T, FMA>(-stiff * odd, y1, (even - half_c * odd) * y2);
+        (e - g + (ey1 - y1), r + (ey2 - y2) + f.to_end)
+    }
+}

@@ -1,0 +1,47 @@
+//! The shared excitation over one tile, tabulated once in f64 for all members: at the beginning, the middle and the end
+//! of each substep, and the differences, which f32 would lose.
+
+use rayon::prelude::*;
+
+use super::job::Job;
+use crate::numerics::elementary::Real;
+
+/// The specific force over one substep, m/s². Twin of `Force` in `shaders/shared/layout.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Force<T> {
+    /// At its beginning.
+    pub begin: T,
+    /// In its middle.
+    pub middle: T,
+    /// At its end.
+    pub end: T,
+    /// Middle less beginning.
+    pub to_middle: T,
+    /// End less beginning.
+    pub to_end: T,
+}
+
+/// The force over the substeps of `count` samples from `first_sample` on.
+pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>> {
+    let per_step = u64::from(job.integrator.substeps());
+    let per_sample = per_step * u64::from(job.clock.steps_per_sample);
+    let half_s = 0.5 * job.clock.step_s / per_step as f64;
+    let first = first_sample * per_sample;
+    let at = |half: u64| job.waveform.specific_force_m_s2(half as f64 * half_s);
+    (0..(count * per_sample) as usize)
+        .into_par_iter()
+        .with_min_len(1024)
+        .map(|i| {
+            let substep = first + i as u64;
+            let [begin, middle, end] = [at(2 * substep), at(2 * substep + 1), at(2 * substep + 2)];
+            Force {
+                begin: T::of(begin),
+                middle: T::of(middle),
+                end: T::of(end),
+                to_middle: T::of(middle - begin),
+                to_end: T::of(end - begin),
+            }
+        })
+        .collect()
+}

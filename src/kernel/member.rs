@@ -1,0 +1,152 @@
+//! One member as the kernels see it: a column of numbers, derived in f64 from its sensor.
+//!
+//! Per-sample levels are σ = N√f_s and K√T; the proof mass is scaled so that a substep is the unit of time and the
+//! reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + κa³) = W(f + w) with W = (ω₀h)², C = 2ζω₀h, κ = β/ω₀⁶.
+
+use super::flicker;
+use super::integrator::Integrator;
+use super::job::{Clock, Member};
+use crate::sensor::ProofMass;
+
+/// Numbers of one member.
+pub const COLUMNS: usize = 23;
+/// Coefficients of the oscillator, the first columns.
+pub const COEFFICIENTS: usize = 8;
+
+/// Places in a member's column.
+#[allow(missing_docs)]
+pub mod column {
+    pub const GAIN: usize = 8;
+    pub const SINE: usize = 9;
+    pub const BIAS: usize = 10;
+    pub const SCALE: usize = 11;
+    pub const K2: usize = 12;
+    pub const WHITE: usize = 13;
+    pub const FLICKER: usize = 14;
+    pub const WALK: usize = 15;
+    pub const QUANTISATION: usize = 16;
+    pub const RANGE: usize = 17;
+    pub const FORCE: usize = 18;
+    pub const GYRO_BIAS: usize = 19;
+    pub const GYRO_WHITE: usize = 20;
+    pub const GYRO_FLICKER: usize = 21;
+    pub const GYRO_WALK: usize = 22;
+}
+
+/// A member, ready for a kernel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Column {
+    /// Its numbers, in the order of [`column`].
+    pub values: [f64; COLUMNS],
+    /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
+    pub turns: [u32; 2],
+}
+
+/// The largest f32 below infinity stands for "no limit": f32 arithmetic on it must not overflow into NaN.
+const NO_LIMIT: f64 = 1e30;
+
+impl Column {
+    /// Derives the numbers of a member.
+    pub fn of(member: &Member, clock: &Clock, integrator: Integrator) -> Self {
+        let sample_s = clock.step_s * f64::from(clock.steps_per_sample);
+        let substep_s = clock.step_s / f64::from(integrator.substeps());
+        let (root, sensor) = (sample_s.sqrt(), &member.sensor);
+        let (a, g) = (&sensor.accelerometer, &sensor.gyro);
+        let mut values = [0.0; COLUMNS];
+        if let Some(mass) = &sensor.proof_mass {
+            values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
+            values[column::FORCE] = mass.force_noise_m_s_rts / root;
+        }
+        values[column::GAIN] = sensor.excitation_gain;
+        values[column::BIAS] = a.bias_m_s2;
+        values[column::SCALE] = a.scale_factor;
+        values[column::K2] = a.k2_per_m_s2;
+        values[column::WHITE] = a.velocity_random_walk_m_s_rts / root;
+        values[column::FLICKER] = a.bias_instability_m_s2;
+        values[column::WALK] = a.acceleration_random_walk_m_s2_rts * root;
+        values[column::QUANTISATION] = a.quantisation_m_s2;
+        values[column::RANGE] = a.range_m_s2.min(NO_LIMIT);
+        values[column::GYRO_BIAS] = g.bias_rad_s;
+        values[column::GYRO_WHITE] = g.angle_random_walk_rad_rts / root;
+        values[column::GYRO_FLICKER] = g.bias_instability_rad_s;
+        values[column::GYRO_WALK] = g.rate_random_walk_rad_s_rts * root;
+        let mut turns = [0; 2];
+        if let Some(sine) = &member.sine {
+            values[column::SINE] = sine.amplitude_m_s2;
+            let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
+            turns = [fixed(sine.phase_rad / std::f64::consts::TAU), fixed(sine.frequency_hz * 0.5 * substep_s)];
+        }
+        Self { values, turns }
+    }
+}
+
+/// Amplitudes of the flicker terms of a run.
+pub fn flicker_amplitudes(clock: &Clock) -> Vec<f64> {
+    (0..flicker::terms(clock.samples)).map(flicker::amplitude).collect()
+}
+
+/// The oscillator's coefficients, in the order its step takes them.
+pub fn coefficients(mass: &ProofMass, integrator: Integrator, substep_s: f64) -> [f64; COEFFICIENTS] {
+    let w0 = mass.natural_frequency_rad_s;
+    let w = (w0 * substep_s).powi(2);
+    let c = 2.0 * mass.damping_ratio * w0 * substep_s;
+    let kappa = mass.cubic_per_m2_s2 / w0.powi(6);
+    let [[a, b], [d, e]] = relaxation(w, c);
+    match integrator {
+        Integrator::Ideal => [0.0; COEFFICIENTS],
+        Integrator::ExactHold => [a, b, d, e, c / w, 0.0, 0.0, 0.0],
+        Integrator::RungeKutta4 { .. } => [w, c, kappa, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Integrator::RungeKutta4General { .. } => [
+            w,
+            c,
+            kappa,
+            mass.quadratic_per_m_s2 / w0.powi(4),
+            mass.quadratic_damping_per_m / w0.powi(2),
+            mass.squeeze_film_per_m2_s * substep_s / w0.powi(4),
+            mass.coulomb_m_s2 * w,
+            0.0,
+        ],
+        // The last two: what a force that grows by one over the step adds to (a, a′).
+        Integrator::ExponentialRk2 { .. } => {
+            [a, b, d, e, c / w, kappa, 1.0 - c / w + a * c / w - b, 1.0 + d * c / w - e]
+        }
+        Integrator::RosenbrockEuler { .. } => [w, c, kappa, (-0.5 * c).exp(), 0.0, 0.0, 0.0, 0.0],
+    }
+}
+
+/// exp of [[0, 1], [−w, −c]]: how a free oscillator relaxes over one unit of time.
+fn relaxation(w: f64, c: f64) -> [[f64; 2]; 2] {
+    let discriminant = 0.25 * c * c - w;
+    let root = discriminant.abs().sqrt();
+    // e^(−c/2) times cosh or cos of the root, and times sinh(root)/root or sin(root)/root, without overflow.
+    let (even, odd) = if root < 1e-4 {
+        let decay = (-0.5 * c).exp();
+        (decay * (1.0 + 0.5 * discriminant), decay * (1.0 + discriminant / 6.0))
+    } else if discriminant > 0.0 {
+        let (slow, fast) = ((root - 0.5 * c).exp(), (-root - 0.5 * c).exp());
+        (0.5 * (slow + fast), 0.5 * (slow - fast) / root)
+    } else {
+        let decay = (-0.5 * c).exp();
+        (decay * root.cos(), decay * root.sin() / root)
+    };
+    [[even + 0.5 * c * odd, odd], [-w * odd, even - 0.5 * c * odd]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relaxation_over_two_halves_is_relaxation_over_the_whole() {
+        for (w, c) in [(0.01, 0.02), (60.0, 0.1), (1.0, 2.0), (1.0, 2.000_000_01), (4.0, 900.0), (1e-6, 1e-3)] {
+            // Halving the unit of time: w → w/4, c → c/2, velocities double.
+            let [[a, b], [d, e]] = relaxation(w / 4.0, c / 2.0);
+            let (b, d) = (b / 2.0, d * 2.0);
+            let whole = relaxation(w, c);
+            let squared = [[a * a + b * d, a * b + b * e], [d * a + e * d, d * b + e * e]];
+            for (got, want) in squared.iter().flatten().zip(whole.iter().flatten()) {
+                assert!((got - want).abs() < 1e-11 * (1.0 + w), "{w} {c}: {got} {want}");
+            }
+        }
+    }
+}

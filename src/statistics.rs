@@ -1,0 +1,112 @@
+//! What an ensemble is summed to: moments, extremes and a histogram per quantity and report time, mergeable in any
+//! number of parts.
+//!
+//! Not for time series of one sensor (`numerics` has Allan deviation and spectra).
+
+pub mod histogram;
+pub mod moments;
+
+pub use histogram::{Bins, Histogram};
+pub use moments::Moments;
+
+/// The distribution of one quantity over the members that did not fail, at one report time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Members counted.
+    pub count: u64,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation (n − 1).
+    pub sd: f64,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+    /// Percentiles 1, 5, 50, 95 and 99, interpolated in the histogram.
+    pub percentiles: [f64; 5],
+    /// The histogram itself.
+    pub histogram: Histogram,
+}
+
+/// Which percentiles a [`Summary`] holds, in its order.
+pub const PERCENTILES: [f64; 5] = [0.01, 0.05, 0.50, 0.95, 0.99];
+
+impl Summary {
+    /// The summary of moments and histogram of the same values.
+    pub fn of(moments: &Moments, histogram: Histogram) -> Self {
+        let percentiles = PERCENTILES.map(|p| histogram.quantile(p, moments.min, moments.max));
+        Self {
+            count: moments.count,
+            mean: moments.mean,
+            sd: moments.sd(),
+            min: moments.min,
+            max: moments.max,
+            percentiles,
+            histogram,
+        }
+    }
+
+    /// Any quantile, 0 ≤ p ≤ 1.
+    pub fn quantile(&self, p: f64) -> f64 {
+        self.histogram.quantile(p, self.min, self.max)
+    }
+}
+
+/// On what an ensemble was integrated, for the provenance of a report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Machine {
+    /// "cpu" or "gpu".
+    pub kind: String,
+    /// Processor or adapter.
+    pub name: String,
+    /// Driver and its version; for a CPU, the vector instructions used.
+    pub driver: String,
+    /// "f32" or "f64".
+    pub precision: String,
+    /// Whether multiply and add were fused; "unknown" on a GPU, whose compiler decides.
+    pub fused_multiply_add: String,
+    /// How the proof mass was stepped.
+    pub integrator: String,
+}
+
+/// An ensemble, summed up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statistics {
+    /// Members asked for.
+    pub members: u64,
+    /// Members that left the range of numbers by the end, and are in no summary from then on.
+    pub failed: u64,
+    /// Report times, s.
+    pub time_s: Vec<f64>,
+    /// Per report time, in the order of [`crate::statistics::QUANTITIES`].
+    pub at: Vec<[Summary; 4]>,
+    /// Integration steps done, over all members.
+    pub member_steps: u64,
+    /// Wall time, s.
+    pub seconds: f64,
+    /// Where.
+    pub machine: Machine,
+}
+
+/// What is measured of every member at every report time, in this order.
+pub const QUANTITIES: [&str; 4] =
+    ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];
+
+/// Places in [`QUANTITIES`].
+pub mod quantity {
+    /// Position error, m.
+    pub const POSITION: usize = 0;
+    /// Velocity error, m/s.
+    pub const VELOCITY: usize = 1;
+    /// Acceleration error, m/s².
+    pub const ACCELERATION: usize = 2;
+    /// Tilt error, rad.
+    pub const TILT: usize = 3;
+}
+
+impl Statistics {
+    /// One number per report time: `statistics.series(quantity::POSITION, |s| s.sd)`.
+    pub fn series(&self, quantity: usize, pick: impl Fn(&Summary) -> f64) -> Vec<f64> {
+        self.at.iter().map(|at| pick(&at[quantity])).collect()
+    }
+}

@@ -1,0 +1,85 @@
+//! Count, mean, variance and extremes of a stream, mergeable.
+//!
+//! Source: Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample variances*, 1979.
+//! Merging is done in block order, so that the same blocks give the same bits however they were computed.
+
+use serde::{Deserialize, Serialize};
+
+/// Moments of the values seen so far.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Moments {
+    /// How many.
+    pub count: u64,
+    /// Their mean.
+    pub mean: f64,
+    /// Sum of squared deviations from the mean.
+    pub squares: f64,
+    /// Smallest; of none, the largest f64.
+    pub min: f64,
+    /// Largest; of none, the smallest f64.
+    pub max: f64,
+}
+
+impl Default for Moments {
+    fn default() -> Self {
+        Self { count: 0, mean: 0.0, squares: 0.0, min: f64::MAX, max: f64::MIN }
+    }
+}
+
+impl Moments {
+    /// Of a few values, two passes, in their order.
+    pub fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+        let mut m = Self::default();
+        for x in values.clone() {
+            m.count += 1;
+            m.mean += x;
+            m.min = m.min.min(x);
+            m.max = m.max.max(x);
+        }
+        if m.count > 0 {
+            m.mean /= m.count as f64;
+            m.squares = values.map(|x| (x - m.mean) * (x - m.mean)).sum();
+        }
+        m
+    }
+
+    /// Adds the values behind `other`.
+    pub fn merge(&mut self, other: &Self) {
+        if other.count == 0 {
+            return;
+        }
+        if self.count == 0 {
+            *self = *other;
+            return;
+        }
+        let (a, b) = (self.count as f64, other.count as f64);
+        let delta = other.mean - self.mean;
+        self.count += other.count;
+        self.mean += delta * (b / (a + b));
+        self.squares += other.squares + delta * delta * (a * b / (a + b));
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+    }
+
+    /// Standard deviation with n − 1; 0 for fewer than two values.
+    pub fn sd(&self) -> f64 {
+        if self.count < 2 { 0.0 } else { (self.squares / (self.count - 1) as f64).sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merging_blocks_gives_the_moments_of_the_whole() {
+        let values: Vec<f64> = (0..1000).map(|i| 1e6 + f64::from(i * i % 97)).collect();
+        let mut merged = Moments::default();
+        for block in values.chunks(77) {
+            merged.merge(&Moments::of(block.iter().copied()));
+        }
+        let whole = Moments::of(values.iter().copied());
+        assert_eq!((merged.count, merged.min, merged.max), (whole.count, whole.min, whole.max));
+        assert!((merged.mean - whole.mean).abs() < 1e-9 && (merged.sd() / whole.sd() - 1.0).abs() < 1e-12);
+    }
+}
