@@ -1,5 +1,6 @@
 //! Pure mathematics without a domain. Nothing here knows what a sensor is.
 
+pub mod allan;
 pub mod elementary;
 pub mod special;
 pub mod spectrum;

@@ -1,12 +1,13 @@
 //! Recordings: columns of numbers from a CSV file, with what is wrong with them found and said.
 //!
-//! [`read`] brings the columns asked for into memory on a uniform clock; [`rows::Rows`] streams a file of any length. Not
+//! [`read`] brings the columns asked for into memory on a uniform clock; [`stream`] passes a file of any length. Not
 //! for judging physics: a gap or a clipped rail is reported here, what it means is `diagnosis`' business.
 
 pub mod clock;
 pub mod format;
 pub mod health;
 pub mod rows;
+pub mod stream;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -104,7 +105,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
         filled.push(Column { name, values });
     }
     for column in &filled {
-        findings.extend(health::findings(column));
+        findings.extend(health::Watch::of(&column.name, &column.values).findings());
     }
     Ok(Recording { path: path.into(), sha256: source.sha256, rate_hz, columns: filled, findings })
 }

@@ -2,6 +2,7 @@
 //! shown as ignored, with the reason, where it is absent.
 
 mod suite {
+    pub mod allan;
     pub mod architecture;
     pub mod cli;
     pub mod dynamics;
@@ -22,6 +23,8 @@ fn main() {
         suite::cli::tests(),
         // law: every error source grows by its closed form.
         suite::law::tests(),
+        // allan: coefficients come back from a signal made of them, covered as claimed.
+        suite::allan::tests(),
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.

@@ -34,24 +34,55 @@ pub struct Response {
 /// Welch's density with Hann windows that overlap by half; each segment loses its mean. `segment` is a number of samples,
 /// limited to the length of `values`; fewer than four samples give an empty density.
 pub fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
-    let segment = segment.min(values.len());
-    let Some(mut hann) = Windowed::new(segment) else { return Density::empty() };
-    let mut sum = vec![0.0; segment / 2 + 1];
-    let mut count = 0;
-    for start in starts(values.len(), segment) {
-        for (s, bin) in sum.iter_mut().zip(hann.transform(&values[start..start + segment])) {
-            *s += bin.norm_sqr();
-        }
-        count += 1;
+    let Some(mut welch) = Welch::new(segment.min(values.len())) else { return Density::empty() };
+    values.iter().for_each(|v| welch.push(*v));
+    welch.density(rate_hz)
+}
+
+/// Welch's density of a stream.
+#[derive(Debug)]
+pub struct Welch {
+    hann: Windowed,
+    segment: Vec<f64>,
+    length: usize,
+    sum: Vec<f64>,
+    count: u32,
+}
+
+impl Welch {
+    /// With segments of this many samples; `None` for fewer than four.
+    pub fn new(length: usize) -> Option<Self> {
+        let (segment, sum) = (Vec::with_capacity(length), vec![0.0; length / 2 + 1]);
+        Some(Self { hann: Windowed::new(length)?, segment, length, sum, count: 0 })
     }
-    let scale = 2.0 / (rate_hz * hann.power * f64::from(count));
-    let mut out = Density {
-        frequency_hz: frequencies(segment, rate_hz),
-        density: sum[1..].iter().map(|s| s * scale).collect(),
-        averages: averages(count),
-    };
-    halve_nyquist(&mut out.density, segment);
-    out
+
+    /// The next sample.
+    pub fn push(&mut self, value: f64) {
+        self.segment.push(value);
+        if self.segment.len() == self.length {
+            for (s, bin) in self.sum.iter_mut().zip(self.hann.transform(&self.segment)) {
+                *s += bin.norm_sqr();
+            }
+            self.count += 1;
+            self.segment.drain(..(self.length / 2).max(1));
+        }
+    }
+
+    /// The recording breaks off here: no segment reaches across.
+    pub fn interrupt(&mut self) {
+        self.segment.clear();
+    }
+
+    /// What was averaged so far; empty before the first whole segment.
+    pub fn density(&self, rate_hz: f64) -> Density {
+        if self.count == 0 {
+            return Density::empty();
+        }
+        let scale = 2.0 / (rate_hz * self.hann.power * f64::from(self.count));
+        let mut density: Vec<f64> = self.sum[1..].iter().map(|s| s * scale).collect();
+        halve_nyquist(&mut density, self.length);
+        Density { frequency_hz: frequencies(self.length, rate_hz), density, averages: averages(self.count) }
+    }
 }
 
 /// The periodogram of a sequence without its mean: one average, what a Whittle likelihood wants.
@@ -132,6 +163,12 @@ fn transform(fft: &Arc<dyn RealToComplex<f64>>, input: &mut [f64], output: &mut 
     // Fails only for buffers of another length than planned, and both were made by the plan.
     if fft.process(input, output).is_err() {
         output.fill(Complex64::default());
+    }
+}
+
+impl std::fmt::Debug for Windowed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "a Hann window of {} samples", self.window.len())
     }
 }
 

@@ -1,8 +1,9 @@
-//! What is wrong with a column before any physics: missing values, a dead channel, touched rails, a stuck stretch.
+//! What is wrong with a column before any physics: missing values, a dead channel, touched rails, a stuck stretch, and the
+//! step its numbers are rounded to.
 
 use std::path::Path;
 
-use super::{Column, FILL_LIMIT};
+use super::FILL_LIMIT;
 use crate::error::{Error, Result};
 
 /// Replaces missing values by straight lines between their neighbours, and says so.
@@ -43,65 +44,151 @@ pub fn fill(path: &Path, name: &str, values: &mut [f64]) -> Result<Option<String
     Ok(Some(format!("`{name}`: {missing} missing values were filled by straight lines, at most {longest} in a row")))
 }
 
-/// What else a person should know of a column.
-pub fn findings(column: &Column) -> Vec<String> {
-    let Column { name, values } = column;
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    if low == high {
-        return vec![format!("`{name}` is constant ({low}): a dead channel?")];
-    }
-    let mut out = Vec::new();
-    for (rail, side) in [(high, "above"), (low, "below")] {
-        if let Some(rows) = at_rail(values, rail) {
-            out.push(format!("`{name}` stays at {rail} in {rows} rows and never goes {side}: clipped?"));
-        }
-    }
-    if let Some((start, rows)) = stuck(values).filter(|(start, _)| values[*start] != low && values[*start] != high) {
-        out.push(format!("`{name}` does not change for {rows} rows from row {start}: stuck?"));
-    }
-    out
+/// Looks at the values of a channel as they pass.
+#[derive(Debug, Clone)]
+pub struct Watch {
+    name: String,
+    count: usize,
+    high: Rail,
+    low: Rail,
+    /// Distinct values, up to nine.
+    levels: Vec<f64>,
+    before: f64,
+    run: usize,
+    repeats: usize,
+    longest: (usize, usize, f64),
+    /// Smallest change between neighbours.
+    step: f64,
+    origin: f64,
+    /// How far values lie off the grid of the smallest change, at most, in steps.
+    off_grid: f64,
 }
 
-/// Rows at an extreme value, where they are far too many for an unclipped reading: more than three times those at the
-/// next value inwards. (A quantised sine has at most 2.4 times; a two-level input is no clipped one, hence nine levels.)
-fn at_rail(values: &[f64], rail: f64) -> Option<usize> {
-    let rows = values.iter().filter(|v| **v == rail).count();
-    if rows < 10 {
-        return None;
-    }
-    let next =
-        values.iter().copied().filter(|v| *v != rail).min_by(|a, b| (a - rail).abs().total_cmp(&(b - rail).abs()))?;
-    let beside = values.iter().filter(|v| **v == next).count();
-    let mut levels: Vec<f64> = Vec::new();
-    for value in values {
-        if !levels.contains(value) {
-            levels.push(*value);
-        }
-        if levels.len() > 8 {
-            return (rows > 3 * beside).then_some(rows);
-        }
-    }
-    None
+/// An extreme value, the next one inwards, and how often each was met.
+#[derive(Debug, Clone, Copy)]
+struct Rail {
+    value: f64,
+    count: usize,
+    next_count: usize,
+    next: f64,
 }
 
-/// Start and length of the longest run of one value, where chance would hardly make it so long.
-fn stuck(values: &[f64]) -> Option<(usize, usize)> {
-    let (mut best, mut start, mut repeats) = ((0, 0), 0, 0usize);
-    for row in 1..=values.len() {
-        if row < values.len() && values[row] == values[row - 1] {
-            repeats += 1;
-            continue;
+impl Rail {
+    const NONE: Rail = Rail { value: f64::NEG_INFINITY, count: 0, next_count: 0, next: f64::NEG_INFINITY };
+
+    fn push(&mut self, value: f64) {
+        if value > self.value {
+            *self = Rail { value, count: 1, next: self.value, next_count: self.count };
+        } else if value == self.value {
+            self.count += 1;
+        } else if value > self.next {
+            (self.next, self.next_count) = (value, 1);
+        } else if value == self.next {
+            self.next_count += 1;
         }
-        if row - start > best.1 {
-            best = (start, row - start);
-        }
-        start = row;
     }
-    let others = repeats.saturating_sub(best.1) as f64;
-    let chance = ((others + 1.0) / values.len() as f64).min(0.999);
-    // The longest run in n draws that repeat with this chance is near ln n / ln(1/chance).
-    let expected = (values.len() as f64).ln() / -chance.ln();
-    (best.1 as f64 > 20.0 + 4.0 * expected).then_some(best)
+
+    /// Far too many for an unclipped reading: more than three times those at the next value inwards. (A quantised sine has
+    /// at most 2.4 times.)
+    fn touched(&self) -> bool {
+        self.count >= 10 && self.count > 3 * self.next_count
+    }
+}
+
+impl Watch {
+    /// Nothing seen yet.
+    pub fn new(name: &str) -> Self {
+        Self {
+            name: name.into(),
+            count: 0,
+            high: Rail::NONE,
+            low: Rail::NONE,
+            levels: Vec::new(),
+            before: f64::NAN,
+            run: 0,
+            repeats: 0,
+            longest: (0, 0, f64::NAN),
+            step: f64::INFINITY,
+            origin: f64::NAN,
+            off_grid: 0.0,
+        }
+    }
+
+    /// All of a column.
+    pub fn of(name: &str, values: &[f64]) -> Self {
+        let mut watch = Self::new(name);
+        values.iter().for_each(|v| watch.push(*v));
+        watch
+    }
+
+    /// The next value.
+    pub fn push(&mut self, value: f64) {
+        self.high.push(value);
+        self.low.push(-value);
+        if self.levels.len() <= 8 && !self.levels.contains(&value) {
+            self.levels.push(value);
+        }
+        if self.count == 0 {
+            self.origin = value;
+        }
+        if value == self.before {
+            self.run += 1;
+            self.repeats += 1;
+        } else {
+            self.run = 1;
+            let change = (value - self.before).abs();
+            if change < self.step * (1.0 - 1e-6) {
+                (self.step, self.off_grid) = (change, 0.0);
+            }
+        }
+        if self.run > self.longest.1 {
+            self.longest = (self.count + 1 - self.run, self.run, value);
+        }
+        let steps = (value - self.origin) / self.step;
+        self.off_grid = self.off_grid.max((steps - steps.round()).abs());
+        self.before = value;
+        self.count += 1;
+    }
+
+    /// The step that all values since it was first seen are whole multiples of, if values repeat so often that it is no
+    /// accident of printing.
+    pub fn step(&self) -> Option<f64> {
+        let span = (self.high.value + self.low.value) / self.step;
+        (self.step.is_finite() && self.off_grid < 0.05 && 20.0 * span < self.count as f64).then_some(self.step)
+    }
+
+    /// Whether all values are the same.
+    pub fn constant(&self) -> bool {
+        self.levels.len() < 2
+    }
+
+    /// What a person should know of the column.
+    pub fn findings(&self) -> Vec<String> {
+        let name = &self.name;
+        if self.constant() {
+            return vec![format!("`{name}` is constant ({}): a dead channel?", self.before)];
+        }
+        let mut out = Vec::new();
+        // An input of a few levels (a square wave) is not a clipped one.
+        for (rail, value, side) in [(self.high, self.high.value, "above"), (self.low, -self.low.value, "below")] {
+            if self.levels.len() > 8 && rail.touched() {
+                out.push(format!("`{name}` stays at {value} in {} rows and never goes {side}: clipped?", rail.count));
+            }
+        }
+        let (start, rows, value) = self.longest;
+        if self.frozen() && value != self.high.value && value != -self.low.value {
+            out.push(format!("`{name}` does not change for {rows} rows from row {start}: stuck?"));
+        }
+        out
+    }
+
+    /// Whether the longest run of one value is longer than chance would make it: near ln n / ln(1/p) in n draws that repeat
+    /// with probability p.
+    fn frozen(&self) -> bool {
+        let others = self.repeats.saturating_sub(self.longest.1) as f64;
+        let chance = ((others + 1.0) / self.count as f64).min(0.999);
+        self.longest.1 as f64 > 20.0 - 4.0 * (self.count as f64).ln() / chance.ln()
+    }
 }
 
 #[cfg(test)]
@@ -109,7 +196,7 @@ mod tests {
     use super::*;
 
     fn judge(values: Vec<f64>) -> Vec<String> {
-        findings(&Column { name: "x".into(), values })
+        Watch::of("x", &values).findings()
     }
 
     fn sine(amplitude: f64) -> Vec<f64> {
@@ -137,5 +224,12 @@ mod tests {
         assert!(judge(sine(6.3).iter().map(|v| v.round()).collect()).is_empty(), "a coarse reading is not clipped");
         let square = (0..5000).map(|i| if i / 50 % 2 == 0 { 1.0 } else { -1.0 }).collect();
         assert!(judge(square).is_empty(), "a two-level input is not clipped");
+    }
+
+    #[test]
+    fn the_step_of_a_rounded_reading_is_found_and_none_in_a_smooth_one() {
+        let rounded: Vec<f64> = sine(20.0).iter().map(|v| (v / 0.25).round() * 0.25).collect();
+        assert_eq!(Watch::of("x", &rounded).step(), Some(0.25));
+        assert_eq!(Watch::of("x", &sine(20.0)).step(), None);
     }
 }
