@@ -132,7 +132,7 @@ fn collect(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Vec<f64>>
             }
         }
         index += 1;
-        if index % 65_536 == 0 {
+        if index.is_multiple_of(65_536) {
             bar.set_position(table.bytes_read());
             if progress::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));

@@ -60,12 +60,12 @@ pub fn read(path: &Path, request: &Request, mut take: impl FnMut(Event<'_>)) -> 
     let mut table = Rows::open(path, &wanted)?;
     let mut row = vec![0.0; wanted.len()];
     let mut bridge = Bridge::new(names.len());
-    let mut clock = request.time.is_some().then(|| Clock { rate_hz, before: None, repeats: 0 });
+    let mut clock = request.time.as_ref().map(|_| Clock { rate_hz, before: None, repeats: 0 });
     let bar = progress::bar("reading", table.length_bytes());
     let mut index = 0usize;
     while table.next(&mut row)? {
         index += 1;
-        if index % 65_536 == 0 {
+        if index.is_multiple_of(65_536) {
             bar.set_position(table.bytes_read());
             if progress::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
@@ -189,14 +189,18 @@ impl Bridge {
     }
 
     fn judge(self, path: &Path, rows: usize, findings: &mut Vec<String>) -> Result<()> {
-        let fail = |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
+        let fail =
+            |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
         if self.given < 2 {
             let hint = "a recording needs at least two rows under its header, and some thousands to be worth judging";
             return fail(format!("{} of {rows} data rows hold numbers in every column", self.given), hint);
         }
         if self.filled as f64 > FILL_LIMIT * self.given as f64 {
             let cause = format!("{} of {} samples are missing in short gaps", self.filled, self.given);
-            return fail(cause, "cut the recording to a stretch without gaps, or name only the columns that were logged");
+            return fail(
+                cause,
+                "cut the recording to a stretch without gaps, or name only the columns that were logged",
+            );
         }
         if self.filled > 0 {
             findings.push(format!("{} missing samples in short gaps were filled by straight lines", self.filled));
