@@ -90,7 +90,9 @@ impl Triad {
     pub fn along_axes(&self, counts: Vector3<f64>, covariate: f64) -> Vector3<f64> {
         let reading = (counts - self.offset).component_div(&self.scale) - self.temperature * covariate;
         // The inverse of v + k₂v² + k₃v³ to first order in small k; the error, of order k², is below any k seen here.
-        reading - self.quadratic.component_mul(&reading.map(|v| v * v)) - self.cubic.component_mul(&reading.map(|v| v * v * v))
+        reading
+            - self.quadratic.component_mul(&reading.map(|v| v * v))
+            - self.cubic.component_mul(&reading.map(|v| v * v * v))
     }
 
     /// M⁻¹.
@@ -116,9 +118,7 @@ impl Calibration {
     /// The calibration that a parameter point stands for.
     pub fn from_point(p: &Point) -> Self {
         let three = |r: std::ops::Range<usize>| Vector3::new(p[r.start], p[r.start + 1], p[r.start + 2]);
-        let scale = |common: usize, axis: usize| {
-            p[common] * Vector3::new(1.0, 1.0 + p[axis], 1.0 + p[axis + 1])
-        };
+        let scale = |common: usize, axis: usize| p[common] * Vector3::new(1.0, 1.0 + p[axis], 1.0 + p[axis + 1]);
         let m = &p[accelerometer::MISALIGNMENT];
         let upper = Matrix3::new(1.0, m[0], m[1], 0.0, 1.0, m[2], 0.0, 0.0, 1.0);
         let mut full = Matrix3::identity();
@@ -180,8 +180,7 @@ mod tests {
         let c = Calibration::from_point(&p);
         let (force, rate) = (Vector3::new(1.0, -2.0, 9.0), Vector3::new(0.3, -0.2, 1.1));
         let a = c.accelerometer.offset + c.accelerometer.scale.component_mul(&(c.accelerometer.alignment * force));
-        let g = c.gyro.offset
-            + c.gyro.scale.component_mul(&(c.gyro.alignment * rate + c.g_sensitivity * force));
+        let g = c.gyro.offset + c.gyro.scale.component_mul(&(c.gyro.alignment * rate + c.g_sensitivity * force));
         let back = c.specific_force_m_s2(a.into(), 0.0);
         assert!((back - force).norm() < 1e-12);
         assert!((c.rate_rad_s(g.into(), &back, 0.0) - rate).norm() < 1e-12);

@@ -128,11 +128,12 @@ impl Fit {
         }
     }
 
-    /// Residuals of every row when its fold of poses is held out (`folds` interleaved folds).
-    pub fn held_out(&self, folds: usize) -> DVector<f64> {
+    /// Residuals of every row when its pose's fold is held out; rows of poses without a fold stay as fitted.
+    pub fn held_out(&self, folds: &[Option<usize>]) -> DVector<f64> {
         let mut out = self.rows.residual.clone();
-        for fold in 0..folds {
-            let inside = |r: usize| self.rows.pose[r] % folds == fold;
+        let count = folds.iter().flatten().max().map_or(0, |m| m + 1);
+        for fold in 0..count {
+            let inside = |r: usize| folds[self.rows.pose[r]] == Some(fold);
             let (_, residual) = self.without(inside);
             for r in (0..out.len()).filter(|r| inside(*r)) {
                 out[r] = residual[r];

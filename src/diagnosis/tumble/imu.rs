@@ -45,6 +45,10 @@ pub struct Observed<'a> {
     pub imu: Imu<'a>,
     /// In order of time.
     pub poses: Vec<Pose>,
+    /// Counts per m/s² by which noise in counts becomes noise in SI; fixed, so that a fit cannot gain by inflating its noise.
+    pub accelerometer_scale: f64,
+    /// Counts per rad/s, likewise.
+    pub gyro_scale: f64,
     /// Noise of the accelerometer's axes, counts.
     pub accelerometer_noise: [AxisNoise; 3],
     /// Noise of the gyro's axes, counts.
@@ -96,6 +100,6 @@ impl<'a> Imu<'a> {
                 }
             })
             .collect();
-        Observed { imu: self, poses, accelerometer_noise, gyro_noise }
+        Observed { imu: self, poses, accelerometer_scale: 1.0, gyro_scale: 1.0, accelerometer_noise, gyro_noise }
     }
 }

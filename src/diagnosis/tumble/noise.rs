@@ -91,8 +91,7 @@ pub fn batch_error(values: &[f64]) -> f64 {
     if m == 0 {
         return 0.0;
     }
-    let means: Vec<f64> =
-        values.chunks_exact(m).take(BATCHES).map(|c| c.iter().sum::<f64>() / m as f64).collect();
+    let means: Vec<f64> = values.chunks_exact(m).take(BATCHES).map(|c| c.iter().sum::<f64>() / m as f64).collect();
     let mean = means.iter().sum::<f64>() / BATCHES as f64;
     let variance = means.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
     (variance / BATCHES as f64).sqrt()

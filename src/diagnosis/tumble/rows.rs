@@ -47,7 +47,14 @@ struct Active<'a> {
 }
 
 /// Calls `give(parameter, axis, φ)` for every parameter that moves axis i of the reading v by −φ.
-fn reading_slopes(sensor: Sensor, triad: &Triad, scale: f64, counts: &Vector3<f64>, covariate: f64, mut give: impl FnMut(usize, usize, f64)) {
+fn reading_slopes(
+    sensor: Sensor,
+    triad: &Triad,
+    scale: f64,
+    counts: &Vector3<f64>,
+    covariate: f64,
+    mut give: impl FnMut(usize, usize, f64),
+) {
     let (offset, common, axis, quadratic, cubic, temperature) = match sensor {
         Sensor::Accelerometer => (
             accelerometer::OFFSET.start,
@@ -91,7 +98,13 @@ impl Active<'_> {
     }
 
     /// ∂f of a pose by every active parameter of the accelerometer: (column, ∂f).
-    fn force_slopes(&self, point: &Point, calibration: &Calibration, pose: &Pose, force: &Vector3<f64>) -> Vec<(usize, Vector3<f64>)> {
+    fn force_slopes(
+        &self,
+        point: &Point,
+        calibration: &Calibration,
+        pose: &Pose,
+        force: &Vector3<f64>,
+    ) -> Vec<(usize, Vector3<f64>)> {
         let triad = &calibration.accelerometer;
         let mut out: Vec<(usize, Vector3<f64>)> = Vec::new();
         let mut give = |parameter: usize, axis: usize, phi: f64| {
@@ -103,7 +116,14 @@ impl Active<'_> {
                 }
             }
         };
-        reading_slopes(Sensor::Accelerometer, triad, point[accelerometer::SCALE.start], &pose.accelerometer, pose.covariate, &mut give);
+        reading_slopes(
+            Sensor::Accelerometer,
+            triad,
+            point[accelerometer::SCALE.start],
+            &pose.accelerometer,
+            pose.covariate,
+            &mut give,
+        );
         let m = accelerometer::MISALIGNMENT.start;
         give(m, 0, force[1]);
         give(m + 1, 0, force[2]);
@@ -135,13 +155,20 @@ impl Observed<'_> {
             let angle = rate * step_s;
             if let Some(active) = active {
                 // The right Jacobian of a rotation, to first order in one sample's angle.
-                let lever = rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
+                let lever: Matrix3<f64> = rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
                 let mut give = |parameter: usize, axis: usize, phi: f64| {
                     if let Some(column) = active.column[parameter] {
                         slopes[column] -= lever.column(axis) * phi;
                     }
                 };
-                reading_slopes(Sensor::Gyro, &calibration.gyro, point[gyro::SCALE.start], &counts, covariate, &mut give);
+                reading_slopes(
+                    Sensor::Gyro,
+                    &calibration.gyro,
+                    point[gyro::SCALE.start],
+                    &counts,
+                    covariate,
+                    &mut give,
+                );
                 for (n, (i, j)) in GYRO_OFF_DIAGONAL.iter().enumerate() {
                     give(gyro::MISALIGNMENT.start + n, *i, rate[*j]);
                 }
@@ -185,24 +212,28 @@ impl Observed<'_> {
             group: Vec::with_capacity(count),
             pose: Vec::with_capacity(count),
         };
-        for (k, pose) in self.poses.iter().enumerate() {
-            self.gravity_row(&mut rows, &calibration, k, &forces[k], &force_slopes[k]);
-            self.still_rows(&mut rows, (point, &calibration, &active), k, (&forces[k], &force_slopes[k]), &attitudes[k]);
+        for k in 0..self.poses.len() {
+            self.gravity_row(&mut rows, k, &forces[k], &force_slopes[k]);
+            self.still_rows(
+                &mut rows,
+                (point, &calibration, &active),
+                k,
+                (&forces[k], &force_slopes[k]),
+                &attitudes[k],
+            );
             if let Some(turn) = turns.get(k) {
                 let ends = [(&forces[k], &force_slopes[k]), (&forces[k + 1], &force_slopes[k + 1])];
-                self.turn_rows(&mut rows, &calibration, k, turn, ends);
+                self.turn_rows(&mut rows, k, turn, ends);
             }
-            debug_assert_eq!(pose.samples.is_empty(), false);
         }
         rows
     }
 
-    fn gravity_row(&self, rows: &mut Rows, calibration: &Calibration, k: usize, force: &Vector3<f64>, slopes: &[(usize, Vector3<f64>)]) {
+    fn gravity_row(&self, rows: &mut Rows, k: usize, force: &Vector3<f64>, slopes: &[(usize, Vector3<f64>)]) {
         let length = force.norm().max(f64::MIN_POSITIVE);
         let up = force / length;
-        let variance: f64 = (0..3)
-            .map(|i| self.poses[k].accelerometer_variance[i] * (up[i] / calibration.accelerometer.scale[i]).powi(2))
-            .sum();
+        let variance: f64 =
+            (0..3).map(|i| self.poses[k].accelerometer_variance[i] * (up[i] / self.accelerometer_scale).powi(2)).sum();
         let deviation = variance.sqrt();
         let row = rows.push(Group::Gravity, k, length - self.imu.gravity_m_s2, deviation);
         for (column, change) in slopes {
@@ -226,7 +257,7 @@ impl Observed<'_> {
             - into_axes * calibration.frame_rate_rad_s;
         let first = rows.deviation.len();
         for i in 0..3 {
-            rows.push(Group::Still, k, residual[i], pose.gyro_variance[i].sqrt() / triad.scale[i].abs());
+            rows.push(Group::Still, k, residual[i], pose.gyro_variance[i].sqrt() / self.gyro_scale);
         }
         let mut give = |parameter: usize, axis: usize, phi: f64| {
             if let Some(column) = active.column[parameter] {
@@ -251,7 +282,6 @@ impl Observed<'_> {
     fn turn_rows(
         &self,
         rows: &mut Rows,
-        calibration: &Calibration,
         k: usize,
         turn: &Turn,
         [(start, start_slopes), (end, end_slopes)]: [(&Vector3<f64>, &Vec<(usize, Vector3<f64>)>); 2],
@@ -259,16 +289,14 @@ impl Observed<'_> {
         let back = turn.rotation.transpose();
         let (up_start, up_end) = (start.normalize(), end.normalize());
         let carried = back * up_start;
-        let length_s =
-            (self.poses[k + 1].samples.start - self.poses[k].samples.end) as f64 / self.imu.rate_hz;
-        let scale = calibration.gyro.scale;
+        let length_s = (self.poses[k + 1].samples.start - self.poses[k].samples.end) as f64 / self.imu.rate_hz;
         let angle_variance: f64 =
-            (0..3).map(|i| self.gyro_noise[i].integral_variance(length_s) / scale[i].powi(2)).sum::<f64>() / 3.0;
+            (0..3).map(|i| self.gyro_noise[i].integral_variance(length_s) / self.gyro_scale.powi(2)).sum::<f64>() / 3.0;
         let direction_variance: f64 = [k, k + 1]
             .iter()
             .map(|p| {
                 let v = self.poses[*p].accelerometer_variance;
-                (0..3).map(|i| v[i] / calibration.accelerometer.scale[i].powi(2)).sum::<f64>() / 3.0
+                (0..3).map(|i| v[i] / self.accelerometer_scale.powi(2)).sum::<f64>() / 3.0
             })
             .sum::<f64>()
             / self.imu.gravity_m_s2.powi(2);

@@ -11,8 +11,8 @@ pub fn base() -> Vec<usize> {
     accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro::OFFSET).chain(gyro::SCALE).collect()
 }
 
-/// A first guess of the base model.
-pub fn guess(observed: &Observed<'_>) -> Point {
+/// A first guess of the base model; sets the scales by which noise is weighed.
+pub fn guess(observed: &mut Observed<'_>) -> Point {
     let mut point = [0.0; PARAMETERS];
     let poses = &observed.poses;
     let (offset, scale) = sphere(&poses.iter().map(|p| p.accelerometer).collect::<Vec<_>>());
@@ -21,13 +21,15 @@ pub fn guess(observed: &Observed<'_>) -> Point {
         point[gyro::OFFSET.start + i] = poses.iter().map(|p| p.gyro[i]).sum::<f64>() / poses.len().max(1) as f64;
     }
     point[accelerometer::SCALE.start] = scale / observed.imu.gravity_m_s2;
+    observed.accelerometer_scale = point[accelerometer::SCALE.start];
     point[gyro::SCALE.start] = 1.0;
     point[gyro::SCALE.start] = gyro_scale(observed, &point);
+    observed.gyro_scale = point[gyro::SCALE.start];
     point
 }
 
 /// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2 y·o + (r² − o²).
-fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
+pub fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
     let count = means.len().max(1) as f64;
     let centre = means.iter().sum::<Vector3<f64>>() / count;
     let rows = means.len();
@@ -48,9 +50,8 @@ fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
     let mut ratios: Vec<f64> = Vec::new();
     for k in 0..observed.poses.len().saturating_sub(1) {
         let between = observed.poses[k].samples.end..observed.poses[k + 1].samples.start;
-        let turned: Vector3<f64> = between
-            .map(|s| (observed.imu.gyro_at(s) - calibration.gyro.offset) / observed.imu.rate_hz)
-            .sum();
+        let turned: Vector3<f64> =
+            between.map(|s| (observed.imu.gyro_at(s) - calibration.gyro.offset) / observed.imu.rate_hz).sum();
         let angle = up[k].dot(&up[k + 1]).clamp(-1.0, 1.0).acos();
         if angle > 0.3 {
             ratios.push(turned.norm() / angle);
@@ -62,7 +63,7 @@ fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
         let mut trial = *point;
         trial[gyro::SCALE.start] = scale;
         let rows = observed.rows(&trial, &[]);
-        // In SI, because the noise over which rows are taken shrinks as the scale grows.
+        // In rad: the noise in SI is not known before the scale is.
         let turns = (0..rows.group.len()).filter(|r| rows.group[*r] == Group::Turn);
         turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).sum::<f64>()
     };

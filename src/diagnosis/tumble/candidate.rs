@@ -1,0 +1,66 @@
+//! What an IMU's calibration model may leave out; one file per candidate, each with the parameters it frees.
+
+use std::ops::Range;
+
+use super::calibration::Sensor;
+use super::rows::Group;
+use crate::diagnosis::candidate::Candidate;
+
+mod earth_rate;
+mod g_sensitivity;
+mod local_gravity;
+mod misalignment;
+mod scale_factor;
+mod scale_nonlinearity;
+mod temperature_sensitivity;
+
+/// The library of this kind.
+pub const CANDIDATES: &[Candidate] = &[
+    scale_factor::CANDIDATE,
+    misalignment::CANDIDATE,
+    g_sensitivity::CANDIDATE,
+    scale_nonlinearity::CANDIDATE,
+    temperature_sensitivity::CANDIDATE,
+    local_gravity::CANDIDATE,
+    earth_rate::CANDIDATE,
+];
+
+/// A candidate in one of the two sensors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// Library id.
+    pub id: &'static str,
+    /// Where it acts.
+    pub sensor: Sensor,
+    /// Parameters it frees.
+    pub parameters: &'static [Range<usize>],
+    /// The residual it is judged by.
+    pub judged: Group,
+}
+
+/// Everything that can be fitted. `local-gravity` is not among it: no pose can tell it from the common scale.
+pub fn terms() -> Vec<&'static Term> {
+    [
+        scale_factor::TERMS,
+        misalignment::TERMS,
+        g_sensitivity::TERMS,
+        scale_nonlinearity::TERMS,
+        temperature_sensitivity::TERMS,
+        earth_rate::TERMS,
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+impl Term {
+    /// Indices of the parameters it frees.
+    pub fn active(&self) -> impl Iterator<Item = usize> {
+        self.parameters.iter().cloned().flatten()
+    }
+
+    /// What the library says of it.
+    pub fn candidate(&self) -> &'static Candidate {
+        CANDIDATES.iter().find(|c| c.id == self.id).unwrap_or(&CANDIDATES[0])
+    }
+}

@@ -1,0 +1,21 @@
+//! `earth-rate`: the gyro at rest feels the earth turn.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "earth-rate",
+    kind: Kind::Tumble,
+    statement: "The earth's rotation, 15.04 °/h, was taken for zero rate.",
+    equation: "w = M (ω + Rᵀ Ω)",
+    parameters: &[Parameter { name: "omega_i", unit: "°/h", range: (-15.05, 15.05) }],
+    acts: "reference",
+    signature: "the gyro at rest follows the heading; along gravity it looks like one diagonal of g-sensitivity",
+    confusable_with: &["g-sensitivity"],
+    reference: "IERS: 7.292115e-5 rad/s",
+};
+
+pub(super) const TERMS: &[Term] =
+    &[Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::FRAME_RATE], judged: Group::Still }];

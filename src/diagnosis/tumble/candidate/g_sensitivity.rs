@@ -1,0 +1,21 @@
+//! `g-sensitivity`: the gyro follows specific force.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "g-sensitivity",
+    kind: Kind::Tumble,
+    statement: "The gyro's bias follows the specific force: at rest it reads another rate in every attitude.",
+    equation: "w = M ω + K f",
+    parameters: &[Parameter { name: "k_ij", unit: "°/s/g", range: (-5.0, 5.0) }],
+    acts: "readout",
+    signature: "the gyro at rest follows the direction of gravity; turns by gravity improve as well",
+    confusable_with: &["earth-rate", "temperature-sensitivity"],
+    reference: "IEEE 952, §5 (acceleration-sensitive drift); Bancroft & Lachapelle, Sensors 2012",
+};
+
+pub(super) const TERMS: &[Term] =
+    &[Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::G_SENSITIVITY], judged: Group::Still }];

@@ -1,0 +1,28 @@
+//! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the accelerometer's.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, accelerometer, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "misalignment",
+    kind: Kind::Tumble,
+    statement: "The sensitive axes are not orthogonal, or the gyro's axes are turned against the accelerometer's.",
+    equation: "v = M f,  w = M ω,  M_ii = 1, M_ij ≠ 0",
+    parameters: &[Parameter { name: "m_ij", unit: "rad", range: (-0.3, 0.3) }],
+    acts: "readout",
+    signature: "|f| depends on products of two axes' shares; gyro: gravity lands beside where a turn should have carried it",
+    confusable_with: &["scale-factor", "g-sensitivity"],
+    reference: "IEEE 1293, §5; Tedaldi, Pretto & Menegatti, ICRA 2014",
+};
+
+pub(super) const TERMS: &[Term] = &[
+    Term {
+        id: CANDIDATE.id,
+        sensor: Sensor::Accelerometer,
+        parameters: &[accelerometer::MISALIGNMENT],
+        judged: Group::Gravity,
+    },
+    Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::MISALIGNMENT], judged: Group::Turn },
+];

@@ -1,0 +1,28 @@
+//! `scale-factor`: the axes of a sensor do not share one scale.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, accelerometer, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "scale-factor",
+    kind: Kind::Tumble,
+    statement: "The three axes of the sensor have different scale factors; one common scale was assumed.",
+    equation: "y_i = o_i + s_i v_i,  s_x ≠ s_y ≠ s_z",
+    parameters: &[Parameter { name: "scale", unit: "count per m/s^2 or rad/s", range: (-0.3, 0.3) }],
+    acts: "readout",
+    signature: "|f| depends on which axis points up, as the square of its share; gyro: turns about one axis come out too long",
+    confusable_with: &["scale-nonlinearity", "misalignment"],
+    reference: "IEEE 1293, §5; Tedaldi, Pretto & Menegatti, ICRA 2014",
+};
+
+pub(super) const TERMS: &[Term] = &[
+    Term {
+        id: CANDIDATE.id,
+        sensor: Sensor::Accelerometer,
+        parameters: &[accelerometer::AXIS_SCALE],
+        judged: Group::Gravity,
+    },
+    Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::AXIS_SCALE], judged: Group::Turn },
+];

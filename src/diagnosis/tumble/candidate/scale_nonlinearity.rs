@@ -1,0 +1,31 @@
+//! `scale-nonlinearity`: the scale changes with what is measured.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, accelerometer, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "scale-nonlinearity",
+    kind: Kind::Tumble,
+    statement: "The scale factor changes with the force or rate that is measured.",
+    equation: "y = o + s (v + k₂ v² + k₃ v³)",
+    parameters: &[
+        Parameter { name: "k2", unit: "1/u", range: (-0.1, 0.1) },
+        Parameter { name: "k3", unit: "1/u^2", range: (-0.1, 0.1) },
+    ],
+    acts: "readout",
+    signature: "|f| differs between an axis up and the same axis down (k₂), or between whole and shared gravity (k₃)",
+    confusable_with: &["scale-factor"],
+    reference: "IEEE 1293, §5 (K₂, K₃)",
+};
+
+pub(super) const TERMS: &[Term] = &[
+    Term {
+        id: CANDIDATE.id,
+        sensor: Sensor::Accelerometer,
+        parameters: &[accelerometer::QUADRATIC, accelerometer::CUBIC],
+        judged: Group::Gravity,
+    },
+    Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::QUADRATIC, gyro::CUBIC], judged: Group::Turn },
+];

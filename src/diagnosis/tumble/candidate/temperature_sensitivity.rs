@@ -1,0 +1,28 @@
+//! `temperature-sensitivity`: offsets follow a temperature column, or drift slowly with time where none was recorded.
+
+use super::Term;
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::diagnosis::tumble::calibration::{Sensor, accelerometer, gyro};
+use crate::diagnosis::tumble::rows::Group;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "temperature-sensitivity",
+    kind: Kind::Tumble,
+    statement: "The offsets follow temperature; where no temperature was recorded, they drift slowly with time.",
+    equation: "y = o + s (v + c (T − T̄))",
+    parameters: &[Parameter { name: "c", unit: "u per unit of the column, or per minute", range: (-1.0, 1.0) }],
+    acts: "readout",
+    signature: "poses of equal attitude differ by when they were taken",
+    confusable_with: &["g-sensitivity"],
+    reference: "IEEE 1293, §5 (bias temperature sensitivity)",
+};
+
+pub(super) const TERMS: &[Term] = &[
+    Term {
+        id: CANDIDATE.id,
+        sensor: Sensor::Accelerometer,
+        parameters: &[accelerometer::TEMPERATURE],
+        judged: Group::Gravity,
+    },
+    Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::TEMPERATURE], judged: Group::Still },
+];

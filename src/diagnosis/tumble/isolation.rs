@@ -1,0 +1,138 @@
+//! Where the base model's mismatch lives: which residual, which poses, and which component of gravity it follows.
+
+use nalgebra::Vector3;
+
+use super::fit::Fit;
+use super::imu::Observed;
+use super::rows::{GROUPS, Group};
+use crate::diagnosis::verdict::{Stretch, Where};
+use crate::numerics::special::{chi_squared_above, discoveries};
+use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+
+/// Share of the stretches named that may be false.
+const FALSE_DISCOVERIES: f64 = 0.05;
+
+/// One kind of residual, in the unit people say it in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Which.
+    pub group: Group,
+    /// Root mean square.
+    pub rms: f64,
+    /// What noise alone leaves.
+    pub noise: f64,
+}
+
+impl Group {
+    /// What it is, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Group::Gravity => "length of gravity",
+            Group::Still => "gyro at rest",
+            Group::Turn => "gravity's direction after a turn",
+        }
+    }
+
+    /// The unit people say it in.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Group::Gravity => "mm/s²",
+            Group::Still => "°/s",
+            Group::Turn => "mrad",
+        }
+    }
+
+    /// That unit, from SI.
+    pub fn factor(self) -> f64 {
+        match self {
+            Group::Still => 1.0 / DEGREE,
+            Group::Gravity | Group::Turn => 1e3,
+        }
+    }
+}
+
+/// Root-mean-square of each kind of residual.
+pub fn residuals(fit: &Fit) -> [Residual; 3] {
+    GROUPS.map(|group| {
+        let mut sums = (0.0, 0.0, 0.0);
+        for r in (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] == group) {
+            let (value, deviation) = (fit.rows.residual[r], fit.rows.deviation[r]);
+            sums = (sums.0 + (value * deviation).powi(2), sums.1 + deviation.powi(2), sums.2 + 1.0);
+        }
+        let root = |sum: f64| (sum / f64::max(sums.2, 1.0)).sqrt() * group.factor();
+        Residual { group, rms: root(sums.0), noise: root(sums.1) }
+    })
+}
+
+/// Isolation of the base model's residual; `forces` as the repaired model sees them.
+pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> Where {
+    let excess: Vec<(f64, f64)> = (0..observed.poses.len())
+        .map(|k| {
+            let own = (0..base.rows.pose.len()).filter(|r| base.rows.pose[*r] == k);
+            let (sum, n) = own.fold((0.0, 0.0), |s, r| (s.0 + base.rows.residual[r].powi(2), s.1 + 1.0));
+            (sum / f64::max(n, 1.0), chi_squared_above(sum, f64::max(n, 1.0)))
+        })
+        .collect();
+    let found = discoveries(&excess.iter().map(|e| e.1).collect::<Vec<_>>(), FALSE_DISCOVERIES);
+    let seconds = |sample: usize| sample as f64 / observed.imu.rate_hz;
+    let time_s: Vec<Stretch> = observed
+        .poses
+        .iter()
+        .zip(&excess)
+        .zip(&found)
+        .filter(|(_, found)| **found)
+        .map(|((p, e), _)| Stretch { from: seconds(p.samples.start), to: seconds(p.samples.end), excess: e.0 })
+        .collect();
+    let (axis, state) = by_component(base, forces);
+    let kinds: Vec<String> = residuals(base)
+        .iter()
+        .map(|r| {
+            let unit = r.group.unit();
+            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), short(r.rms), short(r.noise))
+        })
+        .collect();
+    let place = match (time_s.len(), state.is_empty()) {
+        (0, _) => "no pose stands out of the noise".to_owned(),
+        (n, true) => format!("{n} of {} poses stand out", observed.poses.len()),
+        (n, false) => {
+            format!("{n} of {} poses stand out, most by the share of gravity along {axis}", observed.poses.len())
+        }
+    };
+    Where { summary: format!("{}; {place}", kinds.join("; ")), time_s, frequency_hz: Vec::new(), state }
+}
+
+fn short(value: f64) -> String {
+    let digits = (1.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// The component of gravity that the excess follows most, and the excess in five bins of it (in m/s²).
+fn by_component(base: &Fit, forces: &[Vector3<f64>]) -> (&'static str, Vec<Stretch>) {
+    const BINS: usize = 5;
+    let g = STANDARD_GRAVITY_M_S2;
+    let mut best: (f64, &'static str, Vec<Stretch>) = (0.0, "", Vec::new());
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let mut sums = [(0.0, 0.0); BINS];
+        for r in 0..base.rows.pose.len() {
+            let share = forces[base.rows.pose[r]][axis] / g;
+            let bin = (((share + 1.0) / 2.0 * BINS as f64).max(0.0) as usize).min(BINS - 1);
+            sums[bin].0 += base.rows.residual[r].powi(2);
+            sums[bin].1 += 1.0;
+        }
+        let p: Vec<f64> = sums.iter().map(|s| if s.1 > 0.0 { chi_squared_above(s.0, s.1) } else { 1.0 }).collect();
+        let found = discoveries(&p, FALSE_DISCOVERIES / 3.0);
+        let excess: Vec<f64> = sums.iter().map(|s| if s.1 > 0.0 { s.0 / s.1 } else { 0.0 }).collect();
+        let filled: Vec<f64> = excess.iter().zip(&sums).filter(|e| e.1.1 > 0.0).map(|e| *e.0).collect();
+        let contrast =
+            filled.iter().fold(0.0, |m: f64, e| m.max(*e)) - filled.iter().fold(f64::INFINITY, |m: f64, e| m.min(*e));
+        if contrast > best.0 && found.iter().any(|f| *f) {
+            let edge = |b: usize| (2.0 * b as f64 / BINS as f64 - 1.0) * g;
+            let stretches = (0..BINS)
+                .filter(|b| found[*b])
+                .map(|b| Stretch { from: edge(b), to: edge(b + 1), excess: excess[b] })
+                .collect();
+            best = (contrast, name, stretches);
+        }
+    }
+    (best.1, best.2)
+}

@@ -1,0 +1,148 @@
+//! Where the IMU lay still: read from a file of row ranges, or found in the recording.
+//!
+//! The finder follows Tedaldi, Pretto & Menegatti (ICRA 2014): the variance in a sliding window against a multiple of the
+//! quietest one, the multiple chosen by scanning. They take the one that calibrates best; here the one that finds most
+//! stillness among those whose poses agree with gravity about as well as the best, because too few poses always agree.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::imu::Imu;
+use super::start::sphere;
+use crate::error::{Error, Result};
+use crate::recording::rows::Rows;
+
+/// Window of the variance, s.
+const WINDOW_S: f64 = 1.0;
+/// Shortest pose, s.
+const SHORTEST_S: f64 = 1.5;
+/// Multiples of the quietest variance that are tried.
+const MULTIPLES: [f64; 9] = [2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 40.0, 80.0, 160.0];
+
+/// Reads `start_row,end_row_exclusive`.
+///
+/// # Errors
+/// A file that cannot be read; ranges that are empty, out of order or beyond the recording, each with its line.
+pub fn read(path: &Path, samples: usize) -> Result<Vec<Range<usize>>> {
+    let fail = |line: usize, cause: String| {
+        Error::new(
+            format!("could not use the poses in {}", path.display()),
+            format!("line {line}: {cause}"),
+            "one range of rows per line, start_row,end_row_exclusive, counted from zero and in order of time",
+        )
+    };
+    let mut rows = Rows::open(path, &["start_row".to_owned(), "end_row_exclusive".to_owned()])?;
+    let mut out: Vec<Range<usize>> = Vec::new();
+    let mut row = [f64::NAN; 2];
+    while rows.next(&mut row)? {
+        let line = out.len() + 2;
+        let whole = |v: f64| (v >= 0.0 && v.fract() == 0.0 && v < 1e15).then_some(v as usize);
+        let (Some(start), Some(end)) = (whole(row[0]), whole(row[1])) else {
+            return Err(fail(line, format!("{}, {} are not row numbers", row[0], row[1])));
+        };
+        if start >= end {
+            return Err(fail(line, format!("rows {start} to {end} are an empty range")));
+        }
+        if end > samples {
+            return Err(fail(line, format!("rows {start} to {end}, but the recording has {samples}")));
+        }
+        if out.last().is_some_and(|last| last.end > start) {
+            return Err(fail(line, format!("rows {start} to {end} overlap the pose before")));
+        }
+        out.push(start..end);
+    }
+    Ok(out)
+}
+
+/// Finds still stretches.
+pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
+    let window = ((WINDOW_S * imu.rate_hz).round() as usize).max(4);
+    let unrest = unrest(imu, window);
+    if unrest.is_empty() {
+        return Vec::new();
+    }
+    let mut sorted = unrest.clone();
+    sorted.sort_by(f64::total_cmp);
+    // The quietest hundredth: below it lies chance, above it motion may begin.
+    let quiet = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
+    let tried: Vec<(Vec<Range<usize>>, f64)> = MULTIPLES
+        .iter()
+        .map(|m| stretches(&unrest, quiet * m, window, imu.rate_hz))
+        .filter(|poses| poses.len() >= 6)
+        .map(|poses| {
+            let spread = disagreement(imu, &poses);
+            (poses, spread)
+        })
+        .collect();
+    let best = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+    let agreeing = tried.into_iter().filter(|t| t.1 <= 1.5 * best);
+    agreeing.max_by_key(|t| (t.0.len(), t.0.iter().map(Range::len).sum::<usize>())).map_or(Vec::new(), |t| t.0)
+}
+
+/// Sum over the axes of the variance in a window centred on each sample, each sensor over its own quiet level.
+fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
+    let samples = imu.accelerometer[0].len();
+    if samples < 2 * window {
+        return Vec::new();
+    }
+    let mut total = vec![0.0; samples - window];
+    for sensor in [&imu.accelerometer, &imu.gyro] {
+        let mut sum = vec![0.0; total.len()];
+        for values in sensor {
+            let centre = values.iter().sum::<f64>() / samples as f64;
+            let (mut first, mut second) = (0.0, 0.0);
+            for (k, value) in values.iter().enumerate() {
+                let v = value - centre;
+                (first, second) = (first + v, second + v * v);
+                if k >= window {
+                    let old = values[k - window] - centre;
+                    (first, second) = (first - old, second - old * old);
+                }
+                if k + 1 >= window && k + 1 - window < sum.len() {
+                    let n = window as f64;
+                    sum[k + 1 - window] += (second / n - (first / n).powi(2)).max(0.0);
+                }
+            }
+        }
+        let mut sorted = sum.clone();
+        sorted.sort_by(f64::total_cmp);
+        let level = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
+        total.iter_mut().zip(&sum).for_each(|(t, s)| *t += s / level);
+    }
+    total
+}
+
+/// Stretches whose windows all stay below the threshold.
+fn stretches(unrest: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec<Range<usize>> {
+    let mut out = Vec::new();
+    let mut start = None;
+    for k in 0..=unrest.len() {
+        let still = k < unrest.len() && unrest[k] < threshold;
+        match (start, still) {
+            (None, true) => start = Some(k),
+            (Some(begin), false) => {
+                // The windows k cover samples k..k+window; all of them lie within the stretch.
+                let range = begin..k - 1 + window;
+                if range.len() as f64 >= SHORTEST_S * rate_hz {
+                    out.push(range);
+                }
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+/// How far the pose means lie from one sphere, over its radius.
+fn disagreement(imu: &Imu<'_>, poses: &[Range<usize>]) -> f64 {
+    let means: Vec<_> = poses
+        .iter()
+        .map(|p| {
+            nalgebra::Vector3::from_fn(|i, _| imu.accelerometer[i][p.clone()].iter().sum::<f64>() / p.len() as f64)
+        })
+        .collect();
+    let (centre, radius) = sphere(&means);
+    let errors = means.iter().map(|m| ((m - centre).norm() / radius - 1.0).powi(2));
+    (errors.sum::<f64>() / means.len() as f64).sqrt()
+}

@@ -1,0 +1,234 @@
+//! Which candidates are named: forward by evidence, judged on poses that were held out, backward to drop stand-ins.
+
+use rand::RngExt;
+
+use super::candidate::{Term, terms};
+use super::fit::Fit;
+use super::imu::Observed;
+use super::rows::{GROUPS, Group};
+use super::units::factor;
+use crate::numerics::special::f_above;
+use crate::rng::{Philox, Stream};
+
+/// Chance of a false name that is accepted, over all candidates together.
+pub const FALSE_NAME: f64 = 0.005;
+/// Interleaved folds of poses where the model states no split.
+const FOLDS: usize = 5;
+/// Resamplings of poses for the interval of a gain.
+const RESAMPLES: usize = 400;
+/// Two models closer than this in the Bayesian information criterion are not told apart (Kass & Raftery 1995: "positive").
+const TIED: f64 = 6.0;
+
+/// Which poses are held out together; `None` is never held out.
+pub type Folds = Vec<Option<usize>>;
+
+/// Interleaved folds.
+pub fn interleaved(poses: usize) -> Folds {
+    (0..poses).map(|k| Some(k % FOLDS)).collect()
+}
+
+/// What one term does to a model.
+#[derive(Debug, Clone)]
+pub struct Standing {
+    /// Which.
+    pub term: &'static Term,
+    /// Share of the held-out mean square beyond the noise that it removes.
+    pub gain: f64,
+    /// 95 % interval of the gain.
+    pub ci95: [f64; 2],
+    /// Corrected for the number of candidates tried.
+    pub p_value: f64,
+    /// How much the information criterion falls by it; positive is better with it.
+    pub criterion: f64,
+    /// Whether the recording determines its parameters beside the others.
+    pub determined: bool,
+    /// Whether its parameters lie where the library allows.
+    pub plausible: bool,
+    /// Smallest size of each parameter that would have been named, in its public unit.
+    pub visible: Vec<f64>,
+}
+
+impl Standing {
+    /// Whether it may be named.
+    pub fn counts(&self) -> bool {
+        self.p_value < FALSE_NAME && self.ci95[0] > 0.0 && self.criterion > 0.0 && self.determined && self.plausible
+    }
+}
+
+/// The outcome of the search.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// The base model, refitted alone.
+    pub base: Fit,
+    /// Base and named terms together.
+    pub repaired: Fit,
+    /// Named, strongest first; each judged against the repaired model without it.
+    pub named: Vec<Standing>,
+    /// The rest, judged as an addition to the repaired model.
+    pub others: Vec<Standing>,
+    /// For each named term, others that would fit nearly as well in its place.
+    pub tied: Vec<Vec<&'static Term>>,
+}
+
+/// Searches the library.
+pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
+    let library = terms();
+    let tried = library.len();
+    let mut named: Vec<&'static Term> = Vec::new();
+    let mut model = base.clone();
+    let mut others;
+    loop {
+        let rest = library.iter().filter(|t| !named.contains(t));
+        let judged: Vec<(Standing, Fit)> = rest.map(|t| with(observed, &model, t, folds, tried)).collect();
+        let best = judged.iter().filter(|(s, _)| s.counts()).max_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
+        let Some((standing, fit)) = best else {
+            others = judged.into_iter().map(|j| j.0).collect::<Vec<_>>();
+            break;
+        };
+        named.push(standing.term);
+        model = fit.clone();
+    }
+    // Backward: what only stood in for something found later no longer counts.
+    let mut kept: Vec<Standing>;
+    loop {
+        kept = named.iter().map(|t| standing_within(observed, &model, t, folds, tried)).collect();
+        let weakest = kept.iter().filter(|s| !s.counts()).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        let Some(weakest) = weakest.cloned() else { break };
+        named.retain(|t| *t != weakest.term);
+        model = without(observed, &model, weakest.term);
+        others.push(weakest);
+    }
+    kept.sort_by(|a, b| b.criterion.total_cmp(&a.criterion));
+    let tied = kept.iter().map(|s| ties(observed, &model, s, &others)).collect();
+    others.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    Selection { base, repaired: model, named: kept, others, tied }
+}
+
+/// Judges a term as an addition to `model`.
+fn with(observed: &Observed<'_>, model: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> (Standing, Fit) {
+    let active: Vec<usize> = model.active.iter().copied().chain(term.active()).collect();
+    let fit = Fit::new(observed, &model.point, &active);
+    (judge(model, &fit, term, folds, tried), fit)
+}
+
+/// Judges a named term against the model without it.
+fn standing_within(observed: &Observed<'_>, model: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> Standing {
+    judge(&without(observed, model, term), model, term, folds, tried)
+}
+
+fn without(observed: &Observed<'_>, model: &Fit, term: &Term) -> Fit {
+    let active: Vec<usize> = model.active.iter().copied().filter(|p| term.active().all(|t| t != *p)).collect();
+    let mut start = model.point;
+    term.active().for_each(|p| start[p] = 0.0);
+    Fit::new(observed, &start, &active)
+}
+
+fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> Standing {
+    let spent = (larger.active.len() - smaller.active.len()).max(1) as f64;
+    // Each group is weighed by what is left of it, so that another effect's mismatch counts as noise here.
+    let improvement: f64 = GROUPS
+        .iter()
+        .map(|g| (smaller.rows.chi_square(*g).0 - larger.rows.chi_square(*g).0) / larger.reduced(*g).max(1.0))
+        .sum();
+    let freedom = larger.rows.chi_square(term.judged).1 as f64 - larger.leverage(term.judged);
+    let p = if freedom >= 1.0 { f_above((improvement / spent).max(0.0), spent, freedom) } else { 1.0 };
+    let (gain, ci95) = held_out_gain(smaller, larger, term.judged, folds);
+    Standing {
+        term,
+        gain,
+        ci95,
+        p_value: (p * tried as f64).clamp(0.0, 1.0),
+        criterion: criterion(smaller) - criterion(larger),
+        determined: larger.determined,
+        plausible: plausible(larger, term),
+        visible: {
+            let deviations = larger.deviations();
+            let own = larger.active.iter().copied().zip(deviations).filter(|(p, _)| term.active().any(|t| t == *p));
+            super::conclusion::visible(own, tried)
+        },
+    }
+}
+
+/// Bayesian information criterion with each group's own scale, never below its measured noise.
+pub fn criterion(fit: &Fit) -> f64 {
+    let mut rows = 0;
+    let misfit: f64 = GROUPS
+        .iter()
+        .map(|g| {
+            let (sum, n) = fit.rows.chi_square(*g);
+            rows += n;
+            let scale = (sum / (n as f64).max(1.0)).max(1.0);
+            sum / scale + n as f64 * scale.ln()
+        })
+        .sum();
+    misfit + fit.active.len() as f64 * (rows as f64).max(1.0).ln()
+}
+
+/// Mean square of held-out residuals over their noise, per pose.
+pub fn held_out_squares(fit: &Fit, group: Group, folds: &Folds) -> Vec<Option<(f64, usize)>> {
+    let residual = fit.held_out(folds);
+    let mut out = vec![None; folds.len()];
+    for r in (0..residual.len()).filter(|r| fit.rows.group[*r] == group) {
+        let pose = fit.rows.pose[r];
+        if folds[pose].is_some() {
+            let entry: &mut (f64, usize) = out[pose].get_or_insert((0.0, 0));
+            entry.0 += residual[r].powi(2);
+            entry.1 += 1;
+        }
+    }
+    out
+}
+
+fn held_out_gain(smaller: &Fit, larger: &Fit, group: Group, folds: &Folds) -> (f64, [f64; 2]) {
+    let (before, after) = (held_out_squares(smaller, group, folds), held_out_squares(larger, group, folds));
+    let pairs: Vec<(f64, f64, f64)> = before
+        .iter()
+        .zip(&after)
+        .filter_map(|(b, a)| Some((b.as_ref()?.0, a.as_ref()?.0, a.as_ref()?.1 as f64)))
+        .collect();
+    if pairs.is_empty() {
+        return (0.0, [0.0; 2]);
+    }
+    let gain = |chosen: &mut dyn Iterator<Item = usize>| {
+        let (b, a, n) = chosen.fold((0.0, 0.0, 0.0), |s, k| (s.0 + pairs[k].0, s.1 + pairs[k].1, s.2 + pairs[k].2));
+        // Where the base is at the noise already, the share of nothing would be any number: a tenth is the least.
+        ((b - a) / (b - n).max(0.1 * b).max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0)
+    };
+    let mut rng = Philox::new(1, group as u64, Stream::Host);
+    let mut resampled: Vec<f64> = (0..RESAMPLES)
+        .map(|_| gain(&mut (0..pairs.len()).map(|_| rng.random_range(0..pairs.len())).collect::<Vec<_>>().into_iter()))
+        .collect();
+    resampled.sort_by(f64::total_cmp);
+    let quantile = |q: f64| resampled[((RESAMPLES - 1) as f64 * q).round() as usize];
+    (gain(&mut (0..pairs.len())), [quantile(0.025), quantile(0.975)])
+}
+
+/// Whether no parameter lies outside its range by more than its own uncertainty.
+fn plausible(fit: &Fit, term: &Term) -> bool {
+    let deviations = fit.deviations();
+    let ranges = term.candidate().parameters;
+    term.parameters.iter().enumerate().all(|(n, range)| {
+        let stated = ranges.get(n).or(ranges.last()).map_or((f64::NEG_INFINITY, f64::INFINITY), |p| p.range);
+        range.clone().all(|p| {
+            let (unit, spread) =
+                (factor(p), 3.0 * fit.active.iter().position(|a| *a == p).map_or(0.0, |c| deviations[c]));
+            let value = fit.point[p];
+            (value - spread) * unit <= stated.1 && (value + spread) * unit >= stated.0
+        })
+    })
+}
+
+/// Terms of the same sensor that would do nearly as well in the place of a named one.
+fn ties(observed: &Observed<'_>, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
+    let smaller = without(observed, model, standing.term);
+    let mine = criterion(model);
+    others
+        .iter()
+        .filter(|o| o.term.sensor == standing.term.sensor && o.plausible)
+        .filter(|o| {
+            let active: Vec<usize> = smaller.active.iter().copied().chain(o.term.active()).collect();
+            criterion(&Fit::new(observed, &smaller.point, &active)) - mine < TIED
+        })
+        .map(|o| o.term)
+        .collect()
+}
