@@ -40,6 +40,9 @@ pub struct Rows {
     pub pose: Vec<usize>,
 }
 
+/// A pose's specific force and its slopes: (column, ∂f).
+type Force<'a> = (&'a Vector3<f64>, &'a [(usize, Vector3<f64>)]);
+
 /// Which columns of the slope matrix are wanted.
 struct Active<'a> {
     column: [Option<usize>; PARAMETERS],
@@ -155,7 +158,8 @@ impl Observed<'_> {
             let angle = rate * step_s;
             if let Some(active) = active {
                 // The right Jacobian of a rotation, to first order in one sample's angle.
-                let lever: Matrix3<f64> = rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
+                let lever: Matrix3<f64> =
+                    rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
                 let mut give = |parameter: usize, axis: usize, phi: f64| {
                     if let Some(column) = active.column[parameter] {
                         slopes[column] -= lever.column(axis) * phi;
@@ -222,7 +226,7 @@ impl Observed<'_> {
                 &attitudes[k],
             );
             if let Some(turn) = turns.get(k) {
-                let ends = [(&forces[k], &force_slopes[k]), (&forces[k + 1], &force_slopes[k + 1])];
+                let ends = [k, k + 1].map(|p| (&forces[p], force_slopes[p].as_slice()));
                 self.turn_rows(&mut rows, k, turn, ends);
             }
         }
@@ -246,7 +250,7 @@ impl Observed<'_> {
         rows: &mut Rows,
         (point, calibration, active): (&Point, &Calibration, &Active<'_>),
         k: usize,
-        (force, force_slopes): (&Vector3<f64>, &[(usize, Vector3<f64>)]),
+        (force, force_slopes): Force<'_>,
         attitude: &Matrix3<f64>,
     ) {
         let pose = &self.poses[k];
@@ -284,7 +288,7 @@ impl Observed<'_> {
         rows: &mut Rows,
         k: usize,
         turn: &Turn,
-        [(start, start_slopes), (end, end_slopes)]: [(&Vector3<f64>, &Vec<(usize, Vector3<f64>)>); 2],
+        [(start, start_slopes), (end, end_slopes)]: [Force<'_>; 2],
     ) {
         let back = turn.rotation.transpose();
         let (up_start, up_end) = (start.normalize(), end.normalize());
