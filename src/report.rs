@@ -10,3 +10,4 @@ pub mod figure;
 pub mod html;
 pub mod number;
 pub mod table;
+pub mod trial;

@@ -9,6 +9,7 @@ mod suite {
     pub mod law;
     pub mod recording;
     pub mod study;
+    pub mod trial;
     pub mod world;
 }
 
@@ -31,6 +32,8 @@ fn main() {
         suite::dynamics::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
+        // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
+        suite::trial::tests(),
     ]
     .into_iter()
     .flatten()

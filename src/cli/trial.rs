@@ -1,15 +1,161 @@
-//! `proofmass trial`.
+//! `proofmass trial`: how often the diagnosis is right, on cases whose truth is sealed until the last verdict.
 
+use std::path::{Path, PathBuf};
+
+use crate::document::write_whole;
 use crate::error::{Error, Result};
+use crate::report::trial as report;
+use crate::trial::blind::{self, Verdicts};
+use crate::trial::case::Case;
+use crate::trial::judge;
+use crate::trial::outcome::Outcome;
+use crate::trial::plan::{DEFAULT_CASES, Plan};
 
 /// Arguments of `trial`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Fewer and shorter recordings: two minutes instead of twenty
+    #[arg(long)]
+    pub quick: bool,
+    /// Continue the trial that lies in --out
+    #[arg(long, requires = "out")]
+    pub resume: bool,
+    /// About how many recordings
+    #[arg(long, value_name = "N")]
+    pub cases: Option<usize>,
+    /// Seed of everything that is drawn
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Rows per recording
+    #[arg(long, value_name = "N")]
+    pub samples: Option<usize>,
+    /// Only this case: write its recording, model and truth to --out and say what the verdict is
+    #[arg(long, value_name = "NUMBER", requires = "out")]
+    pub case: Option<usize>,
+}
+
+impl Arguments {
+    fn plan(&self) -> Plan {
+        let (cases, samples) = if self.quick { (60, 4000) } else { (DEFAULT_CASES, 20_000) };
+        Plan { seed: self.seed, cases: self.cases.unwrap_or(cases), samples: self.samples.unwrap_or(samples) }
+    }
+
+    fn command(&self) -> String {
+        let mut command = format!("proofmass trial --seed {}", self.seed);
+        if self.quick {
+            command += " --quick";
+        }
+        for (name, value) in [("cases", self.cases), ("samples", self.samples)] {
+            if let Some(value) = value {
+                command += &format!(" --{name} {value}");
+            }
+        }
+        command
+    }
+}
 
 /// Runs it.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `trial`", "not built yet", "see the README"))
+/// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let plan = arguments.plan();
+    if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {
+        let cause = format!("{} cases of {} samples", plan.cases, plan.samples);
+        return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));
+    }
+    let scratch = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+    let folder = arguments.out.as_deref().unwrap_or(scratch.path());
+    if let Some(number) = arguments.case {
+        return one(&plan, number, folder);
+    }
+    let (sealed, cases) = blind::prepare(plan, folder)?;
+    eprintln!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
+    let state = folder.join("verdicts.jsonl");
+    let done = if arguments.resume { blind::earlier(&state, &sealed) } else { Verdicts::new() };
+    if !arguments.resume && state.exists() {
+        std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
+    }
+    let verdicts = blind::run(&cases, &sealed, &state, done, &blind::tool)?;
+    // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
+    let truth = sealed.open()?;
+    let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
+    let document = serde_json::to_string_pretty(&outcome)
+        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &plan, &outcome, &truth.cases, &verdicts, &arguments.command())?;
+        write_whole(&folder.join("trial.json"), document.as_bytes())?;
+    }
+    if json {
+        println!("{document}");
+    } else {
+        println!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256);
+        print!("{}", report::terminal(&outcome));
+        if let Some(folder) = &arguments.out {
+            println!("\nreport: {}", folder.join("report.html").display());
+        }
+    }
+    Ok(())
+}
+
+fn write(
+    folder: &Path,
+    plan: &Plan,
+    outcome: &Outcome,
+    cases: &[Case],
+    verdicts: &Verdicts,
+    command: &str,
+) -> Result<()> {
+    let marks: Vec<(usize, String, String)> = cases
+        .iter()
+        .filter_map(|case| {
+            let said = verdicts.get(&case.number)?;
+            let groups: Vec<String> = said.groups.iter().map(|g| g.join(" | ")).collect();
+            let words = format!("{} {}", said.outcome, groups.join(" + "));
+            Some((case.number, words, judge::judge(case, said).word().to_owned()))
+        })
+        .collect();
+    let files = [
+        ("report.html", report::page(plan, outcome, cases, &marks)),
+        ("summary.md", report::summary(plan, outcome, command)),
+        ("power.svg", report::figures::power(outcome).file_svg()),
+        ("limits.svg", report::figures::limits(outcome).file_svg()),
+    ];
+    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
+}
+
+/// Reproduces one case of a plan.
+fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
+    let families = plan.families();
+    let Some((family, nth)) = families.get(number).copied() else {
+        let cause = format!("the trial has cases 0 to {}", families.len() - 1);
+        return Err(Error::new(
+            format!("could not make case {number}"),
+            cause,
+            "give --seed and --cases of that trial",
+        ));
+    };
+    let case = plan.draw(number, family, nth);
+    let files = case.write(folder)?;
+    let truth = serde_json::to_string_pretty(&case)
+        .map_err(|e| Error::new("could not write the truth", e.to_string(), "report this as a defect"))?;
+    write_whole(&folder.join("truth.json"), truth.as_bytes())?;
+    println!("case {number}: {}", family.name());
+    for (id, size) in case.sizes_over_noise() {
+        println!("planted: {id}, {size:.3} × noise");
+    }
+    println!("files: {} and {}", files.recording.display(), files.model.display());
+    let said = blind::ask(&case, &blind::tool)?;
+    println!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words);
+    println!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2]);
+    for n in &said.numbers {
+        let truth =
+            case.parameter(&n.id, &n.channel, &n.name).map_or(String::new(), |t| format!("  (planted {t:.5e})"));
+        println!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1]);
+    }
+    println!("mark: {}", judge::judge(&case, &said).word());
+    Ok(())
 }

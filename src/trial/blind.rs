@@ -62,7 +62,9 @@ pub fn prepare(plan: Plan, folder: &Path) -> Result<(Sealed, Vec<Case>)> {
     bar.finish_and_clear();
     let cases: Vec<Case> =
         cases.into_iter().collect::<Option<_>>().ok_or_else(|| stopped("nothing is lost; run it again"))?;
-    let sealed = Truth::new(plan, cases.clone()).seal(&path)?;
+    let sealed = Truth::new(plan, cases).seal(&path)?;
+    // What is recorded is what was sealed, to the last digit that the document holds.
+    let cases = sealed.open()?.cases;
     Ok((sealed, cases))
 }
 

@@ -1,0 +1,174 @@
+//! What a blind trial found: on the terminal, as a page, and as a short summary to be committed.
+
+pub mod figures;
+
+use crate::report::html::Page;
+use crate::report::number::{duration, significant};
+use crate::report::table::Table;
+use crate::trial::case::{Case, Family};
+use crate::trial::interval::Share;
+use crate::trial::outcome::{FALLBACK_LIMIT, Limit, Outcome};
+use crate::trial::plan::Plan;
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn with_interval(share: &Share) -> String {
+    let [low, high] = share.ci95.map(|p| format!("{:.1}", 100.0 * p));
+    format!("{} ({low}–{high} %, {} of {})", percent(share.value), share.hits, share.cases)
+}
+
+/// The headline numbers, each with its target.
+pub fn headline(outcome: &Outcome) -> Table {
+    let mut table = Table::new(&["figure", "found (95 % interval)", "to reach"]);
+    let rows = [
+        ("effects above their detection limit named correctly", with_interval(&outcome.named), "≥ 97 %"),
+        ("false alarms where nothing was planted", with_interval(&outcome.false_alarm_rate), "≤ 1 %"),
+        ("unknown physics called unexplained", with_interval(&outcome.flagged), "≥ 90 %"),
+        ("unknown physics given a false name", percent(outcome.unknown_named), "0 %"),
+        ("95 % intervals that hold the truth", with_interval(&outcome.coverage), "92–98 %"),
+        ("removable error on unseen data removed (median)", percent(outcome.held_out_gain), ""),
+        ("confidently wrong, of all cases", percent(outcome.confidently_wrong), ""),
+    ];
+    rows.into_iter().for_each(|(a, b, c)| table.row([a.to_owned(), b, c.to_owned()]));
+    let [median, largest] = outcome.seconds_per_case.map(duration);
+    table.row(["time per verdict".to_owned(), format!("{median} (at most {largest})"), "≤ 10 s".to_owned()]);
+    table
+}
+
+/// One row per way of concealment.
+pub fn families(outcome: &Outcome) -> Table {
+    let mut table = Table::new(&["how it is concealed", "cases", "right", "silent", "false name"]);
+    for row in &outcome.families {
+        table.row([
+            row.name.clone(),
+            row.cases.to_string(),
+            percent(row.named_correctly),
+            percent(row.silent),
+            percent(row.confidently_wrong),
+        ]);
+    }
+    table
+}
+
+fn limit_words(limit: &Limit) -> String {
+    match limit.effect_over_noise {
+        Some(size) => significant(size, 2),
+        None if limit.noticed == 1.0 => format!("< {}", significant(limit.tried[0], 2)),
+        None => format!("> {}", significant(limit.tried[1], 2)),
+    }
+}
+
+/// Per effect: from which size it is noticed, how often it is named, what it is taken for.
+pub fn effects(outcome: &Outcome) -> Table {
+    let headings = ["planted alone", "cases", "noticed from (× noise)", "named", "otherwise said"];
+    let mut table = Table::new(&headings);
+    for limit in &outcome.detection_limit {
+        let mut said: Vec<_> = outcome.confusion.iter().filter(|c| c.planted == limit.id).collect();
+        said.sort_by_key(|c| std::cmp::Reverse(c.cases));
+        let is_right = |said: &str| said == limit.id || tie_of_two_with(said, &limit.id);
+        let right: usize = said.iter().filter(|c| is_right(&c.said)).map(|c| c.cases).sum();
+        let others: Vec<String> =
+            said.iter().filter(|c| !is_right(&c.said)).map(|c| format!("{} {}×", c.said, c.cases)).collect();
+        let total: usize = said.iter().map(|c| c.cases).sum();
+        table.row([
+            limit.id.clone(),
+            total.to_string(),
+            limit_words(limit),
+            format!("{right} of {total}"),
+            others.join(", "),
+        ]);
+    }
+    table
+}
+
+fn tie_of_two_with(said: &str, id: &str) -> bool {
+    let parts: Vec<&str> = said.split(" | ").collect();
+    parts.len() == 2 && parts.contains(&id) && !said.contains(" + ")
+}
+
+/// The result on a terminal.
+pub fn terminal(outcome: &Outcome) -> String {
+    format!("{}\n{}\n{}", headline(outcome), families(outcome), effects(outcome))
+}
+
+fn how(plan: &Plan, outcome: &Outcome) -> String {
+    format!(
+        "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output (nulls 0.2 to 2 %). Sizes are the rms \
+         that the best refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was \
+         planted, or says `undecidable` and lists it with at most one other. An effect without a detection limit in range \
+         counts as above it from {FALLBACK_LIMIT} × noise.",
+        outcome.cases, plan.seed, plan.samples
+    )
+}
+
+/// The whole report as a page.
+pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], marks: &[(usize, String, String)]) -> String {
+    let lede = format!(
+        "Blind trial of the diagnosis: {} of the effects above their detection limit were named correctly; false alarms on \
+         {} recordings with nothing planted: {}; unknown physics flagged: {}.",
+        percent(outcome.named_correctly),
+        outcome.false_alarm_rate.cases,
+        outcome.false_alarm_rate.hits,
+        percent(outcome.unknown_flagged)
+    );
+    let mut page = Page::new("Proof of the diagnosis", &lede);
+    page.paragraph(&how(plan, outcome));
+    page.callout(&format!(
+        "SHA-256 of the sealed truth, printed before the first verdict: {}. truth.json beside this page has it.",
+        outcome.truth_sha256
+    ));
+    page.table(&headline(outcome));
+    page.section("How effects were concealed");
+    page.table(&families(outcome));
+    page.section("Power against size");
+    let (power, limits) = (figures::power(outcome), figures::limits(outcome));
+    page.figure_row(&[
+        (
+            &power,
+            "Share noticed and share named against the visible size, all effects planted alone; bars: exact 95 %.",
+        ),
+        (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect."),
+    ]);
+    page.section("What was taken for what");
+    page.table(&effects(outcome));
+    page.section("Every case");
+    page.paragraph("Reproduce one with: proofmass trial --seed S --cases N --case NUMBER --out DIR.");
+    let mut table = Table::new(&["case", "family", "planted (× noise)", "said", "mark"]);
+    for (case, (_, said, mark)) in cases.iter().zip(marks) {
+        let sizes: Vec<String> =
+            case.sizes_over_noise().iter().map(|(id, s)| format!("{id} {}", significant(*s, 2))).collect();
+        let cells = [case.family.name().to_owned(), sizes.join(" + "), said.clone(), mark.clone()];
+        table.row(std::iter::once(case.number.to_string()).chain(cells));
+    }
+    page.table(&table);
+    page.finish()
+}
+
+fn markdown(table: &Table) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let escaped = |row: &Vec<String>| row.iter().map(|c| c.replace('|', "\\|")).collect::<Vec<_>>();
+    let rule = vec!["---".to_owned(); table.headings.len()];
+    line(&table.headings) + &line(&rule) + &table.rows.iter().map(|r| line(&escaped(r))).collect::<String>()
+}
+
+/// The short summary that is committed.
+pub fn summary(plan: &Plan, outcome: &Outcome, command: &str) -> String {
+    let blind: Vec<String> = Family::ALL
+        .iter()
+        .filter_map(|f| outcome.families.iter().find(|r| r.name == f.name() && r.confidently_wrong > 0.0))
+        .map(|r| format!("{} ({})", r.name, percent(r.confidently_wrong)))
+        .collect();
+    let misses = if blind.is_empty() { "none".to_owned() } else { blind.join(", ") };
+    format!(
+        "# Proof of the diagnosis\n\nGenerated by `{command}`.\n\n{}\n\nSHA-256 of the sealed truth: `{}`\n\n{}\n\
+         ## How effects were concealed\n\n{}\nFamilies with confident false names: {misses}.\n\n\
+         ## Effects\n\n{}\n![power](power.svg)\n\n![limits](limits.svg)\n",
+        how(plan, outcome),
+        outcome.truth_sha256,
+        markdown(&headline(outcome)),
+        markdown(&families(outcome)),
+        markdown(&effects(outcome)),
+    )
+}

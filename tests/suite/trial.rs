@@ -1,0 +1,201 @@
+//! The blind trial is blind, its scoring can tell an oracle from a coin, and a stopped trial loses nothing.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::candidate::Kind;
+use proofmass::diagnosis::verdict::{self, Verdict};
+use proofmass::rng::{Philox, Stream};
+use proofmass::trial::blind::{self, Verdicts};
+use proofmass::trial::case::{Case, Family, Files};
+use proofmass::trial::outcome::Outcome;
+use proofmass::trial::physics::LIBRARY;
+use proofmass::trial::plan::Plan;
+use proofmass::trial::said::Said;
+use rand::RngExt;
+
+use super::world::{check, near, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("trial: no use path leads from the diagnosis to the generator", blind_by_imports),
+        test("trial: the diagnosis gets a recording and a base model, no truth", files_tell_nothing),
+        test("trial: an oracle scores full marks and a coin does not", controls),
+        test("trial: a stopped trial resumes with what it has, on the same seal only", resume),
+    ]
+}
+
+const PLAN: Plan = Plan { seed: 3, cases: 60, samples: 600 };
+
+fn cases() -> Vec<Case> {
+    PLAN.families().into_iter().enumerate().map(|(n, (family, nth))| PLAN.draw(n, family, nth)).collect()
+}
+
+/// Modules named by `use crate::…` or `crate::…` anywhere below `path`.
+fn imports(path: &Path, found: &mut BTreeSet<String>) -> Result<(), Failed> {
+    if path.is_dir() {
+        for entry in std::fs::read_dir(path)? {
+            imports(&entry?.path(), found)?;
+        }
+    } else if path.extension().is_some_and(|e| e == "rs") {
+        let text = std::fs::read_to_string(path)?;
+        for part in text.split("crate::").skip(1) {
+            if let Some(group) = part.strip_prefix('{') {
+                let inside = group.split('}').next().unwrap_or_default();
+                found.extend(inside.split(',').map(|m| m.trim().split("::").next().unwrap_or_default().to_owned()));
+            }
+            found.insert(part.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect());
+        }
+    }
+    Ok(())
+}
+
+fn blind_by_imports() -> Result<(), Failed> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let reach = |start: &str| -> Result<BTreeSet<String>, Failed> {
+        let (mut reached, mut open) = (BTreeSet::new(), vec![start.to_owned()]);
+        while let Some(module) = open.pop() {
+            if !reached.insert(module.clone()) {
+                continue;
+            }
+            let mut next = BTreeSet::new();
+            for path in [source.join(format!("{module}.rs")), source.join(&module)] {
+                if path.exists() {
+                    imports(&path, &mut next)?;
+                }
+            }
+            open.extend(next);
+        }
+        Ok(reached)
+    };
+    let from_diagnosis = reach("diagnosis")?;
+    check(!from_diagnosis.contains("trial"), format!("diagnosis reaches {from_diagnosis:?}"))?;
+    // Negative control: the walk does find the way that exists, from the command to the generator.
+    check(reach("cli")?.contains("trial"), "the walk sees nothing")?;
+    // The other way round, the generator calls no numerics that the fitting uses.
+    let mut own = BTreeSet::new();
+    imports(&source.join("trial"), &mut own)?;
+    check(!own.contains("numerics"), format!("the generator imports {own:?}"))
+}
+
+fn files_tell_nothing() -> Result<(), Failed> {
+    for case in cases() {
+        let folder = tempfile::tempdir()?;
+        let files = case.write(folder.path())?;
+        check(std::fs::read_dir(folder.path())?.count() == 2, "more than two files")?;
+        let model = std::fs::read_to_string(&files.model)?;
+        for id in case.planted() {
+            check(!model.contains(&id), format!("model.toml of case {} names {id}", case.number))?;
+        }
+        let model = proofmass::diagnosis::model::read(&files.model)?;
+        let recording = proofmass::diagnosis::model::read_recording(&files.recording, &model)?;
+        check(recording.samples() == PLAN.samples, "rows are missing")?;
+    }
+    Ok(())
+}
+
+fn said(outcome: &str, groups: Vec<Vec<String>>) -> Said {
+    Said { outcome: outcome.into(), groups, numbers: vec![], rmse: [2.0, 1.0, 1.0], seconds: 0.1, words: String::new() }
+}
+
+fn oracle(case: &Case) -> Said {
+    match (case.planted(), case.in_library()) {
+        (ids, _) if ids.is_empty() => said("adequate", vec![]),
+        (_, false) => said("unexplained", vec![]),
+        (ids, true) => said("explained", ids.into_iter().map(|id| vec![id]).collect()),
+    }
+}
+
+fn controls() -> Result<(), Failed> {
+    let cases = cases();
+    let verdicts =
+        |speak: &mut dyn FnMut(&Case) -> Said| -> Verdicts { cases.iter().map(|c| (c.number, speak(c))).collect() };
+    let best = Outcome::of(&cases, &verdicts(&mut oracle), "seal");
+    near("named by the oracle", best.named_correctly, 1.0, 0.0)?;
+    near("false alarms of the oracle", best.false_alarm_rate.value, 0.0, 0.0)?;
+    near("flagged by the oracle", best.unknown_flagged, 1.0, 0.0)?;
+    check(best.families.iter().all(|f| f.named_correctly == 1.0), "a family without full marks")?;
+
+    // Negative control: a name drawn at random is right one time in 21 and alarms at every null.
+    let mut rng = Philox::new(1, 0, Stream::Host);
+    let mut coin = |_: &Case| said("explained", vec![vec![LIBRARY[rng.random_range(0..LIBRARY.len())].id()]]);
+    let worst = Outcome::of(&cases, &verdicts(&mut coin), "seal");
+    check(worst.named_correctly < 0.25, format!("a coin is right {} of the time", worst.named_correctly))?;
+    near("false alarms of the coin", worst.false_alarm_rate.value, 1.0, 0.0)?;
+    near("flagged by the coin", worst.unknown_flagged, 0.0, 0.0)?;
+
+    // Silence is no merit: nothing is found, and no limit either.
+    let mut mute = |_: &Case| said("adequate", vec![]);
+    let silent = Outcome::of(&cases, &verdicts(&mut mute), "seal");
+    near("named in silence", silent.named_correctly, 0.0, 0.0)?;
+    check(silent.detection_limit.iter().all(|l| l.effect_over_noise.is_none()), "silence has a detection limit")?;
+
+    // Ties: two with the truth among them count, three do not, and neither does a tie without the truth.
+    let single = cases.iter().find(|c| c.family == Family::SingleFivePercent).ok_or("no single case")?;
+    let truth = single.planted()[0].clone();
+    let mark = |group: &[&str]| {
+        let group = group.iter().map(|g| (*g).to_owned()).collect();
+        proofmass::trial::judge::judge(single, &said("undecidable", vec![group])).is_named()
+    };
+    check(mark(&[&truth, "other"]), "a tie of two with the truth is right")?;
+    check(!mark(&[&truth, "other", "third"]), "a tie of three is not")?;
+    check(!mark(&["other", "third"]), "a tie without the truth is not")
+}
+
+fn adequate(files: &Files) -> Verdict {
+    let score = verdict::Score { rmse_before: 1.0, rmse_after: 1.0, ratio_ci95: None };
+    Verdict {
+        schema: verdict::SCHEMA,
+        kind: Kind::Driven,
+        verdict: verdict::Outcome::Adequate,
+        sentence: "Nothing is missing.".into(),
+        recording: verdict::Source {
+            file: files.recording.display().to_string(),
+            sha256: String::new(),
+            samples: 0,
+            rate_hz: 1.0,
+        },
+        effects: Vec::new(),
+        location: verdict::Where::default(),
+        fit: verdict::Fit {
+            unit: "y".into(),
+            noise_floor: 1.0,
+            train: score,
+            test: score,
+            log_score: None,
+            one_step_rmse: None,
+        },
+        residual_after: verdict::Whiteness { white: true, p_value: 0.5 },
+        next_experiment: String::new(),
+        findings: Vec::new(),
+    }
+}
+
+fn resume() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let plan = Plan { seed: 8, cases: 17, samples: 500 };
+    let (sealed, cases) = blind::prepare(plan, folder.path())?;
+    let state = folder.path().join("verdicts.jsonl");
+    let asked = AtomicUsize::new(0);
+    let subject = |files: &Files| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        Ok(adequate(files))
+    };
+    let half = &cases[..cases.len() / 2];
+    blind::run(half, &sealed, &state, Verdicts::new(), &subject)?;
+    // A line that was being written when the power went.
+    std::fs::write(&state, std::fs::read_to_string(&state)? + "{\"seal\":\"")?;
+    let (again, same) = blind::prepare(plan, folder.path())?;
+    check(again == sealed && same == cases, "the truth was drawn anew")?;
+    let done = blind::earlier(&state, &sealed);
+    check(done.len() == half.len(), format!("{} of {} verdicts kept", done.len(), half.len()))?;
+    let all = blind::run(&cases, &sealed, &state, done, &subject)?;
+    check(all.len() == cases.len(), "not every case has a verdict")?;
+    check(asked.load(Ordering::Relaxed) == cases.len(), "a verdict was asked for twice")?;
+    check(blind::earlier(&state, &sealed).len() == cases.len(), "the state file lost a verdict")?;
+    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path())?;
+    check(blind::earlier(&state, &other).is_empty(), "verdicts of another truth were taken")
+}
