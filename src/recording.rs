@@ -6,8 +6,10 @@
 pub mod clock;
 pub mod format;
 pub mod health;
+pub mod noise;
 pub mod rows;
 pub mod stream;
+pub mod unit;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

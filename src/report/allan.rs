@@ -1,0 +1,56 @@
+//! The noise of a static log as a page: coefficients first, then each channel's curve and spectrum with what it supports.
+
+mod document;
+mod figure;
+mod fragment;
+mod words;
+
+pub use document::document;
+pub use fragment::{Fragment, fragments};
+pub use words::{notes, table};
+
+use super::html::Page;
+use super::number::significant;
+use crate::recording::noise::Noise;
+
+/// The page.
+pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
+    let mut page = Page::new(&format!("Noise of {file}"), &words::lede(noise));
+    page.table(&words::table(noise));
+    page.paragraph(words::TABLE_NOTE);
+    if !noise.source.findings.is_empty() {
+        page.subsection("Found in the file");
+        page.list(&noise.source.findings);
+    }
+    for channel in &noise.channels {
+        page.section(&channel.name);
+        if channel.curve.is_empty() {
+            page.paragraph("No Allan curve: the channel is constant or has fewer than three samples.");
+            continue;
+        }
+        page.callout(&words::verdict(channel));
+        page.figure_row(&[
+            (&figure::curve(channel).draw(), &figure::curve_caption(channel)),
+            (&figure::density(channel).draw(), &figure::density_caption(channel)),
+        ]);
+        page.list(&words::sentences(channel));
+    }
+    page.section("For a study");
+    page.paragraph(
+        "Each fragment below is a sensor for `proofmass study`. Terms that the data do not support are zero; rounding to \
+         the reading's step is already in the white noise that was measured, so no quantisation is added.",
+    );
+    for fragment in fragments {
+        page.subsection(&fragment.name);
+        page.preformatted(&fragment.toml);
+    }
+    page.section("Conventions and method");
+    page.list(&words::CONVENTIONS);
+    page.section("Provenance");
+    page.list(&[
+        format!("proofmass {}", env!("CARGO_PKG_VERSION")),
+        format!("{file}, SHA-256 {}", noise.source.sha256),
+        format!("{} samples at {} Hz", noise.source.samples, significant(noise.source.rate_hz, 6)),
+    ]);
+    page.finish()
+}

@@ -1,0 +1,79 @@
+//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside them.
+
+use serde_json::{Value, json};
+
+use super::words;
+use crate::numerics::allan::law::{TERMS, Term};
+use crate::recording::noise::{Channel, Noise};
+use crate::recording::unit::Quantity;
+
+/// The whole document.
+pub fn document(file: &str, noise: &Noise) -> Value {
+    json!({
+        "schema": "proofmass.allan/1",
+        "recording": {
+            "file": file,
+            "sha256": noise.source.sha256,
+            "samples": noise.source.samples,
+            "rate_hz": noise.source.rate_hz,
+        },
+        "findings": noise.source.findings,
+        "channels": noise.channels.iter().map(of_channel).collect::<Vec<_>>(),
+    })
+}
+
+fn of_channel(channel: &Channel) -> Value {
+    let (unit, factor) = channel.unit.signal();
+    let quantity = match channel.unit.quantity {
+        Quantity::Accelerometer => "accelerometer",
+        Quantity::Gyro => "gyro",
+        Quantity::Unknown => "unknown",
+    };
+    let curve: Vec<Value> = channel
+        .curve
+        .iter()
+        .map(|d| {
+            json!({ "tau_s": d.tau_s, "deviation": d.value * factor, "ci95": d.ci95.map(|e| e * factor),
+                    "degrees_of_freedom": d.freedom })
+        })
+        .collect();
+    let stability = channel.bias_stability().map(|(value, ci95)| {
+        let (unit, factor) = channel.unit.coefficient(Term::Flicker);
+        json!({ "value": value * factor, "ci95": ci95.map(|e| e * factor), "unit": unit })
+    });
+    let fit = channel.fit.as_ref().map(|fit| {
+        json!({ "good": fit.good(), "p_value": fit.p_value, "from_s": fit.from_s, "to_s": fit.to_s,
+                "intervals_widened_by": fit.widened,
+                "worst": { "tau_s": fit.worst.0, "recorded_over_fitted": fit.worst.1 } })
+    });
+    json!({
+        "name": channel.name,
+        "quantity": quantity,
+        "unit": unit,
+        "terms": TERMS.map(|term| of_term(channel, term)),
+        "noise_density": density(channel),
+        "bias_stability_by_minimum": stability,
+        "fit": fit,
+        "statements": std::iter::once(words::verdict(channel)).chain(words::sentences(channel)).collect::<Vec<_>>(),
+        "roll_off": channel.roll_off,
+        "lines": channel.lines.iter().map(|l| json!({ "frequency_hz": l.frequency_hz, "excess": l.excess })).collect::<Vec<_>>(),
+        "step": channel.step.map(|s| s * factor),
+        "curve": curve,
+    })
+}
+
+fn of_term(channel: &Channel, term: Term) -> Value {
+    let (unit, factor) = channel.unit.coefficient(term);
+    let Some(fit) = &channel.fit else { return Value::Null };
+    let c = fit.coefficients[term as usize];
+    json!({ "symbol": term.symbol(), "name": words::name(term), "value": c.value * factor, "unit": unit,
+            "ci95": c.ci95.map(|e| e * factor), "p_value": c.p_value, "supported": c.supported() })
+}
+
+fn density(channel: &Channel) -> Value {
+    let (unit, factor) = channel.unit.density();
+    let Some(fit) = &channel.fit else { return Value::Null };
+    let c = fit.coefficients[Term::White as usize];
+    let to_density = factor * 2f64.sqrt();
+    json!({ "value": c.value * to_density, "unit": unit, "ci95": c.ci95.map(|e| e * to_density), "sided": "one" })
+}

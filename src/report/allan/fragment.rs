@@ -1,0 +1,111 @@
+//! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro pair.
+
+use crate::numerics::allan::law::Term;
+use crate::recording::noise::{Channel, Noise};
+use crate::recording::unit::Quantity;
+
+/// A piece of study.toml.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fragment {
+    /// File name.
+    pub name: String,
+    /// Its text.
+    pub toml: String,
+}
+
+/// The n-th accelerometer is paired with the n-th gyro: `sensor.toml` for the first pair, `sensor-2.toml` for the next.
+/// Where no scale was given the one fragment holds the coefficients in the file's units, as comments.
+pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
+    let of = |quantity| noise.channels.iter().filter(move |c| c.unit.quantity == quantity && c.fit.is_some());
+    let (mut accelerometers, mut gyros) = (of(Quantity::Accelerometer), of(Quantity::Gyro));
+    let mut out = Vec::new();
+    loop {
+        let (accelerometer, gyro) = (accelerometers.next(), gyros.next());
+        if accelerometer.is_none() && gyro.is_none() && !out.is_empty() {
+            return out;
+        }
+        let number = out.len() + 1;
+        let name = if number == 1 { "sensor.toml".to_owned() } else { format!("sensor-{number}.toml") };
+        let mut toml = format!(
+            "# Estimated from {file} (SHA-256 {}),\n# {} samples, by proofmass {}.\n# Put it into a study.toml. White levels \
+             are two-sided random walks (N = n/√2).\n# Bias is absent: a log at rest cannot tell it from gravity and the \
+             Earth's rate.\n\n[sensor]\nsample_rate_hz = {:?}\n",
+            noise.source.sha256,
+            noise.source.samples,
+            env!("CARGO_PKG_VERSION"),
+            noise.source.rate_hz
+        );
+        if let Some(channel) = accelerometer {
+            toml += &section("accelerometer", channel, ACCELEROMETER);
+        }
+        if let Some(channel) = gyro {
+            toml += &section("gyro", channel, GYRO);
+        }
+        if accelerometer.is_none() && gyro.is_none() {
+            toml += "\n# No scale was given, so nothing below is in SI units: name the columns with --accelerometer and --gyro.\n";
+            noise.channels.iter().for_each(|c| toml += &commented(c));
+            return vec![Fragment { name, toml }];
+        }
+        out.push(Fragment { name, toml });
+    }
+}
+
+type Keys = [(Term, &'static str, f64); 3];
+/// Key, and how many of its unit one of `Unit::coefficient`'s is.
+const ACCELEROMETER: Keys = [
+    (Term::White, "velocity_random_walk_m_s_rth", 1.0),
+    (Term::Flicker, "bias_instability_ug", 1000.0),
+    (Term::Walk, "acceleration_random_walk_ug_rts", 1.0),
+];
+const GYRO: Keys = [
+    (Term::White, "angle_random_walk_deg_rth", 1.0),
+    (Term::Flicker, "bias_instability_deg_h", 1.0),
+    (Term::Walk, "rate_random_walk_deg_h_rth", 1.0),
+];
+
+fn section(name: &str, channel: &Channel, keys: Keys) -> String {
+    let mut out = format!("\n[{name}]  # column {}, {} per unit\n", channel.name, channel.unit.name);
+    let Some(fit) = &channel.fit else { return out };
+    if !fit.good() {
+        out += "# The five terms do not describe this channel's Allan curve: see the report.\n";
+    }
+    for (term, key, factor) in keys {
+        let coefficient = fit.coefficients[term as usize];
+        let scale = channel.unit.coefficient(term).1 * factor;
+        let [low, high] = coefficient.ci95.map(|e| rounded(e * scale));
+        out += &if coefficient.supported() {
+            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", rounded(coefficient.value * scale))
+        } else {
+            format!("{key} = 0.0  # not supported by the data; below {high:?} (95 %)\n")
+        };
+    }
+    for (term, what) in [(Term::Ramp, "ramp R"), (Term::Quantisation, "quantisation Q")] {
+        let coefficient = fit.coefficients[term as usize];
+        if coefficient.supported() {
+            let (unit, scale) = channel.unit.coefficient(term);
+            out += &format!("# also found, not simulated: {what} = {:?} {unit}\n", rounded(coefficient.value * scale));
+        }
+    }
+    if let Some(step) = channel.step {
+        let (unit, scale) = channel.unit.signal();
+        out += &format!("# the reading's step of {:?} {unit} is in the white noise already\n", rounded(step * scale));
+    }
+    out
+}
+
+fn commented(channel: &Channel) -> String {
+    let Some(fit) = &channel.fit else { return String::new() };
+    let mut out = format!("# {}:", channel.name);
+    for term in [Term::White, Term::Flicker, Term::Walk] {
+        let unit = channel.unit.coefficient(term).0;
+        let coefficient = fit.coefficients[term as usize];
+        let value = if coefficient.supported() { rounded(coefficient.value) } else { 0.0 };
+        out += &format!(" {} = {value:?} {unit}", term.symbol());
+    }
+    out + "\n"
+}
+
+/// Five significant digits: more than any log supports.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,200 @@
+//! What an Allan curve says, in sentences: what each coefficient is, what the data do not support, and when a fit is bad.
+
+use crate::numerics::allan::law::{TERMS, Term};
+use crate::recording::noise::{Channel, Noise};
+use crate::report::number::{duration, significant};
+use crate::report::table::Table;
+
+pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
+    do not support. N is the two-sided coefficient of IEEE 952; a datasheet's one-sided density is √2 times it, and both are \
+    shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above. A \
+    star marks a curve that the five terms do not describe.";
+
+pub(super) const CONVENTIONS: [&str; 7] = [
+    "Overlapping Allan deviation (IEEE 952, NIST SP 1065), fully overlapped up to 128 samples, above with 80 to 128 window \
+     starts per averaging time; averaging times up to a third of the recording.",
+    "Whiskers: 95 % intervals from χ² with the equivalent degrees of freedom of overlapping windows, computed for the fitted \
+     mixture of noises.",
+    "Laws of the variance: Q 3Q²/τ², N N²/τ, B (2 ln 2/π)B², K K²τ/3, R R²τ²/2.",
+    "Fit: generalised least squares on the variance at octave-spaced averaging times with the full covariance of the points, \
+     no coefficient negative.",
+    "Intervals: Monte Carlo test inversion, 400 simulated curves per hypothesis; the other coefficients are refitted under \
+     each. A term is supported if zero lies outside.",
+    "White noise: σ of a sample = N√f = n√(f/2) at the sampling rate f; n = √2 N is the one-sided density.",
+    "Spectrum: Welch, Hann windows overlapping by half, one-sided.",
+];
+
+/// A value in its datasheet unit with interval, or its upper limit.
+fn coefficient(channel: &Channel, term: Term) -> String {
+    let Some(fit) = &channel.fit else { return "–".into() };
+    let c = fit.coefficients[term as usize];
+    let (_, factor) = channel.unit.coefficient(term);
+    if c.supported() {
+        interval(c.value * factor, c.ci95.map(|e| e * factor))
+    } else {
+        format!("< {}", significant(c.ci95[1] * factor, 2))
+    }
+}
+
+fn interval(value: f64, ci95: [f64; 2]) -> String {
+    format!("{} ({} – {})", significant(value, 3), significant(ci95[0], 3), significant(ci95[1], 3))
+}
+
+/// One row per channel: every coefficient with its interval or upper limit.
+pub fn table(noise: &Noise) -> Table {
+    let mut table = Table::new(&["channel", "N", "density n", "B by minimum", "B", "K", "R", "Q"]);
+    for channel in &noise.channels {
+        let with_unit = |term| format!("{} {}", coefficient(channel, term), channel.unit.coefficient(term).0);
+        let density = channel.fit.as_ref().map_or("–".into(), |fit| {
+            let (unit, factor) = channel.unit.density();
+            let white = fit.coefficients[Term::White as usize];
+            let digits = if white.supported() { white.value } else { white.ci95[1] };
+            let sign = if white.supported() { "" } else { "< " };
+            format!("{sign}{} {unit}", significant(digits * factor * 2f64.sqrt(), 3))
+        });
+        let stability = channel.bias_stability().map_or("–".into(), |(value, ci95)| {
+            let (unit, factor) = channel.unit.coefficient(Term::Flicker);
+            format!("{} {unit}", interval(value * factor, ci95.map(|e| e * factor)))
+        });
+        let star = if channel.fit.as_ref().is_some_and(|f| !f.good()) { " *" } else { "" };
+        table.row([
+            format!("{}{star}", channel.name),
+            with_unit(Term::White),
+            density,
+            stability,
+            with_unit(Term::Flicker),
+            with_unit(Term::Walk),
+            with_unit(Term::Ramp),
+            with_unit(Term::Quantisation),
+        ]);
+    }
+    table
+}
+
+/// What a person at a terminal should know beside the table.
+pub fn notes(noise: &Noise) -> Vec<String> {
+    let mut out: Vec<String> = noise.source.findings.iter().map(|f| format!("found: {f}")).collect();
+    for channel in noise.channels.iter().filter(|c| !c.curve.is_empty()) {
+        out.push(format!("{}: {}", channel.name, verdict(channel)));
+        let about_spectrum = if channel.fit.is_some() { 5 } else { 0 };
+        out.extend(sentences(channel).into_iter().skip(about_spectrum).map(|s| format!("{}: {s}", channel.name)));
+    }
+    out
+}
+
+/// The page's first sentence.
+pub(super) fn lede(noise: &Noise) -> String {
+    let length = duration(noise.source.samples as f64 / noise.source.rate_hz);
+    let bad: Vec<&str> =
+        noise.channels.iter().filter(|c| c.fit.as_ref().is_some_and(|f| !f.good())).map(|c| c.name.as_str()).collect();
+    let judged = match bad.len() {
+        0 => "The five laws of IEEE 952 describe every channel's curve.".to_owned(),
+        _ => {
+            format!("The five laws of IEEE 952 do not describe {}: something else moves it; see there.", bad.join(", "))
+        }
+    };
+    format!("{length} at rest, {} channels. {judged}", noise.channels.len())
+}
+
+/// Whether the laws hold for a channel.
+pub(super) fn verdict(channel: &Channel) -> String {
+    let Some(fit) = &channel.fit else {
+        return "Too short for coefficients: a fit needs averaging times over four octaves (24 samples).".into();
+    };
+    let first = channel.curve.first().map_or(0.0, |d| d.tau_s);
+    let mut out = if fit.good() {
+        format!(
+            "The fitted terms describe the curve from τ = {} to {} (p = {}).",
+            duration(fit.from_s),
+            duration(fit.to_s),
+            significant(fit.p_value, 2)
+        )
+    } else {
+        format!(
+            "No sum of the five laws describes this curve (p < {}): at τ = {} it lies at {} times the fit. The intervals are \
+             widened by {}; treat the coefficients as bounds, not as the sensor's. Vibration, temperature and motion do this; \
+             `proofmass diagnose` with kind = \"static\" names which.",
+            significant(crate::numerics::allan::fit::BAD, 1),
+            duration(fit.worst.0),
+            significant(fit.worst.1, 3),
+            significant(fit.widened, 2)
+        )
+    };
+    if fit.from_s > 1.5 * first {
+        out += &format!(
+            " Averaging times below {} follow none of the laws, as behind an on-chip filter, and were left out.",
+            duration(fit.from_s)
+        );
+    }
+    out
+}
+
+/// One sentence per term, then what the spectrum and the numbers themselves show.
+pub(super) fn sentences(channel: &Channel) -> Vec<String> {
+    let mut out = Vec::new();
+    if channel.fit.is_some() {
+        out.extend(
+            [Term::White, Term::Flicker, Term::Walk, Term::Ramp, Term::Quantisation].map(|t| of_term(channel, t)),
+        );
+    }
+    if let Some(ratio) = channel.roll_off {
+        let side = if ratio < 1.0 {
+            "the reading is low-pass filtered before it is logged, so the noise of single samples says little of N"
+        } else {
+            "the noise grows towards half the rate: vibration folded back by sampling, or differences of a rounded integral"
+        };
+        out.push(format!(
+            "Near half the sampling rate the density is {} times that in the middle of the band: {side}.",
+            significant(ratio, 2)
+        ));
+    }
+    if !channel.lines.is_empty() {
+        let lines: Vec<String> = channel
+            .lines
+            .iter()
+            .map(|l| format!("{} Hz (× {})", significant(l.frequency_hz, 4), significant(l.excess, 2)))
+            .collect();
+        out.push(format!(
+            "Spectral lines stand out of their neighbourhood at {}: vibration or pickup.",
+            lines.join(", ")
+        ));
+    }
+    if let Some(step) = channel.step {
+        let (unit, factor) = channel.unit.signal();
+        out.push(format!(
+            "The numbers are rounded to steps of {} {unit}; rounding alone adds {} {unit} rms of white noise to a sample.",
+            significant(step * factor, 3),
+            significant(step * factor / 12f64.sqrt(), 2)
+        ));
+    }
+    out
+}
+
+fn of_term(channel: &Channel, term: Term) -> String {
+    let (unit, _) = channel.unit.coefficient(term);
+    let supported = channel.fit.as_ref().is_some_and(|f| f.coefficients[term as usize].supported());
+    let name = name(term);
+    let text = coefficient(channel, term);
+    if supported {
+        return format!("{name}: {} = {text} {unit}.", term.symbol());
+    }
+    format!("{name}: not supported by the data; {} is {} {unit} (95 %).", term.symbol(), text.replacen('<', "below", 1))
+}
+
+/// A term's name in words.
+pub(super) fn name(term: Term) -> &'static str {
+    ["Quantisation", "White noise", "Flicker (bias instability)", "Random walk", "Ramp"][term as usize]
+}
+
+/// Terms worth a line in the figure: supported, and the largest part of the fit somewhere on the curve.
+pub(super) fn dominant(channel: &Channel) -> Vec<Term> {
+    let Some(fit) = &channel.fit else { return Vec::new() };
+    let squares = fit.squares();
+    let rules = |term: Term| {
+        channel.curve.iter().any(|d| {
+            squares[term as usize] * term.variance(d.tau_s)
+                > 0.4 * crate::numerics::allan::law::variance(&squares, d.tau_s)
+        })
+    };
+    TERMS.into_iter().filter(|t| fit.coefficients[*t as usize].supported() && rules(*t)).collect()
+}
