@@ -19,7 +19,7 @@
 //! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
 //! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
 //! | 5 | `backend` | CPU lanes or GPU |
-//! | 6 | `ensemble` | study × backend → statistics |
+//! | 6 | `ensemble` `drift` | study × backend → statistics → envelopes, closed forms, error budget |
 //! | 7 | `diagnosis` | what physics was left out |
 //! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
 //! | 9 | `report` | figures, tables, pages |
@@ -33,6 +33,7 @@ pub mod backend;
 pub mod cli;
 pub mod diagnosis;
 pub mod document;
+pub mod drift;
 pub mod dynamics;
 pub mod ensemble;
 pub mod error;

@@ -10,5 +10,6 @@ pub mod diagnosis_tumble;
 pub mod figure;
 pub mod html;
 pub mod number;
+pub mod study;
 pub mod table;
 pub mod trial;

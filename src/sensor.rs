@@ -126,3 +126,10 @@ impl Sensor {
         }
     }
 }
+
+/// Without any error, excited as the study says.
+impl Default for Sensor {
+    fn default() -> Self {
+        Self { proof_mass: None, accelerometer: Accelerometer::default(), gyro: Gyro::default(), excitation_gain: 1.0 }
+    }
+}

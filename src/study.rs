@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crate::document::{parse_toml, read_toml};
 use crate::error::{Error, Result};
 use crate::kernel::job::{Clock, Integrator, Job, Member};
+use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
 use parameter::Tolerances;
 use plan::Plan;
@@ -117,6 +118,23 @@ impl Study {
     /// One member as drawn.
     pub fn member(&self, index: u64) -> Member {
         draw::member(&self.tolerances, self.excitation.variation, self.seed, index)
+    }
+
+    /// A proof mass as hard to step as any of the members': highest resonance, strongest further terms; of a thousand
+    /// members, where mechanics are drawn. `None` without mechanics.
+    pub fn stiffest(&self) -> Option<ProofMass> {
+        let masses = (0..self.members.min(1000)).filter_map(|m| self.member(m).sensor.proof_mass);
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        masses.reduce(|a, b| ProofMass {
+            natural_frequency_rad_s: a.natural_frequency_rad_s.max(b.natural_frequency_rad_s),
+            damping_ratio: a.damping_ratio.min(b.damping_ratio),
+            cubic_per_m2_s2: larger(a.cubic_per_m2_s2, b.cubic_per_m2_s2),
+            quadratic_per_m_s2: larger(a.quadratic_per_m_s2, b.quadratic_per_m_s2),
+            quadratic_damping_per_m: larger(a.quadratic_damping_per_m, b.quadratic_damping_per_m),
+            squeeze_film_per_m2_s: larger(a.squeeze_film_per_m2_s, b.squeeze_film_per_m2_s),
+            coulomb_m_s2: larger(a.coulomb_m_s2, b.coulomb_m_s2),
+            force_noise_m_s_rts: larger(a.force_noise_m_s_rts, b.force_noise_m_s_rts),
+        })
     }
 
     /// The ensemble to integrate, with statistics at `report_samples`.

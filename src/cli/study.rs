@@ -1,20 +1,118 @@
-//! `proofmass study`.
+//! `proofmass study`: a study in, how far its sensors drift out. Without any subcommand: the default study.
 
+use std::path::{Path, PathBuf};
+
+use crate::document::write_whole;
+use crate::drift::document::Document;
+use crate::drift::{self, Drift};
+use crate::ensemble::{self, Choice, Options};
 use crate::error::{Error, Result};
+use crate::report::study as page;
+use crate::study::{self, Overrides, Study};
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// The study (study.toml); without one, the default study
+    pub study: Option<PathBuf>,
+    /// Where to integrate
+    #[arg(long, value_enum, default_value_t)]
+    pub backend: Choice,
+    /// Members, instead of the study's own number
+    #[arg(long, value_name = "N")]
+    pub members: Option<u64>,
+    /// Seed, instead of the study's own
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Where to write report.html and the figures [default: reports/<name of the study>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on with a run that was stopped by Ctrl-C
+    #[arg(long)]
+    pub resume: bool,
+}
 
-/// Runs it.
+/// Runs a study, prints the answer and writes the report.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `study`", "not built yet", "see the README"))
+/// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let overrides = Overrides { members: arguments.members, seed: arguments.seed };
+    let study = match &arguments.study {
+        Some(path) => study::read(path, overrides)?,
+        None => study::read_default(overrides)?,
+    };
+    let folder = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
+    writable(&folder)?;
+    let states = States { folder: &folder, resume: arguments.resume };
+    states.check()?;
+    let mut part = 0;
+    let drift = drift::answer(&study, |job, _| {
+        part += 1;
+        ensemble::run(job, &Options { backend: arguments.backend, ..states.options(part) })
+    })?;
+    write(&folder, &study, &drift)?;
+    if json {
+        println!("{}", document(&study, &drift)?);
+    } else {
+        print!("{}", page::terminal(&study, &drift));
+        println!("report:     {}", folder.join("report.html").display());
+    }
+    Ok(())
 }
 
 /// The default study.
-pub fn run_default(_json: bool) -> Result<()> {
-    Err(Error::new("could not run the default study", "not built yet", "see the README"))
+///
+/// # Errors
+/// As [`run`].
+pub fn run_default(json: bool) -> Result<()> {
+    let arguments =
+        Arguments { study: None, backend: Choice::Auto, members: None, seed: None, out: None, resume: false };
+    run(&arguments, json)
+}
+
+fn document(study: &Study, drift: &Drift) -> Result<String> {
+    serde_json::to_string_pretty(&Document::of(study, drift))
+        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "leave --json out"))
+}
+
+/// Finds out before the work whether its result can be kept.
+fn writable(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
+    tempfile::tempfile_in(folder).map(drop).map_err(|e| Error::io("write in", folder, &e))
+}
+
+fn write(folder: &Path, study: &Study, drift: &Drift) -> Result<()> {
+    write_whole(&folder.join("envelope.svg"), page::envelope_figure(drift).draw().file_svg().as_bytes())?;
+    write_whole(&folder.join("report.html"), page::page(study, drift).finish().as_bytes())
+}
+
+/// The files that interrupted parts of a run leave: the ensemble itself is part 1, the error budget the others.
+struct States<'a> {
+    folder: &'a Path,
+    resume: bool,
+}
+
+impl States<'_> {
+    fn file(&self, part: u32) -> PathBuf {
+        self.folder.join(format!("interrupted-{part}.json"))
+    }
+
+    /// Refuses to resume what was never stopped.
+    fn check(&self) -> Result<()> {
+        match self.resume && !(1..100).any(|part| self.file(part).exists()) {
+            true => Err(Error::new(
+                "could not resume",
+                format!("no interrupted run in {}", self.folder.display()),
+                "leave --resume out to begin anew, or give the --out of the interrupted run",
+            )),
+            false => Ok(()),
+        }
+    }
+
+    /// A part that was not reached, or was already finished, begins anew: its result is the same.
+    fn options(&self, part: u32) -> Options {
+        let file = self.file(part);
+        Options { resume: self.resume && file.exists(), state: Some(file), ..Options::default() }
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! For error budgets. What a source does to position over time is `navigation::closed_form`.
 
-use super::{Accelerometer, Gyro, Sensor};
+use super::Sensor;
 
 /// One source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -82,6 +82,18 @@ impl Source {
         matches!(self, Self::Quantisation | Self::Range)
     }
 
+    /// The power of time by which it makes position drift, where it is one power.
+    pub fn position_exponent(self) -> Option<f64> {
+        match self {
+            Self::VelocityRandomWalk | Self::ForceNoise => Some(1.5),
+            Self::AccelerometerBias => Some(2.0),
+            Self::AccelerationRandomWalk | Self::AngleRandomWalk => Some(2.5),
+            Self::GyroBias => Some(3.0),
+            Self::RateRandomWalk => Some(3.5),
+            _ => None,
+        }
+    }
+
     /// Whether this sensor has it.
     pub fn is_on(self, sensor: &Sensor) -> bool {
         let (a, g) = (&sensor.accelerometer, &sensor.gyro);
@@ -137,34 +149,10 @@ impl Source {
     }
 }
 
-impl Sensor {
-    /// A sensor without any error.
-    pub const IDEAL: Self = Self {
-        proof_mass: None,
-        accelerometer: Accelerometer {
-            bias_m_s2: 0.0,
-            scale_factor: 0.0,
-            k2_per_m_s2: 0.0,
-            velocity_random_walk_m_s_rts: 0.0,
-            bias_instability_m_s2: 0.0,
-            acceleration_random_walk_m_s2_rts: 0.0,
-            quantisation_m_s2: 0.0,
-            range_m_s2: f64::INFINITY,
-        },
-        gyro: Gyro {
-            bias_rad_s: 0.0,
-            angle_random_walk_rad_rts: 0.0,
-            bias_instability_rad_s: 0.0,
-            rate_random_walk_rad_s_rts: 0.0,
-        },
-        excitation_gain: 1.0,
-    };
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::ProofMass;
+    use crate::sensor::{Accelerometer, Gyro, ProofMass};
 
     fn full() -> Sensor {
         let proof_mass = ProofMass {
@@ -201,7 +189,7 @@ mod tests {
 
     #[test]
     fn every_source_can_be_had_alone_and_left_out() {
-        assert!(Source::ALL.into_iter().all(|s| s.is_on(&full()) && !s.is_on(&Sensor::IDEAL)));
+        assert!(Source::ALL.into_iter().all(|s| s.is_on(&full()) && !s.is_on(&Sensor::default())));
         for source in Source::ALL {
             let alone: Vec<Source> = Source::ALL.into_iter().filter(|s| s.is_on(&source.alone(&full()))).collect();
             let expected = if source == Source::ForceNoise { vec![Source::Mechanics, source] } else { vec![source] };

@@ -14,7 +14,7 @@ const LAYERS: [&[&str]; 12] = [
     &["sensor", "excitation", "recording", "navigation", "dynamics"],
     &["kernel", "study"],
     &["backend"],
-    &["ensemble"],
+    &["ensemble", "drift"],
     &["diagnosis"],
     &["map", "paper", "trial", "validation", "benchmark"],
     &["report"],

@@ -1,0 +1,107 @@
+//! How far the sensors of a study drift: envelopes, closed forms, powers of time and the error budget, in one answer.
+//!
+//! Not for choosing a backend or for showing anything: it is handed a way to integrate a job, and `report` shows it.
+
+pub mod budget;
+pub mod document;
+pub mod expected;
+
+use crate::error::Result;
+use crate::kernel::integrator::{Choice, Integrator};
+use crate::kernel::job::Job;
+use crate::navigation::power_law;
+use crate::statistics::{Statistics, Summary, quantity};
+use crate::study::Study;
+use budget::Budget;
+use expected::Expected;
+
+/// Points of a curve, evenly spaced on a log axis, besides the report times.
+const CURVE_POINTS: usize = 40;
+
+/// The answer.
+#[derive(Debug, Clone)]
+pub struct Drift {
+    /// The ensemble at the report times and, between them, at the points of the curves.
+    pub statistics: Statistics,
+    /// Places of the user's report times in `statistics`.
+    pub report: Vec<usize>,
+    /// What theory says, at the same times.
+    pub expected: Expected,
+    /// How the envelope grows.
+    pub growth: Growth,
+    /// Who is to blame.
+    pub budget: Budget,
+    /// How the proof mass was stepped, and why.
+    pub choice: Choice,
+}
+
+/// The position envelope as powers of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growth {
+    /// Fitted coefficients of `power_law::EXPONENTS`, m/s^p.
+    pub fitted: [f64; 4],
+    /// The same from the closed forms of the sources that grow with that power, m/s^p.
+    pub expected: [f64; 4],
+    /// Local exponent d ln σ / d ln t, per time of the statistics.
+    pub exponents: Vec<f64>,
+}
+
+impl Drift {
+    /// Summary of one quantity at the user's report times.
+    pub fn at_report(&self, quantity: usize) -> Vec<&Summary> {
+        self.report.iter().map(|k| &self.statistics.at[*k][quantity]).collect()
+    }
+
+    /// The user's report times, s.
+    pub fn report_times_s(&self) -> Vec<f64> {
+        self.report.iter().map(|k| self.statistics.time_s[*k]).collect()
+    }
+}
+
+/// Works out the answer. `run` integrates a job under a name for its progress bar.
+///
+/// # Errors
+/// Whatever stops a run; mechanics that no integrator can step.
+pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistics>) -> Result<Drift> {
+    let stiffest = study.stiffest();
+    let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
+    choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
+    let samples = curve_samples(study);
+    let statistics = run(&study.job(choice.integrator, samples.clone()), "simulating")?;
+    let report = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
+    let expected = Expected::of(study, &samples);
+    let budget = budget::make(study, choice.integrator, &samples, run)?;
+    let growth = growth(&statistics, &expected);
+    Ok(Drift { statistics, report, expected, growth, budget, choice })
+}
+
+/// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.
+fn curve_samples(study: &Study) -> Vec<u64> {
+    let last = study.clock.samples as f64;
+    let first = (last / 1000.0).max(1.0);
+    let place = |k: usize| (first * (last / first).powf(k as f64 / (CURVE_POINTS - 1) as f64)).round() as u64;
+    let mut samples: Vec<u64> = (0..CURVE_POINTS).map(place).chain(study.clock.report_samples.clone()).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    samples
+}
+
+fn growth(statistics: &Statistics, expected: &Expected) -> Growth {
+    let sd = statistics.series(quantity::POSITION, |s| s.sd);
+    let envelope: Vec<(f64, f64)> = statistics.time_s.iter().copied().zip(sd).collect();
+    let last = expected.time_s.len() - 1;
+    let from_sources = power_law::EXPONENTS.map(|exponent| {
+        let variance: f64 = expected
+            .sources
+            .iter()
+            .filter(|(source, _)| source.position_exponent() == Some(exponent))
+            .map(|(_, rows)| rows[last][quantity::POSITION].variance)
+            .sum();
+        variance.sqrt() / expected.time_s[last].powf(exponent)
+    });
+    Growth {
+        fitted: power_law::fit(&envelope),
+        expected: from_sources,
+        exponents: power_law::local_exponents(&envelope),
+    }
+}

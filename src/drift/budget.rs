@@ -1,0 +1,107 @@
+//! Which source owns how much of the position error: the same members, the same random numbers, one source at a time.
+//!
+//! Sources that act by themselves are simulated alone; those that need the others (rounding, saturation) are switched
+//! off, and own what the variance loses. Independent sources add up to the whole; `rest` is what they do not.
+
+use std::sync::Arc;
+
+use crate::error::Result;
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::Job;
+use crate::sensor::source::Source;
+use crate::statistics::{Statistics, quantity};
+use crate::study::Study;
+
+/// Members that are enough for a budget: the variance of each source to 2.2 %.
+pub const ENOUGH_MEMBERS: u64 = 4096;
+
+/// One source's share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Share {
+    /// Whose.
+    pub source: Source,
+    /// Position variance it owns, per time, m².
+    pub variance_m2: Vec<f64>,
+    /// Mean position error it makes alone, per time, m.
+    pub mean_m: Vec<f64>,
+}
+
+/// The budget.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Largest at the end first.
+    pub shares: Vec<Share>,
+    /// Members it was made with.
+    pub members: u64,
+}
+
+impl Budget {
+    /// Share of the sum of all sources at time `k`, 0 to 1.
+    pub fn fraction(&self, share: &Share, k: usize) -> f64 {
+        let sum: f64 = self.shares.iter().map(|s| s.variance_m2[k]).sum();
+        if sum > 0.0 { share.variance_m2[k] / sum } else { 0.0 }
+    }
+}
+
+/// Makes the budget. `run` integrates a job; `integrator` is the study's own.
+///
+/// # Errors
+/// Whatever stops a run.
+pub fn make(
+    study: &Study,
+    integrator: Integrator,
+    samples: &[u64],
+    mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
+) -> Result<Budget> {
+    let members = study.members.min(ENOUGH_MEMBERS);
+    let present: Vec<Source> =
+        Source::ALL.into_iter().filter(|s| (0..members.min(256)).any(|m| s.is_on(&study.member(m).sensor))).collect();
+    let whole = Job { members, ..study.job(integrator, samples.to_vec()) };
+    let all_on = match present.iter().any(|s| s.needs_the_others()) {
+        true => Some(moments(&run(&whole, "error budget: all")?)),
+        false => None,
+    };
+    let mut shares = Vec::new();
+    let mut time_s = Vec::new();
+    for source in present {
+        let change =
+            move |sensor: &_| if source.needs_the_others() { source.off(sensor) } else { source.alone(sensor) };
+        let draw = whole.draw.clone();
+        let changed = Job {
+            draw: Arc::new(move |member| {
+                let mut member = draw(member);
+                member.sensor = change(&member.sensor);
+                member
+            }),
+            integrator: match source {
+                Source::Mechanics | Source::ForceNoise => integrator,
+                _ if source.needs_the_others() => integrator,
+                _ => Integrator::Ideal,
+            },
+            ..whole.clone()
+        };
+        let statistics = run(&changed, source.name())?;
+        time_s.clone_from(&statistics.time_s);
+        let (mean_m, mut variance_m2) = moments(&statistics);
+        let mut mean_m = mean_m;
+        if let (true, Some((all_mean, all_variance))) = (source.needs_the_others(), &all_on) {
+            mean_m = all_mean.iter().zip(&mean_m).map(|(all, off)| all - off).collect();
+            variance_m2 = all_variance.iter().zip(&variance_m2).map(|(all, off)| (all - off).max(0.0)).collect();
+        }
+        shares.push(Share { source, variance_m2, mean_m });
+    }
+    // Force noise acts through the mechanics: take their own part out.
+    let mechanics = shares.iter().find(|s| s.source == Source::Mechanics).map(|s| s.variance_m2.clone());
+    if let (Some(mechanics), Some(force)) = (mechanics, shares.iter_mut().find(|s| s.source == Source::ForceNoise)) {
+        force.variance_m2.iter_mut().zip(mechanics).for_each(|(v, m)| *v = (*v - m).max(0.0));
+    }
+    shares.sort_by(|a, b| b.variance_m2.last().unwrap_or(&0.0).total_cmp(a.variance_m2.last().unwrap_or(&0.0)));
+    Ok(Budget { time_s, shares, members })
+}
+
+fn moments(statistics: &Statistics) -> (Vec<f64>, Vec<f64>) {
+    let mean = statistics.series(quantity::POSITION, |s| s.mean);
+    (mean, statistics.series(quantity::POSITION, |s| s.sd * s.sd))
+}

@@ -1,0 +1,168 @@
+//! The answer as the public document `proofmass.study/1`.
+
+use serde::Serialize;
+
+use super::Drift;
+use super::expected::Expected;
+use crate::navigation::power_law::EXPONENTS;
+use crate::statistics::{Summary, quantity};
+use crate::study::Study;
+
+/// The schema's name.
+pub const SCHEMA: &str = "proofmass.study/1";
+
+/// The whole document; every list runs along `time_s`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Document {
+    schema: &'static str,
+    name: String,
+    version: &'static str,
+    seed: u64,
+    members: u64,
+    failed: u64,
+    backend: Backend,
+    integrator: String,
+    time_s: Vec<f64>,
+    position_error_m: Distribution,
+    velocity_error_m_s: Distribution,
+    acceleration_error_m_s2: Distribution,
+    tilt_error_rad: Distribution,
+    closed_form: ClosedForm,
+    growth: Vec<Power>,
+    error_budget: Vec<Share>,
+    member_steps: u64,
+    seconds: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Backend {
+    kind: String,
+    name: String,
+    driver: String,
+    precision: String,
+    fused_multiply_add: String,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Distribution {
+    mean: Vec<f64>,
+    sd: Vec<f64>,
+    min: Vec<f64>,
+    max: Vec<f64>,
+    p01: Vec<f64>,
+    p05: Vec<f64>,
+    p50: Vec<f64>,
+    p95: Vec<f64>,
+    p99: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct ClosedForm {
+    position_error_m: Moments,
+    velocity_error_m_s: Moments,
+    acceleration_error_m_s2: Moments,
+    tilt_error_rad: Moments,
+    left_out: Vec<String>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Moments {
+    mean: Vec<f64>,
+    sd: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Power {
+    exponent: f64,
+    fitted_m_per_s_to_the_exponent: f64,
+    closed_form_m_per_s_to_the_exponent: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Share {
+    source: &'static str,
+    position_sd_m: Vec<f64>,
+    share_of_variance: Vec<f64>,
+}
+
+impl Document {
+    /// The document of an answer.
+    pub fn of(study: &Study, drift: &Drift) -> Self {
+        let machine = &drift.statistics.machine;
+        let distribution = |q| Distribution::of(&drift.at_report(q));
+        let closed = |q| Moments::of(&drift.expected, q, &drift.report);
+        let power = |k: usize| Power {
+            exponent: EXPONENTS[k],
+            fitted_m_per_s_to_the_exponent: drift.growth.fitted[k],
+            closed_form_m_per_s_to_the_exponent: drift.growth.expected[k],
+        };
+        let budget = &drift.budget;
+        Self {
+            schema: SCHEMA,
+            name: study.name.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            seed: study.seed,
+            members: drift.statistics.members,
+            failed: drift.statistics.failed,
+            backend: Backend {
+                kind: machine.kind.clone(),
+                name: machine.name.clone(),
+                driver: machine.driver.clone(),
+                precision: machine.precision.clone(),
+                fused_multiply_add: machine.fused_multiply_add.clone(),
+            },
+            integrator: machine.integrator.clone(),
+            time_s: drift.report_times_s(),
+            position_error_m: distribution(quantity::POSITION),
+            velocity_error_m_s: distribution(quantity::VELOCITY),
+            acceleration_error_m_s2: distribution(quantity::ACCELERATION),
+            tilt_error_rad: distribution(quantity::TILT),
+            closed_form: ClosedForm {
+                position_error_m: closed(quantity::POSITION),
+                velocity_error_m_s: closed(quantity::VELOCITY),
+                acceleration_error_m_s2: closed(quantity::ACCELERATION),
+                tilt_error_rad: closed(quantity::TILT),
+                left_out: drift.expected.left_out.clone(),
+            },
+            growth: (0..EXPONENTS.len()).map(power).collect(),
+            error_budget: budget
+                .shares
+                .iter()
+                .map(|share| Share {
+                    source: share.source.name(),
+                    position_sd_m: drift.report.iter().map(|k| share.variance_m2[*k].sqrt()).collect(),
+                    share_of_variance: drift.report.iter().map(|k| budget.fraction(share, *k)).collect(),
+                })
+                .collect(),
+            member_steps: drift.statistics.member_steps,
+            seconds: drift.statistics.seconds,
+        }
+    }
+}
+
+impl Distribution {
+    fn of(at: &[&Summary]) -> Self {
+        let series = |pick: fn(&Summary) -> f64| at.iter().map(|s| pick(s)).collect();
+        Self {
+            mean: series(|s| s.mean),
+            sd: series(|s| s.sd),
+            min: series(|s| s.min),
+            max: series(|s| s.max),
+            p01: series(|s| s.percentiles[0]),
+            p05: series(|s| s.percentiles[1]),
+            p50: series(|s| s.percentiles[2]),
+            p95: series(|s| s.percentiles[3]),
+            p99: series(|s| s.percentiles[4]),
+        }
+    }
+}
+
+impl Moments {
+    fn of(expected: &Expected, quantity: usize, report: &[usize]) -> Self {
+        let total = expected.total(quantity);
+        Self {
+            mean: report.iter().map(|k| total[*k].mean).collect(),
+            sd: report.iter().map(|k| total[*k].variance.sqrt()).collect(),
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! What theory says of a study: mean and variance of every error quantity at every time, source by source, in closed form.
+//!
+//! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding without noise, a scale
+//! error on a sine drawn per member) is left out and said. See `navigation::closed_form` for the laws.
+
+use crate::excitation::Waveform;
+use crate::kernel::flicker;
+use crate::navigation::closed_form::Process;
+use crate::sensor::source::Source;
+use crate::statistics::quantity;
+use crate::study::Study;
+use crate::study::number::Number;
+use crate::study::parameter::{Parameter, Sign};
+use crate::study::plan::Variation;
+use crate::units::STANDARD_GRAVITY_M_S2;
+
+/// Mean and variance of one quantity.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Moment {
+    /// Mean over members.
+    pub mean: f64,
+    /// Variance over members.
+    pub variance: f64,
+}
+
+/// The closed forms of a study.
+#[derive(Debug, Clone)]
+pub struct Expected {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Sources with a closed form, each with its moments per time, in the order of `statistics::QUANTITIES`.
+    pub sources: Vec<(Source, Vec<[Moment; 4]>)>,
+    /// What has none, in words.
+    pub left_out: Vec<String>,
+}
+
+impl Expected {
+    /// The closed forms of `study` at these samples.
+    pub fn of(study: &Study, samples: &[u64]) -> Self {
+        let time_s: Vec<f64> = samples.iter().map(|s| *s as f64 * study.sample_s()).collect();
+        let motion = Motion::of(study, &time_s);
+        let mut left_out = Vec::new();
+        let mut sources = Vec::new();
+        for source in Source::ALL {
+            match law(study, source) {
+                Law::Absent => {}
+                Law::None(why) => left_out.push(format!("{}: {why}", source.name())),
+                Law::Constant { mean, variance } => {
+                    let moment = |t: f64, n: u32| {
+                        let unit = Process::Constant(1.0).variance(n, t);
+                        Moment { mean: mean * unit.sqrt(), variance: variance * unit }
+                    };
+                    sources.push((source, chain(source, &time_s, moment)));
+                }
+                Law::Random(processes) => {
+                    let moment = |t: f64, n: u32| Moment {
+                        mean: 0.0,
+                        variance: processes.iter().map(|p| now_or_later(*p, n, t, study.sample_s())).sum(),
+                    };
+                    sources.push((source, chain(source, &time_s, moment)));
+                }
+                Law::Motion { power, mean, variance } => {
+                    let at = |k: usize| {
+                        let mut row = [Moment::default(); 4];
+                        for (q, integrals) in motion.integrals[power - 1][k].iter().enumerate() {
+                            row[q] = Moment { mean: mean * integrals, variance: variance * integrals * integrals };
+                        }
+                        row
+                    };
+                    sources.push((source, (0..time_s.len()).map(at).collect()));
+                }
+            }
+        }
+        Self { time_s, sources, left_out }
+    }
+
+    /// All sources together: means add, variances add.
+    pub fn total(&self, quantity: usize) -> Vec<Moment> {
+        let add = |a: Moment, b: Moment| Moment { mean: a.mean + b.mean, variance: a.variance + b.variance };
+        (0..self.time_s.len())
+            .map(|k| self.sources.iter().map(|(_, rows)| rows[k][quantity]).fold(Moment::default(), add))
+            .collect()
+    }
+}
+
+/// White noise before any integration is the noise of one sample.
+fn now_or_later(process: Process, integrations: u32, time_s: f64, sample_s: f64) -> f64 {
+    match process {
+        Process::White(density) if integrations == 0 => density * density / sample_s,
+        p => p.variance(integrations, time_s),
+    }
+}
+
+/// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by g where it is a gyro's.
+fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment) -> Vec<[Moment; 4]> {
+    let gyro = matches!(
+        source,
+        Source::GyroBias | Source::AngleRandomWalk | Source::GyroBiasInstability | Source::RateRandomWalk
+    );
+    let g = STANDARD_GRAVITY_M_S2;
+    let by_gravity = |m: Moment| Moment { mean: g * m.mean, variance: g * g * m.variance };
+    let row = |t: &f64| {
+        let mut row = [Moment::default(); 4];
+        for (q, n) in [(quantity::POSITION, 2), (quantity::VELOCITY, 1), (quantity::ACCELERATION, 0)] {
+            row[q] = if gyro { by_gravity(moment(*t, n + 1)) } else { moment(*t, n) };
+        }
+        if gyro {
+            row[quantity::TILT] = moment(*t, 1);
+        }
+        row
+    };
+    time_s.iter().map(row).collect()
+}
+
+/// What kind of error a source is in this study.
+enum Law {
+    /// Not there.
+    Absent,
+    /// There, without a closed form.
+    None(&'static str),
+    /// A constant per member.
+    Constant { mean: f64, variance: f64 },
+    /// Zero-mean processes.
+    Random(Vec<Process>),
+    /// A constant per member times the force to a power.
+    Motion { power: usize, mean: f64, variance: f64 },
+}
+
+fn law(study: &Study, source: Source) -> Law {
+    use Parameter::*;
+    let all = &study.tolerances;
+    let on = |p: Parameter| all[p].is_some_and(|n| !n.is_zero());
+    // Root mean square over members: what a spread of noise levels makes of the variance.
+    let level = |p: Parameter| {
+        let (mean, variance) = all.moments(p);
+        (mean * mean + variance).sqrt()
+    };
+    let constant = |p: Parameter| {
+        let (mean, variance) = all.moments(p);
+        if on(p) { Law::Constant { mean, variance } } else { Law::Absent }
+    };
+    let random = |p: Parameter, make: &dyn Fn(f64) -> Vec<Process>| {
+        if on(p) { Law::Random(make(level(p))) } else { Law::Absent }
+    };
+    let white = |level: f64| vec![Process::White(level)];
+    let walk = |level: f64| vec![Process::Walk(level)];
+    let flicker = |level: f64| flicker_processes(study, level);
+    let either = |a: Parameter, b: Parameter| if all[a].is_some() { a } else { b };
+    match source {
+        Source::Mechanics if study.member(0).sensor.proof_mass.is_some() => {
+            Law::None("the lag of a linear proof mass stays bounded; its nonlinearity has no closed form")
+        }
+        Source::Mechanics => Law::Absent,
+        Source::ForceNoise => random(ForceNoise, &white),
+        Source::AccelerometerBias => constant(AccelerometerBias),
+        Source::ScaleFactor => motion(study, ScaleFactor, 1),
+        Source::Nonlinearity => motion(study, K2, 2),
+        Source::VelocityRandomWalk => random(either(NoiseDensity, VelocityRandomWalk), &white),
+        Source::AccelerometerBiasInstability => random(AccelerometerBiasInstability, &flicker),
+        Source::AccelerationRandomWalk => random(AccelerationRandomWalk, &walk),
+        Source::Quantisation => {
+            let step_m_s2 = level(Quantisation);
+            let noise_m_s2 = level(either(NoiseDensity, VelocityRandomWalk)) / study.sample_s().sqrt();
+            // Widrow & Kollár, Quantization Noise (2008), §20: rounding is white with q²/12 once σ is half a step.
+            match () {
+                _ if !on(Quantisation) => Law::Absent,
+                _ if noise_m_s2 >= 0.5 * step_m_s2 => {
+                    Law::Random(white(step_m_s2 / 12f64.sqrt() * study.sample_s().sqrt()))
+                }
+                _ => Law::None("less noise than half a step leaves the rounding error to the motion"),
+            }
+        }
+        Source::Range if on(Range) => Law::None("it acts only beyond full scale"),
+        Source::Range => Law::Absent,
+        Source::GyroBias => constant(GyroBias),
+        Source::AngleRandomWalk => random(either(GyroNoiseDensity, AngleRandomWalk), &white),
+        Source::GyroBiasInstability => random(GyroBiasInstability, &flicker),
+        Source::RateRandomWalk => random(RateRandomWalk, &walk),
+    }
+}
+
+/// The sum of held processes that the kernels make bias instability of.
+fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
+    let term = |j: usize| {
+        let hold_samples = 4f64.powi(j as i32);
+        let first_samples = if j == 0 { 1.0 } else { hold_samples / 2.0 };
+        Process::Held {
+            sigma: instability * flicker::amplitude(j),
+            first_s: first_samples * study.sample_s(),
+            hold_s: hold_samples * study.sample_s(),
+        }
+    };
+    (0..flicker::terms(study.clock.samples)).map(term).collect()
+}
+
+/// Scale errors act on the motion: a drawn coefficient times a drawn gain to the same power.
+fn motion(study: &Study, parameter: Parameter, power: usize) -> Law {
+    let (mean, variance) = study.tolerances.moments(parameter);
+    if mean == 0.0 && variance == 0.0 {
+        return Law::Absent;
+    }
+    match study.excitation.variation {
+        Variation::Sine => Law::None("its motion is drawn per member"),
+        Variation::None => Law::Motion { power, mean, variance },
+        Variation::Gain => {
+            let gain = study.tolerances[Parameter::ExcitationSize].unwrap_or(Number::Fixed(1.0));
+            let expect = |p: i32| {
+                let cut = Parameter::ExcitationSize.description().sign != Sign::Any;
+                (0..4096).map(|k| gain.quantile((f64::from(k) + 0.5) / 4096.0, cut).powi(p)).sum::<f64>() / 4096.0
+            };
+            let (first, second) = (expect(power as i32), expect(2 * power as i32));
+            Law::Motion {
+                power,
+                mean: mean * first,
+                variance: (mean * mean + variance) * second - (mean * first).powi(2),
+            }
+        }
+    }
+}
+
+/// Integrals of the shared force and of its square.
+struct Motion {
+    /// Per power (1, 2), per time: position, velocity, acceleration, and 0 for tilt.
+    integrals: [Vec<[f64; 4]>; 2],
+}
+
+impl Motion {
+    /// By the trapezoidal rule on the integration steps, or on ten million of them where there are more.
+    fn of(study: &Study, time_s: &[f64]) -> Self {
+        let waveform: &dyn Waveform = study.excitation.waveform.as_ref();
+        let mut integrals = [Vec::new(), Vec::new()];
+        let steps = (study.duration_s() / study.clock.step_s).min(1e7);
+        let step_s = study.duration_s() / steps;
+        let force = |t: f64| {
+            let f = waveform.specific_force_m_s2(t);
+            [f, f * f]
+        };
+        let (mut velocity, mut position, mut now_s) = ([0.0; 2], [0.0; 2], 0.0);
+        let mut before = force(0.0);
+        for time_s in time_s {
+            let parts = ((time_s - now_s) / step_s).round().max(1.0);
+            let h = (time_s - now_s) / parts;
+            for part in 1..=parts as u64 {
+                let after = force(now_s + h * part as f64);
+                for p in 0..2 {
+                    // Exact for a force that is linear over the step.
+                    position[p] += h * velocity[p] + h * h * (before[p] / 3.0 + after[p] / 6.0);
+                    velocity[p] += 0.5 * h * (before[p] + after[p]);
+                }
+                before = after;
+            }
+            now_s = *time_s;
+            for p in 0..2 {
+                integrals[p].push([position[p], velocity[p], before[p], 0.0]);
+            }
+        }
+        Self { integrals }
+    }
+}

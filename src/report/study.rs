@@ -1,0 +1,225 @@
+//! The page and the terminal text of a study: the answer in a sentence, envelopes, distributions, who is to blame.
+
+mod distribution;
+mod envelope;
+mod sensor;
+mod share;
+
+use super::html::Page;
+use super::number::{duration, significant};
+use super::table::Table;
+use crate::drift::Drift;
+use crate::navigation::power_law::EXPONENTS;
+use crate::statistics::{Summary, quantity};
+use crate::study::Study;
+
+pub use envelope::log_log as envelope_figure;
+
+/// The whole page.
+pub fn page(study: &Study, drift: &Drift) -> Page {
+    let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
+    page.section("How far it drifts");
+    let (linear, log) = (envelope::linear(drift).draw(), envelope::log_log(drift).draw());
+    page.figure_row(&[
+        (&linear, "Position error over time. Half of all sensors lie on each side of the line; the bands hold the middle 90 and 98 of 100. Dashed: where the closed form puts the edges of the inner band."),
+        (&log, "The standard deviation on logarithmic axes, over the closed form of all sources together. Thin dashes: pure t² and t³, the paper's guides."),
+    ]);
+    page.table(&drift_table(drift));
+    if !drift.expected.left_out.is_empty() {
+        page.paragraph(&format!("Not in the closed form: {}.", drift.expected.left_out.join("; ")));
+    }
+    page.section("How the errors are distributed");
+    for (charts, caption) in distribution::rows(drift) {
+        let drawn: Vec<_> = charts.iter().map(|c| c.draw()).collect();
+        page.figure_row(&drawn.iter().map(|f| (f, caption)).collect::<Vec<_>>());
+    }
+    page.section("Which error is to blame");
+    page.paragraph(&blame(drift));
+    let (shares, alone) = (share::shares(drift).draw(), share::alone(drift).draw());
+    page.figure_row(&[
+        (&shares, "Share of the position variance that each source owns. Early on noise rules, later bias, at last the gyro: what is worth improving depends on how long one navigates."),
+        (&alone, "Standard deviation of the position error that each source makes alone."),
+    ]);
+    page.table(&budget_table(drift));
+    page.section("How the envelope grows");
+    page.paragraph(
+        "The variance of position fitted as a sum of squares of four powers of time, beside what the closed forms of the \
+         sources give. Neighbouring powers imitate each other and bias instability is no single power, so the fit describes \
+         the envelope; the error budget above says whose it is.",
+    );
+    page.table(&growth_table(drift));
+    page.section("The sensor");
+    page.paragraph(sensor::CONVENTION);
+    page.table(&sensor::table(study));
+    page.paragraph(&format!("Excitation: {}.", study.excitation.words));
+    page.section("How this was made");
+    page.table(&provenance(study, drift));
+    page
+}
+
+/// The answer in two sentences.
+pub fn lede(study: &Study, drift: &Drift) -> String {
+    let (Some(last), Some(time_s)) =
+        (drift.at_report(quantity::POSITION).last().copied(), drift.report_times_s().pop())
+    else {
+        return String::new();
+    };
+    let largest = drift.budget.shares.first();
+    let culprit = largest.map_or(String::new(), |share| {
+        let k = drift.budget.time_s.len() - 1;
+        let percent = significant(100.0 * drift.budget.fraction(share, k), 2);
+        format!(" The {} owns {percent} % of that variance.", share.source.name())
+    });
+    format!(
+        "After {} without aiding, {} sensors like this one are {} m off (standard deviation of position); 90 of 100 lie \
+         between {} m and {} m.{culprit}",
+        duration(time_s),
+        study.members,
+        significant(last.sd, 3),
+        significant(last.percentiles[1], 3),
+        significant(last.percentiles[3], 3),
+    )
+}
+
+/// Sizes and percentiles of the position error, with the closed form.
+pub fn drift_table(drift: &Drift) -> Table {
+    let mut table = Table::new(&[
+        "time / s",
+        "sd / m",
+        "closed form / m",
+        "ratio",
+        "mean / m",
+        "1 % / m",
+        "5 % / m",
+        "50 % / m",
+        "95 % / m",
+        "99 % / m",
+    ]);
+    let expected = drift.expected.total(quantity::POSITION);
+    for k in &drift.report {
+        let at: &Summary = &drift.statistics.at[*k][quantity::POSITION];
+        let theory_m = expected[*k].variance.sqrt();
+        let digits = |v: f64| significant(v, 3);
+        let mut row = vec![significant(drift.statistics.time_s[*k], 3), digits(at.sd)];
+        row.extend([digits(theory_m), if theory_m > 0.0 { digits(at.sd / theory_m) } else { "–".into() }]);
+        row.push(digits(at.mean));
+        row.extend(at.percentiles.iter().map(|p| digits(*p)));
+        table.row(row);
+    }
+    table
+}
+
+/// Standard deviation of position that each source makes, and its share, at the report times.
+pub fn budget_table(drift: &Drift) -> Table {
+    let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", significant(*t, 3))).collect();
+    let mut headings = vec!["source".to_owned()];
+    headings.extend(times.iter().map(|t| format!("share at {t}")));
+    headings.extend(drift.report.last().iter().zip(times.last()).map(|(_, t)| format!("alone at {t} / m")));
+    let mut table = Table { headings, rows: Vec::new() };
+    for share in &drift.budget.shares {
+        let mut row = vec![share.source.name().to_owned()];
+        row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(share, *k))));
+        row.extend(drift.report.last().map(|k| significant(share.variance_m2[*k].sqrt(), 3)));
+        table.row(row);
+    }
+    table
+}
+
+fn percent(fraction: f64) -> String {
+    match 100.0 * fraction {
+        p if p >= 10.0 => format!("{p:.0} %"),
+        p if p >= 0.1 => format!("{p:.1} %"),
+        p if p > 0.0 => "< 0.1 %".into(),
+        _ => "0".into(),
+    }
+}
+
+fn growth_table(drift: &Drift) -> Table {
+    let owners = ["velocity random walk", "accelerometer bias", "angle and acceleration random walk", "gyro bias"];
+    let mut table = Table::new(&["power of t", "belongs to", "fitted / (m/s^p)", "closed form / (m/s^p)"]);
+    for (k, owner) in owners.iter().enumerate() {
+        table.row([
+            format!("{}", EXPONENTS[k]),
+            (*owner).to_owned(),
+            significant(drift.growth.fitted[k], 3),
+            significant(drift.growth.expected[k], 3),
+        ]);
+    }
+    table
+}
+
+/// Which source rules when.
+fn blame(drift: &Drift) -> String {
+    let ruler = |k: usize| {
+        let shares = &drift.budget.shares;
+        shares
+            .iter()
+            .max_by(|a, b| a.variance_m2[k].total_cmp(&b.variance_m2[k]))
+            .map_or("nothing", |s| s.source.name())
+    };
+    let mut phrases: Vec<String> = Vec::new();
+    let mut before = "";
+    for (k, time_s) in drift.budget.time_s.iter().enumerate() {
+        if ruler(k) != before {
+            before = ruler(k);
+            phrases.push(match phrases.is_empty() {
+                true => format!("at first {before}"),
+                false => format!("from {} on {before}", duration(*time_s)),
+            });
+        }
+    }
+    format!(
+        "The largest share of the position variance belongs {}. Made with {} members and common random numbers, each \
+         source alone; rounding and saturation, which mean nothing alone, by switching them off.",
+        phrases.join(", "),
+        drift.budget.members
+    )
+}
+
+/// What it ran on, for whoever wants to repeat it.
+pub fn provenance(study: &Study, drift: &Drift) -> Table {
+    let (statistics, machine) = (&drift.statistics, &drift.statistics.machine);
+    let mut table = Table::new(&["what", "value"]);
+    let rate = statistics.member_steps as f64 / statistics.seconds.max(1e-9);
+    for (what, value) in [
+        ("version", format!("proofmass {}", env!("CARGO_PKG_VERSION"))),
+        ("seed", study.seed.to_string()),
+        ("members", format!("{} ({} failed and left out)", statistics.members, statistics.failed)),
+        ("run", format!("{} s in steps of {} s", study.duration_s(), study.clock.step_s)),
+        ("backend", format!("{}: {}", machine.kind, machine.name)),
+        ("driver", machine.driver.clone()),
+        ("precision", machine.precision.clone()),
+        ("fused multiply-add", machine.fused_multiply_add.clone()),
+        ("integrator", format!("{}, because {}", machine.integrator, drift.choice.because)),
+        (
+            "time",
+            format!(
+                "{} for {} million member-steps",
+                duration(statistics.seconds),
+                significant(statistics.member_steps as f64 / 1e6, 3)
+            ),
+        ),
+        ("speed", format!("{} million member-steps/s", significant(rate / 1e6, 3))),
+    ] {
+        table.row([what.to_owned(), value]);
+    }
+    table
+}
+
+/// What the terminal shows.
+pub fn terminal(study: &Study, drift: &Drift) -> String {
+    let machine = &drift.statistics.machine;
+    format!(
+        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\nintegrator: {}: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        lede(study, drift),
+        drift_table(drift),
+        budget_table(drift),
+        machine.integrator,
+        drift.choice.because,
+        machine.name,
+        machine.kind,
+        machine.precision,
+        duration(drift.statistics.seconds),
+        significant(drift.statistics.member_steps as f64 / 1e6, 3),
+    )
+}

@@ -1,0 +1,63 @@
+//! The error budget over time: shares of the variance stacked, and each source's own envelope.
+
+use crate::drift::Drift;
+use crate::drift::budget::Share;
+use crate::report::figure::{Axis, Chart, Ink, Mark};
+
+/// Sources shown by name; the rest is one band.
+const NAMED: usize = 6;
+
+/// The sources that matter at some time, largest peak share first, at most `NAMED`.
+fn named(drift: &Drift) -> Vec<&Share> {
+    let budget = &drift.budget;
+    let peak = |s: &Share| (0..budget.time_s.len()).map(|k| budget.fraction(s, k)).fold(0.0, f64::max);
+    let mut shares: Vec<(&Share, f64)> = budget.shares.iter().map(|s| (s, peak(s))).filter(|s| s.1 > 0.005).collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares.into_iter().take(NAMED).map(|s| s.0).collect()
+}
+
+/// Shares of the variance, stacked to 100 %.
+pub fn shares(drift: &Drift) -> Chart {
+    let budget = &drift.budget;
+    let mut chart = Chart::new(
+        "Who owns the variance",
+        Axis::log("time / s"),
+        Axis::linear("share of position variance / %").within(0.0, 100.0),
+    );
+    let mut floor = vec![0.0; budget.time_s.len()];
+    for (n, share) in named(drift).into_iter().enumerate() {
+        let top: Vec<f64> = floor.iter().enumerate().map(|(k, f)| f + 100.0 * budget.fraction(share, k)).collect();
+        stack(&mut chart, share.source.name(), Ink::nth(n), &budget.time_s, &floor, &top);
+        floor = top;
+    }
+    if floor.iter().any(|f| *f < 99.5) {
+        stack(&mut chart, "all others", Ink::Soft, &budget.time_s, &floor, &vec![100.0; floor.len()]);
+    }
+    chart
+}
+
+/// A band with a line on its top, so that neighbours stay apart in any colour vision.
+fn stack(chart: &mut Chart, name: &str, ink: Ink, time_s: &[f64], floor: &[f64], top: &[f64]) {
+    let points = |values: &[f64]| time_s.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
+    chart.add(name, ink, Mark::Band(top.to_vec()), points(floor));
+    chart.add("", ink, Mark::Line, points(top));
+}
+
+/// Each source's own standard deviation.
+pub fn alone(drift: &Drift) -> Chart {
+    let budget = &drift.budget;
+    let mut chart = Chart::new("Each source alone", Axis::log("time / s"), Axis::log("position error, sd / m"));
+    let whole: Vec<(f64, f64)> = budget
+        .time_s
+        .iter()
+        .enumerate()
+        .map(|(k, t)| (*t, budget.shares.iter().map(|s| s.variance_m2[k]).sum::<f64>().sqrt()))
+        .collect();
+    let floor = whole.first().map_or(0.0, |p| p.1 * 1e-3);
+    for (n, share) in named(drift).into_iter().enumerate() {
+        let points = budget.time_s.iter().zip(&share.variance_m2).map(|(t, v)| (*t, v.sqrt())).filter(|p| p.1 > floor);
+        chart.add(share.source.name(), Ink::nth(n), Mark::Line, points.collect());
+    }
+    chart.add("all together", Ink::Black, Mark::Dashed, whole);
+    chart
+}
