@@ -12,6 +12,7 @@ pub mod driven;
 pub mod excitation;
 pub mod interval;
 pub mod judge;
+pub mod like;
 pub mod outcome;
 pub mod physics;
 pub mod plan;

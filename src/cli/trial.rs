@@ -8,6 +8,7 @@ use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
 use crate::trial::case::Case;
 use crate::trial::judge;
+use crate::trial::like;
 use crate::trial::outcome::Outcome;
 use crate::trial::plan::{DEFAULT_CASES, Plan};
 
@@ -32,6 +33,12 @@ pub struct Arguments {
     /// Rows per recording
     #[arg(long, value_name = "N")]
     pub samples: Option<usize>,
+    /// What could this recording reveal? Plant every candidate into copies of it (needs --model)
+    #[arg(long, value_name = "RECORDING", requires = "model")]
+    pub like: Option<PathBuf>,
+    /// The model.toml of that recording
+    #[arg(long, value_name = "MODEL", requires = "like")]
+    pub model: Option<PathBuf>,
     /// Only this case: write its recording, model and truth to --out and say what the verdict is
     #[arg(long, value_name = "NUMBER", requires = "out")]
     pub case: Option<usize>,
@@ -62,6 +69,9 @@ impl Arguments {
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    if let (Some(recording), Some(model)) = (&arguments.like, &arguments.model) {
+        return like(recording, model, arguments, json);
+    }
     let plan = arguments.plan();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {
         let cause = format!("{} cases of {} samples", plan.cases, plan.samples);
@@ -83,8 +93,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
-    let document = serde_json::to_string_pretty(&outcome)
-        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))?;
+    let document = as_json(&outcome)?;
     if let Some(folder) = &arguments.out {
         write(folder, &plan, &outcome, &truth.cases, &verdicts, &arguments.command())?;
         write_whole(&folder.join("trial.json"), document.as_bytes())?;
@@ -127,6 +136,28 @@ fn write(
     files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
 }
 
+/// Plants into copies of a user's recording.
+fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Result<()> {
+    let sizes: &[f64] = if arguments.quick { &[0.3, 3.0] } else { &like::SIZES };
+    let power = like::power(recording, model, sizes, arguments.seed, &blind::tool)?;
+    let document = as_json(&power)?;
+    if let Some(folder) = &arguments.out {
+        write_whole(&folder.join("power.json"), document.as_bytes())?;
+        write_whole(&folder.join("power.html"), report::power_page(&power).as_bytes())?;
+    }
+    if json {
+        println!("{document}");
+    } else {
+        print!("{}", report::power_terminal(&power));
+    }
+    Ok(())
+}
+
+fn as_json(document: &impl serde::Serialize) -> Result<String> {
+    serde_json::to_string_pretty(document)
+        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))
+}
+
 /// Reproduces one case of a plan.
 fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
     let families = plan.families();
@@ -140,9 +171,7 @@ fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
     };
     let case = plan.draw(number, family, nth);
     let files = case.write(folder)?;
-    let truth = serde_json::to_string_pretty(&case)
-        .map_err(|e| Error::new("could not write the truth", e.to_string(), "report this as a defect"))?;
-    write_whole(&folder.join("truth.json"), truth.as_bytes())?;
+    write_whole(&folder.join("truth.json"), as_json(&case)?.as_bytes())?;
     println!("case {number}: {}", family.name());
     for (id, size) in case.sizes_over_noise() {
         println!("planted: {id}, {size:.3} × noise");

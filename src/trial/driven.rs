@@ -43,8 +43,8 @@ pub struct Driven {
     pub gain: f64,
     /// Reading at rest.
     pub offset: f64,
-    /// Displacement where a ring-down begins.
-    pub released_at: f64,
+    /// Displacement and velocity at the beginning: of the run-in, or of a ring-down.
+    pub start: [f64; 2],
     /// Input.
     pub excitation: Excitation,
     /// White readout noise, standard deviation.
@@ -139,7 +139,10 @@ impl Planted {
 impl<'a> Scene<'a> {
     /// Tabulates the inputs of a case.
     pub fn new(case: &'a Driven, substeps: usize) -> Self {
-        let lead = if case.excitation == Excitation::None { 0 } else { RUN_IN };
+        let lead = match case.excitation {
+            Excitation::None | Excitation::Recorded { .. } => 0,
+            _ => RUN_IN,
+        };
         let half_step_s = 0.5 / (case.rate_hz * substeps as f64);
         let start_s = -(lead as f64) / case.rate_hz;
         let count = 2 * substeps * (lead + case.samples - 1) + 1;
@@ -174,8 +177,7 @@ impl<'a> Scene<'a> {
             start_s: -(self.lead as f64) / c.rate_hz,
             environment: &self.environment,
         };
-        let start = [c.released_at, 0.0];
-        let oscillator = Oscillator { omega_rad_s: c.omega_rad_s, zeta: c.zeta, gain: c.gain, start };
+        let oscillator = Oscillator { omega_rad_s: c.omega_rad_s, zeta: c.zeta, gain: c.gain, start: c.start };
         proof_mass::integrate(oscillator, terms, c.scales, &clock, c.seed)
     }
 

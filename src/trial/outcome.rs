@@ -83,6 +83,8 @@ pub struct Outcome {
     pub seconds_per_case: [f64; 2],
     /// Verdicts that gave a false name with confidence, as a share of all cases.
     pub confidently_wrong: f64,
+    /// Diagnoses that stopped with an error, as a share of all cases.
+    pub errors: f64,
     /// Foreign physics given a library name with confidence.
     pub unknown_named: f64,
     /// SHA-256 of the sealed truth.
@@ -161,6 +163,7 @@ impl Outcome {
                 judged.iter().map(|j| j.said.seconds).fold(0.0, f64::max),
             ],
             confidently_wrong: Share::over(judged.iter().map(wrong)).value,
+            errors: Share::over(judged.iter().map(|j| j.mark == Mark::Error)).value,
             unknown_named: Share::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
             truth_sha256: truth_sha256.into(),
             detection_limit: limits,

@@ -49,6 +49,11 @@ fn share(family: Family) -> usize {
 /// Size of the default trial.
 pub const DEFAULT_CASES: usize = 567;
 
+/// The nth effect of a family: a stride of eight visits all twenty-one, and a short trial a varied part of them.
+fn effect(nth: usize) -> Physics {
+    LIBRARY[(8 * nth) % LIBRARY.len()]
+}
+
 /// Groups whose members resemble each other.
 const LOOK_ALIKES: [&[Physics]; 3] = [
     &[Physics::ReadoutNonlinearity, Physics::CubicStiffness],
@@ -128,7 +133,7 @@ impl Plan {
         let size = log_uniform(rng, 0.2, 3.0);
         match family {
             Family::StillPlanted => {
-                let slow = SLOW[nth % SLOW.len()];
+                let slow = SLOW[(4 * nth) % SLOW.len()];
                 let size = match slow {
                     // A level is a factor, a step is coarser than the noise.
                     Slow::WhiteNoise => uniform(rng, 1.15, 3.0),
@@ -165,19 +170,19 @@ impl Plan {
                 let size = log_uniform(rng, 0.01, 0.1);
                 add(&mut case, rng, Physics::ForceNoise, Size::Visible(size))
             }
-            Family::SingleOnePercent => add(&mut case, rng, LIBRARY[nth % LIBRARY.len()], Size::Visible(0.01)),
-            Family::SingleFivePercent => add(&mut case, rng, LIBRARY[nth % LIBRARY.len()], Size::Visible(0.05)),
+            Family::SingleOnePercent => add(&mut case, rng, effect(nth), Size::Visible(0.01)),
+            Family::SingleFivePercent => add(&mut case, rng, effect(nth), Size::Visible(0.05)),
             Family::AroundTheLimit => {
                 let size = NOISE * log_uniform(rng, 0.01, 3.0);
-                add(&mut case, rng, LIBRARY[nth % LIBRARY.len()], Size::Visible(size))
+                add(&mut case, rng, effect(nth), Size::Visible(size))
             }
             Family::UnderTheNoise => {
                 let size = NOISE * log_uniform(rng, 0.05, 0.5);
-                add(&mut case, rng, LIBRARY[nth % LIBRARY.len()], Size::Visible(size))
+                add(&mut case, rng, effect(nth), Size::Visible(size))
             }
             Family::UnknownPhysics => {
                 let size = log_uniform(rng, 0.02, 0.1);
-                add(&mut case, rng, FOREIGN[nth % FOREIGN.len()], Size::Visible(size))
+                add(&mut case, rng, FOREIGN[(7 * nth) % FOREIGN.len()], Size::Visible(size))
             }
             Family::Pair | Family::BehindALarger => {
                 let first = library(rng);

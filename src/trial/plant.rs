@@ -80,7 +80,7 @@ pub fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Dri
         zeta,
         gain,
         offset: 0.0,
-        released_at: if drive == Drive::RingDown { log_uniform(rng, 0.01, 1.0) } else { 0.0 },
+        start: [if drive == Drive::RingDown { log_uniform(rng, 0.01, 1.0) } else { 0.0 }, 0.0],
         excitation,
         noise: 0.0,
         scales: unknown,

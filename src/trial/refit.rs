@@ -161,6 +161,21 @@ pub fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usize) -> O
     Some(best)
 }
 
+/// Fits without a start: the best of a grid over resonance and damping is refined.
+pub fn search(w: &Window<'_>, hint: Option<[f64; 2]>) -> Option<Fit> {
+    let nyquist = std::f64::consts::PI * w.rate_hz;
+    let mut starts: Vec<[f64; 2]> = hint.into_iter().collect();
+    for k in 0..40 {
+        let omega = nyquist * 0.004 * 200f64.powf(f64::from(k) / 39.0);
+        starts.extend([0.003, 0.03, 0.3].map(|zeta| [omega, zeta]));
+    }
+    let mut fits: Vec<Fit> = starts.into_iter().filter_map(|[omega, zeta]| refine(w, omega, zeta, 0)).collect();
+    fits.sort_by(|a, b| a.rms().total_cmp(&b.rms()));
+    fits.truncate(4);
+    let refined = fits.into_iter().filter_map(|f| refine(w, f.omega_rad_s, f.zeta, 40));
+    refined.min_by(|a, b| a.rms().total_cmp(&b.rms()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,9 +194,11 @@ mod tests {
         let window = |output| Window { input: &input, output, substeps, rate_hz };
         let parts = responses(&window(&blank), 8.0, 0.07);
         let output = combine(&parts, [40.0, 0.3, 1.0, -2.0]);
-        let fit = refine(&window(&output), 8.6, 0.1, 20).expect("fits");
-        assert!(fit.rms() < 1e-6, "{}", fit.rms());
-        assert!((fit.omega_rad_s - 8.0).abs() < 1e-5 && (fit.zeta - 0.07).abs() < 1e-6);
-        assert!((fit.gain - 40.0).abs() < 1e-4 && (fit.offset - 0.3).abs() < 1e-5);
+        for fit in [refine(&window(&output), 8.6, 0.1, 20), search(&window(&output), None)] {
+            let fit = fit.expect("fits");
+            assert!(fit.rms() < 1e-6, "{}", fit.rms());
+            assert!((fit.omega_rad_s - 8.0).abs() < 1e-5 && (fit.zeta - 0.07).abs() < 1e-6);
+            assert!((fit.gain - 40.0).abs() < 1e-4 && (fit.offset - 0.3).abs() < 1e-5);
+        }
     }
 }
