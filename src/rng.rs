@@ -5,10 +5,14 @@
 
 use rand::rand_core::{Infallible, TryRng};
 
-const MULTIPLIER_0: u32 = 0xD251_1F53;
-const MULTIPLIER_1: u32 = 0xCD9E_8D57;
-const WEYL_0: u32 = 0x9E37_79B9;
-const WEYL_1: u32 = 0xBB67_AE85;
+/// First multiplier of a round.
+pub const MULTIPLIER_0: u32 = 0xD251_1F53;
+/// Second multiplier of a round.
+pub const MULTIPLIER_1: u32 = 0xCD9E_8D57;
+/// What the first key word grows by each round.
+pub const WEYL_0: u32 = 0x9E37_79B9;
+/// What the second key word grows by each round.
+pub const WEYL_1: u32 = 0xBB67_AE85;
 
 /// Philox4x32 with ten rounds: 128 random bits for one counter and key.
 #[inline(always)]

@@ -28,12 +28,12 @@ pub fn amplitude(term: usize) -> f64 {
     ALLAN_PER_INSTABILITY * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
 }
 
-/// Which update of term j takes place at sample n, if one does. Slow terms take turns: at most one per sample.
+/// Which slow term (1, 2, …) is renewed at sample n: those with n = 4ʲ/2 + a multiple of 4ʲ. At most one per sample, and
+/// at most two in four: term 1 at 4m + 2, another perhaps at 4m. Term 0 is renewed at every sample, all of them at n = 0.
 #[inline(always)]
-pub fn update(term: usize, sample: u64) -> Option<u32> {
-    let hold = 1_u64 << (2 * term as u32);
-    let phase = sample + hold / 2;
-    (sample == 0 || phase & (hold - 1) == 0).then_some((phase >> (2 * term as u32)) as u32)
+pub fn slow_term(sample: u64) -> Option<usize> {
+    let zeros = sample.trailing_zeros() as usize;
+    (sample != 0 && zeros % 2 == 1).then_some(zeros.div_ceil(2))
 }
 
 #[cfg(test)]
@@ -68,13 +68,11 @@ mod tests {
     }
 
     #[test]
-    fn at_most_one_slow_term_is_renewed_per_sample_and_updates_are_numbered_without_gap() {
-        for n in 1..5000 {
-            assert!((1..8).filter(|&j| update(j, n).is_some()).count() <= 1);
-        }
-        for j in 0..5 {
-            let numbers: Vec<u32> = (0..5000).filter_map(|n| update(j, n)).collect();
-            assert!(numbers.iter().enumerate().all(|(i, &u)| i == u as usize), "{j}");
+    fn a_slow_term_is_renewed_once_in_the_time_it_is_held() {
+        for j in 1..6 {
+            let hold = 4_u64.pow(j as u32);
+            let renewed: Vec<u64> = (1..5000).filter(|&n| slow_term(n) == Some(j)).collect();
+            assert!(renewed.iter().enumerate().all(|(i, &n)| n == hold / 2 + i as u64 * hold), "{j}");
         }
         assert!((RETAINED * RETAINED + RENEWED * RENEWED - 1.0).abs() < 1e-15);
     }

@@ -4,8 +4,38 @@
 //! Trap that this file exists to avoid: `mul_add` without the fma feature is a library call, thirty times slower. Hence
 //! the constant `FMA`. With and without, results differ in the last bit; AVX-512 and AVX2 agree bit for bit.
 
+use std::ops::{Index, IndexMut};
+
 /// Members side by side. Sixteen would wait for each other's latency; sixty-four hide it.
 pub const LANES: usize = 64;
+
+/// One number per member, on a cache line boundary: a vector register that straddles two lines loads at half the speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub struct Lane<T>(pub [T; LANES]);
+
+impl<T: Copy> Lane<T> {
+    /// The same number for all.
+    #[inline(always)]
+    pub fn splat(value: T) -> Self {
+        Self([value; LANES])
+    }
+}
+
+impl<T> Index<usize> for Lane<T> {
+    type Output = T;
+    #[inline(always)]
+    fn index(&self, lane: usize) -> &T {
+        &self.0[lane]
+    }
+}
+
+impl<T> IndexMut<usize> for Lane<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, lane: usize) -> &mut T {
+        &mut self.0[lane]
+    }
+}
 
 /// Work that can be compiled for several instruction sets. Mark `run` and all that it calls `#[inline(always)]`.
 pub trait Kernel {

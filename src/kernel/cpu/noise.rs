@@ -3,12 +3,9 @@
 //! The numbers of one purpose are numbered; number n of a member is element n mod 4 of counter n / 4. Counter words:
 //! n / 4, member low, member high, stream; key: seed. So a number depends on nothing but its name.
 
-use super::lanes::LANES;
+use super::lanes::{LANES, Lane};
 use crate::numerics::elementary::{Real, gaussian_pair};
-use crate::rng::{Stream, philox4x32_10};
-
-/// One number per member.
-pub type Lane<T> = [T; LANES];
+use crate::rng::{MULTIPLIER_0, MULTIPLIER_1, Stream, WEYL_0, WEYL_1};
 
 /// Who draws: 64 members from `first` on.
 #[derive(Debug, Clone, Copy)]
@@ -19,27 +16,43 @@ pub struct Drawer {
     pub first_member: u64,
 }
 
-/// Stream word of a purpose; bias instability has one stream per term.
+/// Stream word of a purpose; bias instability has one per group of terms.
 #[inline(always)]
 pub fn stream(purpose: Stream, term: usize) -> u32 {
     purpose as u32 | (term as u32) << 8
 }
 
 impl Drawer {
+    /// Philox4x32-10 for 64 members, word for word that of `rng`, in 64-bit lanes: a 32-bit multiplication that keeps both
+    /// halves is one instruction there, and what piles up in the upper half is never looked at.
+    #[inline(always)]
+    fn words(&self, counter: u32, stream: u32, out: &mut [Lane<u32>; 4]) {
+        const LOW: u64 = 0xFFFF_FFFF;
+        // The first member is a multiple of 64, so the lane never carries into the high word.
+        let (low, high) = (self.first_member & LOW, self.first_member >> 32);
+        for l in 0..LANES {
+            let mut c = [u64::from(counter), low | l as u64, high, u64::from(stream)];
+            let mut key = [self.seed as u32, (self.seed >> 32) as u32];
+            for _ in 0..10 {
+                let product_0 = u64::from(MULTIPLIER_0) * (c[0] & LOW);
+                let product_1 = u64::from(MULTIPLIER_1) * (c[2] & LOW);
+                c = [
+                    product_1 >> 32 ^ c[1] ^ u64::from(key[0]),
+                    product_1,
+                    product_0 >> 32 ^ c[3] ^ u64::from(key[1]),
+                    product_0,
+                ];
+                key = [key[0].wrapping_add(WEYL_0), key[1].wrapping_add(WEYL_1)];
+            }
+            (0..4).for_each(|i| out[i][l] = c[i] as u32);
+        }
+    }
+
     /// Gaussian numbers 4·`counter` to 4·`counter` + 3 of every member.
     #[inline(always)]
     pub fn four<T: Real, const FMA: bool>(&self, counter: u32, stream: u32, out: &mut [Lane<T>; 4]) {
-        let key = [self.seed as u32, (self.seed >> 32) as u32];
-        // The first member is a multiple of 64, so the lane never carries into the high word.
-        let (low, high) = (self.first_member as u32, (self.first_member >> 32) as u32);
-        let mut words = [[0_u32; LANES]; 4];
-        for l in 0..LANES {
-            let w = philox4x32_10([counter, low | l as u32, high, stream], key);
-            words[0][l] = w[0];
-            words[1][l] = w[1];
-            words[2][l] = w[2];
-            words[3][l] = w[3];
-        }
+        let mut words = [Lane::splat(0_u32); 4];
+        self.words(counter, stream, &mut words);
         for l in 0..LANES {
             (out[0][l], out[1][l]) = gaussian_pair::<T, FMA>(words[0][l], words[1][l]);
         }
@@ -48,27 +61,30 @@ impl Drawer {
         }
     }
 
-    /// Gaussian number `n` of every member.
+    /// The first two of these four.
     #[inline(always)]
-    pub fn one<T: Real, const FMA: bool>(&self, n: u32, stream: u32) -> Lane<T> {
-        let mut four = [[T::of(0.0); LANES]; 4];
-        self.four::<T, FMA>(n >> 2, stream, &mut four);
-        four[(n & 3) as usize]
+    pub fn two<T: Real, const FMA: bool>(&self, counter: u32, stream: u32, out: &mut [Lane<T>; 2]) {
+        let mut words = [Lane::splat(0_u32); 4];
+        self.words(counter, stream, &mut words);
+        for l in 0..LANES {
+            (out[0][l], out[1][l]) = gaussian_pair::<T, FMA>(words[0][l], words[1][l]);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::philox4x32_10;
 
     #[test]
     fn lanes_draw_what_a_single_philox_draws() {
         let drawer = Drawer { seed: 0x1234_5678_9ABC_DEF0, first_member: (7 << 32) + 64 };
         let word = stream(Stream::GyroFlicker, 3);
-        let n = 4_000_000_002;
-        let got = drawer.one::<f64, false>(n, word);
-        for (l, got) in got.iter().enumerate() {
-            let w = philox4x32_10([n >> 2, 64 + l as u32, 7, word], [0x9ABC_DEF0, 0x1234_5678]);
+        let mut four = [Lane::splat(0.0); 4];
+        drawer.four::<f64, false>(1_000_000_000, word, &mut four);
+        for (l, got) in four[2].0.iter().enumerate() {
+            let w = philox4x32_10([1_000_000_000, 64 + l as u32, 7, word], [0x9ABC_DEF0, 0x1234_5678]);
             assert_eq!(*got, gaussian_pair::<f64, false>(w[2], w[3]).0);
         }
     }

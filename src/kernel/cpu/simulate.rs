@@ -4,8 +4,8 @@
 //! integrations. Sums run in T over 64 samples and are then added to f64 totals (the shader: to compensated ones), so
 //! that f32 does not lose the drift of a long run under a large bias. Units inside: one sample is the unit of time.
 
-use super::lanes::{Kernel, LANES};
-use super::noise::{Drawer, Lane, stream};
+use super::lanes::{Kernel, LANES, Lane};
+use super::noise::{Drawer, stream};
 use super::oscillator::{
     ExactHold, ExponentialRk2, Ideal, Oscillator, RosenbrockEuler, RungeKutta4, RungeKutta4General,
 };
@@ -75,7 +75,7 @@ pub struct Members<T> {
     draw: Drawer,
     active: Active,
     columns: [Lane<T>; COLUMNS],
-    turns: [[u32; LANES]; 2],
+    turns: [Lane<u32>; 2],
     e: Lane<T>,
     q: Lane<T>,
     walk: Lane<T>,
@@ -117,15 +117,15 @@ impl<T> Observer<T> for () {
 impl<T: Real> Members<T> {
     /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat the last one.
     pub fn new(seed: u64, first_member: u64, columns: &[Column], flicker_terms: usize) -> Self {
-        let zero = [T::of(0.0); LANES];
+        let zero = Lane::splat(T::of(0.0));
         let mut lanes = [zero; COLUMNS];
-        let mut turns = [[0; LANES]; 2];
+        let mut turns = [Lane::splat(0); 2];
         for l in 0..LANES {
             let Some(member) = columns.get(l).or(columns.last()) else { break };
             (0..COLUMNS).for_each(|c| lanes[c][l] = T::of(member.values[c]));
             (0..2).for_each(|i| turns[i][l] = member.turns[i]);
         }
-        let any = |c: usize| lanes[c].iter().any(|v| *v != T::of(0.0));
+        let any = |c: usize| lanes[c].0.iter().any(|v| *v != T::of(0.0));
         let active = Active {
             white: any(column::WHITE),
             flicker: any(column::FLICKER),
@@ -136,9 +136,9 @@ impl<T: Real> Members<T> {
             gyro_flicker: any(column::GYRO_FLICKER),
             gyro_walk: any(column::GYRO_WALK),
             sine: any(column::SINE),
-            gain: lanes[column::GAIN].iter().any(|v| *v != T::of(1.0)),
+            gain: lanes[column::GAIN].0.iter().any(|v| *v != T::of(1.0)),
             reading: any(column::SCALE) || any(column::K2),
-            range: lanes[column::RANGE].iter().any(|v| *v < T::of(1e30)),
+            range: lanes[column::RANGE].0.iter().any(|v| *v < T::of(1e30)),
             quantisation: any(column::QUANTISATION),
         };
         let terms = |on: bool| vec![zero; if on { flicker_terms } else { 0 }];
@@ -156,9 +156,9 @@ impl<T: Real> Members<T> {
             velocity: zero,
             position: zero,
             rate: zero,
-            velocity_total: [0.0; LANES],
-            position_total: [0.0; LANES],
-            rate_total: [0.0; LANES],
+            velocity_total: Lane::splat(0.0),
+            position_total: Lane::splat(0.0),
+            rate_total: Lane::splat(0.0),
             acceleration: zero,
             failed: [false; LANES],
         }
@@ -166,8 +166,8 @@ impl<T: Real> Members<T> {
 
     /// Places every proof mass: error of the reading (m/s²) and rate of the reading times one substep.
     pub fn place(&mut self, error_m_s2: f64, rate_step_m_s2: f64) {
-        self.e = [T::of(error_m_s2); LANES];
-        self.q = [T::of(rate_step_m_s2); LANES];
+        self.e = Lane::splat(T::of(error_m_s2));
+        self.q = Lane::splat(T::of(rate_step_m_s2));
     }
 
     /// Error of the reading and its rate times one substep, of one lane.
@@ -227,40 +227,81 @@ struct Fours<T>([Lane<T>; 4]);
 
 impl<T: Real> Fours<T> {
     #[inline(always)]
-    fn renew<const FMA: bool>(&mut self, draw: &Drawer, sample: u64, purpose: Stream) {
-        draw.four::<T, FMA>((sample >> 2) as u32, stream(purpose, 0), &mut self.0);
+    fn renew<const FMA: bool>(&mut self, on: bool, draw: &Drawer, sample: u64, purpose: Stream) {
+        if on {
+            draw.four::<T, FMA>((sample >> 2) as u32, stream(purpose, 0), &mut self.0);
+        }
     }
 }
 
-/// Renews the terms whose turn it is and returns their sum, in units of the bias instability.
-#[inline(always)]
-fn flicker_step<T: Real, const FMA: bool>(
-    draw: &Drawer,
+/// The terms of one bias instability during a tile. Numbers: stream 0 renews the fast term, stream 1 the slow ones (number
+/// 0 of a counter is term 1's, number 1 the other's), stream 2 + j starts term j.
+struct Flicker<'a, T> {
+    draw: Drawer,
     purpose: Stream,
-    sample: u64,
-    amplitudes: &[T],
-    terms: &mut [Lane<T>],
-    fast: &Lane<T>,
-    sum: &mut Lane<T>,
-) {
-    for (j, term) in terms.iter_mut().enumerate() {
-        let Some(number) = flicker::update(j, sample) else { continue };
-        let (keep, new) = if sample == 0 { (T::of(0.0), T::of(1.0)) } else { (T::of(RETAINED), T::of(RENEWED)) };
-        let slow;
-        let g = if j == 0 {
-            fast
-        } else {
-            slow = draw.one::<T, FMA>(number, stream(purpose, j));
-            &slow
-        };
-        for l in 0..LANES {
-            term[l] = fma::<T, FMA>(keep, term[l], new * g[l]);
+    amplitudes: &'a [T],
+    terms: &'a mut [Lane<T>],
+    slow_numbers: [Lane<T>; 2],
+    /// Sum of terms 2 and slower.
+    slowest: Lane<T>,
+}
+
+impl<'a, T: Real> Flicker<'a, T> {
+    #[inline(always)]
+    fn new<const FMA: bool>(
+        draw: Drawer,
+        purpose: Stream,
+        amplitudes: &'a [T],
+        terms: &'a mut [Lane<T>],
+        first: u64,
+    ) -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        let mut flicker = Self { draw, purpose, amplitudes, terms, slow_numbers: [zero; 2], slowest: zero };
+        if first == 0 {
+            for j in 1..flicker.terms.len() {
+                flicker.draw.two::<T, FMA>(0, stream(purpose, 2 + j), &mut flicker.slow_numbers);
+                flicker.terms[j] = flicker.slow_numbers[0];
+            }
+        }
+        flicker.sum_slowest::<FMA>();
+        flicker
+    }
+
+    #[inline(always)]
+    fn sum_slowest<const FMA: bool>(&mut self) {
+        self.slowest = Lane::splat(T::of(0.0));
+        for (term, a) in self.terms.iter().zip(self.amplitudes).skip(2) {
+            for l in 0..LANES {
+                self.slowest[l] = fma::<T, FMA>(*a, term[l], self.slowest[l]);
+            }
         }
     }
-    *sum = [T::of(0.0); LANES];
-    for (term, a) in terms.iter().zip(amplitudes) {
+
+    /// Draws for the slow terms of this sample and the three after it.
+    #[inline(always)]
+    fn renew<const FMA: bool>(&mut self, sample: u64) {
+        self.draw.two::<T, FMA>((sample >> 2) as u32, stream(self.purpose, 1), &mut self.slow_numbers);
+    }
+
+    /// Renews the terms whose turn it is and adds `scale` times their sum to `out`.
+    #[inline(always)]
+    fn add<const FMA: bool>(&mut self, sample: u64, fast: &Lane<T>, scale: &Lane<T>, out: &mut Lane<T>) {
+        let (keep, new) = if sample == 0 { (0.0, 1.0) } else { (RETAINED, RENEWED) };
+        let (keep, new) = (T::of(keep), T::of(new));
+        if let Some(j) = flicker::slow_term(sample).filter(|&j| j < self.terms.len()) {
+            let number = &self.slow_numbers[usize::from(j > 1)];
+            for l in 0..LANES {
+                self.terms[j][l] = fma::<T, FMA>(keep, self.terms[j][l], new * number[l]);
+            }
+            if j > 1 {
+                self.sum_slowest::<FMA>();
+            }
+        }
+        let [quick, slow, ..] = self.terms else { return };
         for l in 0..LANES {
-            sum[l] = fma::<T, FMA>(*a, term[l], sum[l]);
+            quick[l] = fma::<T, FMA>(keep, quick[l], new * fast[l]);
+            let sum = fma::<T, FMA>(self.amplitudes[1], slow[l], self.slowest[l]);
+            out[l] = fma::<T, FMA>(scale[l], fma::<T, FMA>(self.amplitudes[0], quick[l], sum), out[l]);
         }
     }
 }
@@ -270,7 +311,7 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
     let Simulate { shared, members: m, force, first, count, observer } = work;
     let on = m.active;
     let draw = m.draw;
-    let zero = [T::of(0.0); LANES];
+    let zero = Lane::splat(T::of(0.0));
     let fresh = || Fours([zero; 4]);
     let (mut white, mut walk, mut pushes) = (fresh(), fresh(), fresh());
     let (mut gyro_white, mut gyro_walk) = (fresh(), fresh());
@@ -280,20 +321,24 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
     let mut amplitudes = [T::of(0.0); MOST_TERMS];
     amplitudes[..shared.flicker.len()].copy_from_slice(&shared.flicker);
 
+    let mut flicker = Flicker::new::<FMA>(draw, Stream::AccelerometerFlicker, &amplitudes, &mut m.flicker, first);
+    let mut gyro_flicker = Flicker::new::<FMA>(draw, Stream::GyroFlicker, &amplitudes, &mut m.gyro_flicker, first);
+
     for n in first..first + count {
         if n & 3 == 0 || n == first {
-            let renew = |on: bool, f: &mut Fours<T>, s: Stream| {
-                if on {
-                    f.renew::<FMA>(&draw, n, s);
-                }
-            };
-            renew(on.force, &mut pushes, Stream::Force);
-            renew(on.white, &mut white, Stream::AccelerometerWhite);
-            renew(on.flicker, &mut fast, Stream::AccelerometerFlicker);
-            renew(on.walk, &mut walk, Stream::AccelerometerWalk);
-            renew(on.gyro_white, &mut gyro_white, Stream::GyroWhite);
-            renew(on.gyro_flicker, &mut gyro_fast, Stream::GyroFlicker);
-            renew(on.gyro_walk, &mut gyro_walk, Stream::GyroWalk);
+            pushes.renew::<FMA>(on.force, &draw, n, Stream::Force);
+            white.renew::<FMA>(on.white, &draw, n, Stream::AccelerometerWhite);
+            fast.renew::<FMA>(on.flicker, &draw, n, Stream::AccelerometerFlicker);
+            walk.renew::<FMA>(on.walk, &draw, n, Stream::AccelerometerWalk);
+            gyro_white.renew::<FMA>(on.gyro_white, &draw, n, Stream::GyroWhite);
+            gyro_fast.renew::<FMA>(on.gyro_flicker, &draw, n, Stream::GyroFlicker);
+            gyro_walk.renew::<FMA>(on.gyro_walk, &draw, n, Stream::GyroWalk);
+            if on.flicker {
+                flicker.renew::<FMA>(n);
+            }
+            if on.gyro_flicker {
+                gyro_flicker.renew::<FMA>(n);
+            }
         }
         let number = (n & 3) as usize;
 
@@ -345,7 +390,7 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
             }
         }
         if !on.sine && !on.gain {
-            felt = [steps[substeps - 1].end; LANES];
+            felt = Lane::splat(steps[substeps - 1].end);
         }
 
         // The accelerometer's reading.
@@ -365,12 +410,7 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
             }
         }
         if on.flicker {
-            let mut sum = zero;
-            let purpose = Stream::AccelerometerFlicker;
-            flicker_step::<T, FMA>(&draw, purpose, n, &amplitudes, &mut m.flicker, &fast.0[number], &mut sum);
-            for l in 0..LANES {
-                error[l] = fma::<T, FMA>(k[column::FLICKER][l], sum[l], error[l]);
-            }
+            flicker.add::<FMA>(n, &fast.0[number], &k[column::FLICKER], &mut error);
         }
         if on.walk {
             for l in 0..LANES {
@@ -402,13 +442,7 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
                 }
             }
             if on.gyro_flicker {
-                let mut sum = zero;
-                let purpose = Stream::GyroFlicker;
-                let (terms, fast) = (&mut m.gyro_flicker, &gyro_fast.0[number]);
-                flicker_step::<T, FMA>(&draw, purpose, n, &amplitudes, terms, fast, &mut sum);
-                for l in 0..LANES {
-                    turn[l] = fma::<T, FMA>(k[column::GYRO_FLICKER][l], sum[l], turn[l]);
-                }
+                gyro_flicker.add::<FMA>(n, &gyro_fast.0[number], &k[column::GYRO_FLICKER], &mut turn);
             }
             if on.gyro_walk {
                 for l in 0..LANES {
@@ -431,14 +465,16 @@ fn tile<T: Real, O: Oscillator<T>, S: Observer<T>, const FMA: bool>(work: Simula
             m.position[l] = m.position[l] + fma::<T, FMA>(T::of(0.5), error[l], m.velocity[l]);
             m.velocity[l] = m.velocity[l] + error[l];
         }
-        m.acceleration = error;
+        if n + 1 == first + count {
+            m.acceleration = error;
+        }
 
         if (n + 1) % CHUNK == 0 {
             for l in 0..LANES {
                 m.position_total[l] += CHUNK as f64 * m.velocity_total[l] + m.position[l].f64();
                 m.velocity_total[l] += m.velocity[l].f64();
                 m.rate_total[l] += m.rate[l].f64();
-                m.failed[l] |= m.acceleration[l].beyond(BOUND_M_S2) || m.e[l].beyond(BOUND_M_S2);
+                m.failed[l] |= error[l].beyond(BOUND_M_S2) || m.e[l].beyond(BOUND_M_S2);
             }
             (m.position, m.velocity, m.rate) = (zero, zero, zero);
         }
