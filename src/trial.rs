@@ -19,6 +19,7 @@ pub mod plan;
 pub mod plant;
 pub mod proof_mass;
 pub mod readout;
+pub mod real;
 pub mod refit;
 pub mod said;
 pub mod seal;

@@ -11,6 +11,7 @@ use crate::trial::judge;
 use crate::trial::like;
 use crate::trial::outcome::Outcome;
 use crate::trial::plan::{DEFAULT_CASES, Plan};
+use crate::trial::real::{self, Found};
 
 /// Arguments of `trial`.
 #[derive(Debug, clap::Args)]
@@ -39,6 +40,9 @@ pub struct Arguments {
     /// The model.toml of that recording
     #[arg(long, value_name = "MODEL", requires = "like")]
     pub model: Option<PathBuf>,
+    /// Also diagnose the real recordings of this recipe (files from PROOFMASS_DATA or ../shared/data)
+    #[arg(long, value_name = "RECIPE")]
+    pub recordings: Option<PathBuf>,
     /// Only this case: write its recording, model and truth to --out and say what the verdict is
     #[arg(long, value_name = "NUMBER", requires = "out")]
     pub case: Option<usize>,
@@ -54,6 +58,9 @@ impl Arguments {
         let mut command = format!("proofmass trial --seed {}", self.seed);
         if self.quick {
             command += " --quick";
+        }
+        if let Some(recipe) = &self.recordings {
+            command += &format!(" --recordings {}", recipe.display());
         }
         for (name, value) in [("cases", self.cases), ("samples", self.samples)] {
             if let Some(value) = value {
@@ -94,8 +101,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
     let document = as_json(&outcome)?;
+    let real = recordings(arguments)?;
     if let Some(folder) = &arguments.out {
-        write(folder, &plan, &outcome, &truth.cases, &verdicts, &arguments.command())?;
+        let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
+        write(folder, &run, &arguments.command())?;
         write_whole(&folder.join("trial.json"), document.as_bytes())?;
     }
     if json {
@@ -103,6 +112,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     } else {
         println!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256);
         print!("{}", report::terminal(&outcome));
+        if !real.is_empty() {
+            print!("\n{}", report::recordings(&real));
+        }
         if let Some(folder) = &arguments.out {
             println!("\nreport: {}", folder.join("report.html").display());
         }
@@ -110,14 +122,28 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     Ok(())
 }
 
-fn write(
-    folder: &Path,
-    plan: &Plan,
-    outcome: &Outcome,
-    cases: &[Case],
-    verdicts: &Verdicts,
-    command: &str,
-) -> Result<()> {
+/// Everything that a report is made from.
+struct Run<'a> {
+    plan: &'a Plan,
+    outcome: &'a Outcome,
+    cases: &'a [Case],
+    verdicts: &'a Verdicts,
+    real: &'a [Found],
+}
+
+/// The real recordings of the recipe, where both it and the data are there.
+fn recordings(arguments: &Arguments) -> Result<Vec<Found>> {
+    let Some(recipe) = &arguments.recordings else { return Ok(Vec::new()) };
+    let recipe = real::read(recipe)?;
+    let Some(data) = real::folder() else {
+        eprintln!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
+        return Ok(Vec::new());
+    };
+    real::run(&recipe, &data, &blind::tool)
+}
+
+fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
+    let Run { plan, outcome, cases, verdicts, real } = run;
     let marks: Vec<(usize, String, String)> = cases
         .iter()
         .filter_map(|case| {
@@ -128,8 +154,8 @@ fn write(
         })
         .collect();
     let files = [
-        ("report.html", report::page(plan, outcome, cases, &marks)),
-        ("summary.md", report::summary(plan, outcome, command)),
+        ("report.html", report::page(plan, outcome, cases, &marks, real)),
+        ("summary.md", report::summary(plan, outcome, command, real)),
         ("power.svg", report::figures::power(outcome).file_svg()),
         ("limits.svg", report::figures::limits(outcome).file_svg()),
     ];

@@ -1,0 +1,159 @@
+//! Real recordings as rows of the proof: the effect withheld, an independent truth compared afterwards.
+//!
+//! A recipe names files in a folder of recordings, the base model of each, and what is known from another source. The
+//! diagnosis gets the (cut) recording and the model; the truth stays in the recipe until the verdict is there.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::blind::Subject;
+use super::case::Files;
+use super::said::Said;
+use crate::document::read_toml;
+use crate::error::{Error, Result};
+
+/// The recipe.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recipe {
+    /// In the order of the report.
+    pub recording: Vec<Real>,
+}
+
+/// One real recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Real {
+    /// For people.
+    pub name: String,
+    /// In the folder of recordings.
+    pub file: PathBuf,
+    /// Base model, relative to the recipe.
+    pub model: PathBuf,
+    /// Data rows used, half-open; absent means all.
+    pub rows: Option<[usize; 2]>,
+    /// What is left out of the base model, as far as another source knows.
+    pub truth: Vec<String>,
+    /// Where that is known from.
+    pub source: String,
+    /// Numbers known from another source.
+    #[serde(default)]
+    pub numbers: Vec<Known>,
+}
+
+/// A number known from another source.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Known {
+    /// Effect.
+    pub id: String,
+    /// Column, where several have the number.
+    pub channel: Option<String>,
+    /// Symbol.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+}
+
+/// What came out of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Found {
+    /// For people.
+    pub name: String,
+    /// Known.
+    pub truth: Vec<String>,
+    /// Where that is known from.
+    pub source: String,
+    /// Verdict.
+    pub said: Said,
+    /// Known effects that were named.
+    pub named: Vec<String>,
+    /// Named effects that no other source knows of; they may be there all the same.
+    pub more: Vec<String>,
+    /// "beta 7.3e5, found 7.21e5 [7.1e5, 7.4e5]" for each known number.
+    pub numbers: Vec<String>,
+}
+
+/// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` beside the working directory.
+pub fn folder() -> Option<PathBuf> {
+    let folder = std::env::var_os("PROOFMASS_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    folder.is_dir().then_some(folder)
+}
+
+/// Reads a recipe; models become paths that can be opened.
+///
+/// # Errors
+/// As `document::read_toml`.
+pub fn read(path: &Path) -> Result<Recipe> {
+    let mut recipe: Recipe = read_toml(path)?;
+    let home = path.parent().unwrap_or(Path::new("."));
+    recipe.recording.iter_mut().for_each(|r| r.model = home.join(&r.model));
+    Ok(recipe)
+}
+
+/// The heading and the rows wanted, as a file of their own.
+fn cut(from: &Path, rows: [usize; 2], to: &Path) -> Result<()> {
+    let text = std::fs::read_to_string(from).map_err(|e| Error::io("read", from, &e))?;
+    let mut lines = text.lines();
+    let heading = lines.next().unwrap_or_default();
+    let kept: Vec<&str> = std::iter::once(heading).chain(lines.take(rows[1]).skip(rows[0])).collect();
+    std::fs::write(to, kept.join("\n") + "\n").map_err(|e| Error::io("write", to, &e))
+}
+
+/// Asks about every recording of a recipe and compares with what is known.
+///
+/// # Errors
+/// When files cannot be read; a diagnosis that fails is a row that says so.
+pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>) -> Result<Vec<Found>> {
+    let mut found = Vec::new();
+    for real in &recipe.recording {
+        let folder = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+        let mut recording = data.join(&real.file);
+        if let Some(rows) = real.rows {
+            let part = folder.path().join("recording.csv");
+            cut(&recording, rows, &part)?;
+            recording = part;
+        }
+        let files = Files { recording, model: real.model.clone() };
+        let start = std::time::Instant::now();
+        let verdict = subject(&files);
+        let seconds = start.elapsed().as_secs_f64();
+        let said = match verdict {
+            Ok(verdict) => Said::from_verdict(&verdict, seconds),
+            Err(error) => Said::from_error(&error, seconds),
+        };
+        found.push(compare(real, said));
+    }
+    Ok(found)
+}
+
+fn compare(real: &Real, said: Said) -> Found {
+    let (named, more) = said.ids().into_iter().partition(|id| real.truth.contains(id));
+    let numbers = real
+        .numbers
+        .iter()
+        .map(|known| {
+            let found = said.numbers.iter().find(|n| {
+                n.id == known.id && n.name == known.name && known.channel.as_ref().is_none_or(|c| *c == n.channel)
+            });
+            let place = known.channel.as_deref().map(|c| format!(" of {c}")).unwrap_or_default();
+            match found {
+                Some(n) => format!(
+                    "{}{place} known {:.4e}, found {:.4e} [{:.4e}, {:.4e}]",
+                    known.name, known.value, n.value, n.ci95[0], n.ci95[1]
+                ),
+                None => format!("{}{place} known {:.4e}, not given", known.name, known.value),
+            }
+        })
+        .collect();
+    Found {
+        name: real.name.clone(),
+        truth: real.truth.clone(),
+        source: real.source.clone(),
+        said,
+        named,
+        more,
+        numbers,
+    }
+}
