@@ -1,0 +1,69 @@
+//! A stop that the mass runs into.
+
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+
+use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+
+/// Which side has a stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Both, at the same distance.
+    Both,
+    /// Positive displacement.
+    Upper,
+    /// Negative displacement.
+    Lower,
+}
+
+/// Elastic contact beyond a gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndStop(pub Side);
+
+/// What the library says of it.
+pub const END_STOP: Candidate = Candidate {
+    id: "end-stop",
+    kind: Kind::Driven,
+    statement: "Beyond a gap the mass runs into a stop, on one side or both.",
+    equation: "x″ + 2ζω₀x′ + ω₀²x + k_c (x − gap)₊ = g·u (mirrored for the other side)",
+    parameters: &[
+        Parameter { name: "k_c", unit: "1/s^2", range: (0.0, 1000.0) },
+        Parameter { name: "gap", unit: "y", range: (0.0, 5.0) },
+    ],
+    acts: "equation of motion",
+    signature: "residual only near and just after the largest displacements; the tops of the reading are flattened",
+    confusable_with: &["readout-saturation", "cubic-stiffness", "quadratic-stiffness"],
+    reference: "Shaw & Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)",
+};
+
+impl Physics for EndStop {
+    fn words(&self) -> &'static Candidate {
+        &END_STOP
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        vec![Coordinate::Linear(s.omega_rad_s.powi(2)), Coordinate::Log(0.05 * s.output, 10.0 * s.output)]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        let (low, high) = s.output_range;
+        let reach = match self.0 {
+            Side::Both => high.max(-low),
+            Side::Upper => high,
+            Side::Lower => -low,
+        };
+        [0.35, 0.5, 0.65, 0.8, 0.92].map(|r| vec![1e-3 * s.omega_rad_s.powi(2), r * reach.max(0.2 * s.output)]).to_vec()
+    }
+    fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
+        (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(12.0 * s.omega_rad_s)
+    }
+    #[inline(always)]
+    fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {
+        for l in 0..LANES {
+            let (k, gap) = (p[0][l], p[1][l]);
+            let above = if self.0 == Side::Lower { 0.0 } else { (at.x[l] - gap).max(0.0) };
+            let below = if self.0 == Side::Upper { 0.0 } else { (-at.x[l] - gap).max(0.0) };
+            acceleration[l] -= k * (above - below);
+        }
+    }
+    fn moves(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,346 @@
+//! One pass over a recording, for [`LANES`] parameter sets at once: simulate, compare with the reading, correct.
+//!
+//! The oscillator's linear part is propagated exactly (Lawson's fourth-order Runge–Kutta in the rotating frame), so that
+//! step length limits only the terms and the input. Without noise terms nothing is corrected and the innovations are the
+//! errors of free simulation; with them they are one-step prediction errors, whose likelihood is Gaussian and white.
+
+use std::ops::Range;
+
+use super::gain::transition;
+use super::term::{BaseLanes, Instant, LANES, Lanes, Term};
+
+/// Most own states of all terms of a model together.
+pub const MOST_STATES: usize = 8;
+
+/// What one pass simulates.
+#[derive(Debug)]
+pub struct Pass<'a> {
+    /// Samples to run over.
+    pub run: Range<usize>,
+    /// Readings of the whole recording.
+    pub reading: &'a [f64],
+    /// Input on half steps, `2·steps` per sample; empty without one.
+    pub grid: &'a [f64],
+    /// As `Input::end`.
+    pub grid_end: usize,
+    /// Integration steps per sample.
+    pub steps: usize,
+    /// Sampling interval.
+    pub interval_s: f64,
+    /// Sample at which time is zero.
+    pub zero: usize,
+    /// Environment, row by row.
+    pub environment: &'a [f64],
+    /// Columns in it.
+    pub environments: usize,
+    /// Terms of the model.
+    pub terms: &'a [Term],
+    /// Their parameters, term by term.
+    pub parameters: &'a [Lanes],
+    /// First parameter of each term.
+    pub first: &'a [usize],
+    /// Base model.
+    pub base: BaseLanes,
+    /// ω₀ and ζ, for the exact propagation.
+    pub oscillator: [Lanes; 2],
+    /// Offset of the reading.
+    pub offset: Lanes,
+    /// Displacement and velocity at the beginning.
+    pub initial: [Lanes; 2],
+    /// Corrections per unit innovation; `None` for free simulation.
+    pub gains: Option<[Lanes; 3]>,
+}
+
+/// What a pass wants to keep of the state besides the innovations.
+pub trait Keep {
+    /// Called at every sample with displacement and velocity as expected before the reading is seen.
+    fn keep(&mut self, sample: usize, x: &Lanes, v: &Lanes);
+}
+
+/// Keeps nothing.
+pub struct Nothing;
+
+impl Keep for Nothing {
+    #[inline(always)]
+    fn keep(&mut self, _: usize, _: &Lanes, _: &Lanes) {}
+}
+
+/// Keeps displacement and velocity of lane 0.
+#[derive(Debug, Default)]
+pub struct States {
+    /// Displacement.
+    pub x: Vec<f64>,
+    /// Velocity.
+    pub v: Vec<f64>,
+}
+
+impl Keep for States {
+    #[inline(always)]
+    fn keep(&mut self, _: usize, x: &Lanes, v: &Lanes) {
+        self.x.push(x[0]);
+        self.v.push(v[0]);
+    }
+}
+
+impl Pass<'_> {
+    /// Innovations (reading less expectation), one row of lanes per sample of the run.
+    pub fn innovations<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if std::arch::is_x86_feature_detected!("avx512f") {
+                // SAFETY: the processor has been asked for AVX-512F.
+                return unsafe { self.wide(keep) };
+            }
+            if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+                // SAFETY: the processor has been asked for AVX2 and FMA.
+                return unsafe { self.middle(keep) };
+            }
+        }
+        self.plain(keep)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    unsafe fn wide<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        self.plain(keep)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn middle<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        self.plain(keep)
+    }
+
+    #[inline(always)]
+    fn plain<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+        let h = self.interval_s / self.steps as f64;
+        let half = Transition::new(&self.oscillator, 0.5 * h);
+        let full = Transition::new(&self.oscillator, h);
+        let moving: Vec<Mover> = movers(self.terms, self.first);
+        let linear = moving.is_empty();
+        let mut readers: Vec<Mover> = movers_all(self.terms, self.first);
+        readers.retain(|m| m.term.reads().is_some());
+        readers.sort_by_key(|m| m.term.reads());
+        let states: usize = self.terms.iter().map(Term::states).sum::<usize>().min(MOST_STATES);
+        let delay = self.terms.iter().zip(self.first).find(|(t, _)| t.delays()).map(|(_, f)| {
+            Shift::new(&self.parameters[*f], self.interval_s / (2 * self.steps) as f64)
+        });
+        let [mut x, mut v] = self.initial;
+        let mut bias = [0.0; LANES];
+        let mut own = [[0.0; LANES]; MOST_STATES];
+        let mut out = Vec::with_capacity(self.run.len());
+        let per_sample = 2 * self.steps;
+        for k in self.run.clone() {
+            let environment = &self.environment[k * self.environments..(k + 1) * self.environments];
+            let mut at = Instant {
+                time_s: (k as f64 - self.zero as f64) * self.interval_s,
+                step_s: h,
+                input: self.input(k * per_sample, delay.as_ref()),
+                x,
+                v,
+                base: &self.base,
+                environment,
+            };
+            let mut y = [0.0; LANES];
+            for l in 0..LANES {
+                y[l] = x[l] + self.offset[l] + bias[l];
+            }
+            for r in &readers {
+                r.term.reading(&at, &self.parameters[r.first..], &own[r.state..], &mut y);
+            }
+            keep.keep(k, &x, &v);
+            let reading = self.reading[k];
+            let mut e = [0.0; LANES];
+            for l in 0..LANES {
+                e[l] = reading - y[l];
+            }
+            out.push(e);
+            if let Some(gains) = &self.gains {
+                for l in 0..LANES {
+                    x[l] += gains[0][l] * e[l];
+                    v[l] += gains[1][l] * e[l];
+                    bias[l] += gains[2][l] * e[l];
+                }
+            }
+            let begin = at.time_s;
+            for step in 0..self.steps {
+                let index = k * per_sample + 2 * step;
+                let u = [
+                    self.input(index, delay.as_ref()),
+                    self.input(index + 1, delay.as_ref()),
+                    self.input(index + 2 - self.grid_end, delay.as_ref()),
+                ];
+                if linear {
+                    let mut a = [[0.0; LANES]; 3];
+                    for s in 0..3 {
+                        for l in 0..LANES {
+                            a[s][l] = self.base.gain[l] * u[s][l];
+                        }
+                    }
+                    let (mut nx, mut nv) = full.apply(&x, &v);
+                    for l in 0..LANES {
+                        nx[l] += h / 6.0 * (full.xv[l] * a[0][l] + 4.0 * half.xv[l] * a[1][l]);
+                        nv[l] += h / 6.0 * (full.vv[l] * a[0][l] + 4.0 * half.vv[l] * a[1][l] + a[2][l]);
+                    }
+                    (x, v) = (nx, nv);
+                    continue;
+                }
+                let from = begin + step as f64 * h;
+                let (hx, hv) = half.apply(&x, &v);
+                let (fx, fv) = full.apply(&x, &v);
+                let mut a = [[0.0; LANES]; 4];
+                let mut rates = [[[0.0; LANES]; MOST_STATES]; 4];
+                for stage in 0..4 {
+                    let mut here = own;
+                    let lead = if stage == 3 { h } else { 0.5 * h };
+                    if stage > 0 {
+                        for s in 0..states {
+                            for l in 0..LANES {
+                                here[s][l] += lead * rates[stage - 1][s][l];
+                            }
+                        }
+                    }
+                    match stage {
+                        0 => (at.x, at.v, at.time_s, at.input) = (x, v, from, u[0]),
+                        1 => {
+                            for l in 0..LANES {
+                                at.x[l] = hx[l] + 0.5 * h * half.xv[l] * a[0][l];
+                                at.v[l] = hv[l] + 0.5 * h * half.vv[l] * a[0][l];
+                            }
+                            (at.time_s, at.input) = (from + 0.5 * h, u[1]);
+                        }
+                        2 => {
+                            at.x = hx;
+                            for l in 0..LANES {
+                                at.v[l] = hv[l] + 0.5 * h * a[1][l];
+                            }
+                        }
+                        _ => {
+                            for l in 0..LANES {
+                                at.x[l] = fx[l] + h * half.xv[l] * a[2][l];
+                                at.v[l] = fv[l] + h * half.vv[l] * a[2][l];
+                            }
+                            (at.time_s, at.input) = (from + h, u[2]);
+                        }
+                    }
+                    let mut acceleration = [0.0; LANES];
+                    for l in 0..LANES {
+                        acceleration[l] = self.base.gain[l] * at.input[l];
+                    }
+                    for m in &moving {
+                        let (p, rates) = (&self.parameters[m.first..], &mut rates[stage][m.state..]);
+                        m.term.force(&at, p, &here[m.state..], rates, &mut acceleration);
+                    }
+                    a[stage] = acceleration;
+                }
+                for l in 0..LANES {
+                    x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
+                    v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
+                }
+                for s in 0..states {
+                    for l in 0..LANES {
+                        let r = [rates[0][s][l], rates[1][s][l], rates[2][s][l], rates[3][s][l]];
+                        own[s][l] += h / 6.0 * (r[0] + 2.0 * (r[1] + r[2]) + r[3]);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn input(&self, index: usize, delay: Option<&Shift>) -> Lanes {
+        if self.grid.is_empty() {
+            return [0.0; LANES];
+        }
+        let last = self.grid.len() as isize - 1;
+        match delay {
+            None => [self.grid[index.min(last as usize)]; LANES],
+            Some(shift) => {
+                let mut u = [0.0; LANES];
+                for (j, weight) in shift.weights.iter().enumerate() {
+                    let i = (index as isize - shift.whole + j as isize - 1).clamp(0, last);
+                    for l in 0..LANES {
+                        u[l] += weight[l] * self.grid[i as usize];
+                    }
+                }
+                u
+            }
+        }
+    }
+}
+
+/// A term, where its parameters begin and where its states begin.
+struct Mover<'a> {
+    term: &'a Term,
+    first: usize,
+    state: usize,
+}
+
+fn movers_all<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+    let mut state = 0;
+    let mut all = Vec::new();
+    for (term, first) in terms.iter().zip(first) {
+        if state + term.states() <= MOST_STATES {
+            all.push(Mover { term, first: *first, state });
+            state += term.states();
+        }
+    }
+    all
+}
+
+fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+    let mut all = movers_all(terms, first);
+    all.retain(|m| m.term.moves());
+    all
+}
+
+/// exp(At) in every lane.
+struct Transition {
+    xx: Lanes,
+    xv: Lanes,
+    vx: Lanes,
+    vv: Lanes,
+}
+
+impl Transition {
+    fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
+        let mut m = Self { xx: [0.0; LANES], xv: [0.0; LANES], vx: [0.0; LANES], vv: [0.0; LANES] };
+        for l in 0..LANES {
+            [m.xx[l], m.xv[l], m.vx[l], m.vv[l]] = transition(oscillator[0][l], oscillator[1][l], t);
+        }
+        m
+    }
+
+    #[inline(always)]
+    fn apply(&self, x: &Lanes, v: &Lanes) -> (Lanes, Lanes) {
+        let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            nx[l] = self.xx[l] * x[l] + self.xv[l] * v[l];
+            nv[l] = self.vx[l] * x[l] + self.vv[l] * v[l];
+        }
+        (nx, nv)
+    }
+}
+
+/// A delay in grid points: a whole part, and cubic Lagrange weights for the rest.
+struct Shift {
+    whole: isize,
+    weights: [Lanes; 4],
+}
+
+impl Shift {
+    fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
+        let whole = (delay_s[0] / spacing_s).ceil();
+        let mut weights = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            // Position right of the node `index − whole`, normally in [0, 1).
+            let t = whole - delay_s[l] / spacing_s;
+            weights[0][l] = -t * (t - 1.0) * (t - 2.0) / 6.0;
+            weights[1][l] = (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0;
+            weights[2][l] = -(t + 1.0) * t * (t - 2.0) / 2.0;
+            weights[3][l] = (t + 1.0) * t * (t - 1.0) / 6.0;
+        }
+        Self { whole: whole as isize, weights }
+    }
+}

@@ -1,0 +1,54 @@
+//! A spring with memory: Bouc–Wen hysteresis.
+
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+
+use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+
+/// A parallel spring that yields.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoucWen;
+
+/// What the library says of it.
+pub const BOUC_WEN: Candidate = Candidate {
+    id: "hysteresis",
+    kind: Kind::Driven,
+    statement: "Part of the restoring force remembers the path: it yields and slips back (Bouc–Wen).",
+    equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − (|x′|z + x′|z|)/(2 z_y)",
+    parameters: &[
+        Parameter { name: "k_h", unit: "1/s^2", range: (-1.0, 1.0) },
+        Parameter { name: "z_y", unit: "y", range: (0.0, 10.0) },
+    ],
+    acts: "equation of motion",
+    signature: "loops in force against displacement whose area does not depend on speed",
+    confusable_with: &["coulomb-friction", "cubic-stiffness", "quadratic-damping", "squeeze-film-damping"],
+    reference: "Wen, J. Eng. Mech. ASCE 102 (1976); Ismail, Ikhouane & Rodellar, Arch. Comput. Methods Eng. 16 (2009)",
+};
+
+impl Physics for BoucWen {
+    fn words(&self) -> &'static Candidate {
+        &BOUC_WEN
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        vec![Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)), Coordinate::Log(0.005 * s.output, 30.0 * s.output)]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        [0.05, 0.2, 0.7, 2.0, 5.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output]).to_vec()
+    }
+    fn states(&self) -> usize {
+        1
+    }
+    fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
+        (3.0 * s.velocity / p[1]).min(8.0 * s.omega_rad_s)
+    }
+    #[inline(always)]
+    fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], acceleration: &mut Lanes) {
+        for l in 0..LANES {
+            let (z, v) = (own[0][l], at.v[l]);
+            acceleration[l] -= p[0][l] * z;
+            rates[0][l] = v - 0.5 * (v.abs() * z + v * z.abs()) / p[1][l];
+        }
+    }
+    fn moves(&self) -> bool {
+        true
+    }
+}

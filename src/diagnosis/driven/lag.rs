@@ -1,0 +1,98 @@
+//! Readings that come late: a pure delay, or a first-order low-pass.
+
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+
+use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+
+/// y(t) = x(t − τ). A delay commutes with everything that does not depend on time, so it is applied to the input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Delay;
+
+/// What the library says of it.
+pub const DELAY: Candidate = Candidate {
+    id: "readout-delay",
+    kind: Kind::Driven,
+    statement: "The reading lags the input by a fixed time.",
+    equation: "y(t) = x(t − τ)",
+    parameters: &[Parameter { name: "tau", unit: "s", range: (-1.0, 1.0) }],
+    acts: "readout",
+    signature: "phase that falls in proportion to frequency",
+    confusable_with: &["readout-lowpass", "feedthrough", "parasitic-mode"],
+    reference: "Ljung, System Identification, 1999, ch. 4 (time delay)",
+};
+
+impl Physics for Delay {
+    fn words(&self) -> &'static Candidate {
+        &DELAY
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        vec![Coordinate::Linear(0.1 * s.interval_s)]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        let lag = s.lag_samples;
+        let mut starts = vec![vec![0.0]];
+        if lag.abs() >= 1.0 {
+            starts.push(vec![lag * s.interval_s]);
+        }
+        starts
+    }
+    fn delays(&self) -> bool {
+        true
+    }
+    fn needs_input(&self) -> bool {
+        true
+    }
+}
+
+/// τy′ + y = x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lowpass;
+
+/// What the library says of it.
+pub const LOWPASS: Candidate = Candidate {
+    id: "readout-lowpass",
+    kind: Kind::Driven,
+    statement: "The readout smooths: a first-order low-pass stands behind the proof mass.",
+    equation: "τy′ + y = x",
+    parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 10.0) }],
+    acts: "readout",
+    signature: "phase and amplitude fall beyond a corner frequency",
+    confusable_with: &["readout-delay", "parasitic-mode", "feedthrough"],
+    reference: "IEEE 1293, frequency response",
+};
+
+impl Physics for Lowpass {
+    fn words(&self) -> &'static Candidate {
+        &LOWPASS
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        vec![Coordinate::Log(0.01 / s.omega_rad_s, 100.0 / s.omega_rad_s)]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        [0.04, 0.2, 1.0].map(|t| vec![t / s.omega_rad_s]).to_vec()
+    }
+    fn states(&self) -> usize {
+        1
+    }
+    fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
+        0.4 / p[0]
+    }
+    #[inline(always)]
+    fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {
+        for l in 0..LANES {
+            rates[0][l] = (at.x[l] - own[0][l]) / p[0][l];
+        }
+    }
+    #[inline(always)]
+    fn reading(&self, at: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
+        for l in 0..LANES {
+            y[l] += own[0][l] - at.x[l];
+        }
+    }
+    fn moves(&self) -> bool {
+        true
+    }
+    fn reads(&self) -> Option<u8> {
+        Some(1)
+    }
+}

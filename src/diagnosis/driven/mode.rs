@@ -1,0 +1,80 @@
+//! A second resonance beside the one modelled.
+
+use std::f64::consts::TAU;
+
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+
+use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+
+/// A parallel mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parasitic;
+
+/// What the library says of it.
+pub const PARASITIC: Candidate = Candidate {
+    id: "parasitic-mode",
+    kind: Kind::Driven,
+    statement: "A second resonance answers the same input.",
+    equation: "y = x + x₂, x₂″ + 2ζ₂ω₂x₂′ + ω₂²x₂ = g₂·u",
+    parameters: &[
+        Parameter { name: "g2", unit: "y/(u s^2)", range: (-1.0, 1.0) },
+        Parameter { name: "omega2", unit: "rad/s", range: (0.1, 10.0) },
+        Parameter { name: "zeta2", unit: "1", range: (1e-4, 1.0) },
+    ],
+    acts: "equation of motion",
+    signature: "a second peak, or a dip beside one, in the frequency response",
+    confusable_with: &["feedthrough", "readout-lowpass", "readout-delay"],
+    reference: "Ewins, Modal Testing, 2nd ed., 2000, ch. 2",
+};
+
+impl Physics for Parasitic {
+    fn words(&self) -> &'static Candidate {
+        &PARASITIC
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        let omega = s.omega_rad_s;
+        vec![
+            Coordinate::Linear(0.1 * s.gain.abs()),
+            Coordinate::Log(0.05 * omega, (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega)),
+            Coordinate::Log(1e-4, 2.0),
+        ]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        let nyquist = std::f64::consts::PI / s.interval_s;
+        let grid = [0.25, 0.4, 0.6, 0.8, 1.25, 1.6, 2.1, 2.8, 3.7, 5.0, 7.0].map(|r| r * s.omega_rad_s);
+        let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
+        let mut starts: Vec<Vec<f64>> =
+            grid.into_iter().filter(|w| *w < 0.9 * nyquist).map(|w| vec![0.0, w, 0.1]).collect();
+        starts.extend(peaks.filter(|w| *w < 0.95 * nyquist).map(|w| vec![0.0, w, 0.02]));
+        starts
+    }
+    fn states(&self) -> usize {
+        2
+    }
+    fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
+        p[1]
+    }
+    #[inline(always)]
+    fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {
+        for l in 0..LANES {
+            let (x, v, omega) = (own[0][l], own[1][l], p[1][l]);
+            rates[0][l] = v;
+            rates[1][l] = p[0][l] * at.input[l] - 2.0 * p[2][l] * omega * v - omega * omega * x;
+        }
+    }
+    #[inline(always)]
+    fn reading(&self, _: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
+        for l in 0..LANES {
+            y[l] += own[0][l];
+        }
+    }
+    fn moves(&self) -> bool {
+        true
+    }
+    fn reads(&self) -> Option<u8> {
+        Some(0)
+    }
+    fn needs_input(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,284 @@
+//! What a candidate is to the simulator: a term in the equation of motion, at the readout, or in the noise.
+//!
+//! A term works on [`LANES`] parameter sets at once, so that a Jacobian or a line search is one pass over the recording.
+//! One file per family; the list of all terms is [`Term::ALL`]. Not for fitting (`fit`) and not for choosing (`select`).
+
+use crate::diagnosis::candidate::Candidate;
+
+use super::{contact, damping, drift, drive, hysteresis, lag, mode, noise, pickup, readout, spring};
+
+/// Parameter sets simulated side by side.
+pub const LANES: usize = 8;
+/// One value per parameter set.
+pub type Lanes = [f64; LANES];
+
+/// How a parameter is moved by the optimiser.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// In units of a typical size.
+    Linear(f64),
+    /// By its logarithm: positive, of unknown order of magnitude. Kept within these bounds.
+    Log(f64, f64),
+    /// In units of a typical size, kept within bounds.
+    Bounded(f64, f64, f64),
+}
+
+/// Sizes that the base fit found; they scale the candidates' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scales {
+    /// Standard deviation of the output.
+    pub output: f64,
+    /// Extremes of the output.
+    pub output_range: (f64, f64),
+    /// Standard deviation of the velocity of the base model.
+    pub velocity: f64,
+    /// Standard deviation of the input; 0 without one.
+    pub input: f64,
+    /// ω₀ of the base model.
+    pub omega_rad_s: f64,
+    /// ζ of the base model.
+    pub zeta: f64,
+    /// Gain of the base model.
+    pub gain: f64,
+    /// Sampling interval.
+    pub interval_s: f64,
+    /// Length of the fitted stretch.
+    pub duration_s: f64,
+    /// Standard deviation of the residual at hand.
+    pub residual: f64,
+    /// Frequencies at which the residual's spectrum stands out, strongest first, Hz.
+    pub lines_hz: Vec<f64>,
+    /// Standard deviation of each environment column.
+    pub environment: Vec<f64>,
+    /// Samples by which the output seems to lag the input beyond what the base model explains.
+    pub lag_samples: f64,
+}
+
+/// The base model in every lane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseLanes {
+    /// Gain.
+    pub gain: Lanes,
+    /// ω₀².
+    pub stiffness: Lanes,
+    /// 2ζω₀.
+    pub damping: Lanes,
+}
+
+/// The state at one instant, in every lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant<'a> {
+    /// Time from the beginning of the fitted stretch.
+    pub time_s: f64,
+    /// Integration step.
+    pub step_s: f64,
+    /// Input (delayed where a delay is modelled).
+    pub input: Lanes,
+    /// Displacement.
+    pub x: Lanes,
+    /// Velocity.
+    pub v: Lanes,
+    /// The base model.
+    pub base: &'a BaseLanes,
+    /// Environment columns, less their means.
+    pub environment: &'a [f64],
+}
+
+/// Noise that no simulation predicts sample by sample; it enters through the filter's gain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Noise {
+    /// White force.
+    Force,
+    /// Random walk of the reading.
+    Walk,
+}
+
+/// What each candidate answers. Empty defaults: a term acts only where it says so.
+pub trait Physics {
+    /// What the library says of it.
+    fn words(&self) -> &'static Candidate;
+    /// One per parameter.
+    fn coordinates(&self, scales: &Scales) -> Vec<Coordinate>;
+    /// Where to begin; several where the misfit has several valleys.
+    fn starts(&self, scales: &Scales) -> Vec<Vec<f64>>;
+    /// Own state variables.
+    fn states(&self) -> usize {
+        0
+    }
+    /// Fastest rate it brings in, so that steps stay short enough.
+    fn fastest_rad_s(&self, _parameters: &[f64], _scales: &Scales) -> f64 {
+        0.0
+    }
+    /// Adds to the acceleration, and gives the rates of its own states.
+    #[inline(always)]
+    fn force(&self, _at: &Instant<'_>, _p: &[Lanes], _own: &[Lanes], _rates: &mut [Lanes], _acceleration: &mut Lanes) {}
+    /// Changes the reading.
+    #[inline(always)]
+    fn reading(&self, _at: &Instant<'_>, _p: &[Lanes], _own: &[Lanes], _y: &mut Lanes) {}
+    /// Whether `force` does anything.
+    fn moves(&self) -> bool {
+        false
+    }
+    /// Position in the chain of the readout; `None` where `reading` does nothing.
+    fn reads(&self) -> Option<u8> {
+        None
+    }
+    /// Whether parameter 0 is a delay of the input in s.
+    fn delays(&self) -> bool {
+        false
+    }
+    /// Which noise it is; parameter 0 is then its strength as in `gain`.
+    fn noise(&self) -> Option<Noise> {
+        None
+    }
+    /// Whether the term needs an input column.
+    fn needs_input(&self) -> bool {
+        false
+    }
+}
+
+macro_rules! terms {
+    ($($variant:ident = $family:ident :: $name:ident $(($inner:ty))?),* $(,)?) => {
+        /// Every term, one line each.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Term {
+            $(#[doc = stringify!($variant)] $variant($family::$name)),*
+        }
+
+        impl Term {
+            #[inline(always)]
+            fn physics(&self) -> &dyn Physics {
+                match self { $(Term::$variant(t) => t),* }
+            }
+            /// As `Physics::force`.
+            #[inline(always)]
+            pub fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], acceleration: &mut Lanes) {
+                match self { $(Term::$variant(t) => t.force(at, p, own, rates, acceleration)),* }
+            }
+            /// As `Physics::reading`.
+            #[inline(always)]
+            pub fn reading(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], y: &mut Lanes) {
+                match self { $(Term::$variant(t) => t.reading(at, p, own, y)),* }
+            }
+        }
+    };
+}
+
+terms! {
+    CubicStiffness = spring::Cubic,
+    QuadraticStiffness = spring::Quadratic,
+    StiffnessDrift = spring::Drift,
+    QuadraticDamping = damping::Quadratic,
+    SqueezeFilm = damping::SqueezeFilm,
+    Coulomb = damping::Coulomb,
+    Hysteresis = hysteresis::BoucWen,
+    ParasiticMode = mode::Parasitic,
+    DriveNonlinearity = drive::Square,
+    EndStop = contact::EndStop,
+    ForceNoise = noise::Force,
+    BiasWalk = noise::Walk,
+    Saturation = readout::Saturation,
+    Quantisation = readout::Quantisation,
+    ReadoutNonlinearity = readout::Polynomial,
+    Delay = lag::Delay,
+    Lowpass = lag::Lowpass,
+    Feedthrough = drive::Feedthrough,
+    BiasDrift = drift::Ramp,
+    WarmUp = drift::WarmUp,
+    Pickup = pickup::Periodic,
+}
+
+impl Term {
+    /// The terms tried on a recording with this many environment columns.
+    pub fn tried(environments: usize, input: bool) -> Vec<Term> {
+        use contact::Side;
+        let mut all = vec![
+            Term::CubicStiffness(spring::Cubic),
+            Term::QuadraticStiffness(spring::Quadratic),
+            Term::QuadraticDamping(damping::Quadratic),
+            Term::SqueezeFilm(damping::SqueezeFilm),
+            Term::Coulomb(damping::Coulomb),
+            Term::Hysteresis(hysteresis::BoucWen),
+            Term::StiffnessDrift(spring::Drift { environment: None }),
+            Term::ParasiticMode(mode::Parasitic),
+            Term::DriveNonlinearity(drive::Square),
+            Term::EndStop(contact::EndStop(Side::Both)),
+            Term::EndStop(contact::EndStop(Side::Upper)),
+            Term::EndStop(contact::EndStop(Side::Lower)),
+            Term::ForceNoise(noise::Force),
+            Term::Saturation(readout::Saturation),
+            Term::Quantisation(readout::Quantisation),
+            Term::Delay(lag::Delay),
+            Term::Lowpass(lag::Lowpass),
+            Term::ReadoutNonlinearity(readout::Polynomial),
+            Term::Feedthrough(drive::Feedthrough),
+            Term::BiasDrift(drift::Ramp),
+            Term::WarmUp(drift::WarmUp),
+            Term::BiasWalk(noise::Walk),
+            Term::Pickup(pickup::Periodic),
+        ];
+        all.extend((0..environments).map(|e| Term::StiffnessDrift(spring::Drift { environment: Some(e) })));
+        all.retain(|t| input || !t.needs_input());
+        all
+    }
+
+    /// Library id.
+    pub fn id(&self) -> &'static str {
+        self.words().id
+    }
+
+    /// As `Physics::words`.
+    pub fn words(&self) -> &'static Candidate {
+        self.physics().words()
+    }
+
+    /// As `Physics::coordinates`.
+    pub fn coordinates(&self, scales: &Scales) -> Vec<Coordinate> {
+        self.physics().coordinates(scales)
+    }
+
+    /// As `Physics::starts`.
+    pub fn starts(&self, scales: &Scales) -> Vec<Vec<f64>> {
+        self.physics().starts(scales)
+    }
+
+    /// As `Physics::states`.
+    pub fn states(&self) -> usize {
+        self.physics().states()
+    }
+
+    /// As `Physics::fastest_rad_s`.
+    pub fn fastest_rad_s(&self, parameters: &[f64], scales: &Scales) -> f64 {
+        self.physics().fastest_rad_s(parameters, scales)
+    }
+
+    /// As `Physics::moves`.
+    pub fn moves(&self) -> bool {
+        self.physics().moves()
+    }
+
+    /// As `Physics::reads`.
+    pub fn reads(&self) -> Option<u8> {
+        self.physics().reads()
+    }
+
+    /// As `Physics::delays`.
+    pub fn delays(&self) -> bool {
+        self.physics().delays()
+    }
+
+    /// As `Physics::noise`.
+    pub fn noise(&self) -> Option<Noise> {
+        self.physics().noise()
+    }
+
+    /// As `Physics::needs_input`.
+    pub fn needs_input(&self) -> bool {
+        self.physics().needs_input()
+    }
+
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.words().parameters.len()
+    }
+}

@@ -1,0 +1,188 @@
+//! Nonlinear least squares where many trial points cost little more than one: Levenberg–Marquardt whose damping is chosen
+//! by trying several at once.
+//!
+//! Not for deciding whether a fit is good: it returns the minimum and what is needed to judge it.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Residuals to be made small.
+pub trait Residuals {
+    /// Residual and its derivatives (one column per coordinate) at a point; `None` where the model breaks down.
+    fn linearise(&self, z: &[f64]) -> Option<Linear>;
+    /// Sums of squares at several points; infinite where the model breaks down.
+    fn sums(&self, points: &[Vec<f64>]) -> Vec<f64>;
+    /// Moves a point into the allowed region.
+    fn confine(&self, z: &mut [f64]);
+    /// Points that are best tried together.
+    fn together(&self) -> usize;
+}
+
+/// A residual and its derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linear {
+    /// Residual, row by row.
+    pub residual: Vec<f64>,
+    /// Derivative by each coordinate.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// DᵀD and Dᵀe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Normal {
+    /// DᵀD.
+    pub matrix: DMatrix<f64>,
+    /// Dᵀe.
+    pub vector: DVector<f64>,
+    /// eᵀe.
+    pub sum: f64,
+}
+
+impl Linear {
+    /// Its normal equations.
+    pub fn normal(&self) -> Normal {
+        let n = self.columns.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..=i {
+                let value = dot(&self.columns[i], &self.columns[j]);
+                matrix[(i, j)] = value;
+                matrix[(j, i)] = value;
+            }
+        }
+        let vector = DVector::from_iterator(n, self.columns.iter().map(|c| dot(c, &self.residual)));
+        Normal { matrix, vector, sum: dot(&self.residual, &self.residual) }
+    }
+}
+
+impl Normal {
+    /// The step that minimises |e + Ds|² + λ|diag(D)s|²; zero where it cannot be had.
+    pub fn step(&self, lambda: f64) -> DVector<f64> {
+        let inverse = self.inverse(lambda);
+        inverse.map_or_else(|| DVector::zeros(self.vector.len()), |inverse| -(inverse * &self.vector))
+    }
+
+    /// (DᵀD + λ diag)⁻¹, with directions that the data do not see at all held fast.
+    pub fn inverse(&self, lambda: f64) -> Option<DMatrix<f64>> {
+        let n = self.matrix.nrows();
+        let size = DVector::from_iterator(n, (0..n).map(|i| self.matrix[(i, i)].sqrt().max(1e-150)));
+        let mut scaled = DMatrix::from_fn(n, n, |i, j| self.matrix[(i, j)] / (size[i] * size[j]));
+        for i in 0..n {
+            scaled[(i, i)] = 1.0 + lambda + 1e-12;
+        }
+        let inverse = scaled.cholesky()?.inverse();
+        Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (size[i] * size[j])))
+    }
+
+    /// Sum of squares that a full linear step would leave.
+    pub fn predicted(&self) -> f64 {
+        let step = self.step(1e-9);
+        (self.sum + 2.0 * self.vector.dot(&step) + (&self.matrix * &step).dot(&step)).max(0.0)
+    }
+}
+
+/// Where a search ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimum {
+    /// The point.
+    pub z: Vec<f64>,
+    /// Sum of squares there.
+    pub sum: f64,
+    /// Residual and derivatives there.
+    pub linear: Linear,
+    /// Whether a further step promises less than the tolerance.
+    pub converged: bool,
+}
+
+/// Minimises the sum of squares from `start`. Stops when a step gains less than `tolerance` in ½ n ln(sum), the
+/// log-likelihood of Gaussian residuals. `None` where the model breaks down at the start.
+pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: usize) -> Option<Minimum> {
+    let mut z = start.to_vec();
+    problem.confine(&mut z);
+    let mut linear = problem.linearise(&z)?;
+    let mut normal = linear.normal();
+    let mut converged = false;
+    let mut centre = 0.0;
+    for _ in 0..most {
+        let rows = linear.residual.len().max(1) as f64;
+        let gain = |to: f64| 0.5 * rows * (normal.sum / to.max(1e-300 + 1e-16 * normal.sum)).ln();
+        if gain(normal.predicted()) < 0.5 * tolerance {
+            converged = true;
+            break;
+        }
+        let dampings = ladder(centre, problem.together());
+        let points: Vec<Vec<f64>> = dampings
+            .iter()
+            .map(|lambda| {
+                let mut point: Vec<f64> = z.iter().zip(normal.step(*lambda).iter()).map(|(z, s)| z + s).collect();
+                problem.confine(&mut point);
+                point
+            })
+            .collect();
+        let sums = problem.sums(&points);
+        let Some((best, sum)) = sums.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        if !(sum < normal.sum) {
+            if centre >= 1e6 {
+                converged = true;
+                break;
+            }
+            centre = if centre == 0.0 { 1e3 } else { centre * 1e4 };
+            continue;
+        }
+        let done = gain(sum) < tolerance;
+        z = points[best].clone();
+        centre = if dampings[best] > 10.0 { dampings[best] } else { 0.0 };
+        linear = problem.linearise(&z)?;
+        normal = linear.normal();
+        if done {
+            converged = true;
+            break;
+        }
+    }
+    Some(Minimum { z, sum: normal.sum, linear, converged })
+}
+
+fn ladder(centre: f64, count: usize) -> Vec<f64> {
+    let low = if centre == 0.0 { 1e-4 } else { centre * 1e-4 };
+    std::iter::once(centre * 1e-6).chain((0..count.max(2) - 1).map(|k| low * 7f64.powi(k as i32))).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Eight partial sums: independent chains, and less rounding than one.
+    let mut sums = [0.0; 8];
+    let (head_a, tail_a) = a.split_at(a.len() / 8 * 8);
+    let (head_b, tail_b) = b.split_at(head_a.len().min(b.len()));
+    for (x, y) in head_a.chunks_exact(8).zip(head_b.chunks_exact(8)) {
+        for l in 0..8 {
+            sums[l] += x[l] * y[l];
+        }
+    }
+    sums.iter().sum::<f64>() + tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley as two residuals; the minimum (1, 1) is known.
+    struct Rosenbrock;
+
+    impl Residuals for Rosenbrock {
+        fn linearise(&self, z: &[f64]) -> Option<Linear> {
+            let residual = vec![10.0 * (z[1] - z[0] * z[0]), 1.0 - z[0]];
+            Some(Linear { residual, columns: vec![vec![-20.0 * z[0], -1.0], vec![10.0, 0.0]] })
+        }
+        fn sums(&self, points: &[Vec<f64>]) -> Vec<f64> {
+            points.iter().map(|z| 100.0 * (z[1] - z[0] * z[0]).powi(2) + (1.0 - z[0]).powi(2)).collect()
+        }
+        fn confine(&self, _: &mut [f64]) {}
+        fn together(&self) -> usize {
+            8
+        }
+    }
+
+    #[test]
+    fn a_curved_valley_is_followed_to_its_known_end() {
+        let found = minimise(&Rosenbrock, &[-1.2, 1.0], 1e-9, 100).map(|m| m.z).unwrap_or_default();
+        assert!((found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6, "{found:?}");
+    }
+}
