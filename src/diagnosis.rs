@@ -6,6 +6,7 @@
 
 pub mod candidate;
 pub mod consequence;
+pub mod detection;
 pub mod driven;
 pub mod fixed;
 pub mod model;

@@ -2,5 +2,6 @@
 
 pub mod allan;
 pub mod elementary;
+pub mod least_squares;
 pub mod special;
 pub mod spectrum;

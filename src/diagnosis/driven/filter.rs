@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::gain::transition;
-use super::term::{BaseLanes, Instant, LANES, Lanes, Term};
+use super::term::{BaseLanes, Instant, LANES, Lanes, Stride, Term};
 
 /// Most own states of all terms of a model together.
 pub const MOST_STATES: usize = 8;
@@ -116,9 +116,11 @@ impl Pass<'_> {
         let h = self.interval_s / self.steps as f64;
         let half = Transition::new(&self.oscillator, 0.5 * h);
         let full = Transition::new(&self.oscillator, h);
-        let moving: Vec<Mover> = movers(self.terms, self.first);
+        let moving: Vec<Mover<'_>> = movers(self.terms, self.first);
         let linear = moving.is_empty();
-        let mut readers: Vec<Mover> = movers_all(self.terms, self.first);
+        let mut followers: Vec<Mover<'_>> = movers_all(self.terms, self.first);
+        followers.retain(|m| m.term.follows());
+        let mut readers: Vec<Mover<'_>> = movers_all(self.terms, self.first);
         readers.retain(|m| m.term.reads().is_some());
         readers.sort_by_key(|m| m.term.reads());
         let states: usize = self.terms.iter().map(Term::states).sum::<usize>().min(MOST_STATES);
@@ -182,7 +184,11 @@ impl Pass<'_> {
                         nx[l] += h / 6.0 * (full.xv[l] * a[0][l] + 4.0 * half.xv[l] * a[1][l]);
                         nv[l] += h / 6.0 * (full.vv[l] * a[0][l] + 4.0 * half.vv[l] * a[1][l] + a[2][l]);
                     }
+                    let stride = Stride { step_s: h, x0: x, v0: v, x1: nx, v1: nv };
                     (x, v) = (nx, nv);
+                    for m in &followers {
+                        m.term.follow(&stride, &self.parameters[m.first..], &mut own[m.state..]);
+                    }
                     continue;
                 }
                 let from = begin + step as f64 * h;
@@ -233,6 +239,7 @@ impl Pass<'_> {
                     }
                     a[stage] = acceleration;
                 }
+                let (x0, v0) = (x, v);
                 for l in 0..LANES {
                     x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
                     v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
@@ -241,6 +248,12 @@ impl Pass<'_> {
                     for l in 0..LANES {
                         let r = [rates[0][s][l], rates[1][s][l], rates[2][s][l], rates[3][s][l]];
                         own[s][l] += h / 6.0 * (r[0] + 2.0 * (r[1] + r[2]) + r[3]);
+                    }
+                }
+                if !followers.is_empty() {
+                    let stride = Stride { step_s: h, x0, v0, x1: x, v1: v };
+                    for m in &followers {
+                        m.term.follow(&stride, &self.parameters[m.first..], &mut own[m.state..]);
                     }
                 }
             }

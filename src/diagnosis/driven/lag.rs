@@ -2,7 +2,7 @@
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 
-use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
 
 /// y(t) = x(t − τ). A delay commutes with everything that does not depend on time, so it is applied to the input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,23 +74,27 @@ impl Physics for Lowpass {
     fn states(&self) -> usize {
         1
     }
-    fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
-        0.4 / p[0]
-    }
+    /// The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
     #[inline(always)]
-    fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {
+    fn follow(&self, s: &Stride, p: &[Lanes], own: &mut [Lanes]) {
         for l in 0..LANES {
-            rates[0][l] = (at.x[l] - own[0][l]) / p[0][l];
+            let ratio = p[0][l] / s.step_s;
+            let (rise, a, b) = (s.x1[l] - s.x0[l], s.step_s * s.v0[l], s.step_s * s.v1[l]);
+            let c3 = a + b - 2.0 * rise;
+            let c2 = 3.0 * rise - 2.0 * a - b - 3.0 * ratio * c3;
+            let c1 = a - 2.0 * ratio * c2;
+            let c0 = s.x0[l] - ratio * c1;
+            own[0][l] = c0 + c1 + c2 + c3 + (own[0][l] - c0) * (-1.0 / ratio).exp();
         }
+    }
+    fn follows(&self) -> bool {
+        true
     }
     #[inline(always)]
     fn reading(&self, at: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
         for l in 0..LANES {
             y[l] += own[0][l] - at.x[l];
         }
-    }
-    fn moves(&self) -> bool {
-        true
     }
     fn reads(&self) -> Option<u8> {
         Some(1)

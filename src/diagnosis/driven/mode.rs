@@ -52,7 +52,7 @@ impl Physics for Parasitic {
         2
     }
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
-        p[1]
+        0.6 * p[1]
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {

@@ -84,6 +84,21 @@ pub struct Instant<'a> {
     pub environment: &'a [f64],
 }
 
+/// One step that the mass has taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Stride {
+    /// Its length.
+    pub step_s: f64,
+    /// Displacement before.
+    pub x0: Lanes,
+    /// Velocity before.
+    pub v0: Lanes,
+    /// Displacement after.
+    pub x1: Lanes,
+    /// Velocity after.
+    pub v1: Lanes,
+}
+
 /// Noise that no simulation predicts sample by sample; it enters through the filter's gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
@@ -115,6 +130,13 @@ pub trait Physics {
     /// Changes the reading.
     #[inline(always)]
     fn reading(&self, _at: &Instant<'_>, _p: &[Lanes], _own: &[Lanes], _y: &mut Lanes) {}
+    /// Carries its own states over one step of the mass, by exact solution.
+    #[inline(always)]
+    fn follow(&self, _stride: &Stride, _p: &[Lanes], _own: &mut [Lanes]) {}
+    /// Whether `follow` does anything.
+    fn follows(&self) -> bool {
+        false
+    }
     /// Whether `force` does anything.
     fn moves(&self) -> bool {
         false
@@ -159,6 +181,11 @@ macro_rules! terms {
             #[inline(always)]
             pub fn reading(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], y: &mut Lanes) {
                 match self { $(Term::$variant(t) => t.reading(at, p, own, y)),* }
+            }
+            /// As `Physics::follow`.
+            #[inline(always)]
+            pub fn follow(&self, stride: &Stride, p: &[Lanes], own: &mut [Lanes]) {
+                match self { $(Term::$variant(t) => t.follow(stride, p, own)),* }
             }
         }
     };
@@ -255,6 +282,11 @@ impl Term {
     /// As `Physics::moves`.
     pub fn moves(&self) -> bool {
         self.physics().moves()
+    }
+
+    /// As `Physics::follows`.
+    pub fn follows(&self) -> bool {
+        self.physics().follows()
     }
 
     /// As `Physics::reads`.

@@ -1,0 +1,159 @@
+//! Prediction on samples that were not fitted: block by block, one step ahead and in free simulation.
+
+use std::ops::Range;
+
+use crate::numerics::special;
+
+use super::filter::Nothing;
+use super::fit::{Data, Fit, INITIAL, Run, Search, coordinates, innovations};
+use super::term::{Lanes, Scales};
+
+/// Blocks that the test samples are cut into.
+const BLOCKS: usize = 24;
+/// Samples at the beginning of a separate test range that only initialise the state.
+pub const LEAD: usize = 50;
+
+/// Errors on one block of the test samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// Samples.
+    pub range: Range<usize>,
+    /// Sum of squared one-step errors.
+    pub one_step: f64,
+    /// Sum of squared errors of free simulation.
+    pub free: f64,
+}
+
+/// A model's record on the test samples.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HeldOut {
+    /// Block by block.
+    pub blocks: Vec<Block>,
+}
+
+impl HeldOut {
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.blocks.iter().map(|b| b.range.len()).sum()
+    }
+
+    /// Mean squared one-step error.
+    pub fn one_step(&self) -> f64 {
+        self.blocks.iter().map(|b| b.one_step).sum::<f64>() / self.samples().max(1) as f64
+    }
+
+    /// Mean squared error of free simulation.
+    pub fn free(&self) -> f64 {
+        self.blocks.iter().map(|b| b.free).sum::<f64>() / self.samples().max(1) as f64
+    }
+
+    /// Mean Gaussian log-likelihood per sample with the innovation variance of the training rows.
+    pub fn log_score(&self, variance: f64) -> f64 {
+        -0.5 * ((2.0 * std::f64::consts::PI * variance).ln() + self.one_step() / variance)
+    }
+}
+
+/// Two models compared on the same blocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Share of the mean squared one-step error that the second removes.
+    pub gain: f64,
+    /// 95 % interval of the gain, from the scatter between blocks.
+    pub ci95: [f64; 2],
+    /// Probability of such a gain by chance, from the scatter between blocks.
+    pub p_value: f64,
+}
+
+/// Compares block by block: the mean of the logarithms of the ratios, by Student's t.
+pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
+    let logs: Vec<f64> = before
+        .blocks
+        .iter()
+        .zip(&after.blocks)
+        .filter(|(b, a)| b.one_step > 0.0 && a.one_step > 0.0 && a.one_step.is_finite())
+        .map(|(b, a)| (b.one_step / a.one_step).ln())
+        .collect();
+    let n = logs.len() as f64;
+    let gain = 1.0 - after.one_step() / before.one_step().max(1e-300);
+    if logs.len() < 3 || !gain.is_finite() {
+        return Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
+    }
+    let mean = logs.iter().sum::<f64>() / n;
+    let deviation = (logs.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt().max(1e-12);
+    let t = mean / deviation;
+    let two_sided = special::f_above(t * t, 1.0, n - 1.0);
+    let reach = special::t_quantile(0.975, n - 1.0) * deviation;
+    let p_value = if t > 0.0 { 0.5 * two_sided } else { 1.0 - 0.5 * two_sided };
+    let share = |log: f64| (1.0 - (-log).exp()).max(-1.0);
+    Comparison { gain, ci95: [share(mean - reach), share(mean + reach)], p_value }
+}
+
+/// A model's errors on the test samples.
+pub fn held_out(data: &Data, fit: &Fit, scales: &Scales) -> HeldOut {
+    let mut blocks = Vec::new();
+    let total: usize = data.test.iter().map(Range::len).sum();
+    let length = (total / BLOCKS).max(20);
+    let hull = Evaluation::new(data, fit, &fit.point, data.hull.clone());
+    for range in &data.test {
+        let inside = range.start >= data.hull.start && range.end <= data.hull.end;
+        if inside {
+            hull.cut(range.clone(), length, &mut blocks);
+        } else {
+            let point = settled(data, fit, scales, range);
+            let here = Evaluation::new(data, fit, &point, range.clone());
+            let lead = LEAD.min(range.len() / 4);
+            here.cut(range.start + lead..range.end, length, &mut blocks);
+        }
+    }
+    HeldOut { blocks }
+}
+
+/// The fitted model with its state at the beginning of a separate range found from the first samples there.
+pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
+    let lead = LEAD.min(range.len() / 4).max(4);
+    let mut point = fit.point.clone();
+    point[INITIAL] = data.reading[range.start] - point[super::fit::OFFSET];
+    point[INITIAL + 1] = 0.0;
+    let rows = range.start..(range.start + lead).min(range.end);
+    let search = Search {
+        data,
+        shape: &fit.shape,
+        point: point.clone(),
+        free: vec![INITIAL, INITIAL + 1],
+        coordinates: coordinates(&fit.shape, scales),
+        run: Run { range: rows.clone(), steps: fit.steps, corrected: false },
+        rows: vec![rows],
+    };
+    search.minimise(10).map_or(point, |m| search.point(&m.z))
+}
+
+/// Both kinds of error over one run.
+struct Evaluation {
+    start: usize,
+    free: Vec<Lanes>,
+    one_step: Option<Vec<Lanes>>,
+}
+
+impl Evaluation {
+    fn new(data: &Data, fit: &Fit, point: &[f64], range: Range<usize>) -> Self {
+        let run = |corrected| {
+            let run = Run { range: range.clone(), steps: fit.steps, corrected };
+            innovations(data, &fit.shape, &[point.to_vec()], &run, &mut Nothing)
+        };
+        Self { start: range.start, free: run(false), one_step: fit.shape.is_noisy().then(|| run(true)) }
+    }
+
+    fn cut(&self, range: Range<usize>, length: usize, blocks: &mut Vec<Block>) {
+        let count = (range.len() / length).max(1);
+        let sum = |lanes: &[Lanes], r: &Range<usize>| -> f64 {
+            let total: f64 = lanes[r.start - self.start..r.end - self.start].iter().map(|e| e[0] * e[0]).sum();
+            if total.is_finite() { total } else { f64::MAX / 1e6 }
+        };
+        for b in 0..count {
+            let r = range.start + range.len() * b / count..range.start + range.len() * (b + 1) / count;
+            let free = sum(&self.free, &r);
+            let one_step = self.one_step.as_ref().map_or(free, |lanes| sum(lanes, &r));
+            blocks.push(Block { range: r, one_step, free });
+        }
+    }
+}
