@@ -1,5 +1,8 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 
+pub mod answer;
+pub mod begin;
+pub mod conclude;
 pub mod contact;
 pub mod damping;
 pub mod drift;
@@ -10,22 +13,32 @@ pub mod gain;
 pub mod held_out;
 pub mod hysteresis;
 pub mod input;
+pub mod interval;
+pub mod isolation;
 pub mod lag;
 pub mod mode;
 pub mod noise;
 pub mod pickup;
+pub mod prepare;
+pub mod quantisation;
 pub mod readout;
 pub mod select;
+pub mod sensor;
 pub mod spring;
 pub mod start;
 pub mod term;
+pub mod words;
 
 use crate::error::{Error, Result};
+use crate::progress;
 use crate::recording::Recording;
 
 use super::Diagnosis;
 use super::candidate::Candidate;
 use super::model;
+
+use prepare::Prepared;
+use term::Term;
 
 /// What can be named in this kind of recording.
 pub const CANDIDATES: &[Candidate] = &[
@@ -54,12 +67,73 @@ pub const CANDIDATES: &[Candidate] = &[
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
-pub struct Detail {}
+pub struct Detail {
+    /// Output column.
+    pub output: String,
+    /// Its unit.
+    pub unit: String,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// The stretch of held-out samples that is shown.
+    pub shown: Shown,
+    /// Displacement (base model) on the fitted stretch.
+    pub state: Vec<f64>,
+    /// Velocity there.
+    pub velocity: Vec<f64>,
+    /// Error of the base model's free simulation there.
+    pub before: Vec<f64>,
+    /// Error of the repaired model's free simulation there.
+    pub after: Vec<f64>,
+    /// One-step error of the repaired model there.
+    pub innovations: Vec<f64>,
+    /// Sample at which that stretch begins.
+    pub from: usize,
+    /// Whether anything was named.
+    pub named: bool,
+    /// Candidates: id, gain, interval, named.
+    pub candidates: Vec<(String, f64, [f64; 2], bool)>,
+}
+
+/// Recording and both models, sample by sample.
+#[derive(Debug, Clone, Default)]
+pub struct Shown {
+    /// First sample.
+    pub from: usize,
+    /// Recording.
+    pub reading: Vec<f64>,
+    /// Base model, freely simulated.
+    pub base: Vec<f64>,
+    /// Repaired model, freely simulated.
+    pub repaired: Vec<f64>,
+}
 
 /// Diagnoses it.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn diagnose(_recording: &Recording, _model: &model::Driven) -> Result<Diagnosis> {
-    Err(Error::new("could not diagnose the recording", "this kind is not built yet", "use kind = \"tumble\""))
+/// As `prepare::prepare`; and where no oscillator at all can be fitted.
+pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
+    let Prepared { mut data, own_test, mut findings } = prepare::prepare(recording, model)?;
+    let Some((base, scales)) = begin::base(&mut data, &model.start, &mut findings) else {
+        return Err(Error::new(
+            format!("could not diagnose {}", recording.path.display()),
+            "no oscillator, at any resonance or damping, can be fitted to it",
+            "check that input and output are the right columns and that the input moves the output",
+        ));
+    };
+    let scales = select::refined(&data, &base, &scales);
+    let candidates: Vec<Term> = Term::tried(data.environments, data.input.is_some())
+        .into_iter()
+        .filter(|t| !t.starts(&scales).is_empty())
+        .collect();
+    let base = select::judge(&data, base, &scales);
+    let selection = select::search(&data, base, &scales, &candidates);
+    if progress::interrupted() {
+        return Err(Error::interrupted(format!("could not diagnose {}", recording.path.display()), "start it again"));
+    }
+    if own_test {
+        data.train = std::mem::take(&mut data.train).into_iter().chain(data.validation.iter().cloned()).collect();
+        data.train.sort_by_key(|r| r.start);
+    }
+    let conclusion = conclude::conclude(&data, &selection, &scales);
+    Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, findings))
 }

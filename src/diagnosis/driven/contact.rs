@@ -26,7 +26,7 @@ pub const END_STOP: Candidate = Candidate {
     statement: "Beyond a gap the mass runs into a stop, on one side or both.",
     equation: "x″ + 2ζω₀x′ + ω₀²x + k_c (x − gap)₊ = g·u (mirrored for the other side)",
     parameters: &[
-        Parameter { name: "k_c", unit: "1/s^2", range: (0.0, 1000.0) },
+        Parameter { name: "k_c", unit: "1/s^2", range: (0.3, 1000.0) },
         Parameter { name: "gap", unit: "y", range: (0.0, 5.0) },
     ],
     acts: "equation of motion",
@@ -40,7 +40,9 @@ impl Physics for EndStop {
         &END_STOP
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(s.omega_rad_s.powi(2)), Coordinate::Log(0.05 * s.output, 10.0 * s.output)]
+        let spring = s.omega_rad_s.powi(2);
+        // Softer than this is a bend in the spring, not a stop.
+        vec![Coordinate::Log(0.3 * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         let (low, high) = s.output_range;
@@ -49,10 +51,14 @@ impl Physics for EndStop {
             Side::Upper => high,
             Side::Lower => -low,
         };
-        [0.35, 0.5, 0.65, 0.8, 0.92].map(|r| vec![1e-3 * s.omega_rad_s.powi(2), r * reach.max(0.2 * s.output)]).to_vec()
+        let spring = s.omega_rad_s.powi(2);
+        [0.55, 0.7, 0.8, 0.88, 0.95]
+            .into_iter()
+            .flat_map(|r| [1.0, 10.0].map(|k| vec![k * spring, r * reach.max(0.5 * s.output)]))
+            .collect()
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
-        (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(12.0 * s.omega_rad_s)
+        (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(5.0 * s.omega_rad_s)
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {

@@ -124,9 +124,12 @@ impl Pass<'_> {
         readers.retain(|m| m.term.reads().is_some());
         readers.sort_by_key(|m| m.term.reads());
         let states: usize = self.terms.iter().map(Term::states).sum::<usize>().min(MOST_STATES);
-        let delay = self.terms.iter().zip(self.first).find(|(t, _)| t.delays()).map(|(_, f)| {
-            Shift::new(&self.parameters[*f], self.interval_s / (2 * self.steps) as f64)
-        });
+        let delay = self
+            .terms
+            .iter()
+            .zip(self.first)
+            .find(|(t, _)| t.delays())
+            .map(|(_, f)| Shift::new(&self.parameters[*f], self.interval_s / (2 * self.steps) as f64));
         let [mut x, mut v] = self.initial;
         let mut bias = [0.0; LANES];
         let mut own = [[0.0; LANES]; MOST_STATES];

@@ -41,7 +41,9 @@ pub struct Data {
     pub hull: Range<usize>,
     /// Samples that are fitted, within the hull.
     pub train: Vec<Range<usize>>,
-    /// Samples that judge, inside or outside the hull.
+    /// Samples that choose between models, within the hull.
+    pub validation: Vec<Range<usize>>,
+    /// Samples that judge the model chosen, inside or outside the hull.
     pub test: Vec<Range<usize>>,
 }
 

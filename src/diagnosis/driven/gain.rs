@@ -66,7 +66,13 @@ pub fn stationary(noisy: &Noisy) -> Gain {
     let mut q = Matrix3::zeros();
     let pieces = 2 * ((omega * h / 0.5).ceil() as usize).clamp(2, 64);
     for j in 0..=pieces {
-        let simpson = if j == 0 || j == pieces { 1.0 } else if j % 2 == 1 { 4.0 } else { 2.0 };
+        let simpson = if j == 0 || j == pieces {
+            1.0
+        } else if j % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        };
         let g = transition(omega, zeta, h * j as f64 / pieces as f64);
         let b = Vector3::new(g[1], g[3], 0.0);
         q += b * b.transpose() * (simpson * h / (3.0 * pieces as f64) * intensity);

@@ -8,12 +8,12 @@ use super::filter::Nothing;
 use super::fit::{Data, Fit, INITIAL, Run, Search, coordinates, innovations};
 use super::term::{Lanes, Scales};
 
-/// Blocks that the test samples are cut into.
+/// Blocks that they are cut into.
 const BLOCKS: usize = 24;
 /// Samples at the beginning of a separate test range that only initialise the state.
 pub const LEAD: usize = 50;
 
-/// Errors on one block of the test samples.
+/// Errors on one block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Samples.
@@ -24,7 +24,7 @@ pub struct Block {
     pub free: f64,
 }
 
-/// A model's record on the test samples.
+/// A model's record on samples that were not fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeldOut {
     /// Block by block.
@@ -88,13 +88,13 @@ pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
     Comparison { gain, ci95: [share(mean - reach), share(mean + reach)], p_value }
 }
 
-/// A model's errors on the test samples.
-pub fn held_out(data: &Data, fit: &Fit, scales: &Scales) -> HeldOut {
+/// A model's errors on samples that were not fitted.
+pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]) -> HeldOut {
     let mut blocks = Vec::new();
-    let total: usize = data.test.iter().map(Range::len).sum();
+    let total: usize = ranges.iter().map(Range::len).sum();
     let length = (total / BLOCKS).max(20);
     let hull = Evaluation::new(data, fit, &fit.point, data.hull.clone());
-    for range in &data.test {
+    for range in ranges {
         let inside = range.start >= data.hull.start && range.end <= data.hull.end;
         if inside {
             hull.cut(range.clone(), length, &mut blocks);

@@ -29,16 +29,16 @@ impl Physics for BoucWen {
         &BOUC_WEN
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)), Coordinate::Log(0.005 * s.output, 30.0 * s.output)]
+        vec![Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)), Coordinate::Log(0.01 * s.output, 4.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [0.05, 0.2, 0.7, 2.0, 5.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output]).to_vec()
+        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output]).to_vec()
     }
     fn states(&self) -> usize {
         1
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
-        (3.0 * s.velocity / p[1]).min(8.0 * s.omega_rad_s)
+        (s.velocity / p[1]).min(4.0 * s.omega_rad_s)
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], acceleration: &mut Lanes) {

@@ -35,7 +35,10 @@ impl Physics for Parasitic {
         let omega = s.omega_rad_s;
         vec![
             Coordinate::Linear(0.1 * s.gain.abs()),
-            Coordinate::Log(0.05 * omega, (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega)),
+            Coordinate::Log(
+                0.05 * omega,
+                (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega),
+            ),
             Coordinate::Log(1e-4, 2.0),
         ]
     }

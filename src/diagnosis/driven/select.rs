@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::diagnosis::detection::{Structure, structure};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::spectrum;
 use crate::progress;
@@ -16,12 +17,24 @@ use super::term::{LANES, Scales, Term};
 const FINALISTS: usize = 6;
 /// Starts of one candidate that are fitted in full.
 const STARTS: usize = 2;
+/// Candidates that are fitted to the end in one round.
+const POLISHED: usize = 3;
+/// Times that a better stand-in may take a term's place.
+const SWAPS: usize = 2;
+/// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
+const TIE: f64 = 6.0;
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
 /// Probability that a recording without any effect is given one.
 const FALSE_ALARM: f64 = 0.005;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
 pub const SMALLEST_GAIN: f64 = 0.005;
+/// Lags of their own past from which innovations are forecast.
+const OWN_LAGS: usize = 24;
+/// A term must gain at least this part of what is still unexplained with it: first things first.
+const LEAST_OF_REST: f64 = 0.03;
+/// Iterations after which the laggards are left behind.
+const HEAT: usize = 3;
 /// Iterations of one fit.
 const ITERATIONS: usize = 20;
 
@@ -30,7 +43,7 @@ const ITERATIONS: usize = 20;
 pub struct Judged {
     /// The fit.
     pub fit: Fit,
-    /// Its errors on the test samples.
+    /// Its errors on the validation samples.
     pub held_out: HeldOut,
 }
 
@@ -71,11 +84,24 @@ pub struct Selection {
     pub alone: Vec<Trial>,
     /// Candidates that were tried.
     pub tried: usize,
+    /// For each term of the chosen model, the candidates that would do as well in its place.
+    pub rivals: Vec<Vec<Rival>>,
+}
+
+/// A candidate that fits as well in a term's place.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// The model with it.
+    pub judged: Judged,
+    /// Its id.
+    pub id: &'static str,
+    /// By how much the chosen model is more likely, in units of log-likelihood.
+    pub behind: f64,
 }
 
 /// Judges a fit.
 pub fn judge(data: &Data, fit: Fit, scales: &Scales) -> Judged {
-    let held_out = held_out(data, &fit, scales);
+    let held_out = held_out(data, &fit, scales, &data.validation);
     Judged { fit, held_out }
 }
 
@@ -171,7 +197,7 @@ fn screen(data: &Data, model: &Fit, term: Term, scales: &Scales) -> Vec<(f64, Ve
 }
 
 /// Tries every candidate on top of a model: all by one linear step, the most promising in full. Best first.
-pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, finalists: usize) -> Vec<Trial> {
+pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales) -> Vec<Trial> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = candidates
         .par_iter()
@@ -193,29 +219,78 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         .map(|(rank, (term, promised, starts))| {
             let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
             let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
-            if rank >= finalists + noises || progress::interrupted() {
+            if rank >= FINALISTS + noises || progress::interrupted() {
                 return trial;
             }
             let best = starts
                 .iter()
                 .filter_map(|start| {
                     let (shape, point) = model.fit.with(*term, start);
-                    fit(data, &shape, &point, scales, ITERATIONS)
+                    fit(data, &shape, &point, scales, HEAT)
                 })
                 .min_by(|a, b| a.variance.total_cmp(&b.variance));
-            if let Some(found) = best {
-                let judged = judge(data, found, scales);
-                trial.comparison = compare(&model.held_out, &judged.held_out);
-                trial.judged = Some(judged);
-            }
+            trial.judged = best.map(|found| judge(data, found, scales));
             trial
         })
         .collect();
+    by_score(&mut trials);
+    trials.par_iter_mut().enumerate().for_each(|(rank, trial)| {
+        let Some(judged) = &mut trial.judged else { return };
+        if rank < POLISHED && !judged.fit.converged {
+            if let Some(found) = fit(data, &judged.fit.shape, &judged.fit.point, scales, ITERATIONS) {
+                *judged = judge(data, found, scales);
+            }
+        }
+        trial.comparison = compare(&model.held_out, &judged.held_out);
+    });
+    by_score(&mut trials);
+    trials
+}
+
+fn by_score(trials: &mut [Trial]) {
     trials.sort_by(|a, b| {
         let score = |t: &Trial| t.judged.as_ref().map_or(f64::NEG_INFINITY, Judged::score);
         score(b).total_cmp(&score(a)).then(a.promised.total_cmp(&b.promised))
     });
-    trials
+}
+
+/// How much can still be foreseen of a model's innovations, from their past, the input and the state.
+pub fn left(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let (x, v) = (&states.x, &states.v);
+    let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
+    let scale = super::start::spread(v).1 / super::start::spread(x).1.max(1e-300);
+    let s = scale.max(1e-300);
+    let mut regressors: Vec<Vec<f64>> = vec![
+        product(&|x, _| x),
+        product(&|_, v| v),
+        product(&|x, _| x * x),
+        product(&|x, v| x * v / s),
+        product(&|_, v| v * v / s / s),
+        product(&|x, _| x * x * x),
+        product(&|x, v| x * x * v / s),
+        product(&|x, v| x * v * v / s / s),
+        product(&|_, v| v * v * v / s / s / s),
+        product(&|x, _| x.abs()),
+        product(&|_, v| v.abs()),
+        product(&|_, v| v.signum()),
+        product(&|x, _| x.signum()),
+        product(&|_, v| v.abs() * v / s / s),
+        product(&|x, _| x.abs() * x),
+        product(&|x, _| x * x * x * x),
+        product(&|x, _| x * x * x * x * x),
+    ];
+    regressors.push((0..x.len()).map(|k| k as f64).collect());
+    regressors.push((0..x.len()).map(|k| (k as f64 / x.len() as f64 - 0.5).powi(2)).collect());
+    if let Some(input) = &data.input {
+        let u = input.samples();
+        for lag in -3isize..=20 {
+            let at = |k: usize| u[(k as isize - lag).clamp(0, u.len() as isize - 1) as usize];
+            regressors.push(data.hull.clone().map(at).collect());
+        }
+        regressors.push(data.hull.clone().map(|k| u[k] * u[k]).collect());
+    }
+    structure(&innovations, OWN_LAGS, &regressors)
 }
 
 /// Whether a richer model has earned its terms against a poorer one.
@@ -235,12 +310,14 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
     for step in 0..=MOST_TERMS {
         let here = refined(data, &chosen.fit, scales);
         let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
-        let trials = round(data, &chosen, &open, &here, FINALISTS);
+        let trials = round(data, &chosen, &open, &here);
         let best = trials
             .iter()
             .filter_map(|t| t.judged.as_ref().map(|j| (t, j)))
             .take(4)
-            .find(|(t, j)| earned(&chosen, j, &t.comparison, tried))
+            .find(|(t, j)| {
+                earned(&chosen, j, &t.comparison, tried) && t.comparison.gain > left(data, &j.fit).share * LEAST_OF_REST
+            })
             .map(|(_, j)| j.clone());
         if step == 0 {
             alone = trials;
@@ -252,17 +329,63 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
             break;
         }
     }
+    let (chosen, rivals) = settled(data, chosen, &alone, scales, candidates);
     bar.finish_and_clear();
-    Selection { base, chosen, alone, tried }
+    Selection { base, chosen, alone, tried, rivals }
+}
+
+/// Tries every other candidate in the place of each term: a better one takes it, an equal one is remembered.
+fn settled(
+    data: &Data,
+    mut chosen: Judged,
+    alone: &[Trial],
+    scales: &Scales,
+    candidates: &[Term],
+) -> (Judged, Vec<Vec<Rival>>) {
+    let mut rivals = Vec::new();
+    for attempt in 0..=SWAPS {
+        let terms = chosen.fit.shape.terms.clone();
+        let here = refined(data, &chosen.fit, scales);
+        let mut better: Option<Judged> = None;
+        rivals = terms
+            .iter()
+            .enumerate()
+            .map(|(i, term)| {
+                let others = if terms.len() == 1 {
+                    alone.to_vec()
+                } else {
+                    let Some(poorer) = without(data, &chosen, i, scales) else { return Vec::new() };
+                    let open: Vec<Term> =
+                        candidates.iter().copied().filter(|t| !poorer.has(t.id()) && t.id() != term.id()).collect();
+                    round(data, &poorer, &open, &here)
+                };
+                let mut equal: Vec<Rival> = Vec::new();
+                for trial in others.iter().filter(|t| t.term.id() != term.id()) {
+                    let Some(judged) = &trial.judged else { continue };
+                    let behind = chosen.score() - judged.score();
+                    if behind < -1.0 && better.as_ref().is_none_or(|b| b.score() < judged.score()) {
+                        better = Some(judged.clone());
+                    }
+                    if behind < TIE && !equal.iter().any(|e| e.id == trial.term.id()) {
+                        equal.push(Rival { judged: judged.clone(), id: trial.term.id(), behind });
+                    }
+                }
+                equal
+            })
+            .collect();
+        match better {
+            Some(better) if attempt < SWAPS && !progress::interrupted() => chosen = better,
+            _ => break,
+        }
+    }
+    (chosen, rivals)
 }
 
 /// Drops every term whose absence costs nothing, the cheapest first.
 fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
     while model.fit.shape.terms.len() > 1 {
-        let poorer: Vec<Judged> = (0..model.fit.shape.terms.len())
-            .into_par_iter()
-            .filter_map(|i| without(data, &model, i, scales))
-            .collect();
+        let poorer: Vec<Judged> =
+            (0..model.fit.shape.terms.len()).into_par_iter().filter_map(|i| without(data, &model, i, scales)).collect();
         let cheapest = poorer
             .into_iter()
             .filter(|p| !earned(p, &model, &compare(&p.held_out, &model.held_out), tried))

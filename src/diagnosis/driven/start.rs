@@ -80,7 +80,12 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
         here.zeta = place.zeta;
         here.gain = if data.input.is_some() { place.gain } else { 1.0 };
         let mut point = vec![0.0; BASE];
-        point[..4].copy_from_slice(&[if data.input.is_some() { place.gain } else { 0.0 }, place.omega, place.zeta, mean]);
+        point[..4].copy_from_slice(&[
+            if data.input.is_some() { place.gain } else { 0.0 },
+            place.omega,
+            place.zeta,
+            mean,
+        ]);
         point[4] = data.reading[data.hull.start] - mean;
         let Some(found) = fit(data, &shape, &point, &here, 25) else { continue };
         if best.as_ref().is_none_or(|(b, _)| found.variance < b.variance) {

@@ -1,0 +1,146 @@
+//! The public answer: verdict, ranking, repair and the numbers behind the figures.
+
+use crate::diagnosis::Diagnosis;
+use crate::diagnosis::candidate::Kind;
+use crate::diagnosis::model;
+use crate::diagnosis::verdict::{Fit as Fitted, LogScore, SCHEMA, Score, Source, Verdict, Whiteness};
+use crate::numerics::special;
+use crate::recording::Recording;
+
+use super::conclude::Conclusion;
+use super::fit::{Data, Fit, Run, trace};
+use super::held_out::{HeldOut, settled};
+use super::isolation::{Compared, locate};
+use super::select::Selection;
+use super::sensor::repair;
+use super::term::Scales;
+use super::words::{self, Channels};
+use super::{Detail, Shown};
+
+/// Samples of the held-out stretch that are kept for figures.
+const SHOWN: usize = 20_000;
+
+/// Everything a diagnosis gives away.
+pub fn answer(
+    recording: &Recording,
+    model: &model::Driven,
+    data: &Data,
+    scales: &Scales,
+    selection: &Selection,
+    c: &Conclusion,
+    mut findings: Vec<String>,
+) -> Diagnosis {
+    let output = model.columns.output.clone();
+    let output_unit = words::unit_of(&output, "output unit");
+    let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| words::unit_of(i, "input unit"));
+    let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
+    let effects = words::effects(data, c, selection, scales, &channels);
+    let ranking = words::ranking(c, selection, &channels);
+    let free = |fit: &Fit| trace(data, &fit.shape, &fit.point, &fit.run(data, false));
+    let (before, states) = free(&c.base.fit);
+    let (after, _) = free(&c.model.fit);
+    let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
+    let location = locate(
+        &Compared { error: &before, noise: &after, state: &states.x, rate_hz: data.rate_hz, unit: &output_unit },
+        data.hull.start,
+    );
+    for (term, reason) in &c.dropped {
+        findings.push(format!("{} was tried and dropped: {reason}", term.id()));
+    }
+    let noisy = c.model.fit.shape.is_noisy();
+    let rmse = |errors: &[f64]| {
+        let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
+        (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
+    };
+    let verdict = Verdict {
+        schema: SCHEMA,
+        kind: Kind::Driven,
+        verdict: c.outcome,
+        sentence: words::sentence(c, &effects, &channels),
+        recording: Source {
+            file: recording.path.display().to_string(),
+            sha256: recording.sha256.clone(),
+            samples: recording.samples(),
+            rate_hz: recording.rate_hz,
+        },
+        next_experiment: words::next_experiment(c, &effects, data.input.is_some()),
+        effects,
+        location,
+        fit: Fitted {
+            unit: output_unit.clone(),
+            noise_floor: words::noise_floor(data, &c.model.fit),
+            train: Score { rmse_before: rmse(&before), rmse_after: rmse(&after), ratio_ci95: None },
+            test: Score {
+                rmse_before: c.base.held_out.free().sqrt(),
+                rmse_after: c.model.held_out.free().sqrt(),
+                ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
+            },
+            log_score: noisy.then(|| LogScore {
+                before: c.base.held_out.log_score(c.base.fit.variance),
+                after: c.model.held_out.log_score(c.model.fit.variance),
+            }),
+            one_step_rmse: noisy.then(|| [c.base.held_out.one_step().sqrt(), c.model.held_out.one_step().sqrt()]),
+        },
+        residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
+        findings,
+    };
+    let detail = Detail {
+        output,
+        unit: output_unit,
+        rate_hz: data.rate_hz,
+        shown: shown(data, c, scales),
+        state: states.x,
+        velocity: states.v,
+        before,
+        after,
+        innovations,
+        from: data.hull.start,
+        named: !c.named.is_empty(),
+        candidates: ranking.iter().map(|r| (r.id.to_owned(), r.held_out_gain, r.ci95, r.named)).collect(),
+    };
+    let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
+    Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }
+}
+
+/// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.
+fn ratio(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
+    let n = before.blocks.len();
+    let whole = |skip: Option<usize>| {
+        let sum = |h: &HeldOut| -> f64 {
+            h.blocks.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, b)| b.free).sum()
+        };
+        0.5 * (sum(after).max(1e-300) / sum(before).max(1e-300)).ln()
+    };
+    let centre = whole(None);
+    if n < 3 {
+        return [0.0, centre.exp().max(1.0)];
+    }
+    let apart: Vec<f64> = (0..n).map(|i| whole(Some(i))).collect();
+    let mean = apart.iter().sum::<f64>() / n as f64;
+    let variance = apart.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n as f64 - 1.0) / n as f64;
+    let reach = special::t_quantile(0.975, n as f64 - 1.0) * variance.sqrt();
+    [(centre - reach).exp(), (centre + reach).exp().min(1e6)]
+}
+
+/// Recording and both models on the first stretch of test samples.
+fn shown(data: &Data, c: &Conclusion, scales: &Scales) -> Shown {
+    let Some(range) = data.test.first() else { return Shown::default() };
+    let range = range.start..range.end.min(range.start + SHOWN);
+    let simulated = |fit: &Fit| -> Vec<f64> {
+        let inside = range.start >= data.hull.start && range.end <= data.hull.end;
+        let (run, point) = if inside {
+            (data.hull.start..range.end, fit.point.clone())
+        } else {
+            (range.clone(), settled(data, fit, scales, &range))
+        };
+        let skip = range.start - run.start;
+        let (errors, _) = trace(data, &fit.shape, &point, &Run { range: run, steps: fit.steps, corrected: false });
+        errors[skip..].iter().zip(&data.reading[range.clone()]).map(|(e, y)| y - e).collect()
+    };
+    Shown {
+        from: range.start,
+        reading: data.reading[range.clone()].to_vec(),
+        base: simulated(&c.base.fit),
+        repaired: simulated(&c.model.fit),
+    }
+}

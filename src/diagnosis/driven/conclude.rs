@@ -1,0 +1,146 @@
+//! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
+
+use crate::diagnosis::detection::Structure;
+use crate::diagnosis::verdict::Outcome;
+
+use super::fit::{Data, Fit, fit};
+use super::held_out::{Comparison, compare, held_out};
+use super::interval::{self, Spread};
+use super::quantisation::{Lattice, lattice};
+use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, left, without};
+use super::term::{Scales, Term};
+
+/// Share of the innovations' variance that may be foreseen before they are no longer called white.
+const WHITE: f64 = 0.02;
+/// Level at which structure counts as found.
+const LEVEL: f64 = 1e-3;
+/// With a remainder as structured as this, a term must stand far above it.
+const COLOURED: f64 = 0.15;
+/// How far.
+const FAR_ABOVE: f64 = 30.0;
+/// Part of the held-out error that must go before a coloured remainder may be called a detail.
+const NEARLY_ALL: f64 = 0.99;
+
+/// One named term.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// Its place in the model.
+    pub index: usize,
+    /// Fraction by which the innovations' variance grows without it.
+    pub growth: f64,
+    /// On validation samples, against the model without it.
+    pub comparison: Comparison,
+    /// Mean squared error of free simulation on the test samples without it.
+    pub free_without: f64,
+    /// Mean log-likelihood per test sample without it.
+    pub log_score_without: f64,
+    /// Candidates that would do as well.
+    pub rivals: Vec<Rival>,
+}
+
+/// What may be said.
+#[derive(Debug, Clone)]
+pub struct Conclusion {
+    /// The verdict.
+    pub outcome: Outcome,
+    /// The base model fitted like the final one.
+    pub base: Judged,
+    /// The final model.
+    pub model: Judged,
+    /// Terms that hold, strongest first.
+    pub named: Vec<Named>,
+    /// Terms that were in the model and do not hold, with the reason.
+    pub dropped: Vec<(Term, &'static str)>,
+    /// What is left of the base model's innovations.
+    pub before: Structure,
+    /// What is left of the final model's innovations.
+    pub after: Structure,
+    /// Coarse rounding, where it explains the remainder.
+    pub lattice: Option<Lattice>,
+    /// Uncertainty of the final model's parameters.
+    pub spread: Spread,
+}
+
+/// Draws the conclusion. `judge` holds all train samples to fit and the test samples to judge.
+pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
+    let refit = |j: &Judged| -> Judged {
+        let fit: Fit = fit(data, &j.fit.shape, &j.fit.point, scales, 20).unwrap_or_else(|| j.fit.clone());
+        Judged { held_out: held_out(data, &fit, scales, &data.test), fit }
+    };
+    let base = refit(&selection.base);
+    let (before, mut model) = (left(data, &base.fit), refit(&selection.chosen));
+    let mut after = left(data, &model.fit);
+    let mut dropped = Vec::new();
+    let mut rivals = selection.rivals.clone();
+    let mut named;
+    // What the full model leaves is the measure; dropping terms must not raise the bar for the others.
+    let share = if after.p_value < LEVEL { after.share } else { 0.0 };
+    let need = if share <= COLOURED { share } else { FAR_ABOVE * share };
+    loop {
+        named = weighed(data, selection, &model, scales, &rivals);
+        let Some(fails) = named
+            .iter()
+            .filter(|n: &&Named| n.growth < need.max(SMALLEST_GAIN) || worse(n, &model))
+            .min_by(|a, b| a.growth.total_cmp(&b.growth))
+        else {
+            break;
+        };
+        let reason = if worse(fails, &model) {
+            "made the prediction of the test samples worse"
+        } else {
+            "smaller than what is still unexplained"
+        };
+        let index = fails.index;
+        dropped.push((model.fit.shape.terms[index], reason));
+        let Some(poorer) = without(data, &model, index, scales) else { break };
+        model = Judged { held_out: held_out(data, &poorer.fit, scales, &data.test), fit: poorer.fit };
+        if index < rivals.len() {
+            rivals.remove(index);
+        }
+        after = left(data, &model.fit);
+    }
+    named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+    let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
+    let white = after.share < WHITE || after.p_value > LEVEL;
+    let gone = 1.0 - model.held_out.free() / base.held_out.free().max(1e-300);
+    let something = !named.is_empty() || lattice.is_some();
+    let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
+        Outcome::Undecidable
+    } else if something && (white || gone > NEARLY_ALL) {
+        Outcome::Explained
+    } else if white {
+        Outcome::Adequate
+    } else {
+        Outcome::Unexplained
+    };
+    let spread = interval::spread(&model.fit);
+    Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
+}
+
+/// A term that the test samples speak against.
+fn worse(named: &Named, model: &Judged) -> bool {
+    let term = model.fit.shape.terms[named.index];
+    term.noise().is_none() && model.held_out.free() > 1.02 * named.free_without
+}
+
+fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, rivals: &[Vec<Rival>]) -> Vec<Named> {
+    (0..model.fit.shape.terms.len())
+        .filter_map(|index| {
+            let poorer = without(data, model, index, scales)?;
+            let mut comparison = compare(
+                &held_out(data, &poorer.fit, scales, &data.validation),
+                &held_out(data, &model.fit, scales, &data.validation),
+            );
+            comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
+            let judged = held_out(data, &poorer.fit, scales, &data.test);
+            Some(Named {
+                index,
+                growth: poorer.fit.variance / model.fit.variance.max(1e-300) - 1.0,
+                comparison,
+                free_without: judged.free(),
+                log_score_without: judged.log_score(poorer.fit.variance),
+                rivals: rivals.get(index).cloned().unwrap_or_default(),
+            })
+        })
+        .collect()
+}
