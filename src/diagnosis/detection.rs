@@ -76,11 +76,11 @@ fn standard(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use crate::rng::{Philox, Stream};
+    use rand_distr::{Distribution, StandardNormal};
 
     fn noise(n: usize, seed: u64) -> Vec<f64> {
-        let mut rng = StdRng::seed_from_u64(seed);
-        (0..n).map(|_| (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0).collect()
+        StandardNormal.sample_iter(Philox::new(seed, 0, Stream::Host)).take(n).collect()
     }
 
     #[test]
