@@ -3,6 +3,7 @@
 //! Not for choosing a backend or for showing anything: it is handed a way to integrate a job, and `report` shows it.
 
 pub mod budget;
+pub mod compare;
 pub mod document;
 pub mod expected;
 
@@ -33,6 +34,8 @@ pub struct Drift {
     pub budget: Budget,
     /// How the proof mass was stepped, and why.
     pub choice: Choice,
+    /// What a static log of the sensor says to it.
+    pub compared: compare::Outcome,
 }
 
 /// The position envelope as powers of time.
@@ -72,7 +75,8 @@ pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistic
     let expected = Expected::of(study, &samples);
     let budget = budget::make(study, choice.integrator, &samples, run)?;
     let growth = growth(&statistics, &expected);
-    Ok(Drift { statistics, report, expected, growth, budget, choice })
+    let compared = compare::run(study)?;
+    Ok(Drift { statistics, report, expected, growth, budget, choice, compared })
 }
 
 /// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use crate::document::{parse_toml, read_toml};
 use crate::error::{Error, Result};
+use crate::excitation::Rest;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
@@ -87,6 +88,7 @@ impl Study {
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file)?;
         let duration_s = clock.samples as f64 * clock.step_s * f64::from(clock.steps_per_sample);
+        check::compare(source, file.compare.as_ref())?;
         let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
         Ok(Self {
             name: checked_name(source, file.name)?,
@@ -98,6 +100,26 @@ impl Study {
             compare: file.compare,
             folder,
         })
+    }
+
+    /// The same sensor lying still for a number of samples, with what is special about one axis of it.
+    ///
+    /// # Errors
+    /// The axis' own sections make no sense.
+    pub fn at_rest(&self, axis: &file::Axis, sample_s: f64, samples: u64, members: u64) -> Result<Self> {
+        let name = format!("compare.axis {}", axis.column);
+        let mut still = self.clone();
+        if let Some(section) = &axis.accelerometer {
+            check::accelerometer(&name, section, &mut still.tolerances)?;
+        }
+        if let Some(section) = &axis.gyro {
+            check::gyro(&name, section, &mut still.tolerances)?;
+        }
+        check::signs(&name, &still.tolerances)?;
+        still.members = members;
+        still.clock = Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples] };
+        still.excitation = Plan { waveform: Arc::new(Rest), variation: plan::Variation::None, words: "at rest".into() };
+        Ok(still)
     }
 
     /// Length of the run, s.

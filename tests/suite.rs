@@ -5,6 +5,7 @@ mod suite {
     pub mod allan;
     pub mod architecture;
     pub mod cli;
+    pub mod closed_form;
     pub mod dynamics;
     pub mod law;
     pub mod recording;
@@ -34,6 +35,8 @@ fn main() {
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
+        // closed_form: every error source alone drifts as its law says.
+        suite::closed_form::tests(),
     ]
     .into_iter()
     .flatten()

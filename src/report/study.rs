@@ -1,5 +1,6 @@
 //! The page and the terminal text of a study: the answer in a sentence, envelopes, distributions, who is to blame.
 
+mod compared;
 mod distribution;
 mod envelope;
 mod sensor;
@@ -48,6 +49,7 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
          the envelope; the error budget above says whose it is.",
     );
     page.table(&growth_table(drift));
+    compared::section(&mut page, &drift.compared);
     page.section("The sensor");
     page.paragraph(sensor::CONVENTION);
     page.table(&sensor::table(study));
@@ -209,8 +211,10 @@ pub fn provenance(study: &Study, drift: &Drift) -> Table {
 /// What the terminal shows.
 pub fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
+    let compared: String = compared::sentences(&drift.compared).iter().map(|s| format!("{s}\n")).collect();
+    let compared = if compared.is_empty() { compared } else { format!("beside the recording\n{compared}\n") };
     format!(
-        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\nintegrator: {}: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {}: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
         lede(study, drift),
         drift_table(drift),
         budget_table(drift),

@@ -1,6 +1,6 @@
 //! Whether the numbers of a study make sense, each alone and together, before anything is computed.
 
-use super::file::{Accelerometer, File, Gyro};
+use super::file::{Accelerometer, Compare, File, Gyro};
 use super::number::Number;
 use super::parameter::{PARAMETERS, Parameter, Sign, Tolerances};
 use crate::error::{Error, Result};
@@ -146,6 +146,29 @@ pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
             _ => continue,
         };
         return Err(refuse(name, cause, hint));
+    }
+    Ok(())
+}
+
+/// `[compare]`: a rate, and for each axis one scale.
+pub(super) fn compare(name: &str, section: Option<&Compare>) -> Result<()> {
+    let Some(section) = section else { return Ok(()) };
+    if !(section.rate_hz > 0.0 && section.rate_hz.is_finite()) {
+        let cause = format!("`compare.rate_hz` = {} Hz: need more than zero", section.rate_hz);
+        return Err(refuse(name, cause, "give the sampling rate of the log"));
+    }
+    for axis in &section.axis {
+        let scale = match (axis.scale_mg, axis.scale_deg_s) {
+            (Some(scale), None) | (None, Some(scale)) => scale,
+            _ => f64::NAN,
+        };
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(refuse(
+                name,
+                format!("the axis `{}` of [compare] needs one scale above zero", axis.column),
+                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: what one unit of the column is worth",
+            ));
+        }
     }
     Ok(())
 }

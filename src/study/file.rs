@@ -143,8 +143,6 @@ pub struct Compare {
     pub file: PathBuf,
     /// Sampling rate of the log.
     pub rate_hz: f64,
-    /// Simulated sensors per axis.
-    pub members: Option<u64>,
     /// One per column of the log.
     pub axis: Vec<Axis>,
 }

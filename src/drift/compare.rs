@@ -1,0 +1,170 @@
+//! The first comparison of simulation and recording: the Allan deviation of a static log over that of simulated sensors.
+//!
+//! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest, as often as the kernel
+//! has lanes, for as long as the log lasts. Not a diagnosis: it says where the two leave each other, `diagnose` says why.
+
+use rayon::prelude::*;
+
+use crate::backend::cpu;
+use crate::error::{Error, Result};
+use crate::kernel::cpu::lanes::LANES;
+use crate::kernel::integrator::Integrator;
+use crate::numerics::allan::{Accumulator, curve};
+use crate::recording::{self, Recording};
+use crate::study::Study;
+use crate::study::file::Axis;
+use crate::units::{DEGREE, MILLI_G};
+
+/// Which error an axis shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Specific force, m/s².
+    Accelerometer,
+    /// Angular rate, rad/s.
+    Gyro,
+}
+
+/// One axis: Allan deviations in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Likeness {
+    /// Heading in the log.
+    pub column: String,
+    /// What it measures.
+    pub sense: Sense,
+    /// Averaging times, s.
+    pub tau_s: Vec<f64>,
+    /// Of the log.
+    pub recorded: Vec<f64>,
+    /// 5 %, 50 % and 95 % of the simulated members.
+    pub simulated: [Vec<f64>; 3],
+}
+
+/// A stretch of averaging times where the log lies outside the simulated band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// First, s.
+    pub from_s: f64,
+    /// Last, s.
+    pub to_s: f64,
+    /// Recorded over simulated median, where it is farthest from one.
+    pub ratio: f64,
+}
+
+/// What came of a study's `[compare]`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// There is none.
+    NotAsked,
+    /// The log is not on this machine.
+    Absent(String),
+    /// Axis by axis, with what reading the log found.
+    Compared(Vec<Likeness>, Vec<String>),
+}
+
+impl Likeness {
+    /// Where simulation and recording leave each other: stretches of two or more neighbouring averaging times outside the
+    /// band, since one in ten single points lies outside by chance.
+    pub fn departures(&self) -> Vec<Departure> {
+        let outside = |k: usize| self.recorded[k] < self.simulated[0][k] || self.recorded[k] > self.simulated[2][k];
+        let mut found: Vec<Departure> = Vec::new();
+        let mut k = 0;
+        while k < self.tau_s.len() {
+            let end = (k..self.tau_s.len()).find(|j| !outside(*j)).unwrap_or(self.tau_s.len());
+            if end >= k + 2 {
+                let ratio = (k..end)
+                    .map(|j| self.recorded[j] / self.simulated[1][j])
+                    .max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()))
+                    .unwrap_or(1.0);
+                found.push(Departure { from_s: self.tau_s[k], to_s: self.tau_s[end - 1], ratio });
+            }
+            k = end.max(k + 1);
+        }
+        found
+    }
+}
+
+/// Compares, if the study asks for it and the log is there.
+///
+/// # Errors
+/// A log that is there and cannot be read, columns that are not in it, Ctrl-C.
+pub fn run(study: &Study) -> Result<Outcome> {
+    let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
+    let path = study.folder.join(&compare.file);
+    if !path.exists() {
+        return Ok(Outcome::Absent(compare.file.display().to_string()));
+    }
+    let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
+    let request = recording::Request { columns, rate_hz: Some(compare.rate_hz), time: None, rows: None };
+    let log = recording::read(&path, &request)?;
+    let bar = crate::progress::bar("comparing", compare.axis.len() as u64);
+    let axes: Result<Vec<Likeness>> = compare
+        .axis
+        .par_iter()
+        .map(|axis| {
+            let likeness = likeness(study, axis, &log);
+            bar.inc(1);
+            likeness
+        })
+        .collect();
+    bar.finish_and_clear();
+    Ok(Outcome::Compared(axes?, log.findings))
+}
+
+fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
+    let (sense, scale) = match (axis.scale_mg, axis.scale_deg_s) {
+        (Some(scale), _) => (Sense::Accelerometer, scale * MILLI_G),
+        (None, scale) => (Sense::Gyro, scale.unwrap_or(1.0) * DEGREE),
+    };
+    let values: Vec<f64> = log.column(&axis.column).unwrap_or_default().iter().map(|v| v * scale).collect();
+    let still = study.at_rest(axis, 1.0 / log.rate_hz, values.len() as u64, LANES as u64)?;
+    let mass = still.stiffest();
+    let choice = Integrator::choose(mass.as_ref(), still.clock.step_s);
+    let job = still.job(choice.integrator, vec![still.clock.samples]);
+    let mut members = vec![Accumulator::new(); LANES];
+    let finished = cpu::readings::<f32>(&job, 0, |accelerometer, gyro| {
+        let lane = if sense == Sense::Accelerometer { accelerometer } else { gyro };
+        members.iter_mut().zip(lane).for_each(|(member, value)| member.push(f64::from(*value)));
+    })?;
+    if !finished {
+        return Err(Error::interrupted("could not finish the comparison with the recording", "run it again"));
+    }
+    let recorded = curve(&values, log.rate_hz);
+    let curves: Vec<Vec<f64>> =
+        members.iter().map(|m| m.points(log.rate_hz).iter().map(|p| p.variance.sqrt()).collect()).collect();
+    // The log and the members are of one length: their curves have the same averaging times.
+    let quantile = |k: usize, p: f64| {
+        let mut at: Vec<f64> = curves.iter().filter_map(|c| c.get(k).copied()).collect();
+        at.sort_by(f64::total_cmp);
+        let place = p * (at.len().saturating_sub(1)) as f64;
+        let (below, above) = (place.floor() as usize, place.ceil() as usize);
+        match (at.get(below), at.get(above)) {
+            (Some(a), Some(b)) => a + (b - a) * place.fract(),
+            _ => f64::NAN,
+        }
+    };
+    let column = |p: f64| (0..recorded.len()).map(|k| quantile(k, p)).collect();
+    Ok(Likeness {
+        column: axis.column.clone(),
+        sense,
+        tau_s: recorded.iter().map(|p| p.tau_s).collect(),
+        recorded: recorded.iter().map(|p| p.variance.sqrt()).collect(),
+        simulated: [column(0.05), column(0.5), column(0.95)],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_point_outside_is_chance_and_a_stretch_is_a_departure() {
+        let likeness = Likeness {
+            column: "ax".into(),
+            sense: Sense::Accelerometer,
+            tau_s: (1..=6).map(f64::from).collect(),
+            recorded: vec![1.0, 2.0, 1.0, 1.0, 0.5, 0.25],
+            simulated: [vec![0.9; 6], vec![1.0; 6], vec![1.1; 6]],
+        };
+        assert_eq!(likeness.departures(), [Departure { from_s: 5.0, to_s: 6.0, ratio: 0.25 }]);
+    }
+}

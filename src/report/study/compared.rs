@@ -1,0 +1,87 @@
+//! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
+
+use crate::drift::compare::{Departure, Likeness, Outcome, Sense};
+use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::html::Page;
+use crate::report::number::{duration, significant};
+use crate::units::{DEGREE_PER_HOUR, MICRO_G};
+
+/// The section, if the study asks for it.
+pub fn section(page: &mut Page, outcome: &Outcome) {
+    let (axes, findings) = match outcome {
+        Outcome::NotAsked => return,
+        Outcome::Absent(file) => {
+            page.section("Beside the recording");
+            page.callout(&format!("The log {file} is not on this machine, so nothing is compared here."));
+            return;
+        }
+        Outcome::Compared(axes, findings) => (axes, findings),
+    };
+    page.section("Beside the recording");
+    page.paragraph(
+        "Allan deviation of the recorded log over that of simulated sensors of this study lying still for as long: the \
+         band holds the middle 90 of 100 simulated sensors. The coefficients were estimated from the same log, so \
+         agreement shows that simulation and estimation close the circle; a departure is physics that the noise model leaves out.",
+    );
+    page.list(&axes.iter().map(sentence).collect::<Vec<_>>());
+    for pair in axes.chunks(3) {
+        let figures: Vec<_> = pair.iter().map(|a| chart(a).draw()).collect();
+        page.figure_row(&figures.iter().map(|f| (f, "")).collect::<Vec<_>>());
+    }
+    if !findings.is_empty() {
+        page.subsection("Found while reading the log");
+        page.list(findings);
+    }
+}
+
+/// What the comparison says, one sentence per axis; empty where nothing was compared.
+pub fn sentences(outcome: &Outcome) -> Vec<String> {
+    match outcome {
+        Outcome::Compared(axes, _) => axes.iter().map(sentence).collect(),
+        Outcome::Absent(file) => vec![format!("the log {file} is not on this machine: nothing compared")],
+        Outcome::NotAsked => Vec::new(),
+    }
+}
+
+fn sentence(axis: &Likeness) -> String {
+    let departures = axis.departures();
+    if departures.is_empty() {
+        return format!("{}: the log lies within the simulated band at all averaging times.", axis.column);
+    }
+    let inside = (0..axis.tau_s.len())
+        .filter(|k| (axis.simulated[0][*k]..=axis.simulated[2][*k]).contains(&axis.recorded[*k]))
+        .count();
+    let phrase = |d: &Departure| {
+        let side = if d.ratio > 1.0 { "above" } else { "below" };
+        let percent = 100.0 * (d.ratio - 1.0).abs();
+        format!(
+            "{side} the band from {} to {} (at most {} % off the median)",
+            duration(d.from_s),
+            duration(d.to_s),
+            significant(percent, 2)
+        )
+    };
+    format!(
+        "{}: within the band at {inside} of {} averaging times; {}.",
+        axis.column,
+        axis.tau_s.len(),
+        departures.iter().map(phrase).collect::<Vec<_>>().join("; ")
+    )
+}
+
+fn chart(axis: &Likeness) -> Chart {
+    let (unit, factor) = match axis.sense {
+        Sense::Accelerometer => ("µg", MICRO_G),
+        Sense::Gyro => ("°/h", DEGREE_PER_HOUR),
+    };
+    let points =
+        |values: &[f64]| -> Vec<(f64, f64)> { axis.tau_s.iter().zip(values).map(|(t, v)| (*t, v / factor)).collect() };
+    let top = points(&axis.simulated[2]).iter().map(|p| p.1).collect();
+    let mut chart =
+        Chart::new(&axis.column, Axis::log("averaging time / s"), Axis::log(&format!("Allan deviation / {unit}")))
+            .with("simulated, 5–95 %", Ink::Blue, Mark::Band(top), points(&axis.simulated[0]))
+            .with("median", Ink::Blue, Mark::Line, points(&axis.simulated[1]))
+            .with("recorded", Ink::Red, Mark::Dots(3), points(&axis.recorded));
+    chart.size = (480, 360);
+    chart
+}
