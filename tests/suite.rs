@@ -8,8 +8,10 @@ mod suite {
     pub mod closed_form;
     pub mod dynamics;
     pub mod law;
+    pub mod noise_law;
     pub mod recording;
     pub mod study;
+    pub mod study_cli;
     pub mod trial;
     pub mod world;
 }
@@ -37,6 +39,10 @@ fn main() {
         suite::trial::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
+        // noise_law: every noise term has the Allan deviation of its coefficient.
+        suite::noise_law::tests(),
+        // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
+        suite::study_cli::tests(),
     ]
     .into_iter()
     .flatten()

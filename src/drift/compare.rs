@@ -123,7 +123,7 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
     let mut members = vec![Accumulator::new(); LANES];
     let finished = cpu::readings::<f32>(&job, 0, |accelerometer, gyro| {
         let lane = if sense == Sense::Accelerometer { accelerometer } else { gyro };
-        members.iter_mut().zip(lane).for_each(|(member, value)| member.push(f64::from(*value)));
+        members.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(f64::from(*value)));
     })?;
     if !finished {
         return Err(Error::interrupted("could not finish the comparison with the recording", "run it again"));

@@ -1,0 +1,161 @@
+//! `proofmass study` on the command line: refusals leave nothing behind, Ctrl-C leaves what `--resume` continues from, and
+//! the JSON is the contract's.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use libtest_mimic::{Failed, Trial};
+use serde_json::Value;
+
+use super::world::{check, near, program, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    let mut all = vec![
+        test("study command: --json is the contract's document", document),
+        test("study command: same seed, same answer; another seed, another", seeds),
+        test("study command: a folder that cannot be written is refused before the work", unwritable),
+        test("study command: --resume without an interrupted run is refused", nothing_to_resume),
+    ];
+    all.extend(
+        LOGS.iter().map(|case| test(&format!("study command: replay of {} is refused", case.0), move || replay(case))),
+    );
+    #[cfg(unix)]
+    all.push(test("study command: Ctrl-C stops at once and --resume gives the same answer", interrupt));
+    all
+}
+
+const SMALL: &str = "name = \"small\"\nmembers = 512\nduration_s = 2.0\n[accelerometer]\nnoise_density_ug_rthz = 100.0\n\
+                     bias_mg = { mean = 0.0, sd = 1.0 }\n[report]\ntimes_s = [1.0, 2.0]\n";
+
+fn study(folder: &Path, text: &str) -> Result<Command, Failed> {
+    let path = folder.join("study.toml");
+    std::fs::write(&path, text)?;
+    let mut command = program();
+    command.args(["--json", "study"]).arg(path).arg("--out").arg(folder.join("out"));
+    Ok(command)
+}
+
+fn json(command: &mut Command) -> Result<Value, Failed> {
+    let output = command.output()?;
+    check(output.status.success(), String::from_utf8_lossy(&output.stderr))?;
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+/// Everything but how long it took.
+fn timeless(mut document: Value) -> Value {
+    if let Some(fields) = document.as_object_mut() {
+        fields.remove("seconds");
+    }
+    document
+}
+
+fn document() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let document = json(&mut study(folder.path(), SMALL)?)?;
+    check(document["schema"] == "proofmass.study/1", "schema")?;
+    check(document["members"] == 512 && document["failed"] == 0, "members")?;
+    for quantity in ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"] {
+        for row in ["mean", "sd", "p01", "p05", "p50", "p95", "p99"] {
+            check(document[quantity][row].as_array().is_some_and(|v| v.len() == 2), format!("{quantity}.{row}"))?;
+        }
+    }
+    let sd = |at: &Value| at["sd"][1].as_f64().unwrap_or(f64::NAN);
+    let (got, closed) = (sd(&document["position_error_m"]), sd(&document["closed_form"]["position_error_m"]));
+    near("sd over closed form", got / closed, 1.0, 0.16)?;
+    for key in ["backend", "time_s", "member_steps", "seconds"] {
+        check(!document[key].is_null(), key)?;
+    }
+    let page = std::fs::read_to_string(folder.path().join("out/report.html"))?;
+    check(page.contains("<svg") && !page.contains("http://") | page.contains("www.w3.org"), "report.html")?;
+    check(!page.contains("src=\"http") && !page.contains("<script"), "the report loads something from outside")
+}
+
+fn seeds() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let first = timeless(json(&mut study(folder.path(), SMALL)?)?);
+    check(first == timeless(json(&mut study(folder.path(), SMALL)?)?), "the same study gave two answers")?;
+    let other = timeless(json(study(folder.path(), SMALL)?.args(["--seed", "2"]))?);
+    check(first["position_error_m"] != other["position_error_m"], "another seed gave the same answer")
+}
+
+fn refused(command: &mut Command, word: &str) -> Result<(), Failed> {
+    let output = command.output()?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    check(output.status.code() == Some(2), format!("exit {:?}: {message}", output.status.code()))?;
+    check(message.contains("cause:") && message.contains("hint:"), message.clone())?;
+    check(message.contains(word), format!("no '{word}' in: {message}"))?;
+    check(!message.contains("panicked"), message.clone())?;
+    check(output.stdout.is_empty(), "something was printed as a result")
+}
+
+fn unwritable() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("out"), "a file where the folder should go")?;
+    refused(&mut study(folder.path(), SMALL)?, "folder")
+}
+
+fn nothing_to_resume() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    refused(study(folder.path(), SMALL)?.arg("--resume"), "no interrupted run")
+}
+
+/// What is wrong, the file (none: it is missing), a word of the message.
+type Log = (&'static str, Option<&'static str>, &'static str);
+
+const LOGS: &[Log] = &[
+    ("a missing file", None, "log.csv"),
+    ("an empty file", Some(""), "log.csv"),
+    ("a file without rows", Some("t_s,a\n"), "log.csv"),
+    ("ragged rows", Some("t_s,a\n0,1\n1\n2,3,4\n3,1\n"), "log.csv"),
+    ("NaN", Some("t_s,a\n0,nan\n1,nan\n2,nan\n3,nan\n"), "log.csv"),
+    ("time that runs backwards", Some("t_s,a\n0,1\n2,1\n1,1\n0,1\n"), "log.csv"),
+    ("another column", Some("t_s,acc\n0,1\n1,1\n2,1\n3,1\n"), "acc"),
+    ("a recording too short", Some("t_s,a\n0,1\n1,1\n"), "duration_s"),
+];
+
+fn replay((_, text, word): &Log) -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    if let Some(text) = text {
+        std::fs::write(folder.path().join("log.csv"), text)?;
+    }
+    let section = "[excitation]\nkind = \"replay\"\nfile = \"log.csv\"\ncolumn = \"a\"\ntime = \"t_s\"\n";
+    refused(&mut study(folder.path(), &format!("{SMALL}{section}"))?, word)?;
+    check(!folder.path().join("out").exists(), "a refused study left a folder behind")
+}
+
+#[cfg(unix)]
+fn interrupt() -> Result<(), Failed> {
+    // Long enough to be caught in the act on any machine: the first size that is.
+    for members in [200_000u64, 2_000_000, 20_000_000] {
+        let folder = tempfile::tempdir()?;
+        let text = "name = \"long\"\nduration_s = 10.0\n[accelerometer]\nnoise_density_ug_rthz = 100.0\n";
+        let ask = || -> Result<Command, Failed> {
+            let mut command = study(folder.path(), text)?;
+            command.args(["--members", &members.to_string(), "--backend", "cpu"]);
+            Ok(command)
+        };
+        let mut child = ask()?.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        std::thread::sleep(Duration::from_millis(400));
+        if child.try_wait()?.is_some() {
+            continue;
+        }
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status()?;
+        let asked = Instant::now();
+        let output = child.wait_with_output()?;
+        let waited = asked.elapsed();
+        if output.status.success() {
+            continue;
+        }
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        check(output.status.code() == Some(2) && message.contains("Ctrl-C"), message)?;
+        // One second on a quiet machine; tests run beside others.
+        check(waited < Duration::from_secs(4), format!("it took {waited:?} to stop"))?;
+        check(!folder.path().join("out/report.html").exists(), "an interrupted run left a report")?;
+        let resumed = timeless(json(ask()?.arg("--resume"))?);
+        check(resumed == timeless(json(&mut ask()?)?), "resumed and uninterrupted answers differ")?;
+        return check(!folder.path().join("out/interrupted-1.json").exists(), "the state file was left behind");
+    }
+    Err("no run was long enough to be interrupted".into())
+}
