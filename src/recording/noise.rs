@@ -53,7 +53,7 @@ pub struct Channel {
     pub unit: Unit,
     /// Allan deviations by rising averaging time.
     pub curve: Vec<Deviation>,
-    /// Fitted coefficients; `None` for a constant or very short channel.
+    /// Coefficients fitted to the curve less what `lines` contribute; `None` for a constant or very short channel.
     pub fit: Option<Fit>,
     /// Lowest Allan deviation whose degrees of freedom are at least ten.
     pub minimum: Option<Deviation>,
@@ -68,6 +68,12 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// The point nearest to an averaging time of 1 s, if one is within 5 %: the number that many tools print as N.
+    pub fn at_one_second(&self) -> Option<Deviation> {
+        let off = |d: &Deviation| d.tau_s.ln().abs();
+        self.curve.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|d| off(d) < 0.05)
+    }
+
     /// B as datasheets state it: the lowest Allan deviation over 0.664, whatever the curve does around it.
     pub fn bias_stability(&self) -> Option<(f64, [f64; 2])> {
         self.minimum.map(|m| (m.value / FLICKER_FLOOR, m.ci95.map(|e| e / FLICKER_FLOOR)))
@@ -133,13 +139,15 @@ impl Meter {
 
     fn finish(self, name: &str, unit: Unit, rate_hz: f64, index: u64) -> Channel {
         let points = if self.watch.constant() { Vec::new() } else { self.allan.points(rate_hz) };
-        let fit = fit::fit(&points, rate_hz, &mut Philox::new(0, index, Stream::Host));
+        let [long, short] = self.spectra.map(|s| s.density(rate_hz));
+        let density = if long.averages >= 16.0 { long } else { short };
+        let (lines, line_power) = lines(&density);
+        let quiet: Vec<Point> = points.iter().map(|p| without_lines(p, &line_power, rate_hz)).collect();
+        let fit = fit::fit(&quiet, rate_hz, &mut Philox::new(0, index, Stream::Host));
         // Without a fit, white noise is as good a guess as any.
         let squares = fit.as_ref().map_or([0.0, 1.0, 0.0, 0.0, 0.0], Fit::squares);
         let curve: Vec<Deviation> = points.iter().map(|p| deviation(p, rate_hz, &squares)).collect();
         let sure = curve.iter().copied().filter(|d| d.freedom >= 10.0);
-        let [long, short] = self.spectra.map(|s| s.density(rate_hz));
-        let density = if long.averages >= 16.0 { long } else { short };
         Channel {
             name: name.into(),
             unit,
@@ -147,7 +155,7 @@ impl Meter {
             curve,
             fit,
             roll_off: roll_off(&density, rate_hz),
-            lines: lines(&density),
+            lines,
             density,
             step: self.watch.step(),
         }
@@ -175,35 +183,50 @@ fn roll_off(density: &Density, rate_hz: f64) -> Option<f64> {
     ((ratio - 1.0).abs() > 5.0 * error && (ratio - 1.0).abs() > 0.15).then_some(ratio)
 }
 
-/// Ordinates at more than three times the median of the forty-eight around them, after false-discovery control.
-fn lines(density: &Density) -> Vec<Line> {
-    const AROUND: usize = 24;
+/// Ordinates at more than three times the median of their neighbourhood (half a frequency to either side, six to twenty-four
+/// bins), after false-discovery control; and all power in lines, unit² at each frequency.
+fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
     let freedom = 2.0 * density.averages;
     let count = density.density.len();
-    if count < 4 * AROUND || freedom <= 0.0 {
-        return Vec::new();
+    if count < 100 || freedom <= 0.0 {
+        return (Vec::new(), Vec::new());
     }
     let middle = chi_squared_quantile(0.5, freedom) / freedom;
     let excess: Vec<f64> = (0..count)
         .map(|i| {
-            let from = i.saturating_sub(AROUND).min(count - 2 * AROUND - 1);
-            let mut around = density.density[from..=from + 2 * AROUND].to_vec();
-            density.density[i] * middle / *around.select_nth_unstable_by(AROUND, f64::total_cmp).1
+            let half = (i / 2).clamp(6, 24);
+            let from = i.saturating_sub(half).min(count - 2 * half - 1);
+            let mut around = density.density[from..=from + 2 * half].to_vec();
+            density.density[i] * middle / *around.select_nth_unstable_by(half, f64::total_cmp).1
         })
         .collect();
     let p_values: Vec<f64> = excess.iter().map(|e| chi_squared_above(e * freedom, freedom)).collect();
     let found = discoveries(&p_values, 1e-3);
-    // The lowest bins belong to drift.
+    // The lowest bins belong to drift; one line may be several bins wide.
     let peak = |i: &usize| {
-        *i >= AROUND
-            && found[*i]
-            && excess[*i] > 3.0
-            && excess[*i] >= excess[*i - 1]
-            && excess.get(*i + 1) <= Some(&excess[*i])
+        let near = &excess[i.saturating_sub(4)..(i + 5).min(count)];
+        *i >= 8 && found[*i] && excess[*i] > 3.0 && near.iter().all(|e| *e <= excess[*i])
     };
     let mut lines: Vec<Line> =
         (0..count).filter(peak).map(|i| Line { frequency_hz: density.frequency_hz[i], excess: excess[i] }).collect();
     lines.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    let width_hz = density.frequency_hz[0];
+    let beyond = |i: usize| density.density[i] * (1.0 - 1.0 / excess[i]) * width_hz;
+    let near = |f: f64| lines.iter().any(|l| (l.frequency_hz - f).abs() < 4.5 * width_hz);
+    let power = (0..count).filter(|i| found[*i] && excess[*i] > 1.5 && near(density.frequency_hz[*i]));
+    let power = power.map(|i| (density.frequency_hz[i], beyond(i))).collect();
     lines.truncate(5);
-    lines
+    (lines, power)
+}
+
+/// A point less what lines contribute: a sine of power P adds 2P sin⁴(πfτ)/(m sin(πfτ₀))² to the Allan variance, which at
+/// long times looks like quantisation. At least a tenth of the point is left.
+fn without_lines(point: &Point, power: &[(f64, f64)], rate_hz: f64) -> Point {
+    let m = point.factor as f64;
+    let of = |(f, power): &(f64, f64)| {
+        let phase = std::f64::consts::PI * f / rate_hz;
+        2.0 * power * (phase * m).sin().powi(4) / (m * phase.sin()).powi(2)
+    };
+    let lines: f64 = power.iter().map(of).sum();
+    Point { variance: (point.variance - lines).max(0.1 * point.variance), ..*point }
 }

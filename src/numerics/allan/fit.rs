@@ -19,7 +19,9 @@ use super::law::{self, TERMS};
 /// Simulated curves per test; the same random numbers serve every hypothesis.
 const DRAWS: usize = 400;
 /// Octaves at the short end that may be left out when they follow no law.
-const SHORTEST_DROPPED: usize = 5;
+const SHORTEST_DROPPED: usize = 6;
+/// Relative errors of the laws themselves, on the variance, that are tried in turn.
+const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// A fit is called bad below this probability.
 pub const BAD: f64 = 0.01;
 
@@ -54,8 +56,9 @@ pub struct Fit {
     pub to_s: f64,
     /// Where the curve leaves the fit most, and measured over fitted deviation there.
     pub worst: (f64, f64),
-    /// Intervals were widened by this factor because the fit is bad; one otherwise.
-    pub widened: f64,
+    /// How far the curve strays from any sum of the laws beyond chance, as a share of the deviation; zero for a good fit.
+    /// The intervals allow for it.
+    pub discrepancy: f64,
 }
 
 impl Fit {
@@ -77,30 +80,20 @@ impl Fit {
 
 /// Fits an Allan curve. `None` for fewer than four octaves or a signal without any variance.
 ///
-/// Where the five terms cannot describe the curve, the shortest octaves are left out one by one (an on-chip filter bends
-/// them); if that does not help, all are fitted and the intervals widened by the root of the excess.
+/// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip filter bends them). If
+/// that does not help, the laws are taken as true only to within a share of their value, the smallest that explains the
+/// curve: then no point counts for more than the laws are worth, and the intervals are wide as they should be.
 pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
     let octaves: Vec<Point> = points.iter().copied().filter(Point::on_octave).collect();
     if octaves.len() < 4 || octaves.iter().any(|p| p.variance.is_nan() || p.variance <= 0.0) {
         return None;
     }
     let draws = DMatrix::from_fn(octaves.len(), DRAWS, |_, _| rng.sample::<f64, _>(StandardNormal));
-    let whole = Curve::new(&octaves, rate_hz, &draws);
-    let all = whole.estimate();
-    let (mut curve, mut best, mut quality) = (whole, all, 0.0);
-    for dropped in 0..=SHORTEST_DROPPED.min(octaves.len() - 4) {
-        let shorter = Curve::new(&octaves[dropped..], rate_hz, &draws);
-        let squares = shorter.estimate();
-        let judged = shorter.quality(&squares);
-        if dropped == 0 || judged.0 >= BAD {
-            (curve, best, quality) = (shorter, squares, judged.0);
-        }
-        if judged.0 >= BAD {
-            break;
-        }
-    }
-    let widened = if quality >= BAD { 1.0 } else { curve.quality(&best).1.sqrt().max(1.0) };
-    let coefficients = std::array::from_fn(|p| curve.interval(p, &best, widened));
+    let drops = 0..=SHORTEST_DROPPED.min(octaves.len() - 4);
+    let mut curves: Vec<Curve<'_>> = drops.map(|d| Curve::new(&octaves[d..], rate_hz, &draws)).collect();
+    let (chosen, p_value, best) = choose(&mut curves);
+    let curve = &curves[chosen];
+    let coefficients = std::array::from_fn(|p| curve.interval(p, &best));
     let ratio = |p: &Point| (p.variance / law::variance(&best, p.tau_s)).sqrt();
     let from_s = curve.points[0].tau_s;
     let fitted = points.iter().filter(|p| p.tau_s >= from_s);
@@ -108,12 +101,32 @@ pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
     let worst = sure.max_by(|a, b| ratio(a).ln().abs().total_cmp(&ratio(b).ln().abs())).unwrap_or(&curve.points[0]);
     Some(Fit {
         coefficients,
-        p_value: quality,
+        p_value,
         from_s,
         to_s: octaves[octaves.len() - 1].tau_s,
         worst: (worst.tau_s, ratio(worst)),
-        widened,
+        discrepancy: curve.discrepancy / 2.0,
     })
+}
+
+/// The curve with the smallest discrepancy, then the fewest octaves left out, that is described; how probable its
+/// deviations are without any discrepancy; and its squared coefficients.
+fn choose(curves: &mut [Curve<'_>]) -> (usize, f64, [f64; 5]) {
+    let mut without = 0.0;
+    for discrepancy in DISCREPANCIES {
+        for (index, curve) in curves.iter_mut().enumerate() {
+            curve.discrepancy = discrepancy;
+            let squares = curve.estimate();
+            let p_value = curve.quality(&squares);
+            if discrepancy == 0.0 && index == 0 {
+                without = p_value;
+            }
+            if p_value >= BAD {
+                return (index, if discrepancy == 0.0 { p_value } else { without }, squares);
+            }
+        }
+    }
+    (0, without, curves[0].estimate())
 }
 
 /// Octave points with what their fit needs.
@@ -124,6 +137,8 @@ struct Curve<'a> {
     laws: DMatrix<f64>,
     measured: DVector<f64>,
     draws: &'a DMatrix<f64>,
+    /// Relative error of the laws, on the variance.
+    discrepancy: f64,
 }
 
 /// Least squares under one covariance: everything is divided by its Cholesky factor.
@@ -143,12 +158,22 @@ impl<'a> Curve<'a> {
             laws: DMatrix::from_fn(points.len(), 5, |i, p| TERMS[p].variance(points[i].tau_s)),
             measured: DVector::from_fn(points.len(), |i, _| points[i].variance),
             draws,
+            discrepancy: 0.0,
         }
+    }
+
+    /// Covariance of two points: of chance, and of the laws' own error.
+    fn covariance(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
+        let chance = self.covariance.at(i, j, squares);
+        if i != j {
+            return chance;
+        }
+        chance + (self.discrepancy * law::variance(squares, self.points[i].tau_s)).powi(2)
     }
 
     fn whitened(&self, squares: &[f64; 5]) -> Whitened {
         let count = self.points.len();
-        let mut matrix = DMatrix::from_fn(count, count, |i, j| self.covariance.at(i, j, squares));
+        let mut matrix = DMatrix::from_fn(count, count, |i, j| self.covariance(i, j, squares));
         // Lags are summed in steps and far pairs left out, so the matrix may miss being positive by a little; what cannot
         // be repaired (an overflow) is treated as uncorrelated.
         let mut factor = None;
@@ -179,8 +204,8 @@ impl<'a> Curve<'a> {
         squares
     }
 
-    /// Probability of a worse fit by chance, and chi-square over its mean.
-    fn quality(&self, squares: &[f64; 5]) -> (f64, f64) {
+    /// Probability of a worse fit by chance.
+    fn quality(&self, squares: &[f64; 5]) -> f64 {
         let whitened = self.whitened(squares);
         let misfits = |curves: &DMatrix<f64>| -> Vec<f64> {
             let curves = solve_lower(&whitened.factor, curves);
@@ -192,8 +217,7 @@ impl<'a> Curve<'a> {
         let measured = misfits(&as_matrix(&self.measured))[0];
         let simulated = misfits(&self.simulate(squares, &whitened));
         let worse = simulated.iter().filter(|s| **s >= measured).count();
-        let mean = simulated.iter().sum::<f64>() / simulated.len() as f64;
-        ((worse + 1) as f64 / (simulated.len() + 1) as f64, measured / mean)
+        (worse + 1) as f64 / (simulated.len() + 1) as f64
     }
 
     /// Curves (one per column) as chance would give them: each point a scaled χ² with its own degrees of freedom
@@ -203,7 +227,7 @@ impl<'a> Curve<'a> {
         let mut curves = &whitened.factor * self.draws.rows(self.draws.nrows() - count, count);
         for i in 0..count {
             let mean = law::variance(squares, self.points[i].tau_s);
-            let spread = self.covariance.at(i, i, squares).sqrt();
+            let spread = self.covariance(i, i, squares).sqrt();
             let share = (spread / mean).powi(2) / 9.0;
             for value in curves.row_mut(i).iter_mut() {
                 *value = mean * (1.0 - share + *value / spread * share.sqrt()).max(0.0).powi(3);
@@ -233,9 +257,8 @@ impl<'a> Curve<'a> {
         (share(above), share(below))
     }
 
-    fn interval(&self, p: usize, best: &[f64; 5], widened: f64) -> Coefficient {
+    fn interval(&self, p: usize, best: &[f64; 5]) -> Coefficient {
         const TAIL: f64 = 0.025;
-        let value = best[p].sqrt();
         let p_value = if best[p] > 0.0 { self.shares(p, 0.0, best).0 } else { 1.0 };
         let low = if p_value > TAIL { 0.0 } else { crossing(0.0, best[p], |v| self.shares(p, v, best).0 > TAIL) };
         // The first step up: as large as the term could be at its best point.
@@ -250,10 +273,7 @@ impl<'a> Curve<'a> {
             (inside, beyond) = (beyond, beyond * 2.0);
         }
         let high = crossing(inside, beyond, |v| self.shares(p, v, best).1 <= TAIL);
-        // A bad fit: the errors of the curve are larger than chance by this factor, so are the interval's.
-        let low = (value - widened * (value - low.sqrt())).max(0.0);
-        let high = value + widened * (high.sqrt() - value);
-        Coefficient { value, ci95: [low, high], p_value }
+        Coefficient { value: best[p].sqrt(), ci95: [low.sqrt(), high.sqrt()], p_value }
     }
 }
 

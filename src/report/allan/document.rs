@@ -43,7 +43,7 @@ fn of_channel(channel: &Channel) -> Value {
     });
     let fit = channel.fit.as_ref().map(|fit| {
         json!({ "good": fit.good(), "p_value": fit.p_value, "from_s": fit.from_s, "to_s": fit.to_s,
-                "intervals_widened_by": fit.widened,
+                "discrepancy": fit.discrepancy,
                 "worst": { "tau_s": fit.worst.0, "recorded_over_fitted": fit.worst.1 } })
     });
     json!({
@@ -52,6 +52,10 @@ fn of_channel(channel: &Channel) -> Value {
         "unit": unit,
         "terms": TERMS.map(|term| of_term(channel, term)),
         "noise_density": density(channel),
+        "deviation_at_1_s": channel.at_one_second().map(|d| {
+            let (unit, factor) = channel.unit.coefficient(Term::White);
+            json!({ "value": d.value * factor, "ci95": d.ci95.map(|e| e * factor), "unit": unit })
+        }),
         "bias_stability_by_minimum": stability,
         "fit": fit,
         "statements": std::iter::once(words::verdict(channel)).chain(words::sentences(channel)).collect::<Vec<_>>(),

@@ -6,7 +6,8 @@ use crate::report::number::{duration, significant};
 use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
-    do not support. N is the two-sided coefficient of IEEE 952; a datasheet's one-sided density is √2 times it, and both are \
+    do not support. σ(1 s) is the Allan deviation at 1 s in \
+    units of N: what many tools print as N, whatever the curve does there. N itself is the two-sided coefficient of IEEE 952; a datasheet's one-sided density is √2 times it, and both are \
     shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above. A \
     star marks a curve that the five terms do not describe.";
 
@@ -42,7 +43,7 @@ fn interval(value: f64, ci95: [f64; 2]) -> String {
 
 /// One row per channel: every coefficient with its interval or upper limit.
 pub fn table(noise: &Noise) -> Table {
-    let mut table = Table::new(&["channel", "N", "density n", "B by minimum", "B", "K", "R", "Q"]);
+    let mut table = Table::new(&["channel", "σ(1 s)", "N", "density n", "B by minimum", "B", "K", "R", "Q"]);
     for channel in &noise.channels {
         let with_unit = |term| format!("{} {}", coefficient(channel, term), channel.unit.coefficient(term).0);
         let density = channel.fit.as_ref().map_or("–".into(), |fit| {
@@ -57,8 +58,13 @@ pub fn table(noise: &Noise) -> Table {
             format!("{} {unit}", interval(value * factor, ci95.map(|e| e * factor)))
         });
         let star = if channel.fit.as_ref().is_some_and(|f| !f.good()) { " *" } else { "" };
+        let at_one_second = channel.at_one_second().map_or("–".into(), |d| {
+            let (unit, factor) = channel.unit.coefficient(Term::White);
+            format!("{} {unit}", interval(d.value * factor, d.ci95.map(|e| e * factor)))
+        });
         table.row([
             format!("{}{star}", channel.name),
+            at_one_second,
             with_unit(Term::White),
             density,
             stability,
@@ -111,13 +117,13 @@ pub(super) fn verdict(channel: &Channel) -> String {
         )
     } else {
         format!(
-            "No sum of the five laws describes this curve (p < {}): at τ = {} it lies at {} times the fit. The intervals are \
-             widened by {}; treat the coefficients as bounds, not as the sensor's. Vibration, temperature and motion do this; \
-             `proofmass diagnose` with kind = \"static\" names which.",
+            "No sum of the five laws describes this curve within chance (p < {}): it strays from the best one by about {} %, \
+             most at τ = {}, where it lies at {} times the fit. The intervals allow for that. Vibration, temperature and \
+             motion do this; `proofmass diagnose` with kind = \"static\" names which.",
             significant(crate::numerics::allan::fit::BAD, 1),
+            significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
-            significant(fit.worst.1, 3),
-            significant(fit.widened, 2)
+            significant(fit.worst.1, 3)
         )
     };
     if fit.from_s > 1.5 * first {
@@ -155,7 +161,8 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
             .map(|l| format!("{} Hz (× {})", significant(l.frequency_hz, 4), significant(l.excess, 2)))
             .collect();
         out.push(format!(
-            "Spectral lines stand out of their neighbourhood at {}: vibration or pickup.",
+            "Spectral lines stand out of their neighbourhood at {}: vibration or pickup. What \
+             they add to the Allan curve was taken out before the fit.",
             lines.join(", ")
         ));
     }
