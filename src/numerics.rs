@@ -1,7 +1,9 @@
 //! Pure mathematics without a domain. Nothing here knows what a sensor is.
 
 pub mod allan;
+pub mod cosine;
 pub mod elementary;
 pub mod least_squares;
+pub mod non_negative;
 pub mod special;
 pub mod spectrum;

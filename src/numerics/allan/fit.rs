@@ -15,6 +15,7 @@ use rand_distr::StandardNormal;
 use super::Point;
 use super::covariance::Covariance;
 use super::law::{self, TERMS};
+use crate::numerics::non_negative::non_negative;
 
 /// Simulated curves per test; the same random numbers serve every hypothesis.
 const DRAWS: usize = 400;
@@ -145,7 +146,7 @@ struct Curve<'a> {
 struct Whitened {
     factor: DMatrix<f64>,
     laws: DMatrix<f64>,
-    normal: DMatrix<f64>,
+    normal: [[f64; 5]; 5],
 }
 
 impl<'a> Curve<'a> {
@@ -187,7 +188,7 @@ impl<'a> Curve<'a> {
         let spread = || DVector::from_fn(count, |i, _| matrix[(i, i)].sqrt().max(f64::MIN_POSITIVE));
         let factor = factor.unwrap_or_else(|| DMatrix::from_diagonal(&spread()));
         let laws = solve_lower(&factor, &self.laws);
-        let normal = laws.tr_mul(&laws);
+        let normal = square(&laws);
         Whitened { factor, laws, normal }
     }
 
@@ -197,7 +198,7 @@ impl<'a> Curve<'a> {
             |i: usize| self.measured[i] * (self.points[i].factor as f64 / self.points[i].samples as f64).sqrt();
         let laws = DMatrix::from_fn(self.points.len(), 5, |i, p| self.laws[(i, p)] / weight(i));
         let measured = DVector::from_fn(self.points.len(), |i, _| self.measured[i] / weight(i));
-        let mut squares = non_negative(&laws.tr_mul(&laws), &laws.tr_mul(&measured), &[true; 5]);
+        let mut squares = non_negative(&square(&laws), &from_column(laws.tr_mul(&measured).as_slice()), &[true; 5]);
         for _ in 0..6 {
             squares = self.whitened(&squares).solve(&self.measured, &[true; 5]);
         }
@@ -289,8 +290,18 @@ impl Whitened {
 
     fn solve_whitened(&self, curves: &DMatrix<f64>, free: &[bool; 5]) -> Vec<[f64; 5]> {
         let targets = self.laws.tr_mul(curves);
-        targets.column_iter().map(|target| non_negative(&self.normal, &target.into_owned(), free)).collect()
+        targets.column_iter().map(|target| non_negative(&self.normal, &from_column(target.as_slice()), free)).collect()
     }
+}
+
+/// Normal matrix of a design with five columns.
+fn square(laws: &DMatrix<f64>) -> [[f64; 5]; 5] {
+    let normal = laws.tr_mul(laws);
+    std::array::from_fn(|p| std::array::from_fn(|q| normal[(p, q)]))
+}
+
+fn from_column(values: &[f64]) -> [f64; 5] {
+    std::array::from_fn(|p| values[p])
 }
 
 fn as_matrix(curve: &DVector<f64>) -> DMatrix<f64> {
@@ -310,81 +321,4 @@ fn crossing(from: f64, to: f64, holds: impl Fn(f64) -> bool) -> f64 {
         if holds(middle * middle) { to = middle } else { from = middle }
     }
     (from + to).powi(2) / 4.0
-}
-
-/// Least squares with no negative unknown, by exchanging all that violate the conditions of optimality at once (Portugal,
-/// Júdice & Vicente, Math. Comp. 63, 1994); the rare cycle is broken by trying every subset.
-fn non_negative(normal: &DMatrix<f64>, target: &DVector<f64>, free: &[bool; 5]) -> [f64; 5] {
-    let scale: [f64; 5] = std::array::from_fn(|p| normal[(p, p)].sqrt().max(f64::MIN_POSITIVE));
-    let mut system = [[0.0; 6]; 5];
-    for p in 0..5 {
-        for q in 0..5 {
-            system[p][q] = normal[(p, q)] / (scale[p] * scale[q]);
-        }
-        system[p][5] = target[p] / scale[p];
-    }
-    let mut members = *free;
-    for _ in 0..8 {
-        let Some(solution) = solve_subset(&system, &members) else { break };
-        let slope = |p: usize| (0..5).map(|q| system[p][q] * solution[q]).sum::<f64>() - system[p][5];
-        let wrong = |p: &usize| if members[*p] { solution[*p] < 0.0 } else { free[*p] && slope(*p) < 0.0 };
-        let wrong: Vec<usize> = (0..5).filter(wrong).collect();
-        if wrong.is_empty() {
-            return std::array::from_fn(|p| solution[p] / scale[p]);
-        }
-        wrong.iter().for_each(|p| members[*p] = !members[*p]);
-    }
-    let mut best = ([0.0; 5], 0.0);
-    for subset in 1u32..32 {
-        let members = std::array::from_fn(|p| subset >> p & 1 == 1);
-        if (0..5).any(|p| members[p] && !free[p]) {
-            continue;
-        }
-        if let Some(solution) = solve_subset(&system, &members).filter(|s| s.iter().all(|v| *v >= 0.0)) {
-            let gain: f64 = (0..5).map(|p| solution[p] * system[p][5]).sum();
-            if gain > best.1 {
-                best = (solution, gain);
-            }
-        }
-    }
-    std::array::from_fn(|p| best.0[p] / scale[p])
-}
-
-/// Solves the rows and columns of `members` by elimination (the system is positive definite); `None` if singular.
-fn solve_subset(system: &[[f64; 6]; 5], members: &[bool; 5]) -> Option<[f64; 5]> {
-    let mut rows = *system;
-    for i in (0..5).filter(|i| members[*i]) {
-        if rows[i][i] < 1e-10 {
-            return None;
-        }
-        let above = rows[i];
-        for row in (i + 1..5).filter(|k| members[*k]) {
-            let ratio = rows[row][i] / above[i];
-            rows[row].iter_mut().zip(above).skip(i).for_each(|(to, from)| *to -= ratio * from);
-        }
-    }
-    let mut solution = [0.0; 5];
-    for i in (0..5).rev().filter(|i| members[*i]) {
-        let known: f64 = (i + 1..5).filter(|j| members[*j]).map(|j| rows[i][j] * solution[j]).sum();
-        solution[i] = (rows[i][5] - known) / rows[i][i];
-    }
-    Some(solution)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_wall_at_zero_holds_and_an_inner_minimum_is_found() {
-        let laws = DMatrix::from_fn(12, 5, |i, p| TERMS[p].variance(2f64.powi(i as i32)));
-        let normal = laws.tr_mul(&laws);
-        for truth in [[0.3, 1.0, 0.5, 0.1, 0.2], [0.0, 1.0, 0.0, 0.1, 0.0], [0.0; 5]] {
-            let target = laws.tr_mul(&(&laws * DVector::from_column_slice(&truth)));
-            let got = non_negative(&normal, &target, &[true; 5]);
-            assert!(got.iter().zip(truth).all(|(g, t)| (g - t).abs() < 1e-3), "{got:?} is not {truth:?}");
-        }
-        let downwards = laws.tr_mul(&DVector::from_element(12, -1.0));
-        assert_eq!(non_negative(&normal, &downwards, &[true; 5]), [0.0; 5]);
-    }
 }
