@@ -68,8 +68,9 @@ mod tests {
     #[test]
     fn the_wall_at_zero_holds_and_an_inner_minimum_is_found() {
         // Normal equations of a positive definite form: distance from neighbours on a line, plus one.
-        let normal: [[f64; 5]; 5] =
-            std::array::from_fn(|p| std::array::from_fn(|q| if p == q { 3.0 } else { 0.5f64.powi((p as i32 - q as i32).abs()) }));
+        let normal: [[f64; 5]; 5] = std::array::from_fn(|p| {
+            std::array::from_fn(|q| if p == q { 3.0 } else { 0.5f64.powi((p as i32 - q as i32).abs()) })
+        });
         for truth in [[0.3, 1.0, 0.5, 0.1, 0.2], [0.0, 1.0, 0.0, 0.1, 0.0], [0.0; 5]] {
             let target = std::array::from_fn(|p| (0..5).map(|q| normal[p][q] * truth[q]).sum());
             let got = non_negative(&normal, &target, &[true; 5]);
