@@ -6,6 +6,8 @@ mod suite {
     pub mod architecture;
     pub mod cli;
     pub mod closed_form;
+    pub mod diagnose_cli;
+    pub mod diagnosis_tumble;
     pub mod dynamics;
     pub mod law;
     pub mod noise_law;
@@ -13,6 +15,7 @@ mod suite {
     pub mod study;
     pub mod study_cli;
     pub mod trial;
+    pub mod tumble_bench;
     pub mod world;
 }
 
@@ -33,6 +36,10 @@ fn main() {
         suite::recording::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
+        // diagnose: the contract's files and fields, and bad input in sentences.
+        suite::diagnose_cli::tests(),
+        // tumble: planted physics of an IMU in still poses is named, and nothing else.
+        suite::diagnosis_tumble::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.

@@ -77,15 +77,25 @@ pub struct PoseDetail {
 /// # Errors
 /// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them.
 pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Diagnosis> {
+    let given = model.poses.as_ref().map(|path| poses::read(path, recording.samples())).transpose()?;
+    diagnose_in(recording, model, given)
+}
+
+/// The same with poses as row ranges in order of time; `None` lets the tool find them.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_in(
+    recording: &Recording,
+    model: &model::Tumble,
+    given: Option<Vec<Range<usize>>>,
+) -> Result<Diagnosis> {
     let mut findings = recording.findings.clone();
     let imu = columns(recording, model, &mut findings)?;
     check::channels(recording, model)?;
-    let found = model.poses.is_none();
-    let ranges = match &model.poses {
-        Some(path) => poses::read(path, recording.samples())?,
-        None => poses::find(&imu),
-    };
-    if found {
+    let poses_found = given.is_none();
+    let ranges = given.unwrap_or_else(|| poses::find(&imu));
+    if poses_found {
         findings.push(format!("no poses were given; {} still stretches were found", ranges.len()));
     }
     check::enough(&recording.path, ranges.len())?;
@@ -96,9 +106,8 @@ pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Diagnosi
     let folds = check::folds(&observed, &model.split, &mut findings)?;
     let base = Fit::new(&observed, &guess, &start::base());
     let selection = selection::select(&observed, base, &folds);
-    let source =
-        conclusion::Case { recording, model, observed: &observed, folds: &folds, findings, poses_found: found };
-    Ok(source.conclude(selection))
+    let case = conclusion::Case { recording, model, observed: &observed, folds: &folds, findings, poses_found };
+    Ok(case.conclude(selection))
 }
 
 fn columns<'a>(recording: &'a Recording, model: &model::Tumble, findings: &mut Vec<String>) -> Result<Imu<'a>> {

@@ -1,0 +1,165 @@
+//! A tumble diagnosis names what was planted, is silent where nothing was, and does not name what it does not know.
+
+use libtest_mimic::{Failed, Trial};
+use nalgebra::{Matrix3, Vector3};
+use proofmass::diagnosis::Diagnosis;
+use proofmass::diagnosis::tumble::diagnose_in;
+use proofmass::diagnosis::verdict::Outcome;
+use rayon::prelude::*;
+
+use super::tumble_bench::{Imu, model};
+use super::world::{check, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("tumble: an ideal IMU is adequate, at most one false alarm in a hundred", silence),
+        test("tumble: each planted defect is named, alone, and its interval covers", planted),
+        test("tumble: two defects at once are both named", two_at_once),
+        test("tumble: physics that is not in the library is unexplained, and no name is given", foreign),
+        test("tumble: 95 % intervals cover as often as they claim", coverage),
+    ]
+}
+
+fn diagnose(imu: &Imu, seed: u64) -> Result<Diagnosis, Failed> {
+    let (recording, ranges) = imu.record(seed);
+    Ok(diagnose_in(&recording, &model(), Some(ranges))?)
+}
+
+fn names(d: &Diagnosis) -> Vec<(String, char)> {
+    let mut out: Vec<(String, char)> =
+        d.verdict.effects.iter().map(|e| (e.id.clone(), e.channels[0].chars().next().unwrap_or('?'))).collect();
+    out.sort();
+    out
+}
+
+fn many(runs: u64, run: impl Fn(u64) -> Result<bool, Failed> + Sync) -> Result<usize, Failed> {
+    let right: Vec<Result<bool, Failed>> = (0..runs).into_par_iter().map(&run).collect();
+    right.into_iter().try_fold(0, |n, r| Ok(n + usize::from(r?)))
+}
+
+fn silence() -> Result<(), Failed> {
+    let runs = 240;
+    let silent = many(runs, |seed| {
+        let d = diagnose(&Imu::without_defect(seed), seed)?;
+        if d.verdict.verdict != Outcome::Adequate {
+            eprintln!("null {seed}: {}", d.verdict.sentence);
+        }
+        Ok(d.verdict.verdict == Outcome::Adequate)
+    })?;
+    // At a true rate of 1 %, more than 6 false alarms in 240 happen in 1.2 % of such trials (binomial).
+    check(runs as usize - silent <= 6, format!("{} false alarms in {runs}", runs as usize - silent))
+}
+
+type Plant = (&'static str, char, fn(&mut Imu));
+
+const PLANTS: [Plant; 8] = [
+    ("scale-factor", 'a', |i| i.scale[0][1] *= 1.004),
+    ("scale-factor", 'g', |i| i.scale[1][2] *= 1.01),
+    ("misalignment", 'a', |i| i.alignment[0][(0, 1)] = 0.005),
+    ("misalignment", 'g', |i| i.alignment[1][(2, 0)] = -0.01),
+    ("g-sensitivity", 'g', |i| i.g_sensitivity[(1, 0)] = 4e-4),
+    ("scale-nonlinearity", 'a', |i| i.quadratic[0][2] = 4e-4),
+    ("temperature-sensitivity", 'a', |i| i.drift_per_minute[0][0] = 0.02),
+    ("earth-rate", 'g', |i| {
+        // The earth's rate at 45° of latitude, heading north, before a gyro quiet enough to feel it.
+        i.frame_rate_rad_s = Vector3::new(5.16e-5, 0.0, 5.16e-5);
+        i.noise[1] = 2e-5;
+        i.scale[1] *= 100.0;
+    }),
+];
+
+fn planted() -> Result<(), Failed> {
+    for (id, sensor, plant) in PLANTS {
+        let runs = 12;
+        let right = many(runs, |seed| {
+            let mut imu = Imu::without_defect(1000 + seed);
+            plant(&mut imu);
+            let d = diagnose(&imu, 1000 + seed)?;
+            let right = d.verdict.verdict == Outcome::Explained && names(&d) == [(id.to_owned(), sensor)];
+            if !right {
+                eprintln!("{id} {sensor} {seed}: {:?} {:?} {}", d.verdict.verdict, names(&d), d.verdict.sentence);
+            }
+            Ok(right)
+        })?;
+        check(right + 1 >= runs as usize, format!("{id} of {sensor}: {right} of {runs} named alone and right"))?;
+    }
+    Ok(())
+}
+
+fn two_at_once() -> Result<(), Failed> {
+    let pairs = [(0, 4), (2, 3), (4, 6), (1, 2)];
+    for (a, b) in pairs {
+        let (first, second) = (PLANTS[a], PLANTS[b]);
+        let runs = 6;
+        let right = many(runs, |seed| {
+            let mut imu = Imu::without_defect(2000 + seed);
+            (first.2)(&mut imu);
+            (second.2)(&mut imu);
+            let d = diagnose(&imu, 2000 + seed)?;
+            let mut truth = vec![(first.0.to_owned(), first.1), (second.0.to_owned(), second.1)];
+            truth.sort();
+            if names(&d) != truth {
+                eprintln!("{truth:?} {seed}: {:?} {:?}", d.verdict.verdict, names(&d));
+            }
+            Ok(names(&d) == truth)
+        })?;
+        check(right + 1 >= runs as usize, format!("{} and {}: {right} of {runs}", first.0, second.0))?;
+    }
+    Ok(())
+}
+
+fn foreign() -> Result<(), Failed> {
+    let inventions: [(&str, fn(&mut Imu)); 3] = [
+        ("a bias that keeps the sign of the last flip", |i| i.hysteresis_m_s2 = 0.03),
+        ("a rate that follows the heading", |i| i.heading_rad_s = 0.01),
+        ("a stop that yields on one side", |i| i.soft_stop_m_s2 = 0.4),
+    ];
+    for (name, invent) in inventions {
+        let runs = 12;
+        let honest = many(runs, |seed| {
+            let mut imu = Imu::without_defect(3000 + seed);
+            invent(&mut imu);
+            let d = diagnose(&imu, 3000 + seed)?;
+            let honest = d.verdict.verdict == Outcome::Unexplained;
+            if !honest || !d.verdict.effects.is_empty() {
+                eprintln!("{name} {seed}: {:?} {:?}", d.verdict.verdict, names(&d));
+            }
+            Ok(honest)
+        })?;
+        check(honest + 1 >= runs as usize, format!("{name}: {honest} of {runs} unexplained"))?;
+    }
+    Ok(())
+}
+
+fn coverage() -> Result<(), Failed> {
+    let k = Matrix3::new(1.0, 3.0, 7.0, -15.0, 0.5, 9.0, -8.0, -9.0, 2.0) * 1e-4;
+    let counts: Vec<Result<(usize, usize), Failed>> = (0..60u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut imu = Imu::without_defect(4000 + seed);
+            imu.g_sensitivity = k;
+            imu.alignment[0][(0, 1)] = 0.01;
+            imu.alignment[0][(1, 2)] = -0.02;
+            let d = diagnose(&imu, 4000 + seed)?;
+            let (mut inside, mut all) = (0, 0);
+            for effect in &d.verdict.effects {
+                for (n, p) in effect.parameters.iter().enumerate() {
+                    let truth = match effect.id.as_str() {
+                        "g-sensitivity" => k[(n / 3, n % 3)] * 9.806_65_f64.to_degrees(),
+                        "misalignment" => [0.01, 0.0, -0.02][n % 3],
+                        _ => continue,
+                    };
+                    all += 1;
+                    inside += usize::from(p.ci95[0] <= truth && truth <= p.ci95[1]);
+                }
+            }
+            Ok((inside, all))
+        })
+        .collect();
+    let (inside, all) = counts.into_iter().try_fold((0, 0), |s, c| c.map(|c| (s.0 + c.0, s.1 + c.1)))?;
+    let share = inside as f64 / all as f64;
+    eprintln!("coverage {share} of {all}");
+    // 720 intervals that are not quite independent: ±2.5 % is three standard errors.
+    check(all >= 700 && (0.925..=0.985).contains(&share), format!("{inside} of {all} intervals cover: {share:.3}"))
+}
