@@ -1,6 +1,7 @@
 //! The sensor with and without the named physics: what a study can run, and what it cannot express.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use crate::sensor::Sensor;
 use crate::units::{
@@ -60,13 +61,17 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
             let _ = writeln!(text, "# {part}");
         }
     };
-    comment(&format!("The sensor of {} with the physics that its diagnosis named.", verdict.recording.file));
+    let file = Path::new(&verdict.recording.file).file_name().unwrap_or_default().to_string_lossy();
+    comment(&format!("The sensor of {file} with the physics that its diagnosis named."));
     comment(&format!("Verdict: {}. {}", verdict.verdict.name(), verdict.sentence));
     comment(&repair.relation);
     for effect in &verdict.effects {
         comment(&format!("{}: {}", effect.id, effect.equation));
         for p in &effect.parameters {
-            comment(&format!("  {} = {} {} (95 %: {} to {})", p.name, p.value, p.unit, p.ci95[0], p.ci95[1]));
+            comment(&format!(
+                "  {} = {:.4e} {} (95 %: {:.4e} to {:.4e})",
+                p.name, p.value, p.unit, p.ci95[0], p.ci95[1]
+            ));
         }
     }
     for term in &repair.not_expressible {

@@ -8,15 +8,18 @@ pub mod calibration;
 mod candidate;
 mod check;
 mod conclusion;
+mod consequence;
 mod fit;
 mod imu;
 mod isolation;
 mod noise;
 pub mod poses;
+mod remainder;
 pub mod rows;
 mod selection;
 mod start;
 mod units;
+mod words;
 
 use std::ops::Range;
 

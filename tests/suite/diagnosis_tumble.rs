@@ -121,8 +121,8 @@ fn foreign() -> Result<(), Failed> {
             let mut imu = Imu::without_defect(3000 + seed);
             invent(&mut imu);
             let d = diagnose(&imu, 3000 + seed)?;
-            let honest = d.verdict.verdict == Outcome::Unexplained;
-            if !honest || !d.verdict.effects.is_empty() {
+            let honest = d.verdict.verdict == Outcome::Unexplained && d.verdict.effects.is_empty();
+            if !honest {
                 eprintln!("{name} {seed}: {:?} {:?}", d.verdict.verdict, names(&d));
             }
             Ok(honest)

@@ -16,6 +16,8 @@ use crate::recording::rows::Rows;
 const WINDOW_S: f64 = 1.0;
 /// Shortest pose, s.
 const SHORTEST_S: f64 = 1.5;
+/// Left out at both ends of a pose, where a motion begins gently, s.
+const MARGIN_S: f64 = 0.1;
 /// Multiples of the quietest variance that are tried.
 const MULTIPLES: [f64; 9] = [2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 40.0, 80.0, 160.0];
 
@@ -114,7 +116,7 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
 
 /// Stretches whose windows all stay below the threshold.
 fn stretches(unrest: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec<Range<usize>> {
-    let mut out = Vec::new();
+    let mut out: Vec<Range<usize>> = Vec::new();
     let mut start = None;
     for k in 0..=unrest.len() {
         let still = k < unrest.len() && unrest[k] < threshold;
@@ -123,15 +125,19 @@ fn stretches(unrest: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec
             (Some(begin), false) => {
                 // The windows k cover samples k..k+window; all of them lie within the stretch.
                 let range = begin..k - 1 + window;
-                if range.len() as f64 >= SHORTEST_S * rate_hz {
-                    out.push(range);
+                match out.last_mut() {
+                    // A motion would leave a gap; stretches that overlap are one, broken by a chance excursion.
+                    Some(last) if range.start <= last.end => last.end = range.end,
+                    _ => out.push(range),
                 }
                 start = None;
             }
             _ => {}
         }
     }
-    out
+    let margin = (MARGIN_S * rate_hz).round() as usize;
+    out.retain(|r| r.len() as f64 >= (SHORTEST_S + 2.0 * MARGIN_S) * rate_hz && r.len() > 2 * margin);
+    out.iter().map(|r| r.start + margin..r.end - margin).collect()
 }
 
 /// How far the pose means lie from one sphere, over its radius.

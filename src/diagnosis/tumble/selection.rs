@@ -5,9 +5,10 @@ use rand::RngExt;
 use super::candidate::{Term, terms};
 use super::fit::Fit;
 use super::imu::Observed;
+use super::remainder::Remainder;
 use super::rows::{GROUPS, Group};
 use super::units::factor;
-use crate::numerics::special::f_above;
+use crate::numerics::special::{f_above, normal_quantile};
 use crate::rng::{Philox, Stream};
 
 /// Chance of a false name that is accepted, over all candidates together.
@@ -44,6 +45,8 @@ pub struct Standing {
     pub determined: bool,
     /// Whether its parameters lie where the library allows.
     pub plausible: bool,
+    /// Helped, but what it is judged by stayed above the noise.
+    pub withdrawn: bool,
     /// Smallest size of each parameter that would have been named, in its public unit.
     pub visible: Vec<f64>,
 }
@@ -98,6 +101,14 @@ pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
         model = without(observed, &model, weakest.term);
         others.push(weakest);
     }
+    // What helps but leaves the residual it is judged by above the noise is not what was left out: it is withdrawn.
+    let above: Vec<Group> = Remainder::of(&model).above.iter().map(|a| a.0).collect();
+    let (withdrawn, mut kept): (Vec<Standing>, Vec<Standing>) =
+        kept.into_iter().partition(|s| above.contains(&s.term.judged));
+    for standing in withdrawn {
+        model = without(observed, &model, standing.term);
+        others.push(Standing { withdrawn: true, ..standing });
+    }
     kept.sort_by(|a, b| b.criterion.total_cmp(&a.criterion));
     let tied = kept.iter().map(|s| ties(observed, &model, s, &others)).collect();
     others.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
@@ -141,10 +152,11 @@ fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried:
         criterion: criterion(smaller) - criterion(larger),
         determined: larger.determined,
         plausible: plausible(larger, term),
+        withdrawn: false,
         visible: {
             let deviations = larger.deviations();
             let own = larger.active.iter().copied().zip(deviations).filter(|(p, _)| term.active().any(|t| t == *p));
-            super::conclusion::visible(own, tried)
+            visible(own, tried)
         },
     }
 }
@@ -231,4 +243,11 @@ fn ties(observed: &Observed<'_>, model: &Fit, standing: &Standing, others: &[Sta
         })
         .map(|o| o.term)
         .collect()
+}
+
+/// What is smallest of an effect that would still have been named, in public units: threshold and power of 95 %.
+fn visible(deviations: impl Iterator<Item = (usize, f64)>, tried: usize) -> Vec<f64> {
+    // Normal quantiles for a two-sided test at the corrected level, plus 1.645 for the power.
+    let level = normal_quantile(1.0 - FALSE_NAME / tried.max(1) as f64 / 2.0) + 1.645;
+    deviations.map(|(p, d)| level * d * factor(p)).collect()
 }

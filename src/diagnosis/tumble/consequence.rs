@@ -1,0 +1,105 @@
+//! The loop closed for a tumble recording: the sensor with its measured noise, and what the omission costs.
+//!
+//! A study has one axis and one attitude, so misalignment and g-sensitivity enter it as the constant errors that they are
+//! while a sensor keeps one attitude.
+
+use super::Detail;
+use super::calibration::{Calibration, Sensor as Which};
+use super::conclusion::Case;
+use super::selection::Selection;
+use super::words::{round, spoken};
+use crate::diagnosis::repair::{Cost, Repair, Vibration};
+use crate::navigation::closed_form::Process;
+use crate::sensor::Sensor;
+use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
+
+impl Case<'_> {
+    /// Sensor before and after, and the cost by sensor.
+    pub fn repair(&self, selection: &Selection, detail: &Detail) -> Repair {
+        let noise = |of: &[super::noise::AxisNoise; 3], scale: f64| {
+            let mean = |f: &dyn Fn(&super::noise::AxisNoise) -> f64| of.iter().map(f).sum::<f64>() / 3.0 / scale;
+            (mean(&|n| n.random_walk), mean(&|n| n.bias_instability))
+        };
+        let (vrw, acceleration_flicker) = noise(&self.observed.accelerometer_noise, self.observed.accelerometer_scale);
+        let (arw, rate_flicker) = noise(&self.observed.gyro_noise, self.observed.gyro_scale);
+        let mut after = Sensor::ideal();
+        after.accelerometer.velocity_random_walk_m_s_rts = vrw;
+        after.accelerometer.bias_instability_m_s2 = acceleration_flicker;
+        after.gyro.angle_random_walk_rad_rts = arw;
+        after.gyro.bias_instability_rad_s = rate_flicker;
+        let mut before = after;
+        let (force, rate) = self.leftover(selection);
+        if !selection.named.is_empty() {
+            before.accelerometer.bias_m_s2 = force;
+            before.gyro.bias_rad_s = rate;
+        }
+        let at_rest = |of: &str, process: Process, integrations: u32, lever: f64| {
+            let [ten, sixty] = [10.0, 60.0].map(|t| process.variance(integrations, t).sqrt() * lever);
+            Cost {
+                of: of.into(),
+                under: "held in one attitude, rms over the recorded ones".into(),
+                position_10_s_m: ten,
+                position_60_s_m: sixty,
+                basis: if integrations == 2 { "½ b t²" } else { "g ω t³/6" }.into(),
+            }
+        };
+        let mut own_cost = Vec::new();
+        for sensor in [Which::Accelerometer, Which::Gyro] {
+            let ids: Vec<&str> =
+                selection.named.iter().filter(|s| s.term.sensor == sensor).map(|s| s.term.id).collect();
+            if ids.is_empty() {
+                continue;
+            }
+            own_cost.push(match sensor {
+                Which::Accelerometer => {
+                    at_rest(&format!("accelerometer: {}", ids.join(", ")), Process::Constant(force), 2, 1.0)
+                }
+                Which::Gyro => {
+                    at_rest(&format!("gyro: {}", ids.join(", ")), Process::Constant(rate), 3, STANDARD_GRAVITY_M_S2)
+                }
+            });
+        }
+        Repair {
+            before,
+            after,
+            relation: format!(
+                "Counts became m/s² and rad/s by the calibration found here ({} counts per m/s², {} per rad/s). Without \
+                 the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
+                 that is the constant bias of the first row.",
+                round(detail.calibration.accelerometer.scale.mean()),
+                round(detail.calibration.gyro.scale.mean()),
+                round(force * 1e3),
+                round(rate / DEGREE_PER_HOUR)
+            ),
+            not_expressible: selection
+                .named
+                .iter()
+                .map(|s| {
+                    format!(
+                        "{} ({}): a study has one axis and one attitude",
+                        spoken(s.term),
+                        s.term.candidate().equation
+                    )
+                })
+                .collect(),
+            vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 0.0 },
+            own_cost,
+        }
+    }
+
+    /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms over the poses.
+    fn leftover(&self, selection: &Selection) -> (f64, f64) {
+        let (base, repaired) =
+            (Calibration::from_point(&selection.base.point), Calibration::from_point(&selection.repaired.point));
+        let count = 3.0 * self.observed.poses.len().max(1) as f64;
+        let (force, rate) = self.observed.poses.iter().fold((0.0, 0.0), |sums, pose| {
+            let of = |c: &Calibration| {
+                let f = c.specific_force_m_s2(pose.accelerometer.into(), pose.covariate);
+                (f, c.rate_rad_s(pose.gyro.into(), &f, pose.covariate))
+            };
+            let ((f0, w0), (f1, w1)) = (of(&base), of(&repaired));
+            (sums.0 + (f0 - f1).norm_squared(), sums.1 + (w0 - w1).norm_squared())
+        });
+        ((force / count).sqrt(), (rate / count).sqrt())
+    }
+}

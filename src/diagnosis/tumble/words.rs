@@ -1,0 +1,117 @@
+//! The verdict of a tumble recording in plain words.
+
+use super::Detail;
+use super::calibration::Sensor as Which;
+use super::candidate::Term;
+use super::conclusion::Case;
+use super::remainder::Remainder;
+use super::rows::{GROUPS, Group};
+use super::selection::Selection;
+use crate::diagnosis::verdict::Outcome;
+
+impl Case<'_> {
+    /// One or two sentences for the first screen.
+    pub fn sentence(&self, outcome: Outcome, selection: &Selection, remainder: &Remainder, detail: &Detail) -> String {
+        let improvement = |group: Group| {
+            let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
+            let [before, after] = detail.held_out[n];
+            format!("{} {} → {} {}", group.words(), round(before), round(after), group.unit())
+        };
+        let names: Vec<String> = selection.named.iter().map(|s| spoken(s.term)).collect();
+        match outcome {
+            Outcome::Adequate => format!(
+                "Nothing is missing that these {} poses could show: what is left of gravity, of the gyro at rest and of \
+                 the turns is noise.",
+                self.observed.poses.len()
+            ),
+            Outcome::Explained => format!(
+                "The model left out {}. With {} fitted, poses that were held out agree: {}.",
+                join(&names),
+                if names.len() == 1 { "it" } else { "them" },
+                join(&GROUPS.map(improvement))
+            ),
+            Outcome::Unexplained => {
+                let (group, times) = remainder.above.first().copied().unwrap_or((Group::Gravity, 1.0));
+                let part = match names.is_empty() {
+                    true => "Nothing in the library accounts for the mismatch".to_owned(),
+                    false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
+                };
+                format!("{part}: {} still errs by {} times its noise.", group.words(), round(times.sqrt()))
+            }
+            Outcome::Undecidable if !selection.base.determined => {
+                "These poses do not span all directions, so that not even offsets and scales are determined.".into()
+            }
+            Outcome::Undecidable => {
+                let pairs: Vec<String> = selection
+                    .named
+                    .iter()
+                    .zip(&selection.tied)
+                    .filter(|(_, t)| !t.is_empty())
+                    .map(|(s, t)| {
+                        format!("{} or {}", spoken(s.term), t.iter().map(|t| t.id).collect::<Vec<_>>().join(" or "))
+                    })
+                    .collect();
+                format!("Something is left out, but these poses cannot tell which: {}.", join(&pairs))
+            }
+        }
+    }
+}
+
+/// What would decide or confirm.
+pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Remainder) -> String {
+    match outcome {
+        Outcome::Adequate => "To see smaller effects: more poses, each longer, spread over all directions, and quick turns \
+                              between them."
+            .into(),
+        Outcome::Explained => "Repeat the poses on another day with this calibration: constants that hold are the \
+                               sensor's, constants that move are temperature or mounting."
+            .into(),
+        Outcome::Unexplained => match remainder.above.first() {
+            Some((Group::Still, _)) => "Repeat the same attitude with another heading, and after turning in from the other \
+                                        side: a rate that follows the heading points outside the sensor, one that follows \
+                                        the way in points to hysteresis."
+                .into(),
+            Some((Group::Turn, _)) => "Repeat single turns about one axis, slow and fast, to and fro: what depends on speed \
+                                       is the gyro's bandwidth or clock, what depends on direction its scale."
+                .into(),
+            _ => "Return to the same attitude from opposite sides several times: bias that depends on the way in is \
+                  hysteresis, bias that does not repeat is the mount."
+                .into(),
+        },
+        Outcome::Undecidable if !selection.base.determined => {
+            "Add poses on the faces and edges that are missing: each axis up, down and slanted.".into()
+        }
+        Outcome::Undecidable => "Add poses where the candidates differ: each axis up and down, slanted in between, and \
+                                 every attitude twice at different times."
+            .into(),
+    }
+}
+
+/// "misalignment of the gyro".
+pub fn spoken(term: &Term) -> String {
+    let sensor = match term.sensor {
+        Which::Accelerometer => "accelerometer",
+        Which::Gyro => "gyro",
+    };
+    format!("{} of the {sensor}", term.id)
+}
+
+/// "a, b and c".
+fn join(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [one] => one.clone(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+fn is_are(names: &[String]) -> &'static str {
+    if names.len() == 1 { "is" } else { "are" }
+}
+
+/// Two digits, plainly.
+pub fn round(value: f64) -> String {
+    let size = value.abs().max(1e-12).log10().floor();
+    let digits = (1.0 - size).clamp(0.0, 8.0) as usize;
+    format!("{value:.digits$}")
+}
