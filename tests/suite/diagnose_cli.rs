@@ -12,7 +12,10 @@ use super::world::{check, data_test, near, program, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
-        test("diagnose: a tumble recording gives report, verdict, model and figures, each as the contract says", contract),
+        test(
+            "diagnose: a tumble recording gives report, verdict, model and figures, each as the contract says",
+            contract,
+        ),
         test("diagnose: bad input is refused with attempt, cause and hint, or survived and mentioned", bad_input),
         test("candidates: the library is complete, consistent and printable", library),
         data_test("diagnose: Xsens MTi calibrated to its factory values, g-sensitivity named and measured", xsens),
@@ -71,8 +74,7 @@ fn csv(imu: &Imu, seed: u64, edit: impl Fn(usize, &mut [f64; 6])) -> String {
     for k in 0..recording.samples() {
         let mut row: [f64; 6] = std::array::from_fn(|c| recording.columns[c].values[k]);
         edit(k, &mut row);
-        let cells: Vec<String> =
-            row.iter().map(|v| if v.is_nan() { String::new() } else { v.to_string() }).collect();
+        let cells: Vec<String> = row.iter().map(|v| if v.is_nan() { String::new() } else { v.to_string() }).collect();
         text += &(cells.join(",") + "\n");
     }
     text
@@ -95,8 +97,17 @@ fn contract() -> Result<(), Failed> {
     let written: Value = serde_json::from_str(&fs::read_to_string(out.join("verdict.json"))?)?;
     check(verdict == written, "stdout and verdict.json differ")?;
     let expected = [
-        "effects", "findings", "fit", "kind", "next_experiment", "recording", "residual_after", "schema", "sentence",
-        "verdict", "where",
+        "effects",
+        "findings",
+        "fit",
+        "kind",
+        "next_experiment",
+        "recording",
+        "residual_after",
+        "schema",
+        "sentence",
+        "verdict",
+        "where",
     ];
     check(keys(&verdict) == expected, format!("fields of the verdict: {:?}", keys(&verdict)))?;
     check(verdict["schema"] == "proofmass.verdict/1" && verdict["kind"] == "tumble", "schema or kind")?;
@@ -161,8 +172,22 @@ fn bad_input() -> Result<(), Failed> {
     refused("too short", &good.lines().take(400).map(|l| format!("{l}\n")).collect::<String>(), MODEL, "still poses")?;
     refused("an empty file", "", MODEL, "")?;
     refused("text in a cell", &good.replacen("\n", "\nhello,", 1), MODEL, "")?;
-    refused("resting only", &with(&|k, r| *r = std::array::from_fn(|c| 100.0 + ((k * (c + 3) * 7919) % 13) as f64)), MODEL, "")?;
-    refused("many gaps", &with(&|k, r| if k % 5 == 0 { *r = [f64::NAN; 6] }), MODEL, "missing")?;
+    refused(
+        "resting only",
+        &with(&|k, r| *r = std::array::from_fn(|c| 100.0 + ((k * (c + 3) * 7919) % 13) as f64)),
+        MODEL,
+        "",
+    )?;
+    refused(
+        "many gaps",
+        &with(&|k, r| {
+            if k % 5 == 0 {
+                *r = [f64::NAN; 6]
+            }
+        }),
+        MODEL,
+        "missing",
+    )?;
     let split = format!("{MODEL}[split]\ntrain = [[0, 2000]]\ntest = [[1500, 4000]]\n");
     refused("train and test overlap", &good, &split, "overlap")?;
 
@@ -173,10 +198,24 @@ fn bad_input() -> Result<(), Failed> {
     refused("poses beyond the end", &good, &poses("0,100\n150,99999\n")?, "line 3")?;
     refused("poses backwards", &good, &poses("100,50\n")?, "empty range")?;
     refused("poses that overlap", &good, &poses("0,100\n50,150\n")?, "overlap")?;
-    refused("poses that are not there", &good, &MODEL.replace("[columns]", "poses = \"nowhere.csv\"\n[columns]"), "nowhere.csv")?;
+    refused(
+        "poses that are not there",
+        &good,
+        &MODEL.replace("[columns]", "poses = \"nowhere.csv\"\n[columns]"),
+        "nowhere.csv",
+    )?;
     refused("few poses", &good, &poses("0,100\n150,250\n")?, "2 still poses")?;
 
-    survived("a few gaps", &with(&|k, r| if k % 400 == 0 { r[2] = f64::NAN }), MODEL, "missing values")?;
+    survived(
+        "a few gaps",
+        &with(&|k, r| {
+            if k % 400 == 0 {
+                r[2] = f64::NAN
+            }
+        }),
+        MODEL,
+        "missing values",
+    )?;
     survived("gravity of no place on earth", &good, &MODEL.replace("9.81", "9.5"), "nowhere on earth")?;
     survived("no poses given", &good, MODEL, "still stretches")?;
     survived("a clipped rail", &with(&|_, r| r[2] = r[2].min(3000.0)), MODEL, "az")
@@ -191,8 +230,13 @@ fn library() -> Result<(), Failed> {
         ids.collect()
     };
     let tumble = [
-        "scale-factor", "misalignment", "g-sensitivity", "scale-nonlinearity", "temperature-sensitivity",
-        "local-gravity", "earth-rate",
+        "scale-factor",
+        "misalignment",
+        "g-sensitivity",
+        "scale-nonlinearity",
+        "temperature-sensitivity",
+        "local-gravity",
+        "earth-rate",
     ];
     check(of("tumble") == tumble, format!("tumble: {:?}", of("tumble")))?;
     for entry in &entries {
@@ -306,5 +350,8 @@ fn xsens_poses_found(data: &Path) -> Result<(), Failed> {
     check(missed <= 1, format!("{missed} of {} intervals missed", given.len()))?;
     let stray: f64 = found.iter().map(|f| f.1 - f.0 - given.iter().map(|g| overlap(*f, *g)).sum::<f64>()).sum();
     let total: f64 = found.iter().map(|f| f.1 - f.0).sum();
-    check(stray < 0.05 * total, format!("{:.1} % of the stillness found lies outside the intervals", 100.0 * stray / total))
+    check(
+        stray < 0.05 * total,
+        format!("{:.1} % of the stillness found lies outside the intervals", 100.0 * stray / total),
+    )
 }
