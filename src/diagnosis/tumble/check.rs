@@ -74,18 +74,18 @@ pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
     };
     let accelerometer = spread(&|k| (observed.poses[k].accelerometer, observed.poses[k].accelerometer_variance));
     let gyro = spread(&|k| (observed.poses[k].gyro, observed.poses[k].gyro_variance));
+    if gyro > 20.0 && gyro > accelerometer {
+        return Err(fail(
+            path,
+            "the columns given as gyro change from pose to pose more than those given as accelerometer",
+            "the two are probably swapped under [columns]",
+        ));
+    }
     if accelerometer < 20.0 {
         return Err(fail(
             path,
             "the accelerometer reads nearly the same in every pose",
             "turn the sensor to many attitudes between the poses; a sensor that only rests is kind = \"static\"",
-        ));
-    }
-    if gyro > accelerometer {
-        return Err(fail(
-            path,
-            "the columns given as gyro change from pose to pose more than those given as accelerometer",
-            "the two are probably swapped under [columns]",
         ));
     }
     Ok(())

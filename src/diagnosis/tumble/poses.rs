@@ -1,14 +1,13 @@
 //! Where the IMU lay still: read from a file of row ranges, or found in the recording.
 //!
 //! The finder follows Tedaldi, Pretto & Menegatti (ICRA 2014): the variance in a sliding window against a multiple of the
-//! quietest one, the multiple chosen by scanning. They take the one that calibrates best; here the one that finds most
-//! stillness among those whose poses agree with gravity about as well as the best, because too few poses always agree.
+//! quietest one, the multiple chosen by scanning. They take the one that calibrates best; here the lowest that finds nearly
+//! as many poses as any does, so that the choice does not look at the model that is to be judged.
 
 use std::ops::Range;
 use std::path::Path;
 
 use super::imu::Imu;
-use super::start::sphere;
 use crate::error::{Error, Result};
 use crate::recording::rows::Rows;
 
@@ -67,18 +66,12 @@ pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
     sorted.sort_by(f64::total_cmp);
     // The quietest hundredth: below it lies chance, above it motion may begin.
     let quiet = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
-    let tried: Vec<(Vec<Range<usize>>, f64)> = MULTIPLES
-        .iter()
-        .map(|m| stretches(&unrest, quiet * m, window, imu.rate_hz))
-        .filter(|poses| poses.len() >= 6)
-        .map(|poses| {
-            let spread = disagreement(imu, &poses);
-            (poses, spread)
-        })
-        .collect();
-    let best = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
-    let agreeing = tried.into_iter().filter(|t| t.1 <= 1.5 * best);
-    agreeing.max_by_key(|t| (t.0.len(), t.0.iter().map(Range::len).sum::<usize>())).map_or(Vec::new(), |t| t.0)
+    let tried: Vec<Vec<Range<usize>>> =
+        MULTIPLES.iter().map(|m| stretches(&unrest, quiet * m, window, imu.rate_hz)).collect();
+    // A low threshold breaks poses apart or loses them, a high one swallows the gentle beginnings of motion: the lowest
+    // that finds nearly all.
+    let most = tried.iter().map(Vec::len).max().unwrap_or(0);
+    tried.into_iter().find(|poses| 10 * poses.len() >= 9 * most).unwrap_or_default()
 }
 
 /// Sum over the axes of the variance in a window centred on each sample, each sensor over its own quiet level.
@@ -138,17 +131,4 @@ fn stretches(unrest: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec
     let margin = (MARGIN_S * rate_hz).round() as usize;
     out.retain(|r| r.len() as f64 >= (SHORTEST_S + 2.0 * MARGIN_S) * rate_hz && r.len() > 2 * margin);
     out.iter().map(|r| r.start + margin..r.end - margin).collect()
-}
-
-/// How far the pose means lie from one sphere, over its radius.
-fn disagreement(imu: &Imu<'_>, poses: &[Range<usize>]) -> f64 {
-    let means: Vec<_> = poses
-        .iter()
-        .map(|p| {
-            nalgebra::Vector3::from_fn(|i, _| imu.accelerometer[i][p.clone()].iter().sum::<f64>() / p.len() as f64)
-        })
-        .collect();
-    let (centre, radius) = sphere(&means);
-    let errors = means.iter().map(|m| ((m - centre).norm() / radius - 1.0).powi(2));
-    (errors.sum::<f64>() / means.len() as f64).sqrt()
 }

@@ -29,7 +29,7 @@ pub fn guess(observed: &mut Observed<'_>) -> Point {
 }
 
 /// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2 y·o + (r² − o²).
-pub fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
+fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
     let count = means.len().max(1) as f64;
     let centre = means.iter().sum::<Vector3<f64>>() / count;
     let rows = means.len();
