@@ -1,45 +1,49 @@
-//! `proofmass candidates`: the physics that `diagnose` can name, as a table.
+//! `proofmass candidates`: the physics that `diagnose` can name.
 
 use crate::diagnosis;
+use crate::diagnosis::candidate::Candidate;
 use crate::error::{Error, Result};
-use crate::report::table::Table;
 
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {}
 
-/// Prints the library.
+/// Prints the library, by kind of recording.
 ///
 /// # Errors
 /// None in practice; the library is part of the binary.
 pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
-    let library: Vec<_> = diagnosis::library().collect();
+    let library: Vec<&Candidate> = diagnosis::library().collect();
     if json {
         let text = serde_json::to_string_pretty(&library)
             .map_err(|e| Error::new("could not write the library as JSON", e.to_string(), "report this as a defect"))?;
         println!("{text}");
         return Ok(());
     }
-    let mut table = Table::new(&[
-        "kind",
-        "id",
-        "what was left out",
-        "equation",
-        "what points to it",
-        "confusable with",
-        "reference",
-    ]);
+    let mut kind = "";
     for candidate in library {
-        table.row([
-            candidate.kind.name().to_owned(),
-            candidate.id.to_owned(),
-            candidate.statement.to_owned(),
-            candidate.equation.to_owned(),
-            candidate.signature.to_owned(),
-            candidate.confusable_with.join(", "),
-            candidate.reference.to_owned(),
-        ]);
+        if candidate.kind.name() != kind {
+            kind = candidate.kind.name();
+            println!("── kind = \"{kind}\" ──\n");
+        }
+        println!("{}", card(candidate));
     }
-    print!("{table}");
     Ok(())
+}
+
+/// One candidate, a line per property: seven columns of sentences would fit no terminal.
+fn card(candidate: &Candidate) -> String {
+    let parameters: Vec<String> = candidate.parameters.iter().map(|p| format!("{} [{}]", p.name, p.unit)).collect();
+    let lines = [
+        ("left out", candidate.statement.to_owned()),
+        ("equation", candidate.equation.to_owned()),
+        ("parameters", parameters.join(", ")),
+        ("acts in", candidate.acts.to_owned()),
+        ("points to it", candidate.signature.to_owned()),
+        ("confusable with", candidate.confusable_with.join(", ")),
+        ("reference", candidate.reference.to_owned()),
+    ];
+    let body: String =
+        lines.iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| format!("  {name:<16}{text}\n")).collect();
+    format!("{}\n{body}", candidate.id)
 }
