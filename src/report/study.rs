@@ -38,9 +38,10 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     page.paragraph(&blame(drift));
     let (shares, alone) = (share::shares(drift).draw(), share::alone(drift).draw());
     page.figure_row(&[
-        (&shares, "Share of the position variance that each source owns. Early on noise rules, later bias, at last the gyro: what is worth improving depends on how long one navigates."),
+        (&shares, "Share of the position variance that each source owns. What is worth improving depends on how long one navigates without aiding."),
         (&alone, "Standard deviation of the position error that each source makes alone."),
     ]);
+    page.paragraph("Share of the position variance at the report times, and the standard deviation each source makes alone at the last:");
     page.table(&budget_table(drift));
     page.section("How the envelope grows");
     page.paragraph(
@@ -73,11 +74,11 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
         format!(" The {} owns {percent} % of that variance.", share.source.name())
     });
     format!(
-        "After {} without aiding, {} sensors like this one are {} m off (standard deviation of position); 90 of 100 lie \
-         between {} m and {} m.{culprit}",
-        duration(time_s),
-        study.members,
+        "After {} without aiding, the position that a sensor like this one gives is wrong by {} m (standard deviation over \
+         {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
+        moment(time_s),
         significant(last.sd, 3),
+        study.members,
         significant(last.percentiles[1], 3),
         significant(last.percentiles[3], 3),
     )
@@ -102,7 +103,7 @@ pub fn drift_table(drift: &Drift) -> Table {
         let at: &Summary = &drift.statistics.at[*k][quantity::POSITION];
         let theory_m = expected[*k].variance.sqrt();
         let digits = |v: f64| significant(v, 3);
-        let mut row = vec![significant(drift.statistics.time_s[*k], 3), digits(at.sd)];
+        let mut row = vec![plain(drift.statistics.time_s[*k]), digits(at.sd)];
         row.extend([digits(theory_m), if theory_m > 0.0 { digits(at.sd / theory_m) } else { "–".into() }]);
         row.push(digits(at.mean));
         row.extend(at.percentiles.iter().map(|p| digits(*p)));
@@ -113,10 +114,10 @@ pub fn drift_table(drift: &Drift) -> Table {
 
 /// Standard deviation of position that each source makes, and its share, at the report times.
 pub fn budget_table(drift: &Drift) -> Table {
-    let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", significant(*t, 3))).collect();
+    let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
-    headings.extend(times.iter().map(|t| format!("share at {t}")));
-    headings.extend(drift.report.last().iter().zip(times.last()).map(|(_, t)| format!("alone at {t} / m")));
+    headings.extend(times.clone());
+    headings.extend(drift.report.last().iter().zip(times.last()).map(|(_, t)| format!("sd at {t} / m")));
     let mut table = Table { headings, rows: Vec::new() };
     for share in &drift.budget.shares {
         let mut row = vec![share.source.name().to_owned()];
@@ -125,6 +126,16 @@ pub fn budget_table(drift: &Drift) -> Table {
         table.row(row);
     }
     table
+}
+
+/// A time as it was written in the study, without the noise of its arithmetic.
+fn plain(time_s: f64) -> String {
+    format!("{}", (time_s * 1e6).round() / 1e6)
+}
+
+/// A time in words, "60 s" and not "60.0 s".
+fn moment(time_s: f64) -> String {
+    if (1.0..120.0).contains(&time_s) { format!("{} s", plain(time_s)) } else { duration(time_s) }
 }
 
 fn percent(fraction: f64) -> String {
@@ -138,7 +149,7 @@ fn percent(fraction: f64) -> String {
 
 fn growth_table(drift: &Drift) -> Table {
     let owners = ["velocity random walk", "accelerometer bias", "angle and acceleration random walk", "gyro bias"];
-    let mut table = Table::new(&["power of t", "belongs to", "fitted / (m/s^p)", "closed form / (m/s^p)"]);
+    let mut table = Table::new(&["power of t", "belongs to", "fitted / (m/sᵖ)", "closed form / (m/sᵖ)"]);
     for (k, owner) in owners.iter().enumerate() {
         table.row([
             format!("{}", EXPONENTS[k]),
@@ -165,8 +176,8 @@ fn blame(drift: &Drift) -> String {
         if ruler(k) != before {
             before = ruler(k);
             phrases.push(match phrases.is_empty() {
-                true => format!("at first {before}"),
-                false => format!("from {} on {before}", duration(*time_s)),
+                true => format!("to {before}"),
+                false => format!("from {} on to {before}", duration(*time_s)),
             });
         }
     }
@@ -192,7 +203,7 @@ pub fn provenance(study: &Study, drift: &Drift) -> Table {
         ("driver", machine.driver.clone()),
         ("precision", machine.precision.clone()),
         ("fused multiply-add", machine.fused_multiply_add.clone()),
-        ("integrator", format!("{}, because {}", machine.integrator, drift.choice.because)),
+        ("integrator", format!("{} ({})", machine.integrator, drift.choice.because)),
         (
             "time",
             format!(
@@ -214,7 +225,7 @@ pub fn terminal(study: &Study, drift: &Drift) -> String {
     let compared: String = compared::sentences(&drift.compared).iter().map(|s| format!("{s}\n")).collect();
     let compared = if compared.is_empty() { compared } else { format!("beside the recording\n{compared}\n") };
     format!(
-        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {}: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {} ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
         lede(study, drift),
         drift_table(drift),
         budget_table(drift),

@@ -297,7 +297,7 @@ impl Reader<'_> {
         let mut recording = recording::read(&folder.join(file), &request)?;
         let samples_m_s2 = recording.columns.pop().map(|c| c.values).unwrap_or_default();
         let replay = Replay { samples_m_s2, rate_hz: recording.rate_hz };
-        if replay.length_s() < duration_s * (1.0 - 1e-9) - 1.5 / replay.rate_hz {
+        if replay.length_s() + 1.0 / replay.rate_hz < duration_s * (1.0 - 1e-9) {
             return Err(refuse(
                 self.name,
                 format!("the recording to replay lasts {} s, the run {duration_s} s", replay.length_s()),

@@ -36,12 +36,12 @@ const CASES: &[Case] = &[
     ("velocity random walk is N itself", "[accelerometer]\nvelocity_random_walk_m_s_rth = 0.3", false, |t| {
         0.005 / t.sqrt()
     }),
-    // K√(τ/3)
+    // K√(τ/3), and for a walk that is held over samples of τ₀: K√(τ/3 (1 + τ₀²/2τ²)), by summing its steps.
     (
         "acceleration random walk rises as τ^+1/2",
         "[accelerometer]\nacceleration_random_walk_ug_rts = 50.0",
         false,
-        |t| 50e-6 * G * (t / 3.0).sqrt(),
+        |t| 50e-6 * G * (t / 3.0 * held(t)).sqrt(),
     ),
     // √(2 ln 2/π) B
     (
@@ -66,9 +66,14 @@ const CASES: &[Case] = &[
     }),
     // 60 °/h/√h = 60 × 4.848e-6/60 rad/s/√s
     ("rate random walk rises as τ^+1/2", "[gyro]\nrate_random_walk_deg_h_rth = 60.0", true, |t| {
-        DEG_H * (t / 3.0).sqrt()
+        DEG_H * (t / 3.0 * held(t)).sqrt()
     }),
 ];
+
+/// What holding a random walk over a sample adds to its Allan variance.
+fn held(tau_s: f64) -> f64 {
+    1.0 + 0.5 / (tau_s * RATE_HZ).powi(2)
+}
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {

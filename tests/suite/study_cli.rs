@@ -68,7 +68,7 @@ fn document() -> Result<(), Failed> {
         check(!document[key].is_null(), key)?;
     }
     let page = std::fs::read_to_string(folder.path().join("out/report.html"))?;
-    check(page.contains("<svg") && !page.contains("http://") | page.contains("www.w3.org"), "report.html")?;
+    check(page.contains("<svg"), "no figure in report.html")?;
     check(!page.contains("src=\"http") && !page.contains("<script"), "the report loads something from outside")
 }
 
@@ -112,7 +112,7 @@ const LOGS: &[Log] = &[
     ("NaN", Some("t_s,a\n0,nan\n1,nan\n2,nan\n3,nan\n"), "log.csv"),
     ("time that runs backwards", Some("t_s,a\n0,1\n2,1\n1,1\n0,1\n"), "log.csv"),
     ("another column", Some("t_s,acc\n0,1\n1,1\n2,1\n3,1\n"), "acc"),
-    ("a recording too short", Some("t_s,a\n0,1\n1,1\n"), "duration_s"),
+    ("a recording too short", Some("t_s,a\n0,1\n0.5,1\n"), "duration_s"),
 ];
 
 fn replay((_, text, word): &Log) -> Result<(), Failed> {

@@ -24,10 +24,8 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
          agreement shows that simulation and estimation close the circle; a departure is physics that the noise model leaves out.",
     );
     page.list(&axes.iter().map(sentence).collect::<Vec<_>>());
-    for pair in axes.chunks(3) {
-        let figures: Vec<_> = pair.iter().map(|a| chart(a).draw()).collect();
-        page.figure_row(&figures.iter().map(|f| (f, "")).collect::<Vec<_>>());
-    }
+    let figures: Vec<_> = axes.iter().map(|a| (chart(a).draw(), caption(a))).collect();
+    page.figure_row(&figures.iter().map(|(f, c)| (f, c.as_str())).collect::<Vec<_>>());
     if !findings.is_empty() {
         page.subsection("Found while reading the log");
         page.list(findings);
@@ -67,6 +65,11 @@ fn sentence(axis: &Likeness) -> String {
         axis.tau_s.len(),
         departures.iter().map(phrase).collect::<Vec<_>>().join("; ")
     )
+}
+
+fn caption(axis: &Likeness) -> String {
+    let sense = if axis.sense == Sense::Accelerometer { "accelerometer" } else { "gyro" };
+    format!("{}: {sense} at rest, recorded and simulated.", axis.column)
 }
 
 fn chart(axis: &Likeness) -> Chart {

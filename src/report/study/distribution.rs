@@ -2,7 +2,6 @@
 
 use crate::drift::Drift;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
-use crate::report::number::significant;
 use crate::statistics::{Summary, quantity};
 
 /// Bars of a shown histogram.
@@ -43,7 +42,7 @@ pub fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
 }
 
 fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
-    let title = format!("{} after {} s", capitalised(name), significant(time_s, 3));
+    let title = format!("{} after {}", capitalised(name), super::moment(time_s));
     let mut chart =
         Chart::new(&title, Axis::linear(&format!("{name} / {unit}")), Axis::linear(&format!("density / (1/({unit}))")));
     chart.size = (560, 330);
