@@ -1,6 +1,6 @@
 //! The proof of `diagnosis`: blind trials on recordings in which the missing physics is known, and concealed.
 //!
-//! A generator of its own (`excitation`, `proof_mass`, `standstill`: closed-form inputs, own integrator with 20 or more
+//! A generator of its own (`excitation`, `proof_mass`, `standstill`, `turning`: closed-form inputs, own integrator with 20 or more
 //! sub-steps, own parameter ranges) plants effects at a stated size; the truth is sealed (its SHA-256 is printed first)
 //! and opened only after the verdicts. The diagnosis receives two files, recording and base model, and nothing else.
 //!
@@ -24,3 +24,4 @@ pub mod refit;
 pub mod said;
 pub mod seal;
 pub mod standstill;
+pub mod turning;

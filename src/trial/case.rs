@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::driven::Driven;
 use super::standstill::Still;
+use super::turning::{GRAVITY_M_S2, Turned};
 use crate::document::write_whole;
 use crate::error::Result;
 
@@ -48,11 +49,15 @@ pub enum Family {
     StillPlanted,
     /// At rest, temperature acts and its column is withheld.
     WithheldColumn,
+    /// Turned by hand, nothing planted.
+    TurnedNull,
+    /// Turned by hand, one fault.
+    TurnedPlanted,
 }
 
 impl Family {
     /// Every family, in the order of the report.
-    pub const ALL: [Family; 17] = [
+    pub const ALL: [Family; 19] = [
         Self::Null,
         Self::ForceNoiseOnly,
         Self::SingleOnePercent,
@@ -70,6 +75,8 @@ impl Family {
         Self::StillNull,
         Self::StillPlanted,
         Self::WithheldColumn,
+        Self::TurnedNull,
+        Self::TurnedPlanted,
     ];
 
     /// The row's name.
@@ -92,6 +99,8 @@ impl Family {
             Self::StillNull => "at rest, nothing planted",
             Self::StillPlanted => "at rest, one process",
             Self::WithheldColumn => "at rest, temperature withheld",
+            Self::TurnedNull => "turned by hand, nothing planted",
+            Self::TurnedPlanted => "turned by hand, one fault",
         }
     }
 }
@@ -104,6 +113,8 @@ pub enum Body {
     Driven(Box<Driven>),
     /// A sensor at rest.
     Still(Box<Still>),
+    /// An IMU in many poses.
+    Turned(Box<Turned>),
 }
 
 /// A case with its truth.
@@ -142,8 +153,9 @@ impl Case {
     /// Ids of what is planted, sorted; foreign physics by its own name.
     pub fn planted(&self) -> Vec<String> {
         let mut ids: Vec<String> = match &self.body {
-            Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.id()).collect(),
-            Body::Still(s) => s.planted.iter().map(|p| p.slow.id()).collect(),
+            Body::Driven(d) => d.planted.iter().map(|p| id_of(&p.term.physics)).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| id_of(&p.slow)).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| id_of(&p.fault)).collect(),
         };
         ids.sort();
         ids
@@ -153,15 +165,16 @@ impl Case {
     pub fn in_library(&self) -> bool {
         match &self.body {
             Body::Driven(d) => d.planted.iter().all(|p| p.term.physics.in_library()),
-            Body::Still(_) => true,
+            Body::Still(_) | Body::Turned(_) => true,
         }
     }
 
     /// Visible size of each effect over the noise, with its id.
     pub fn sizes_over_noise(&self) -> Vec<(String, f64)> {
         match &self.body {
-            Body::Driven(d) => d.planted.iter().map(|p| (p.term.physics.id(), p.over_noise(d))).collect(),
-            Body::Still(s) => s.planted.iter().map(|p| (p.slow.id(), p.visible())).collect(),
+            Body::Driven(d) => d.planted.iter().map(|p| (id_of(&p.term.physics), p.over_noise(d))).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| (id_of(&p.slow), p.visible())).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| (id_of(&p.fault), p.visible)).collect(),
         }
     }
 
@@ -170,14 +183,15 @@ impl Case {
         let pick = |values: Vec<(&str, f64)>| values.into_iter().find(|(n, _)| *n == name).map(|(_, v)| v);
         match &self.body {
             Body::Driven(d) => {
-                let planted = d.planted.iter().find(|p| p.term.physics.id() == id)?;
+                let planted = d.planted.iter().find(|p| id_of(&p.term.physics) == id)?;
                 pick(planted.term.parameters(&d.scales))
             }
             Body::Still(s) => {
-                let planted = s.planted.iter().find(|p| p.slow.id() == id)?;
+                let planted = s.planted.iter().find(|p| id_of(&p.slow) == id)?;
                 let channel = ["x", "y", "z"].iter().position(|c| *c == channel)?;
                 pick(s.parameters(planted, channel))
             }
+            Body::Turned(t) => t.parameter(id, name),
         }
     }
 
@@ -189,6 +203,7 @@ impl Case {
         let (recording, model) = match &self.body {
             Body::Driven(d) => driven_files(d),
             Body::Still(s) => still_files(s),
+            Body::Turned(t) => turned_files(t),
         };
         let files = Files { recording: folder.join("recording.csv"), model: folder.join("model.toml") };
         write_whole(&files.recording, recording.as_bytes())?;
@@ -236,4 +251,26 @@ fn still_files(case: &Still) -> (String, String) {
         let _ = write!(model, "[noise]\ndensity = {density:e}\n");
     }
     (table(&headings, &values), model)
+}
+
+fn turned_files(case: &Turned) -> (String, String) {
+    let counts = case.render();
+    let mut headings = vec!["ax", "ay", "az", "gx", "gy", "gz"];
+    let mut values: Vec<&[f64]> = counts.readings.iter().map(Vec::as_slice).collect();
+    let mut model = format!("kind = \"tumble\"\nrate_hz = {}\ngravity_m_s2 = {GRAVITY_M_S2}\n", case.rate_hz);
+    model += "[columns]\ngyro = [\"gx\", \"gy\", \"gz\"]\naccelerometer = [\"ax\", \"ay\", \"az\"]\n";
+    if case.has_temperature() {
+        headings.push("temperature");
+        values.push(&counts.temperature);
+        model += "environment = [\"temperature\"]\n";
+    }
+    (table(&headings, &values), model)
+}
+
+/// The public id that a planted thing serialises as.
+pub fn id_of(planted: &impl Serialize) -> String {
+    match serde_json::to_value(planted) {
+        Ok(serde_json::Value::String(id)) => id,
+        _ => String::new(),
+    }
 }

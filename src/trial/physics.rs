@@ -105,10 +105,7 @@ pub const FOREIGN: [Physics; 10] = [
 impl Physics {
     /// The public id, or a name of the same form for foreign physics.
     pub fn id(self) -> String {
-        match serde_json::to_value(self) {
-            Ok(serde_json::Value::String(id)) => id,
-            _ => String::new(),
-        }
+        super::case::id_of(&self)
     }
 
     /// Whether the library has a candidate for it.

@@ -8,6 +8,7 @@ use super::driven::Driven;
 use super::physics::{FOREIGN, LIBRARY, Physics};
 use super::plant::{self, Drive, Size, log_uniform, plant, uniform};
 use super::standstill::{SLOW, Slow, Still};
+use super::turning::{FAULTS, Turned};
 use crate::rng::{Philox, Stream};
 
 /// Readout noise of every planted case, relative to the rms output.
@@ -43,11 +44,13 @@ fn share(family: Family) -> usize {
         Family::StillNull => 30,
         Family::StillPlanted => 36,
         Family::WithheldColumn => 12,
+        Family::TurnedNull => 12,
+        Family::TurnedPlanted => 24,
     }
 }
 
 /// Size of the default trial.
-pub const DEFAULT_CASES: usize = 567;
+pub const DEFAULT_CASES: usize = 603;
 
 /// The nth effect of a family: a stride of eight visits all twenty-one, and a short trial a varied part of them.
 fn effect(nth: usize) -> Physics {
@@ -109,6 +112,15 @@ impl Plan {
             Family::StillNull | Family::StillPlanted | Family::WithheldColumn => {
                 let mut rng = Philox::new(self.seed, number as u64, Stream::Host);
                 Body::Still(Box::new(self.still(&mut rng, family, nth)))
+            }
+            Family::TurnedNull | Family::TurnedPlanted => {
+                let mut rng = Philox::new(self.seed, number as u64, Stream::Host);
+                let mut case = Turned::bare(&mut rng);
+                let size = log_uniform(&mut rng, 0.1, 3.0);
+                if family == Family::TurnedPlanted {
+                    case.plant(&mut rng, FAULTS[nth % FAULTS.len()], size);
+                }
+                Body::Turned(Box::new(case))
             }
             // A shape that cannot reach its size (a stop never touched, a spring that would snap) is drawn anew.
             _ => (0..20)

@@ -54,10 +54,7 @@ pub const SLOW: [Slow; 9] = [
 impl Slow {
     /// The public id.
     pub fn id(self) -> String {
-        match serde_json::to_value(self) {
-            Ok(serde_json::Value::String(id)) => id,
-            _ => String::new(),
-        }
+        super::case::id_of(&self)
     }
 }
 
