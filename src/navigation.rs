@@ -1,4 +1,7 @@
 //! What acceleration and tilt errors become in velocity and position.
 
 pub mod closed_form;
+pub mod dead_reckoning;
+pub mod kalman;
 pub mod power_law;
+pub mod tilt;

@@ -1,0 +1,206 @@
+//! The Kalman filter that fuses a gyro's rate with an accelerometer's tilt: two states, tilt and gyro bias.
+//!
+//! Plain, or with the accelerometer weighed by how far |a| departs from g, or with that and an R adapted to the
+//! innovations. Not for attitude in three axes or with heading.
+
+use nalgebra::{Matrix2, RowVector2, Vector2};
+
+/// What the filter believes about its sensors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Model {
+    /// Time between readings.
+    pub step_s: f64,
+    /// Angle random walk of the gyro, rad/√s.
+    pub angle_walk_rad_rts: f64,
+    /// Random walk of the gyro's bias, rad/s/√s.
+    pub bias_walk_rad_s_rts: f64,
+    /// Deviation of one tilt from the accelerometer at rest, rad.
+    pub tilt_noise_rad: f64,
+    /// Deviation of one component of specific force at rest, m/s².
+    pub force_noise_m_s2: f64,
+    /// g.
+    pub gravity_m_s2: f64,
+    /// What is believed at the start: deviation of tilt, rad, and of bias, rad/s.
+    pub start_deviation: [f64; 2],
+}
+
+/// How much the accelerometer is trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weighting {
+    /// Always as at rest: the filter of the paper.
+    Plain,
+    /// R grows with ||a| − g|.
+    Magnitude,
+    /// That, and R at least what recent innovations show.
+    Adaptive,
+}
+
+/// One reading: rate of the tilt by the gyro, tilt by the accelerometer, length of its specific force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// rad/s.
+    pub rate_rad_s: f64,
+    /// rad.
+    pub tilt_rad: f64,
+    /// m/s².
+    pub force_m_s2: f64,
+}
+
+/// What one update did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Update {
+    /// Tilt (rad) and gyro bias (rad/s) after it.
+    pub state: Vector2<f64>,
+    /// Covariance after it.
+    pub covariance: Matrix2<f64>,
+    /// Gain.
+    pub gain: Vector2<f64>,
+    /// Innovation squared over its variance (NIS): mean 1 while the filter's beliefs are true.
+    pub nis: f64,
+    /// Variance given to the accelerometer's tilt, rad².
+    pub tilt_variance_rad2: f64,
+}
+
+/// The filter.
+#[derive(Debug, Clone)]
+pub struct Filter {
+    model: Model,
+    weighting: Weighting,
+    state: Vector2<f64>,
+    covariance: Matrix2<f64>,
+    /// Largest recent excess of | |a| − g |, fading.
+    excess_m_s2: f64,
+    /// Mean recent innovation squared less what the state's own variance explains, fading.
+    surprise_rad2: f64,
+}
+
+/// Memory of the weighting: what was seen fades by a factor e over this time, s.
+const MEMORY_S: f64 = 0.1;
+
+impl Model {
+    /// F: the tilt advances by the rate less the bias.
+    pub fn transition(&self) -> Matrix2<f64> {
+        Matrix2::new(1.0, -self.step_s, 0.0, 1.0)
+    }
+
+    /// H: the accelerometer sees the tilt.
+    pub fn observation(&self) -> RowVector2<f64> {
+        RowVector2::new(1.0, 0.0)
+    }
+
+    /// Q: what one step adds to the uncertainty.
+    pub fn process_noise(&self) -> Matrix2<f64> {
+        let (angle, bias, h) = (self.angle_walk_rad_rts.powi(2), self.bias_walk_rad_s_rts.powi(2), self.step_s);
+        Matrix2::new(angle * h + bias * h.powi(3) / 3.0, -bias * h * h / 2.0, -bias * h * h / 2.0, bias * h)
+    }
+
+    /// The covariance before an update that the filter settles to, by doubling (Anderson 1978): each round squares the
+    /// number of steps done. Independent of the filter's own recursion.
+    pub fn settled_covariance(&self) -> Matrix2<f64> {
+        let h = self.observation();
+        let mut a = self.transition().transpose();
+        let mut g = h.transpose() * h / self.tilt_noise_rad.powi(2);
+        let mut p = self.process_noise();
+        for _ in 0..40 {
+            let Some(inverse) = (Matrix2::identity() + g * p).try_inverse() else { break };
+            let next = a.transpose() * p * inverse * a;
+            let reach = a * inverse * g * a.transpose();
+            a = a * inverse * a;
+            (g, p) = (g + reach, p + next);
+        }
+        p
+    }
+}
+
+impl Filter {
+    /// A filter that starts from a tilt and no bias.
+    pub fn new(model: Model, weighting: Weighting, tilt_rad: f64) -> Self {
+        let [tilt, bias] = model.start_deviation;
+        Self {
+            model,
+            weighting,
+            state: Vector2::new(tilt_rad, 0.0),
+            covariance: Matrix2::new(tilt * tilt, 0.0, 0.0, bias * bias),
+            excess_m_s2: 0.0,
+            surprise_rad2: 0.0,
+        }
+    }
+
+    /// Predicts by the gyro, then corrects by the accelerometer.
+    pub fn step(&mut self, reading: Reading) -> Update {
+        let (f, h) = (self.model.transition(), self.model.observation());
+        self.state = f * self.state + Vector2::new(self.model.step_s * reading.rate_rad_s, 0.0);
+        self.covariance = f * self.covariance * f.transpose() + self.model.process_noise();
+        let innovation = reading.tilt_rad - (h * self.state)[0];
+        let believed = (h * self.covariance * h.transpose())[0];
+        let tilt_variance_rad2 = self.tilt_variance(reading, innovation, believed);
+        let variance = believed + tilt_variance_rad2;
+        let gain = self.covariance * h.transpose() / variance;
+        self.state += gain * innovation;
+        // Joseph's form keeps the covariance symmetric and positive.
+        let left = Matrix2::identity() - gain * h;
+        self.covariance = left * self.covariance * left.transpose() + gain * gain.transpose() * tilt_variance_rad2;
+        let nis = innovation * innovation / variance;
+        Update { state: self.state, covariance: self.covariance, gain, nis, tilt_variance_rad2 }
+    }
+
+    /// R for this reading.
+    fn tilt_variance(&mut self, reading: Reading, innovation: f64, believed: f64) -> f64 {
+        let rest = self.model.tilt_noise_rad.powi(2);
+        if self.weighting == Weighting::Plain {
+            return rest;
+        }
+        let fade = (-self.model.step_s / MEMORY_S).exp();
+        // Beyond three deviations of noise: a sideways acceleration a lengthens the force by a²/2g and tilts it by a/g, so
+        // that the square of the tilt is 2(|a| − g)/g.
+        let excess =
+            ((reading.force_m_s2 - self.model.gravity_m_s2).abs() - 3.0 * self.model.force_noise_m_s2).max(0.0);
+        self.excess_m_s2 = excess.max(self.excess_m_s2 * fade);
+        let moved = rest + 2.0 * self.excess_m_s2 / self.model.gravity_m_s2;
+        if self.weighting == Weighting::Magnitude {
+            return moved;
+        }
+        let seen = (innovation * innovation - believed).max(0.0);
+        self.surprise_rad2 = fade * self.surprise_rad2 + (1.0 - fade) * seen;
+        // At rest the mean surprise is R itself; only what clearly exceeds it (4 R) speaks of motion.
+        if self.surprise_rad2 > 4.0 * rest { moved.max(self.surprise_rad2) } else { moved }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODEL: Model = Model {
+        step_s: 0.01,
+        angle_walk_rad_rts: 6e-4,
+        bias_walk_rad_s_rts: 5e-5,
+        tilt_noise_rad: 1.4e-3,
+        force_noise_m_s2: 0.014,
+        gravity_m_s2: 9.8,
+        start_deviation: [0.02, 0.01],
+    };
+
+    #[test]
+    fn the_recursion_settles_where_doubling_says() {
+        let mut filter = Filter::new(MODEL, Weighting::Plain, 0.0);
+        let rest = Reading { rate_rad_s: 0.0, tilt_rad: 0.0, force_m_s2: 9.8 };
+        for _ in 0..100_000 {
+            filter.step(rest);
+        }
+        let f = MODEL.transition();
+        let before = f * filter.covariance * f.transpose() + MODEL.process_noise();
+        let settled = MODEL.settled_covariance();
+        assert!((before - settled).norm() < 1e-9 * settled.norm(), "{before} {settled}");
+    }
+
+    #[test]
+    fn at_rest_all_weightings_are_the_same_filter() {
+        let run = |weighting| {
+            let mut filter = Filter::new(MODEL, weighting, 0.0);
+            (0..500).map(|_| filter.step(Reading { rate_rad_s: 0.0, tilt_rad: 1e-4, force_m_s2: 9.81 }).gain[0]).last()
+        };
+        assert_eq!(run(Weighting::Plain), run(Weighting::Magnitude));
+        assert_eq!(run(Weighting::Plain), run(Weighting::Adaptive));
+    }
+}

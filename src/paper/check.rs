@@ -1,0 +1,78 @@
+//! A claim as a number that can be wrong: what was expected, what was got, how far apart they may lie.
+
+use serde::Serialize;
+
+/// One machine check. It holds exactly when `got` lies within `tolerance` of `expected`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// What is compared, with its unit.
+    pub name: String,
+    /// The number claimed.
+    pub expected: f64,
+    /// The number computed.
+    pub got: f64,
+    /// The distance allowed.
+    pub tolerance: f64,
+    /// The verdict; NaN never holds.
+    pub holds: bool,
+    /// Where the expected number and the tolerance come from.
+    #[serde(skip)]
+    pub because: String,
+}
+
+impl Check {
+    /// `got` must lie within `tolerance` of `expected`.
+    pub fn near(name: &str, because: &str, expected: f64, got: f64, tolerance: f64) -> Self {
+        let holds = (got - expected).abs() <= tolerance;
+        Self { name: name.into(), expected, got, tolerance, holds, because: because.into() }
+    }
+
+    /// `got` must lie from `low` to `high`: near their middle, within half their distance.
+    pub fn between(name: &str, because: &str, low: f64, high: f64, got: f64) -> Self {
+        Self::near(name, because, 0.5 * (low + high), got, 0.5 * (high - low))
+    }
+}
+
+/// Where a figure's numbers come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// Computed from a model.
+    Simulated,
+    /// Computed from a real recording.
+    Recorded,
+}
+
+/// One figure of the paper and what is checked about it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Exhibit {
+    /// Number in the paper.
+    pub figure: u32,
+    /// What it shows, in our words.
+    pub title: String,
+    /// Where its numbers come from.
+    pub source: Source,
+    /// What is checked.
+    pub checks: Vec<Check>,
+}
+
+impl Exhibit {
+    /// A figure computed from a model.
+    pub fn simulated(figure: u32, title: &str, checks: Vec<Check>) -> Self {
+        Self { figure, title: title.into(), source: Source::Simulated, checks }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_can_fail_and_nan_never_holds() {
+        assert!(Check::near("", "", 1.0, 1.05, 0.1).holds);
+        assert!(!Check::near("", "", 1.0, 1.2, 0.1).holds);
+        assert!(!Check::near("", "", 1.0, f64::NAN, 0.1).holds);
+        assert!(Check::between("", "", 2.0, 4.0, 3.9).holds);
+        assert!(!Check::between("", "", 2.0, 4.0, 4.1).holds);
+    }
+}

@@ -1,0 +1,64 @@
+//! The envelope of an ensemble: spread and quantiles at every sampled time.
+//!
+//! Small ensembles held in memory; large ones stream through `statistics`.
+
+/// What an ensemble does over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Envelope {
+    /// Sampled times.
+    pub time_s: Vec<f64>,
+    /// Mean over members.
+    pub mean: Vec<f64>,
+    /// Standard deviation over members.
+    pub sd: Vec<f64>,
+    /// 5 % quantile.
+    pub p05: Vec<f64>,
+    /// 95 % quantile.
+    pub p95: Vec<f64>,
+}
+
+/// The value below which a share of `sorted` lies, interpolated between ranks; NaN of nothing.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let rank = share * last as f64;
+    let below = (rank as usize).min(last);
+    let above = (below + 1).min(last);
+    sorted[below] + (rank - below as f64) * (sorted[above] - sorted[below])
+}
+
+impl Envelope {
+    /// From members' values at the sampled times: `[member][time]`, each as long as `time_s`.
+    pub fn of(time_s: Vec<f64>, members: &[Vec<f64>]) -> Self {
+        let n = members.len() as f64;
+        let mut envelope = Self { time_s, mean: vec![], sd: vec![], p05: vec![], p95: vec![] };
+        for i in 0..envelope.time_s.len() {
+            let mut values: Vec<f64> = members.iter().map(|m| m[i]).collect();
+            values.sort_by(f64::total_cmp);
+            let mean = values.iter().sum::<f64>() / n;
+            envelope.mean.push(mean);
+            envelope.sd.push((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt());
+            envelope.p05.push(quantile(&values, 0.05));
+            envelope.p95.push(quantile(&values, 0.95));
+        }
+        envelope
+    }
+
+    /// (time, value) pairs of one of the curves.
+    pub fn curve(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        self.time_s.iter().copied().zip(values.iter().copied()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_a_ramp() {
+        let ramp: Vec<f64> = (0..=100).map(f64::from).collect();
+        assert_eq!(quantile(&ramp, 0.05), 5.0);
+        assert!(quantile(&[], 0.5).is_nan());
+        let envelope = Envelope::of(vec![0.0], &[vec![1.0], vec![3.0]]);
+        assert_eq!((envelope.mean[0], envelope.sd[0]), (2.0, 2f64.sqrt()));
+    }
+}
