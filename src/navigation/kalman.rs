@@ -1,7 +1,7 @@
 //! The Kalman filter that fuses a gyro's rate with an accelerometer's tilt: two states, tilt and gyro bias.
 //!
-//! Plain, or with the accelerometer weighed by how far |a| departs from g, or with that and an R adapted to the
-//! innovations. Not for attitude in three axes or with heading.
+//! Plain, or with the accelerometer weighed by how far |a| departs from g, or with that and an R adapted to how the
+//! innovations scatter. Not for attitude in three axes or with heading.
 
 use nalgebra::{Matrix2, RowVector2, Vector2};
 
@@ -68,13 +68,13 @@ pub struct Filter {
     weighting: Weighting,
     state: Vector2<f64>,
     covariance: Matrix2<f64>,
-    /// Largest recent excess of | |a| − g |, fading.
-    excess_m_s2: f64,
-    /// Mean recent innovation squared less what the state's own variance explains, fading.
-    surprise_rad2: f64,
+    /// Largest excess of | |a| − g | within the memory, m/s², and its age, s.
+    excess: (f64, f64),
+    /// Fading mean and variance of the innovations, rad and rad².
+    innovations: (f64, f64),
 }
 
-/// Memory of the weighting: what was seen fades by a factor e over this time, s.
+/// Memory of the weighting, s: long enough to bridge the moments at which a swinging acceleration passes through zero.
 const MEMORY_S: f64 = 0.1;
 
 impl Model {
@@ -121,8 +121,8 @@ impl Filter {
             weighting,
             state: Vector2::new(tilt_rad, 0.0),
             covariance: Matrix2::new(tilt * tilt, 0.0, 0.0, bias * bias),
-            excess_m_s2: 0.0,
-            surprise_rad2: 0.0,
+            excess: (0.0, 0.0),
+            innovations: (0.0, 0.0),
         }
     }
 
@@ -133,7 +133,7 @@ impl Filter {
         self.covariance = f * self.covariance * f.transpose() + self.model.process_noise();
         let innovation = reading.tilt_rad - (h * self.state)[0];
         let believed = (h * self.covariance * h.transpose())[0];
-        let tilt_variance_rad2 = self.tilt_variance(reading, innovation, believed);
+        let tilt_variance_rad2 = self.tilt_variance(reading, innovation);
         let variance = believed + tilt_variance_rad2;
         let gain = self.covariance * h.transpose() / variance;
         self.state += gain * innovation;
@@ -145,25 +145,30 @@ impl Filter {
     }
 
     /// R for this reading.
-    fn tilt_variance(&mut self, reading: Reading, innovation: f64, believed: f64) -> f64 {
+    fn tilt_variance(&mut self, reading: Reading, innovation: f64) -> f64 {
         let rest = self.model.tilt_noise_rad.powi(2);
         if self.weighting == Weighting::Plain {
             return rest;
         }
-        let fade = (-self.model.step_s / MEMORY_S).exp();
-        // Beyond three deviations of noise: a sideways acceleration a lengthens the force by a²/2g and tilts it by a/g, so
+        // Beyond four deviations of noise: a sideways acceleration a lengthens the force by a²/2g and tilts it by a/g, so
         // that the square of the tilt is 2(|a| − g)/g.
-        let excess =
-            ((reading.force_m_s2 - self.model.gravity_m_s2).abs() - 3.0 * self.model.force_noise_m_s2).max(0.0);
-        self.excess_m_s2 = excess.max(self.excess_m_s2 * fade);
-        let moved = rest + 2.0 * self.excess_m_s2 / self.model.gravity_m_s2;
+        let beyond = (reading.force_m_s2 - self.model.gravity_m_s2).abs() - 4.0 * self.model.force_noise_m_s2;
+        let (held, age_s) = self.excess;
+        let expired = age_s + self.model.step_s > MEMORY_S;
+        self.excess =
+            if beyond.max(0.0) >= held || expired { (beyond.max(0.0), 0.0) } else { (held, age_s + self.model.step_s) };
+        let moved = rest + 2.0 * self.excess.0 / self.model.gravity_m_s2;
         if self.weighting == Weighting::Magnitude {
             return moved;
         }
-        let seen = (innovation * innovation - believed).max(0.0);
-        self.surprise_rad2 = fade * self.surprise_rad2 + (1.0 - fade) * seen;
-        // At rest the mean surprise is R itself; only what clearly exceeds it (4 R) speaks of motion.
-        if self.surprise_rad2 > 4.0 * rest { moved.max(self.surprise_rad2) } else { moved }
+        // The scatter of the innovations about their mean: a steady innovation is the filter's own error and must be
+        // followed, a scattered one is motion. Twelve effective samples scatter by chance up to 4 R.
+        let share = 1.0 - (-self.model.step_s / MEMORY_S).exp();
+        let (mean, variance) = self.innovations;
+        let away = innovation - mean;
+        self.innovations = (mean + share * away, (1.0 - share) * (variance + share * away * away));
+        let seen = self.innovations.1;
+        if seen > 4.0 * rest { moved.max(seen) } else { moved }
     }
 }
 
