@@ -1,1 +1,90 @@
-//! The map of the Duffing equation: largest Lyapunov exponent and period over two of its parameters.
+//! The map of the Duffing equation: largest Lyapunov exponent and period over two of its parameters, and bifurcation
+//! diagrams along the force.
+//!
+//! A map is a document (`map.toml`), so that a sensor designer can put their own proof mass in place of the paper's. Not
+//! for real sensors' noise budgets: that is `study`.
+
+pub mod document;
+pub mod grid;
+
+use rayon::prelude::*;
+
+use crate::backend::orbits::Device;
+use crate::dynamics::bifurcation::{Sweep, sweep};
+use crate::error::Result;
+use crate::progress;
+use document::{Diagram, Document};
+use grid::Grid;
+
+/// A computed document.
+#[derive(Debug, Clone)]
+pub struct Atlas {
+    /// What was asked.
+    pub document: Document,
+    /// One per `[[map]]`.
+    pub grids: Vec<Grid>,
+    /// One per `[[bifurcation]]`.
+    pub diagrams: Vec<Bifurcation>,
+}
+
+/// One bifurcation diagram.
+#[derive(Debug, Clone)]
+pub struct Bifurcation {
+    /// What was asked.
+    pub diagram: Diagram,
+    /// (amplitude, strobed displacement) on the way up, N and m.
+    pub up: Vec<(f64, f64)>,
+    /// The same on the way down, in the order of the sweep.
+    pub down: Vec<(f64, f64)>,
+}
+
+impl Bifurcation {
+    /// Amplitudes at which the way down stands elsewhere than the way up: hysteresis. In N, from the smallest; the means of
+    /// all strobes are compared, against `tolerance_m`.
+    pub fn hysteresis_n(&self, tolerance_m: f64) -> Vec<f64> {
+        let strobes = self.diagram.strobes as usize;
+        let means = |cloud: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            cloud.chunks(strobes).map(|c| (c[0].0, c.iter().map(|p| p.1).sum::<f64>() / c.len() as f64)).collect()
+        };
+        let (up, mut down) = (means(&self.up), means(&self.down));
+        down.reverse();
+        up.iter().zip(&down).filter(|(u, d)| (u.1 - d.1).abs() > tolerance_m).map(|(u, _)| u.0).collect()
+    }
+}
+
+/// Computes everything a document asks for.
+///
+/// # Errors
+/// When the device fails or Ctrl-C stops it.
+pub fn compute(document: Document, device: Device) -> Result<Atlas> {
+    let rows: u64 = document.map.iter().map(|m| u64::from(m.y.points)).sum();
+    let bar = progress::bar("mapping", rows + document.bifurcation.len() as u64);
+    let mut grids = Vec::new();
+    for map in &document.map {
+        grids.push(grid::compute(&document, map, device, &bar)?);
+    }
+    let diagrams = document
+        .bifurcation
+        .par_iter()
+        .map(|d| {
+            let omega_rad_s = document.drive.omega_rad_s();
+            let up = Sweep {
+                from_n: d.from_n,
+                to_n: d.to_n,
+                points: d.points,
+                omega_rad_s,
+                transient_periods: d.transient_periods,
+                strobes: d.strobes,
+                noise_n_rts: d.noise_n_rts,
+                seed: document.seed,
+            };
+            let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed + 1, ..up };
+            let oscillator = document.oscillator.into();
+            let (up, down) = rayon::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
+            bar.inc(1);
+            Bifurcation { diagram: d.clone(), up, down }
+        })
+        .collect();
+    bar.finish_and_clear();
+    Ok(Atlas { grids, diagrams, document })
+}

@@ -16,3 +16,97 @@ pub mod linear;
 pub mod moved;
 pub mod parting;
 pub mod pitch;
+
+use std::path::Path;
+
+use crate::backend::orbits::Device;
+use crate::document::parse_toml;
+use crate::error::{Error, Result};
+use crate::map::Atlas;
+use crate::progress;
+use check::Exhibit;
+
+/// Everything computed.
+#[derive(Debug, Clone)]
+pub struct Paper {
+    /// Figure 1.
+    pub array: array::Array,
+    /// Figures 2 to 4.
+    pub growth: growth::Growth,
+    /// Figures 5 to 10.
+    pub pitch: pitch::Pitch,
+    /// Figures 11 and 12.
+    pub fusion: fusion::Fusion,
+    /// Figures 13 to 15.
+    pub linear: linear::Linear,
+    /// Figure 16.
+    pub cubic: cubic::Cubic,
+    /// Figures 17 to 19.
+    pub attractor: attractor::Attractor,
+    /// Figure 20.
+    pub parting: parting::Parting,
+    /// The maps and bifurcation diagrams around the paper's point.
+    pub atlas: Option<Atlas>,
+}
+
+/// The committed map of the paper's equation.
+const MAP: &str = include_str!("../reports/map/map.toml");
+
+impl Paper {
+    /// Figures 1 to 20 in order.
+    pub fn exhibits(&self) -> Vec<&Exhibit> {
+        let mut all = vec![&self.array.exhibit];
+        all.extend(&self.growth.exhibits);
+        all.extend(&self.pitch.exhibits);
+        all.extend(&self.fusion.exhibits);
+        all.extend(&self.linear.exhibits);
+        all.push(&self.cubic.exhibit);
+        all.extend(&self.attractor.exhibits);
+        all.push(&self.parting.exhibit);
+        all
+    }
+}
+
+/// Computes all figures; those of a real IMU from the recordings in `data` where it holds them, else simulated. `maps` asks
+/// for the two-dimensional maps too, which no check needs.
+///
+/// # Errors
+/// A recording that cannot be used; Ctrl-C.
+pub fn compute(data: Option<&Path>, maps: bool, device: Device) -> Result<Paper> {
+    let bar = progress::bar("twenty figures", 8);
+    let step = || {
+        bar.inc(1);
+        if progress::interrupted() {
+            return Err(Error::interrupted("could not finish the paper", "run it again; it takes about a minute"));
+        }
+        Ok(())
+    };
+    let array = array::compute();
+    step()?;
+    let growth = growth::compute();
+    step()?;
+    let imu = match data.filter(|folder| folder.join("xsens_mti").is_dir()) {
+        Some(folder) => inertial::recorded(folder)?,
+        None => inertial::simulated(),
+    };
+    let pitch = pitch::compute(&imu);
+    step()?;
+    let fusion = fusion::compute(moved::compute(&imu, &pitch));
+    step()?;
+    let (linear, cubic) = (linear::compute(), cubic::compute());
+    step()?;
+    let attractor = attractor::compute()?;
+    step()?;
+    let parting = parting::compute(&attractor.drive, attractor.exponent);
+    step()?;
+    bar.finish_and_clear();
+    let atlas = match maps {
+        true => {
+            let mut document: crate::map::document::Document = parse_toml("reports/map/map.toml", MAP)?;
+            document.drive.amplitude_n = attractor.drive.amplitude_n;
+            Some(crate::map::compute(document, device)?)
+        }
+        false => None,
+    };
+    Ok(Paper { array, growth, pitch, fusion, linear, cubic, attractor, parting, atlas })
+}

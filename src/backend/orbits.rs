@@ -1,4 +1,4 @@
-//! Runs the map kernels on the CPU: blocks of 64 lanes over all threads, widest vector unit the host has.
+//! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector unit the host has.
 
 use rayon::prelude::*;
 
@@ -7,6 +7,23 @@ use crate::kernel::cpu::lyapunov::exponents;
 use crate::kernel::cpu::poincare::{Block, LANES, Real, strobes};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::progress;
+
+/// Where orbits are integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Device {
+    /// CPU lanes in f32.
+    Cpu,
+}
+
+/// Integrates every point on a device in f32.
+///
+/// # Errors
+/// When stopped by Ctrl-C, or when the device fails.
+pub fn explore_on(device: Device, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+    match device {
+        Device::Cpu => explore::<f32>(points, plan),
+    }
+}
 
 /// Integrates every point; the result does not depend on the number of threads. `T` is f32, or f64 for references.
 ///

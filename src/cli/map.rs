@@ -1,15 +1,121 @@
-//! `proofmass map`.
+//! `proofmass map`: a map.toml in, the maps and bifurcation diagrams of its oscillator out.
 
-use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use crate::backend::orbits::Device;
+use crate::document::{read_toml, write_whole};
+use crate::error::Result;
+use crate::map::grid::Grid;
+use crate::map::{Atlas, compute};
+use crate::report::map as page;
+use crate::report::number::significant;
+
+const EXAMPLE: &str = "map.toml:
+  name = \"my proof mass\"
+  [oscillator]              # m x'' + D0 x' + k x + epsilon x^3 = F0 cos(omega t)
+  mass_kg = 1.0
+  damping_kg_s = 0.1
+  stiffness_n_m = 1.0
+  cubic_n_m3 = 0.3
+  [drive]                   # the point that is marked; omega_rad_s or frequency_hz
+  amplitude_n = 66.75
+  omega_rad_s = 1.5
+  [[map]]                   # any two of amplitude_n omega_rad_s frequency_hz cubic_n_m3 damping_kg_s stiffness_n_m
+  title = \"force and frequency\"
+  x = { quantity = \"amplitude_n\", from = 0.0, to = 100.0, points = 256 }
+  y = { quantity = \"omega_rad_s\", from = 0.5, to = 3.0, points = 256 }
+  transient_periods = 100
+  periods = 100
+  noise_n_rts = 0.0         # white force noise, two-sided coefficient
+  [[bifurcation]]           # swept up and down
+  title = \"along the force\"
+  from_n = 0.1
+  to_n = 100.0
+  points = 900
+  transient_periods = 100
+  strobes = 100
+  noise_n_rts = 0.0";
 
 /// Arguments of `map`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+#[command(after_help = EXAMPLE)]
+pub struct Arguments {
+    /// What to map (map.toml)
+    pub map: PathBuf,
+    /// Where to write report.html, one CSV per map and the figures
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
 
-/// Runs it.
+/// Maps, prints a summary and writes the report.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `map`", "not built yet", "see the README"))
+/// A map file that cannot be used; a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let document: crate::map::document::Document = read_toml(&arguments.map)?;
+    document.check()?;
+    let atlas = compute(document, Device::Cpu)?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &atlas)?;
+    }
+    if json {
+        println!("{:#}", summary(&atlas));
+    } else {
+        print!("{}", page::table(&atlas));
+        if let Some(folder) = &arguments.out {
+            println!("report: {}", folder.join("report.html").display());
+        }
+    }
+    Ok(())
+}
+
+fn summary(atlas: &Atlas) -> serde_json::Value {
+    let maps: Vec<_> = atlas
+        .grids
+        .iter()
+        .map(|g| {
+            let largest = g.exponent_per_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            json!({"title": g.map.title, "cells": g.exponent_per_s.len(), "chaotic_share": g.chaotic_share(),
+                "largest_exponent_per_s": largest,
+                "x": {"quantity": g.map.x.quantity, "from": g.map.x.from, "to": g.map.x.to, "points": g.map.x.points},
+                "y": {"quantity": g.map.y.quantity, "from": g.map.y.from, "to": g.map.y.to, "points": g.map.y.points}})
+        })
+        .collect();
+    let diagrams: Vec<_> = atlas
+        .diagrams
+        .iter()
+        .map(|b| json!({"title": b.diagram.title, "amplitudes_with_hysteresis": b.hysteresis_n(page::APART_M).len()}))
+        .collect();
+    json!({"name": atlas.document.name, "maps": maps, "bifurcations": diagrams})
+}
+
+/// x, y, exponent and period of every cell.
+fn csv(grid: &Grid) -> String {
+    let mut text = String::from("x,y,exponent_per_s,period\n");
+    for (cell, (exponent, period)) in grid.exponent_per_s.iter().zip(&grid.period).enumerate() {
+        let (column, row) = (cell as u32 % grid.map.x.points, cell as u32 / grid.map.x.points);
+        text += &format!("{},{},{exponent:.6},{period}\n", grid.map.x.at(column), grid.map.y.at(row));
+    }
+    text
+}
+
+fn write(folder: &Path, atlas: &Atlas) -> Result<()> {
+    for (i, grid) in atlas.grids.iter().enumerate() {
+        write_whole(&folder.join(format!("map-{}.csv", i + 1)), csv(grid).as_bytes())?;
+    }
+    let lede = format!(
+        "Where a driven Duffing proof mass is periodic and where it is chaotic: largest Lyapunov exponent and period over \
+         its parameters. The marked point is F₀ = {} N at ω = {} rad/s.",
+        significant(atlas.document.drive.amplitude_n, 4),
+        significant(atlas.document.drive.omega_rad_s(), 4),
+    );
+    let mut paper = crate::report::html::Page::new(&atlas.document.name, &lede);
+    paper.table(&page::table(atlas));
+    page::write(&mut paper, atlas);
+    for (name, figure) in page::figures(atlas) {
+        write_whole(&folder.join(format!("{name}.svg")), figure.file_svg().as_bytes())?;
+    }
+    write_whole(&folder.join("report.html"), paper.finish().as_bytes())
 }

@@ -1,15 +1,50 @@
-//! `proofmass paper`.
+//! `proofmass paper`: the twenty figures, their checks, one page.
 
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use crate::backend::orbits::Device;
+use crate::document::write_whole;
 use crate::error::{Error, Result};
+use crate::paper::compute;
+use crate::report::paper as page;
 
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Where to write report.html
+    #[arg(long, value_name = "DIR", default_value = "reports/paper")]
+    pub out: PathBuf,
+    /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated
+    #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
+    pub data: Option<PathBuf>,
+}
 
-/// Runs it.
+/// Computes, prints which checks hold and writes the page.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `paper`", "not built yet", "see the README"))
+/// A recording that cannot be used; a folder that cannot be written; Ctrl-C.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    if let Some(folder) = arguments.data.as_ref().filter(|f| !f.is_dir()) {
+        return Err(Error::new(
+            "could not use the recordings",
+            format!("{} is no folder", folder.display()),
+            "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
+        ));
+    }
+    let beside = PathBuf::from("../shared/data");
+    let data = arguments.data.clone().or_else(|| beside.is_dir().then_some(beside));
+    let paper = compute(data.as_deref(), true, Device::Cpu)?;
+    write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
+    if json {
+        println!("{:#}", json!({ "figures": paper.exhibits() }));
+    } else {
+        print!("{}", page::table(&paper));
+        for failure in page::failures(&paper) {
+            println!("does not hold: {failure}");
+        }
+        println!("report: {}", arguments.out.join("report.html").display());
+    }
+    Ok(())
 }

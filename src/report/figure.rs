@@ -105,6 +105,11 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes (`f-ink`, `s-c1`, …).
+    pub fn from_svg(svg: String) -> Self {
+        Self { svg }
+    }
+
     /// SVG to stand inside a page that carries the theme's style.
     pub fn inline_svg(&self) -> &str {
         &self.svg

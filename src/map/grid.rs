@@ -1,0 +1,114 @@
+//! One map: every cell an orbit of its own from rest.
+
+use indicatif::ProgressBar;
+
+use super::document::{Document, Map, Quantity};
+use crate::backend::orbits::{Device, explore_on};
+use crate::dynamics::duffing::{Drive, Oscillator};
+use crate::error::Result;
+use crate::kernel::orbit::{Plan, Point};
+
+/// Strobes recorded to recognise a period: up to half as many can be found.
+pub const STROBES: u32 = 32;
+/// Strobes agree, relative to their size, when they repeat: above rounding in f32, below any period doubling drawn here.
+const TOLERANCE: f32 = 2e-3;
+
+/// A computed map; rows from the bottom up.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    /// What was asked.
+    pub map: Map,
+    /// Largest Lyapunov exponent, 1/s; NaN where the orbit was lost.
+    pub exponent_per_s: Vec<f64>,
+    /// Period in periods of the force; zero where none up to 16 was found.
+    pub period: Vec<u32>,
+    /// Runge–Kutta steps per period, fewest and most.
+    pub steps: (u32, u32),
+}
+
+impl Grid {
+    /// Share of cells that are chaotic: a positive exponent and no period.
+    pub fn chaotic_share(&self) -> f64 {
+        let chaotic = self.exponent_per_s.iter().zip(&self.period).filter(|(e, p)| **e > 0.01 && **p == 0).count();
+        chaotic as f64 / self.exponent_per_s.len().max(1) as f64
+    }
+
+    /// The cell that holds a point, if it lies inside.
+    pub fn cell(&self, x: f64, y: f64) -> Option<usize> {
+        let part = |axis: &super::document::Range, v: f64| {
+            let fraction = (v - axis.from) / (axis.to - axis.from);
+            (0.0..1.0).contains(&fraction).then_some((fraction * f64::from(axis.points)) as usize)
+        };
+        Some(part(&self.map.y, y)? * self.map.x.points as usize + part(&self.map.x, x)?)
+    }
+}
+
+fn set(oscillator: &mut Oscillator, drive: &mut Drive, quantity: Quantity, value: f64) {
+    match quantity {
+        Quantity::AmplitudeN => drive.amplitude_n = value,
+        Quantity::OmegaRadS => drive.omega_rad_s = value,
+        Quantity::FrequencyHz => drive.omega_rad_s = 2.0 * std::f64::consts::PI * value,
+        Quantity::CubicNM3 => oscillator.cubic_n_m3 = value,
+        Quantity::DampingKgS => oscillator.damping_kg_s = value,
+        Quantity::StiffnessNM => oscillator.stiffness_n_m = value,
+    }
+}
+
+/// Computes a map row by row; each row takes the step its stiffest cell needs.
+///
+/// # Errors
+/// When the device fails or Ctrl-C stops it.
+pub fn compute(document: &Document, map: &Map, device: Device, bar: &ProgressBar) -> Result<Grid> {
+    let mut grid = Grid { map: map.clone(), exponent_per_s: vec![], period: vec![], steps: (u32::MAX, 0) };
+    // Rows that need the same step are one job, so that a device is filled.
+    let mut rows: Vec<(u32, Vec<Point>)> = Vec::new();
+    for y in 0..map.y.points {
+        let mut steps = 0;
+        let points = (0..map.x.points)
+            .map(|x| {
+                let mut oscillator: Oscillator = document.oscillator.into();
+                let mut drive =
+                    Drive { amplitude_n: document.drive.amplitude_n, omega_rad_s: document.drive.omega_rad_s() };
+                set(&mut oscillator, &mut drive, map.x.quantity, map.x.at(x));
+                set(&mut oscillator, &mut drive, map.y.quantity, map.y.at(y));
+                steps = steps.max(oscillator.steps_per_period(drive.amplitude_n, drive.omega_rad_s));
+                let mass = oscillator.mass_kg;
+                Point {
+                    damping_per_s: oscillator.damping_kg_s / mass,
+                    stiffness_per_s2: oscillator.stiffness_n_m / mass,
+                    cubic_per_m2_s2: oscillator.cubic_n_m3 / mass,
+                    amplitude_m_s2: drive.amplitude_n / mass,
+                    omega_rad_s: drive.omega_rad_s,
+                    noise_m_s2_rts: map.noise_n_rts / mass,
+                    x_m: 0.0,
+                    v_m_s: 0.0,
+                }
+            })
+            .collect::<Vec<_>>();
+        // Rounded up so that neighbouring rows share a step.
+        rows.push((steps.next_multiple_of(32), points));
+    }
+    let mut done = 0u64;
+    for group in rows.chunk_by(|a, b| a.0 == b.0) {
+        // At most this many cells at once: a progress bar that moves, and Ctrl-C that is heard.
+        for part in group.chunks((16_384 / map.x.points as usize).max(1)) {
+            let points: Vec<Point> = part.iter().flat_map(|r| r.1.iter().copied()).collect();
+            let plan = Plan {
+                seed: document.seed,
+                first_member: done,
+                steps_per_period: part[0].0,
+                transient_periods: map.transient_periods,
+                periods: map.periods,
+                strobes: STROBES,
+            };
+            done += points.len() as u64;
+            for orbit in explore_on(device, &points, &plan)? {
+                grid.exponent_per_s.push(orbit.exponent_per_s);
+                grid.period.push(orbit.period(TOLERANCE).unwrap_or(0));
+            }
+            grid.steps = (grid.steps.0.min(part[0].0), grid.steps.1.max(part[0].0));
+            bar.inc(part.len() as u64);
+        }
+    }
+    Ok(grid)
+}

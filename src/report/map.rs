@@ -1,0 +1,156 @@
+//! The map as figures and a page: exponent, period, bifurcation diagrams with both sweeps.
+
+use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
+use super::html::Page;
+use super::number::significant;
+use super::table::Table;
+use crate::map::document::Quantity;
+use crate::map::grid::Grid;
+use crate::map::{Atlas, Bifurcation};
+
+/// Sweeps whose mean displacements lie farther apart than this count as different, m.
+pub const APART_M: f64 = 0.5;
+
+/// A line per map and diagram.
+pub fn table(atlas: &Atlas) -> Table {
+    let mut table = Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period"]);
+    for g in &atlas.grids {
+        let largest = g.exponent_per_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        table.row([
+            g.map.title.clone(),
+            g.exponent_per_s.len().to_string(),
+            format!("{} %", significant(100.0 * g.chaotic_share(), 2)),
+            significant(largest, 3),
+            format!("{} to {}", g.steps.0, g.steps.1),
+        ]);
+    }
+    for b in &atlas.diagrams {
+        let apart = b.hysteresis_n(APART_M).len();
+        table.row([
+            format!("bifurcation, {}", b.diagram.title),
+            b.diagram.points.to_string(),
+            format!("{apart} amplitudes differ between up and down"),
+        ]);
+    }
+    table
+}
+
+fn mark(atlas: &Atlas, quantity: Quantity) -> f64 {
+    let (oscillator, drive) = (&atlas.document.oscillator, &atlas.document.drive);
+    match quantity {
+        Quantity::AmplitudeN => drive.amplitude_n,
+        Quantity::OmegaRadS => drive.omega_rad_s(),
+        Quantity::FrequencyHz => drive.omega_rad_s() / (2.0 * std::f64::consts::PI),
+        Quantity::CubicNM3 => oscillator.cubic_n_m3,
+        Quantity::DampingKgS => oscillator.damping_kg_s,
+        Quantity::StiffnessNM => oscillator.stiffness_n_m,
+    }
+}
+
+/// A heat map over a grid with the document's point marked.
+fn heat(atlas: &Atlas, grid: &Grid, title: &str, values: &[f64], limits: (f64, f64), label: &str) -> Figure {
+    let (x, y) = (&grid.map.x, &grid.map.y);
+    let mut chart = Chart::new(
+        title,
+        Axis::linear(x.quantity.label()).within(x.from, x.to),
+        Axis::linear(y.quantity.label()).within(y.from, y.to),
+    );
+    chart.raster = Some(Raster::heat_map(values, x.points as usize, (x.from, x.to), (y.from, y.to), limits, label));
+    let at = (mark(atlas, x.quantity), mark(atlas, y.quantity));
+    if grid.cell(at.0, at.1).is_some() {
+        let (w, h) = (0.02 * (x.to - x.from), 0.025 * (y.to - y.from));
+        chart.add("the point plotted", Ink::Red, Mark::Line, vec![(at.0 - w, at.1), (at.0 + w, at.1)]);
+        chart.add("", Ink::Red, Mark::Line, vec![(at.0, at.1 - h), (at.0, at.1 + h)]);
+    }
+    chart.draw()
+}
+
+/// Exponent and period of one grid.
+pub fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
+    let mut sorted: Vec<f64> = grid.exponent_per_s.iter().copied().filter(|e| e.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    // The upper end holds all but one in a thousand cells; the lower end is as far below zero, so that zero is mid-ramp.
+    let high = sorted.get(sorted.len() * 999 / 1000).copied().unwrap_or(1.0).max(0.02);
+    let exponent = heat(atlas, grid, &grid.map.title, &grid.exponent_per_s, (-high, high), "largest exponent / (1/s)");
+    let period: Vec<f64> = grid.period.iter().map(|p| if *p == 0 { f64::NAN } else { f64::from(*p).log2() }).collect();
+    let period = heat(atlas, grid, "Period (blank: none up to 16)", &period, (0.0, 4.0), "log₂ of the period");
+    [exponent, period]
+}
+
+/// Strobed displacement against the force, up and down.
+pub fn diagram(b: &Bifurcation) -> [Figure; 2] {
+    let cloud = |points: &[(f64, f64)], way: &str| {
+        let (low, high) =
+            b.up.iter().chain(&b.down).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.1), h.max(p.1)));
+        let (x, y) = ((b.diagram.from_n, b.diagram.to_n), (low, high));
+        let mut chart = Chart::new(
+            &format!("{}, {way}", b.diagram.title),
+            Axis::linear("amplitude of the force F₀ / N").within(x.0, x.1),
+            Axis::linear("displacement at the strobe / m").within(y.0, y.1),
+        );
+        chart.raster = Some(Raster::cloud(points.iter().copied(), (900, 600), x, y));
+        chart.draw()
+    };
+    [cloud(&b.up, "force rising"), cloud(&b.down, "force falling")]
+}
+
+/// Every figure with a file name.
+pub fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
+    let mut all = Vec::new();
+    for (i, g) in atlas.grids.iter().enumerate() {
+        let [exponent, period] = grid(atlas, g);
+        all.push((format!("map-{}-exponent", i + 1), exponent));
+        all.push((format!("map-{}-period", i + 1), period));
+    }
+    for (i, b) in atlas.diagrams.iter().enumerate() {
+        let [up, down] = diagram(b);
+        all.push((format!("bifurcation-{}-up", i + 1), up));
+        all.push((format!("bifurcation-{}-down", i + 1), down));
+    }
+    all
+}
+
+/// Writes maps and diagrams onto a page.
+pub fn write(page: &mut Page, atlas: &Atlas) {
+    for g in &atlas.grids {
+        page.subsection(&g.map.title);
+        let [exponent, period] = grid(atlas, g);
+        let noise = if g.map.noise_n_rts > 0.0 {
+            format!(" White force noise of {} N·√s acts throughout.", significant(g.map.noise_n_rts, 2))
+        } else {
+            String::new()
+        };
+        let first = format!(
+            "Largest Lyapunov exponent of eq. 6, each cell from rest, averaged over {} periods after {}; {} to {} \
+             Runge–Kutta steps a period in f32. Above zero (mid-ramp) neighbours part: {} % of the cells are chaotic.{noise}",
+            g.map.periods,
+            g.map.transient_periods,
+            g.steps.0,
+            g.steps.1,
+            significant(100.0 * g.chaotic_share(), 2),
+        );
+        let second = "Smallest number of forcing periods after which the strobed orbit repeats.";
+        page.figure_row(&[(&exponent, &first), (&period, second)]);
+    }
+    for b in &atlas.diagrams {
+        page.subsection(&format!("Bifurcation diagram: {}", b.diagram.title));
+        let [up, down] = diagram(b);
+        let apart = b.hysteresis_n(APART_M);
+        let words = match (apart.first(), apart.last()) {
+            (Some(first), Some(last)) => format!(
+                "Force falling. At {} of {} amplitudes between {} and {} N the means of the two sweeps lie more than {APART_M} \
+                 m apart: coexisting attractors (hysteresis), or windows where the sampled chaos differs.",
+                apart.len(),
+                b.diagram.points,
+                significant(*first, 3),
+                significant(*last, 3)
+            ),
+            _ => "Force falling: nowhere apart from the way up.".into(),
+        };
+        let rising = format!(
+            "Force rising: {} strobes at each of {} amplitudes, the state carried from one to the next.",
+            b.diagram.strobes, b.diagram.points
+        );
+        page.figure_row(&[(&up, &rising), (&down, &words)]);
+    }
+}

@@ -1,0 +1,115 @@
+//! The paper as one page: the story in order, each figure with its caption and its checks.
+
+mod chaos;
+mod diagram;
+mod growth;
+mod mechanics;
+mod tilt;
+
+use super::html::Page;
+use super::number::significant;
+use super::table::Table;
+use crate::paper::Paper;
+use crate::paper::check::{Exhibit, Source};
+
+/// One line per figure, for a terminal.
+pub fn table(paper: &Paper) -> Table {
+    let mut table = Table::new(&["figure", "what it shows", "source", "checks that hold"]);
+    for e in paper.exhibits() {
+        let hold = e.checks.iter().filter(|c| c.holds).count();
+        table.row([
+            e.figure.to_string(),
+            e.title.clone(),
+            words(e.source).into(),
+            format!("{hold} of {}", e.checks.len()),
+        ]);
+    }
+    table
+}
+
+/// Every check that does not hold, as a sentence.
+pub fn failures(paper: &Paper) -> Vec<String> {
+    paper
+        .exhibits()
+        .iter()
+        .flat_map(|e| e.checks.iter().filter(|c| !c.holds).map(move |c| (e.figure, c)))
+        .map(|(figure, c)| {
+            format!("figure {figure}, {}: expected {} ± {}, got {}", c.name, c.expected, c.tolerance, c.got)
+        })
+        .collect()
+}
+
+fn words(source: Source) -> &'static str {
+    match source {
+        Source::Simulated => "simulated",
+        Source::Recorded => "recorded",
+    }
+}
+
+/// At most `most` points of a curve, evenly taken, the last kept.
+fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
+    let every = points.len().div_ceil(most.max(2)).max(1);
+    let mut out: Vec<_> = points.iter().copied().step_by(every).collect();
+    if let (Some(last), Some(kept)) = (points.last(), out.last())
+        && last != kept
+    {
+        out.push(*last);
+    }
+    out
+}
+
+/// Heading of a figure's section.
+fn head(page: &mut Page, exhibit: &Exhibit) {
+    page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
+}
+
+/// The checks of a figure.
+fn checks(page: &mut Page, exhibit: &Exhibit) {
+    let mut table =
+        Table::new(&["check", "expected", "got", "tolerance", "holds", "where the expected value comes from"]);
+    for c in &exhibit.checks {
+        table.row([
+            c.name.clone(),
+            significant(c.expected, 4),
+            significant(c.got, 4),
+            significant(c.tolerance, 2),
+            if c.holds { "yes".into() } else { "NO".to_owned() },
+            c.because.clone(),
+        ]);
+    }
+    page.table(&table);
+}
+
+/// The whole page.
+pub fn page(paper: &Paper) -> String {
+    let exhibits = paper.exhibits();
+    let all: usize = exhibits.iter().map(|e| e.checks.len()).sum();
+    let hold: usize = exhibits.iter().flat_map(|e| &e.checks).filter(|c| c.holds).count();
+    let lede = format!(
+        "An inertial sensor knows where it is by integrating acceleration twice, and so integrates every error of its \
+         reading twice as well. Twenty figures, recomputed from equations and recordings, show how fast that goes wrong and \
+         why: noise, tilt, motion, the sensor's own mechanics and, in the end, chaos. {hold} of {all} checks hold."
+    );
+    let mut page = Page::new("Why an inertial sensor drifts, in twenty figures", &lede);
+    page.paragraph(
+        "The figures follow the paper \"MEMS Modelling in the Context of Inertial Navigation\" in its order and numbering. \
+         Captions say what is computed, from what, and with which equation. Under each figure stand its checks: a number \
+         expected, the number got, how far apart they may lie, and where the expected number comes from. Where the paper's \
+         claim is not what comes out, the text says so.",
+    );
+    page.paragraph(
+        "Eq. 1 is the whole idea: distance is the double integral of acceleration, d(t) = ∬ a dt². Eq. 2 is the whole \
+         trouble: the sensor reads a + aₙ, so the distance is off by ∬ aₙ dt². A constant aₙ becomes ½aₙt²; everything below \
+         is about what else aₙ can be.",
+    );
+    growth::write(&mut page, paper);
+    tilt::write(&mut page, paper);
+    mechanics::write(&mut page, paper);
+    chaos::write(&mut page, paper);
+    page.section("All checks at a glance");
+    page.table(&table(paper));
+    for failure in failures(paper) {
+        page.callout(&failure);
+    }
+    page.finish()
+}

@@ -1,0 +1,318 @@
+//! Figures 5 to 12 on the page.
+
+use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
+use super::super::html::Page;
+use super::super::number::{significant, with_uncertainty};
+use super::super::table::Table;
+use super::{checks, diagram, head, thin};
+use crate::paper::Paper;
+use crate::paper::check::Source;
+use crate::paper::envelope::quantile;
+use crate::paper::fusion::{BACK_AFTER_S, Fusion, MOVED_UNTIL_S, STILL_UNTIL_S};
+use crate::paper::pitch::{Curve, Pitch};
+use crate::units::DEGREE;
+
+pub(super) fn write(page: &mut Page, paper: &Paper) {
+    moving(page, &paper.pitch);
+    still(page, &paper.pitch);
+    distributions(page, &paper.pitch);
+    eleven(page, &paper.fusion);
+    twelve(page, &paper.fusion, &paper.pitch);
+}
+
+fn degrees(curve: &[(f64, f64)], most: usize) -> Curve {
+    thin(&curve.iter().map(|p| (p.0, p.1 / DEGREE)).collect::<Vec<_>>(), most)
+}
+
+fn pitches(title: &str, force: &[(f64, f64)], gyro: &[(f64, f64)]) -> Chart {
+    Chart::new(title, Axis::linear("time / s"), Axis::linear("pitch / °"))
+        .with("accelerometer, eq. 3", Ink::Red, Mark::Line, degrees(force, 1400))
+        .with("gyro, integrated", Ink::Blue, Mark::Line, degrees(gyro, 1400))
+}
+
+fn moving(page: &mut Page, pitch: &Pitch) {
+    let [five, six, ..] = &pitch.exhibits;
+    head(page, five);
+    page.paragraph(
+        "Tilt can be read from gravity itself: eq. 3, pitch = atan(a_x/√(a_y² + a_z²)), needs no integration and so cannot \
+         drift. But it takes every acceleration for gravity.",
+    );
+    let alone = Chart::new("A sensor turned by hand", Axis::linear("time / s"), Axis::linear("pitch / °"))
+        .with("accelerometer, eq. 3", Ink::Red, Mark::Line, degrees(&pitch.moving_force, 1800))
+        .draw();
+    page.figure(
+        &alone,
+        &format!(
+            "{}. Counts were turned into m/s² and rad/s by a calibration on the still poses alone: offsets, a scale per axis, \
+             misalignment, the gyro's sensitivity to force. Eq. 3 is smooth at rest and jagged in every move.",
+            pitch.origin
+        ),
+    );
+    checks(page, five);
+
+    head(page, six);
+    page.paragraph(
+        "The gyro feels no acceleration. Its pitch starts from the mean of the pose before and is carried through the move by \
+         the measured rate, turning the direction of gravity in three dimensions. Each new pose confirms it.",
+    );
+    let part = |c: &[(f64, f64)]| -> Curve {
+        c.iter().copied().filter(|p| p.0 >= pitch.enlarged_s.0 && p.0 <= pitch.enlarged_s.1).collect()
+    };
+    let (force, gyro) = (part(&pitch.moving_force), part(&pitch.moving_gyro));
+    page.figure(
+        &pitches("One move of figure 5", &force, &gyro).draw(),
+        "The move of the recording on which accelerometer and gyro disagree most. The gyro's curve is the true motion to about \
+         a tenth of a degree, as its agreement with the next pose shows; the rest of the red curve is the hand.",
+    );
+    checks(page, six);
+}
+
+fn still(page: &mut Page, pitch: &Pitch) {
+    let [_, _, seven, eight, nine, _] = &pitch.exhibits;
+    head(page, seven);
+    page.paragraph(
+        "At rest the roles are exchanged: the gyro's pitch is an integral, and an integral of noise wanders.",
+    );
+    let gyro = Chart::new("Lying still", Axis::linear("time / s"), Axis::linear("pitch / °"))
+        .with("gyro, integrated", Ink::Blue, Mark::Line, degrees(&pitch.still_gyro, 1200))
+        .draw();
+    page.figure(
+        &gyro,
+        "The first minute of the recording, motionless: the rate, less the offset that the calibration found over all poses, \
+         integrated. Nothing moves, and the angle does.",
+    );
+    checks(page, seven);
+
+    head(page, eight);
+    page.paragraph(
+        "Side by side: the accelerometer scatters about the truth and stays there; the gyro is smooth and leaves.",
+    );
+    page.figure(
+        &pitches("Lying still", &pitch.still_force, &pitch.still_gyro).draw(),
+        "The same minute. Red: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias is here as much random \
+         walk: the drift at the end is of the size that white noise of the rate alone explains.",
+    );
+    checks(page, eight);
+
+    head(page, nine);
+    let n = &pitch.angle_walk;
+    let hourly = |v: f64| significant(v / DEGREE * 60.0, 3);
+    page.paragraph(&format!(
+        "How fast it leaves is one number, the angle random walk N: the angle's standard deviation after a time t is N√t. \
+         Fitted to the Allan deviation of this minute, N = {} °/√h (95 %: {} to {}).",
+        hourly(n.value),
+        hourly(n.ci95[0]),
+        hourly(n.ci95[1])
+    ));
+    let end = pitch.still_walk.last().map_or(1.0, |p| p.0);
+    // With the mean rate taken off, the walk is tied to zero at both ends: its deviation is N√(t(T − t)/T).
+    let arch = |sign: f64| -> Curve {
+        let at = |k: u32| f64::from(k) / 100.0 * end;
+        (0..=100).map(|k| (at(k), sign * n.value / DEGREE * (at(k) * (end - at(k)) / end).sqrt())).collect()
+    };
+    let walk = Chart::new("The walk and its law", Axis::linear("time / s"), Axis::linear("pitch / °"))
+        .with("accelerometer", Ink::Red, Mark::Line, degrees(&pitch.still_force, 800))
+        .with("gyro, mean rate off", Ink::Black, Mark::Line, degrees(&pitch.still_walk, 800))
+        .with("one standard deviation", Ink::Soft, Mark::Dashed, arch(1.0))
+        .with("", Ink::Soft, Mark::Dashed, arch(-1.0))
+        .draw();
+    let law: Curve = pitch.allan.iter().map(|p| (p.0, n.value / DEGREE / p.0.sqrt())).collect();
+    let allan = Chart::new("Allan deviation of the rate", Axis::log("averaging time τ / s"), Axis::log("rate / (°/s)"))
+        .with("this minute", Ink::Blue, Mark::Dots(3), degrees(&pitch.allan, 200))
+        .with("N/√τ", Ink::Black, Mark::Dashed, law)
+        .draw();
+    page.figure_row(&[
+        (&walk, "The gyro's angle with its own mean rate taken off, so that it is tied to zero at both ends; the dashed arch \
+                 is the standard deviation N√(t(T − t)/T) of such a walk."),
+        (&allan, "Slope −½ is white noise of the rate; its height at 1 s is N. Beyond ten seconds few averages are left."),
+    ]);
+    checks(page, nine);
+}
+
+fn distributions(page: &mut Page, pitch: &Pitch) {
+    let ten = &pitch.exhibits[5];
+    head(page, ten);
+    let tenth = |v: f64| v / DEGREE;
+    page.paragraph(&format!(
+        "The paper prefers the gyro's distribution because it is narrower. That is true only for a while: the accelerometer's \
+         width is fixed at {}°, the gyro's grows as √T. By the law N²T/12 of a walk tied at both ends they are equally wide \
+         after {} s; over this whole still stretch the gyro's width is {}°, and the accelerometer's distribution is the {} \
+         one. What makes the Kalman filter work is not that one is narrower but that one is good for short times and the \
+         other for long ones.",
+        with_uncertainty(tenth(pitch.force_deviation.value), tenth(pitch.force_deviation.standard_error)),
+        significant(pitch.equal_s, 2),
+        with_uncertainty(tenth(pitch.walk_deviation.value), tenth(pitch.walk_deviation.standard_error)),
+        if pitch.force_deviation.value < pitch.walk_deviation.value { "narrower" } else { "wider" },
+    ));
+    let reach = 3.5 * tenth(pitch.force_deviation.value.max(pitch.walk_deviation.value));
+    let bins = 60;
+    let width = 2.0 * reach / f64::from(bins);
+    let middle = |c: &Curve| c.iter().map(|p| p.1).sum::<f64>() / c.len().max(1) as f64;
+    let histogram = |c: &Curve| -> Curve {
+        let mut counts = vec![0.0; bins as usize];
+        let centre = middle(c);
+        for p in c {
+            let bin = ((tenth(p.1 - centre) + reach) / width).floor();
+            if (0.0..f64::from(bins)).contains(&bin) {
+                counts[bin as usize] += 1.0 / (c.len() as f64 * width);
+            }
+        }
+        counts.iter().enumerate().map(|(i, n)| (-reach + (i as f64 + 0.5) * width, *n)).collect()
+    };
+    let chart = Chart::new(
+        "Distributions over the still stretch",
+        Axis::linear("pitch less its mean / °"),
+        Axis::linear("density / (1/°)"),
+    )
+    .with("accelerometer", Ink::Red, Mark::Bars(width), histogram(&pitch.still_force))
+    .with("gyro, mean rate off", Ink::Black, Mark::Bars(width), histogram(&pitch.still_walk))
+    .draw();
+    page.figure(
+        &chart,
+        "The samples of figure 9 as densities. The accelerometer's are nearly independent, so that their width is known to a \
+         per cent; the gyro's are one single walk, and its width is known only to about a third: another minute would draw \
+         another shape.",
+    );
+    checks(page, ten);
+}
+
+fn eleven(page: &mut Page, fusion: &Fusion) {
+    let exhibit = &fusion.exhibits[0];
+    head(page, exhibit);
+    page.paragraph(
+        "The filter keeps two numbers, the tilt and the gyro's bias, and how well it believes to know them, P. Every hundredth \
+         of a second it predicts by the gyro, which makes P grow, and corrects by the accelerometer, which makes it shrink. \
+         The gain K is the share of a contradiction that it believes. All matrices come from the printed noise of the \
+         sensors; nothing is tuned.",
+    );
+    page.figure(
+        &diagram::draw(fusion),
+        "State x = (tilt, gyro bias); F moves the tilt by rate less bias; H says that the accelerometer sees the tilt; D is the \
+         delay by one step. The numbers are those of the filter after a minute at rest.",
+    );
+    let rest = &fusion.at_rest;
+    let curve =
+        |pick: &dyn Fn(usize) -> f64| -> Curve { rest.time_s.iter().enumerate().map(|(i, t)| (*t, pick(i))).collect() };
+    let p = Chart::new(
+        "What the filter believes, and what is true",
+        Axis::log("time / s"),
+        Axis::log("standard deviation"),
+    )
+    .with("√P of the tilt / °", Ink::Blue, Mark::Line, curve(&|i| rest.believed[i][0] / DEGREE))
+    .with("√P of the bias / (°/s)", Ink::Green, Mark::Line, curve(&|i| rest.believed[i][1] / DEGREE))
+    .with("400 simulated sensors", Ink::Black, Mark::Dots(2), curve(&|i| rest.actual[i][0] / DEGREE))
+    .with("", Ink::Black, Mark::Dots(2), curve(&|i| rest.actual[i][1] / DEGREE))
+    .draw();
+    let k = Chart::new("The gain", Axis::log("time / s"), Axis::log("K"))
+        .with("on the tilt", Ink::Blue, Mark::Line, curve(&|i| rest.gain[i][0]))
+        .with("on the bias, size / (1/s)", Ink::Green, Mark::Line, curve(&|i| rest.gain[i][1].abs()))
+        .draw();
+    page.figure_row(&[
+        (&p, "P over time from a start that knows the tilt to 1° and the bias to 0.2 °/s; dots are the actual errors of an \
+              ensemble whose truth is what the filter believes."),
+        (&k, "K over time: much is believed at first, about a twentieth once settled."),
+    ]);
+    checks(page, exhibit);
+}
+
+fn spread(values: &[f64], unit: f64, digits: usize) -> String {
+    let at = |share| significant(quantile(values, share) / unit, digits);
+    format!("{} ({} to {})", at(0.5), at(0.05), at(0.95))
+}
+
+fn filters(title: &str, lines: &[(f64, f64, f64, [f64; 3])], second: &str) -> Figure {
+    let pick = |value: &dyn Fn(&(f64, f64, f64, [f64; 3])) -> f64| -> Curve {
+        thin(&lines.iter().map(|l| (l.0, value(l) / DEGREE)).collect::<Vec<_>>(), 900)
+    };
+    let accelerometer_first = second == "gyro";
+    let force = pick(&|l| if accelerometer_first { l.1 } else { l.2 });
+    let other = pick(&|l| if accelerometer_first { l.2 } else { l.1 });
+    Chart::new(title, Axis::linear("time / s"), Axis::linear("tilt / °"))
+        .with("accelerometer", Ink::Red, Mark::Line, force)
+        .with(second, Ink::Blue, Mark::Line, other)
+        .with("plain filter", Ink::Green, Mark::Line, pick(&|l| l.3[0]))
+        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, pick(&|l| l.3[1]))
+        .with("and adaptive R", Ink::Orange, Mark::Dashed, pick(&|l| l.3[2]))
+        .draw()
+}
+
+fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
+    let exhibit = &fusion.exhibits[1];
+    let (motion, moved) = (&fusion.in_motion, &fusion.moved);
+    head(page, exhibit);
+    page.paragraph(&format!(
+        "The plain filter believes the accelerometer always as if it lay still. Pushed to one side between {STILL_UNTIL_S} and \
+         {MOVED_UNTIL_S} s, a level sensor reads tens of degrees; the filter follows, and then needs its own time constant \
+         over and over to forget. The paper sees it back after {BACK_AFTER_S} s; with printed noise and no tuning the \
+         ensemble's median is {} s.",
+        significant(MOVED_UNTIL_S + quantile(&motion.recovery_s[0], 0.5), 3)
+    ));
+    page.paragraph(
+        "The filter could have known. |a| departs from g in every push, and the innovation, squared over its variance (NIS), \
+         jumps from 1 to hundreds of thousands. A filter that raises R by the tilt which an excess of |a| allows, 2||a| − g|/g, \
+         hardly moves; one that also watches the scatter of its innovations helps where the force keeps its length, as in \
+         slow moves by hand. Its price is a longer distrust afterwards.",
+    );
+    let example = filters("One push, simulated", &motion.example, "gyro");
+    let mut histogram = Chart::new(
+        "Time until back, plain filter",
+        Axis::linear("after the end of the motion / s"),
+        Axis::linear("members of 400"),
+    );
+    let width = 0.05;
+    let bars: Curve = (0..40)
+        .map(|i| {
+            let from = f64::from(i) * width;
+            let inside = motion.recovery_s[0].iter().filter(|r| **r >= from && **r < from + width).count();
+            (from + 0.5 * width, inside as f64)
+        })
+        .collect();
+    let top = bars.iter().map(|b| b.1).fold(0.0, f64::max);
+    let papers = BACK_AFTER_S - MOVED_UNTIL_S;
+    histogram.add("simulated", Ink::Green, Mark::Bars(width), bars);
+    histogram.add("the paper's", Ink::Black, Mark::Dashed, vec![(papers, 0.0), (papers, top)]);
+    page.figure_row(&[
+        (&example, "One of 400 simulated sensors. The push is one swing of acceleration, so that it starts and ends at rest; its \
+                    size is drawn per member (typically 12 m/s²)."),
+        (&histogram.draw(), "Recovery: the time after the motion at which its trace, against a twin with the same noise that \
+                    was not pushed, is below what the filter itself holds possible (√P)."),
+    ]);
+    let words = match moved.source {
+        Source::Recorded => "on the recording's own moves",
+        Source::Simulated => "on the moves of a simulation, since no recording was found",
+    };
+    let recorded = filters("A move by hand", &moved.example, "reference");
+    page.figure(
+        &recorded,
+        &format!(
+            "The three filters {words} ({}), with the noise fitted to the still minute: the move with the plain filter's \
+             largest error. The reference is carried by the gyro from pose to pose and meets the accelerometer in both.",
+            pitch.origin
+        ),
+    );
+    let mut table = Table::new(&[
+        "filter",
+        "simulated push: largest error / °",
+        "back after / s",
+        "NIS before, in, after",
+        "moves by hand: largest error / °",
+        "back after / s",
+    ]);
+    for (w, name) in ["plain", "weighed by ||a| − g|", "and adaptive R"].into_iter().enumerate() {
+        table.row([
+            name.to_owned(),
+            spread(&motion.peak_rad[w], DEGREE, 2),
+            spread(&motion.recovery_s[w], 1.0, 2),
+            motion.nis[w].map(|n| significant(n, 2)).join(", "),
+            spread(&moved.peak_rad[w], DEGREE, 2),
+            spread(&moved.recovery_s[w], 1.0, 2),
+        ]);
+    }
+    page.table(&table);
+    page.paragraph(&format!(
+        "Medians with 5 to 95 % in brackets; {} moves by hand, where \"back\" is within 0.25° of the pose for good. Hands come \
+         to rest softly, so that even the plain filter is back soon; what differs there is how far it was led astray.",
+        moved.recovery_s[0].len()
+    ));
+    checks(page, exhibit);
+}
