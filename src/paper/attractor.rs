@@ -84,7 +84,7 @@ pub fn compute() -> Result<Attractor> {
     let all: Vec<[f32; 2]> = orbits.iter().flat_map(|o| o.strobes.iter().copied()).collect();
     let whole = Window::around(&all);
     let groups: Vec<Vec<[f64; 2]>> = orbits.chunks(ORBITS).map(|g| inside(g, &whole, usize::MAX)).collect();
-    let boxes = box_counting(&groups, Scales { coarse: 3, fine: 9 });
+    let boxes = box_counting(&groups, Scales { coarse: 5, fine: 9 });
     let first = densest(&all, &whole);
     let second = densest(&all, &first);
     let views = [whole, first, second].map(|window| view(&orbits, window));
