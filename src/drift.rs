@@ -16,8 +16,8 @@ use crate::study::Study;
 use budget::Budget;
 use expected::Expected;
 
-/// Points of a curve, evenly spaced on a log axis, besides the report times.
-const CURVE_POINTS: usize = 40;
+/// Points of a curve, evenly spaced on a log axis and, for its end on a linear one, evenly in time.
+const CURVE_POINTS: [usize; 2] = [36, 20];
 
 /// The answer.
 #[derive(Debug, Clone)]
@@ -83,8 +83,11 @@ pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistic
 fn curve_samples(study: &Study) -> Vec<u64> {
     let last = study.clock.samples as f64;
     let first = (last / 1000.0).max(1.0);
-    let place = |k: usize| (first * (last / first).powf(k as f64 / (CURVE_POINTS - 1) as f64)).round() as u64;
-    let mut samples: Vec<u64> = (0..CURVE_POINTS).map(place).chain(study.clock.report_samples.clone()).collect();
+    let [by_ratio, by_time] = CURVE_POINTS;
+    let rising = (0..by_ratio).map(|k| first * (last / first).powf(k as f64 / (by_ratio - 1) as f64));
+    let even = (1..=by_time).map(|k| last * k as f64 / by_time as f64);
+    let curve = rising.chain(even).map(|place| (place.round() as u64).clamp(1, study.clock.samples));
+    let mut samples: Vec<u64> = curve.chain(study.clock.report_samples.clone()).collect();
     samples.sort_unstable();
     samples.dedup();
     samples

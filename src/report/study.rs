@@ -30,9 +30,10 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
         page.paragraph(&format!("Not in the closed form: {}.", drift.expected.left_out.join("; ")));
     }
     page.section("How the errors are distributed");
-    for (charts, caption) in distribution::rows(drift) {
+    for (charts, words) in distribution::rows(drift) {
+        page.paragraph(words);
         let drawn: Vec<_> = charts.iter().map(|c| c.draw()).collect();
-        page.figure_row(&drawn.iter().map(|f| (f, caption)).collect::<Vec<_>>());
+        page.figure_row(&drawn.iter().map(|f| (f, "")).collect::<Vec<_>>());
     }
     page.section("Which error is to blame");
     page.paragraph(&blame(drift));

@@ -9,7 +9,7 @@ const BARS: usize = 50;
 /// Position is shown at this many report times.
 const SHOWN_TIMES: usize = 4;
 
-/// Rows of figures with the caption each figure gets.
+/// Rows of figures, each with the words that introduce it.
 pub fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
     let times_s = drift.report_times_s();
     let count = times_s.len();
