@@ -9,6 +9,7 @@ use crate::kernel::job::Job;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
 
 pub mod cpu;
+pub mod gpu;
 pub mod orbits;
 pub mod tile;
 

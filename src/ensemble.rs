@@ -4,9 +4,12 @@
 //! order, and counts are integers.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::backend::cpu::{Cpu, Precision};
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::simulate::Ensembles;
 use crate::backend::{Backend, Batch, Partial};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
@@ -19,6 +22,9 @@ use state::State;
 
 /// Members that set the bins of the histograms: always the same first ones.
 const PILOT: u64 = 1024;
+
+/// Members below which `auto` takes the CPU: a GPU needs thousands of members to hide its latency.
+const WORTH_A_GPU: u64 = 4096;
 
 /// Where to integrate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -59,14 +65,23 @@ pub fn run(job: &Job, options: &Options) -> Result<Statistics> {
     run_on(job, backend.as_mut(), options)
 }
 
-/// The backend that the options ask for.
+/// The backend that the options ask for. `Auto` looks for a GPU only where the ensemble is large enough to feed one.
 ///
 /// # Errors
 /// There is none of that kind.
-pub fn open(_job: &Job, options: &Options) -> Result<Box<dyn Backend>> {
-    match options.backend {
-        Choice::Gpu => Err(Error::new("could not use a GPU", "not built yet", "use --backend cpu")),
-        Choice::Auto | Choice::Cpu => Ok(Box::new(Cpu { precision: options.precision, ..Cpu::default() })),
+pub fn open(job: &Job, options: &Options) -> Result<Box<dyn Backend>> {
+    let cpu = Cpu { precision: options.precision, ..Cpu::default() };
+    let attempt = "could not use a GPU";
+    match (options.backend, options.precision) {
+        (Choice::Gpu, Precision::F64) => {
+            Err(Error::new(attempt, "the kernels on it are written in f32", "use --backend cpu for f64"))
+        }
+        (Choice::Gpu, Precision::F32) => Ok(Box::new(Ensembles::on(Arc::new(Gpu::open(false)?)))),
+        (Choice::Auto, Precision::F32) if job.members >= WORTH_A_GPU => match Gpu::open(true) {
+            Ok(gpu) => Ok(Box::new(Ensembles::on(Arc::new(gpu)))),
+            Err(_) => Ok(Box::new(cpu)),
+        },
+        _ => Ok(Box::new(cpu)),
     }
 }
 
@@ -174,9 +189,9 @@ fn check(job: &Job) -> Result<()> {
             "give times between 0 and duration_s",
         );
     }
-    // One counter of the generator names four samples.
-    if clock.samples / 4 > u64::from(u32::MAX) {
-        return refuse("the run has more than 1.7e10 samples", "lower the sample rate or shorten the run");
+    // Samples are counted in 32 bits on the device.
+    if clock.samples > u64::from(u32::MAX) {
+        return refuse("the run has more than 4.2e9 samples", "lower the sample rate or shorten the run");
     }
     let bytes = clock.report_samples.len() as u64 * 4 * 8 * (crate::statistics::histogram::BINS as u64 + 2);
     if bytes > 2 << 30 {

@@ -7,5 +7,7 @@ pub mod flicker;
 pub mod force;
 pub mod integrator;
 pub mod job;
+pub mod layout;
 pub mod member;
 pub mod orbit;
+pub mod source;

@@ -1,0 +1,94 @@
+// Twin of `src/kernel/cpu/oscillator.rs`: one substep of the proof mass in error coordinates. The state is (e, q): the
+// error of the reading, and the reading's rate times the substep.
+
+struct Coefficients {
+    low: vec4<f32>,
+    high: vec4<f32>,
+}
+
+fn relax(k: vec4<f32>, s: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(fma(k.x, s.x, k.y * s.y), fma(k.z, s.x, k.w * s.y));
+}
+
+fn exact_hold(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    let rest = fma(-k.high.x, f.to_end, w);
+    return relax(k.low, s - vec2<f32>(rest, f.to_end)) + vec2<f32>(rest, f.to_end);
+}
+
+fn cubic(k: vec4<f32>, e: f32, a: f32, q: f32, push: f32) -> f32 {
+    return fma(-k.x, fma(k.z * a, a * a, e), fma(-k.y, q, push));
+}
+
+fn runge_kutta_4(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    let push = k.low.x * w;
+    let d1 = cubic(k.low, s.x, s.x + f.begin, s.y, push);
+    let e2 = fma(0.5, s.y, s.x - f.to_middle);
+    let q2 = fma(0.5, d1, s.y);
+    let d2 = cubic(k.low, e2, e2 + f.middle, q2, push);
+    let e3 = fma(0.5, q2, s.x - f.to_middle);
+    let q3 = fma(0.5, d2, s.y);
+    let d3 = cubic(k.low, e3, e3 + f.middle, q3, push);
+    let e4 = s.x - f.to_end + q3;
+    let q4 = s.y + d3;
+    let d4 = cubic(k.low, e4, e4 + f.end, q4, push);
+    let rise = fma(2.0, q2 + q3, s.y + q4);
+    let gain = fma(2.0, d2 + d3, d1 + d4);
+    return vec2<f32>(fma(1.0 / 6.0, rise, s.x - f.to_end), fma(1.0 / 6.0, gain, s.y));
+}
+
+fn general(k: Coefficients, e: f32, a: f32, q: f32, push: f32) -> f32 {
+    let square = a * a;
+    let bent = fma(fma(k.low.z, a, k.low.w), square, e);
+    let damping = fma(k.high.x, abs(q), fma(k.high.y, square, k.low.y));
+    let friction = k.high.z * (q / (abs(q) + k.high.z + 1e-30));
+    return fma(-k.low.x, bent, fma(-damping, q, push - friction));
+}
+
+fn runge_kutta_4_general(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    let push = k.low.x * w;
+    let d1 = general(k, s.x, s.x + f.begin, s.y, push);
+    let e2 = fma(0.5, s.y, s.x - f.to_middle);
+    let q2 = fma(0.5, d1, s.y);
+    let d2 = general(k, e2, e2 + f.middle, q2, push);
+    let e3 = fma(0.5, q2, s.x - f.to_middle);
+    let q3 = fma(0.5, d2, s.y);
+    let d3 = general(k, e3, e3 + f.middle, q3, push);
+    let e4 = s.x - f.to_end + q3;
+    let q4 = s.y + d3;
+    let d4 = general(k, e4, e4 + f.end, q4, push);
+    let rise = fma(2.0, q2 + q3, s.y + q4);
+    let gain = fma(2.0, d2 + d3, d1 + d4);
+    return vec2<f32>(fma(1.0 / 6.0, rise, s.x - f.to_end), fma(1.0 / 6.0, gain, s.y));
+}
+
+fn exponential_rk_2(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    let rest = fma(-k.high.x, f.to_end, w);
+    let a0 = s.x + f.begin;
+    let bent = k.high.y * a0 * (a0 * a0);
+    let first = relax(k.low, s - vec2<f32>(rest - bent, f.to_end)) + vec2<f32>(rest - bent, f.to_end);
+    let a1 = first.x + f.end;
+    let growth = k.high.y * a1 * (a1 * a1) - bent;
+    return fma(-k.high.zw, vec2<f32>(growth), first);
+}
+
+fn rosenbrock_euler(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    let half_c = 0.5 * k.low.y;
+    let a = s.x + f.begin;
+    let square = k.low.z * (a * a);
+    let slope = 3.0 * square;
+    let stiff = fma(k.low.x, slope, k.low.x);
+    let r = s.y - f.to_end;
+    let pull = fma(k.low.x, fma(square, a, s.x - w), k.low.y * s.y);
+    let share = 1.0 / stiff;
+    let g = slope * f.to_end * (k.low.x * share);
+    let y = vec2<f32>((pull - k.low.y * (r + g)) * share, r + g);
+    let frequency = sqrt(max(fma(-half_c, half_c, stiff), 1e-12));
+    let sc = sin_cos(frequency);
+    let odd = k.low.w * (sc.x / frequency);
+    let even = k.low.w * sc.y;
+    let moved = vec2<f32>(
+        fma(even + half_c * odd, y.x, odd * y.y),
+        fma(-stiff * odd, y.x, (even - half_c * odd) * y.y),
+    );
+    return vec2<f32>(s.x - g + (moved.x - y.x), r + (moved.y - y.y) + f.to_end);
+}

@@ -1,0 +1,345 @@
+// One tile: each invocation takes one member through the samples, from state to state. Twin of
+// `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why.
+
+override INTEGRATOR: u32 = 0u;
+override HAS_FORCE: bool = false;
+override HAS_WHITE: bool = false;
+override HAS_FLICKER: bool = false;
+override HAS_WALK: bool = false;
+override HAS_GYRO: bool = false;
+override HAS_GYRO_WHITE: bool = false;
+override HAS_GYRO_FLICKER: bool = false;
+override HAS_GYRO_WALK: bool = false;
+override HAS_SINE: bool = false;
+override HAS_READING: bool = false;
+override HAS_RANGE: bool = false;
+override HAS_QUANTISATION: bool = false;
+
+@group(0) @binding(0) var<uniform> tile: Tile;
+@group(0) @binding(1) var<storage, read> columns: array<f32>;
+@group(0) @binding(2) var<storage, read> turns: array<u32>;
+@group(0) @binding(3) var<storage, read_write> state: array<f32>;
+@group(0) @binding(4) var<storage, read> forces: array<Force>;
+@group(0) @binding(5) var<storage, read_write> errors: array<f32>;
+
+const STREAM_WHITE = 1u;
+const STREAM_FLICKER = 2u;
+const STREAM_WALK = 3u;
+const STREAM_GYRO_WHITE = 4u;
+const STREAM_GYRO_FLICKER = 5u;
+const STREAM_GYRO_WALK = 6u;
+const STREAM_FORCE = 7u;
+
+const RETAINED = 0.36787944;
+const RENEWED = 0.9298735;
+
+fn column(i: u32, which: u32) -> f32 {
+    return columns[which * tile.stride + i];
+}
+
+fn amplitude(term: u32) -> f32 {
+    return tile.flicker[term >> 2u][term & 3u];
+}
+
+fn advance(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+    if INTEGRATOR == 1u {
+        return exact_hold(k, s, f, w);
+    }
+    if INTEGRATOR == 2u {
+        return runge_kutta_4(k, s, f, w);
+    }
+    if INTEGRATOR == 3u {
+        return runge_kutta_4_general(k, s, f, w);
+    }
+    if INTEGRATOR == 4u {
+        return exponential_rk_2(k, s, f, w);
+    }
+    if INTEGRATOR == 5u {
+        return rosenbrock_euler(k, s, f, w);
+    }
+    return s;
+}
+
+// Sum of the flicker terms 2 and slower that begin at `base`.
+fn sum_slowest(i: u32, base: u32) -> f32 {
+    var sum = 0.0;
+    for (var j = 2u; j < tile.flicker_terms; j++) {
+        sum = fma(amplitude(j), state[(base + j) * tile.stride + i], sum);
+    }
+    return sum;
+}
+
+// Slow terms at the beginning of a run.
+fn start_terms(i: u32, base: u32, member: vec2<u32>, stream: u32) {
+    for (var j = 1u; j < tile.flicker_terms; j++) {
+        state[(base + j) * tile.stride + i] = gaussians(0u, member, stream | ((2u + j) << 8u), tile.seed).x;
+    }
+}
+
+// Terms 0 and 1 and the sum of the slower ones, after the sample's renewals.
+fn renew_terms(i: u32, base: u32, n: u32, fast: f32, slow_numbers: vec2<f32>, terms: vec3<f32>) -> vec3<f32> {
+    var t = terms;
+    if n == 0u {
+        t.x = fast;
+        return t;
+    }
+    t.x = fma(RETAINED, t.x, RENEWED * fast);
+    let zeros = countTrailingZeros(n);
+    if (zeros & 1u) == 1u {
+        let j = (zeros + 1u) >> 1u;
+        if j == 1u {
+            t.y = fma(RETAINED, t.y, RENEWED * slow_numbers.x);
+        } else if j < tile.flicker_terms {
+            let place = (base + j) * tile.stride + i;
+            state[place] = fma(RETAINED, state[place], RENEWED * slow_numbers.y);
+            t.z = sum_slowest(i, base);
+        }
+    }
+    return t;
+}
+
+@compute @workgroup_size(64)
+fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if i >= tile.members {
+        return;
+    }
+    let stride = tile.stride;
+    let low = tile.first_member.x + i;
+    let member = vec2<u32>(low, tile.first_member.y + select(0u, 1u, low < i));
+    let seed = tile.seed;
+    let zero = tile.zero;
+
+    let k = Coefficients(
+        vec4<f32>(column(i, 0u), column(i, 1u), column(i, 2u), column(i, 3u)),
+        vec4<f32>(column(i, 4u), column(i, 5u), column(i, 6u), column(i, 7u)),
+    );
+    let gain = column(i, GAIN);
+    let sine = column(i, SINE);
+    let phase = turns[i];
+    let phase_step = turns[stride + i];
+    let bias = column(i, BIAS);
+    let force_sigma = column(i, FORCE);
+    let white_sigma = column(i, WHITE);
+    let walk_sigma = column(i, WALK);
+    let flicker_scale = column(i, FLICKER);
+    let gyro_bias = column(i, GYRO_BIAS);
+    let gyro_sigma = column(i, GYRO_WHITE);
+    let gyro_walk_sigma = column(i, GYRO_WALK);
+    let gyro_flicker_scale = column(i, GYRO_FLICKER);
+
+    var s = vec2<f32>(state[STATE_E * stride + i], state[STATE_Q * stride + i]);
+    var walk = state[STATE_WALK * stride + i];
+    var gyro_walk = state[STATE_GYRO_WALK * stride + i];
+    var position = state[STATE_POSITION * stride + i];
+    var velocity = state[STATE_VELOCITY * stride + i];
+    var rate = state[STATE_RATE * stride + i];
+    var position_total =
+        vec2<f32>(state[STATE_POSITION_TOTAL * stride + i], state[(STATE_POSITION_TOTAL + 1u) * stride + i]);
+    var velocity_total =
+        vec2<f32>(state[STATE_VELOCITY_TOTAL * stride + i], state[(STATE_VELOCITY_TOTAL + 1u) * stride + i]);
+    var rate_total = vec2<f32>(state[STATE_RATE_TOTAL * stride + i], state[(STATE_RATE_TOTAL + 1u) * stride + i]);
+    var failed = state[STATE_FAILED * stride + i];
+    let bound = bitcast<u32>(f32(BOUND_M_S2));
+
+    let base = STATE_TERMS;
+    let gyro_base = STATE_TERMS + select(0u, tile.flicker_terms, HAS_FLICKER);
+    var terms = vec3<f32>();
+    var gyro_terms = vec3<f32>();
+    if HAS_FLICKER {
+        if tile.first_sample == 0u {
+            start_terms(i, base, member, STREAM_FLICKER);
+        }
+        terms = vec3<f32>(state[base * stride + i], state[(base + 1u) * stride + i], sum_slowest(i, base));
+    }
+    if HAS_GYRO_FLICKER {
+        if tile.first_sample == 0u {
+            start_terms(i, gyro_base, member, STREAM_GYRO_FLICKER);
+        }
+        gyro_terms =
+            vec3<f32>(state[gyro_base * stride + i], state[(gyro_base + 1u) * stride + i], sum_slowest(i, gyro_base));
+    }
+
+    var pushes = vec4<f32>();
+    var whites = vec4<f32>();
+    var walks = vec4<f32>();
+    var fasts = vec4<f32>();
+    var slows = vec2<f32>();
+    var gyro_whites = vec4<f32>();
+    var gyro_walks = vec4<f32>();
+    var gyro_fasts = vec4<f32>();
+    var gyro_slows = vec2<f32>();
+    var error = 0.0;
+
+    for (var local = 0u; local < tile.samples; local++) {
+        let n = tile.first_sample + local;
+        let number = n & 3u;
+        if number == 0u || local == 0u {
+            let counter = n >> 2u;
+            if HAS_FORCE {
+                pushes = gaussians(counter, member, STREAM_FORCE, seed);
+            }
+            if HAS_WHITE {
+                whites = gaussians(counter, member, STREAM_WHITE, seed);
+            }
+            if HAS_WALK {
+                walks = gaussians(counter, member, STREAM_WALK, seed);
+            }
+            if HAS_FLICKER {
+                fasts = gaussians(counter, member, STREAM_FLICKER, seed);
+                slows = gaussians(counter, member, STREAM_FLICKER | (1u << 8u), seed).xy;
+            }
+            if HAS_GYRO_WHITE {
+                gyro_whites = gaussians(counter, member, STREAM_GYRO_WHITE, seed);
+            }
+            if HAS_GYRO_WALK {
+                gyro_walks = gaussians(counter, member, STREAM_GYRO_WALK, seed);
+            }
+            if HAS_GYRO_FLICKER {
+                gyro_fasts = gaussians(counter, member, STREAM_GYRO_FLICKER, seed);
+                gyro_slows = gaussians(counter, member, STREAM_GYRO_FLICKER | (1u << 8u), seed).xy;
+            }
+            // The numbers of the sample are taken from the front; a tile may begin inside a group of four.
+            for (var skip = 0u; skip < number; skip++) {
+                pushes = pushes.yzwx;
+                whites = whites.yzwx;
+                walks = walks.yzwx;
+                fasts = fasts.yzwx;
+                gyro_whites = gyro_whites.yzwx;
+                gyro_walks = gyro_walks.yzwx;
+                gyro_fasts = gyro_fasts.yzwx;
+            }
+        }
+
+        // Mechanics.
+        let push = force_sigma * pushes.x;
+        var felt = 0.0;
+        for (var substep = 0u; substep < tile.substeps; substep++) {
+            var f = forces[local * tile.substeps + substep];
+            f = Force(gain * f.begin, gain * f.middle, gain * f.end, gain * f.to_middle, gain * f.to_end);
+            if HAS_SINE {
+                let half = (n * tile.substeps + substep) * 2u;
+                let begin = sine * sin_cos_turns(phase + half * phase_step).x;
+                let middle = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
+                let end = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
+                f = Force(
+                    f.begin + begin,
+                    f.middle + middle,
+                    f.end + end,
+                    f.to_middle + (middle - begin),
+                    f.to_end + (end - begin),
+                );
+            }
+            s = advance(k, s, f, push);
+            felt = f.end;
+        }
+
+        // The accelerometer's reading.
+        error = s.x + bias;
+        if HAS_READING {
+            let a = felt + s.x;
+            error = fma(fma(column(i, K2), a, column(i, SCALE)), a, error);
+        }
+        if HAS_WHITE {
+            error = fma(white_sigma, whites.x, error);
+        }
+        if HAS_FLICKER {
+            terms = renew_terms(i, base, n, fasts.x, slows, terms);
+            let sum = fma(amplitude(0u), terms.x, fma(amplitude(1u), terms.y, terms.z));
+            error = fma(flicker_scale, sum, error);
+        }
+        if HAS_WALK {
+            walk = fma(walk_sigma, walks.x, walk);
+            error += walk;
+        }
+        if HAS_RANGE {
+            let range = column(i, RANGE);
+            error = max(min(error, range - felt), -range - felt);
+        }
+        if HAS_QUANTISATION {
+            let lsb = column(i, QUANTISATION);
+            let reading = (felt + error) / max(lsb, 1e-30);
+            error = fma(lsb, round(reading) - reading, error);
+        }
+
+        // The gyro, the tilt and what gravity makes of it.
+        if HAS_GYRO {
+            var turn = gyro_bias;
+            if HAS_GYRO_WHITE {
+                turn = fma(gyro_sigma, gyro_whites.x, turn);
+            }
+            if HAS_GYRO_FLICKER {
+                gyro_terms = renew_terms(i, gyro_base, n, gyro_fasts.x, gyro_slows, gyro_terms);
+                let sum = fma(amplitude(0u), gyro_terms.x, fma(amplitude(1u), gyro_terms.y, gyro_terms.z));
+                turn = fma(gyro_flicker_scale, sum, turn);
+            }
+            if HAS_GYRO_WALK {
+                gyro_walk = fma(gyro_walk_sigma, gyro_walks.x, gyro_walk);
+                turn += gyro_walk;
+            }
+            error = fma(tile.tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
+            rate += turn;
+        }
+
+        // Two integrations.
+        position += fma(0.5, error, velocity);
+        velocity += error;
+
+        if (n & 63u) == 63u {
+            position_total = add_compensated(position_total, 64.0 * velocity_total.x, zero);
+            position_total = add_compensated(position_total, position, zero);
+            position_total.y += 64.0 * velocity_total.y;
+            velocity_total = add_compensated(velocity_total, velocity, zero);
+            rate_total = add_compensated(rate_total, rate, zero);
+            position = 0.0;
+            velocity = 0.0;
+            rate = 0.0;
+            if (bitcast<u32>(error) & 0x7FFFFFFFu) > bound || (bitcast<u32>(s.x) & 0x7FFFFFFFu) > bound {
+                failed = 1.0;
+            }
+        }
+
+        pushes = pushes.yzwx;
+        whites = whites.yzwx;
+        walks = walks.yzwx;
+        fasts = fasts.yzwx;
+        gyro_whites = gyro_whites.yzwx;
+        gyro_walks = gyro_walks.yzwx;
+        gyro_fasts = gyro_fasts.yzwx;
+    }
+
+    state[STATE_E * stride + i] = s.x;
+    state[STATE_Q * stride + i] = s.y;
+    state[STATE_WALK * stride + i] = walk;
+    state[STATE_GYRO_WALK * stride + i] = gyro_walk;
+    state[STATE_POSITION * stride + i] = position;
+    state[STATE_VELOCITY * stride + i] = velocity;
+    state[STATE_RATE * stride + i] = rate;
+    state[STATE_POSITION_TOTAL * stride + i] = position_total.x;
+    state[(STATE_POSITION_TOTAL + 1u) * stride + i] = position_total.y;
+    state[STATE_VELOCITY_TOTAL * stride + i] = velocity_total.x;
+    state[(STATE_VELOCITY_TOTAL + 1u) * stride + i] = velocity_total.y;
+    state[STATE_RATE_TOTAL * stride + i] = rate_total.x;
+    state[(STATE_RATE_TOTAL + 1u) * stride + i] = rate_total.y;
+    state[STATE_FAILED * stride + i] = failed;
+    if HAS_FLICKER {
+        state[base * stride + i] = terms.x;
+        state[(base + 1u) * stride + i] = terms.y;
+    }
+    if HAS_GYRO_FLICKER {
+        state[gyro_base * stride + i] = gyro_terms.x;
+        state[(gyro_base + 1u) * stride + i] = gyro_terms.y;
+    }
+
+    // Errors at the end of the tile: position, velocity, acceleration, tilt, and whether the member failed.
+    let since = f32((tile.first_sample + tile.samples) & 63u);
+    let moved = position_total.x + (fma(since, velocity_total.x, position) + (position_total.y + since * velocity_total.y));
+    if (bitcast<u32>(error) & 0x7FFFFFFFu) > bound {
+        failed = 1.0;
+    }
+    errors[i] = tile.sample_s * tile.sample_s * moved;
+    errors[stride + i] = tile.sample_s * (velocity_total.x + (velocity + velocity_total.y));
+    errors[2u * stride + i] = error;
+    errors[3u * stride + i] = tile.sample_s * (rate_total.x + (rate + rate_total.y));
+    errors[4u * stride + i] = failed;
+}

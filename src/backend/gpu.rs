@@ -1,0 +1,332 @@
+//! A compute device: adapters, buffers, kernels made when first asked for, dispatches. The only file that names wgpu.
+//!
+//! Nothing here knows what is computed; `gpu::simulate` and the map kernels build on it. A device that is lost or refuses
+//! is an `Err`, never a panic. Opening costs tens of milliseconds, so nothing is opened before it is used.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use crate::error::{Error, Result};
+use crate::kernel::source::Shader;
+
+pub mod simulate;
+
+/// An adapter of this machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Adapter {
+    /// Name.
+    pub name: String,
+    /// "discrete", "integrated", "virtual", "software" or "other".
+    pub kind: &'static str,
+    /// Driver, its version, and the interface it is reached by.
+    pub driver: String,
+    /// Whether it is hardware.
+    pub hardware: bool,
+    /// 64-bit integers in shaders.
+    pub int64: bool,
+    /// Largest storage buffer that a kernel can see, bytes.
+    pub largest_binding: u64,
+}
+
+/// An open device.
+pub struct Gpu {
+    /// The adapter it was opened on.
+    pub adapter: Adapter,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    lost: Arc<Mutex<Option<String>>>,
+    kernels: Mutex<HashMap<String, Kernel>>,
+}
+
+/// Memory on the device.
+#[derive(Debug, Clone)]
+pub struct Buffer(wgpu::Buffer);
+
+/// A compiled kernel. Its buffers are bound in the order of their binding numbers, all in group 0.
+#[derive(Debug, Clone)]
+pub struct Kernel(wgpu::ComputePipeline);
+
+/// One dispatch.
+#[derive(Debug, Clone)]
+pub struct Dispatch<'a> {
+    /// What.
+    pub kernel: &'a Kernel,
+    /// On what, by binding number.
+    pub buffers: &'a [&'a Buffer],
+    /// Workgroups.
+    pub workgroups: u32,
+}
+
+/// Work that was handed to the device.
+#[derive(Debug)]
+pub struct Submission(wgpu::SubmissionIndex);
+
+/// No submission is meant to take longer than 100 ms; one that takes this long has hung.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+const ATTEMPT: &str = "could not compute on the GPU";
+const USE_CPU: &str = "use --backend cpu";
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+/// Adapters, best first: hardware before software, discrete before integrated, Vulkan before OpenGL.
+fn adapters() -> Vec<(Adapter, wgpu::Adapter)> {
+    let found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+    let mut adapters: Vec<(Adapter, wgpu::Adapter)> = found.into_iter().map(|a| (describe(&a), a)).collect();
+    adapters.retain(|(_, a)| a.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS));
+    let rank = |kind: &str| ["discrete", "integrated", "virtual", "other", "software"].iter().position(|k| *k == kind);
+    adapters.sort_by_key(|(described, a)| (rank(described.kind), a.get_info().backend == wgpu::Backend::Gl));
+    adapters
+}
+
+fn describe(adapter: &wgpu::Adapter) -> Adapter {
+    let info = adapter.get_info();
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete",
+        wgpu::DeviceType::IntegratedGpu => "integrated",
+        wgpu::DeviceType::VirtualGpu => "virtual",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "other",
+    };
+    let driver = [info.driver.as_str(), info.driver_info.as_str()];
+    let driver: Vec<&str> = driver.into_iter().filter(|d| !d.is_empty()).collect();
+    let limits = adapter.limits();
+    Adapter {
+        // OpenGL drivers call themselves anything; the name of Mesa's software rasteriser gives it away.
+        hardware: !matches!(kind, "software" | "other") && !info.name.to_lowercase().contains("llvmpipe"),
+        name: info.name,
+        kind,
+        driver: format!("{} ({})", driver.join(" "), info.backend),
+        int64: adapter.features().contains(wgpu::Features::SHADER_INT64),
+        largest_binding: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+    }
+}
+
+/// The adapters of this machine that can compute, best first.
+pub fn list() -> Vec<Adapter> {
+    adapters().into_iter().map(|(described, _)| described).collect()
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Gpu {
+    /// Opens the best adapter, or the best one that is hardware.
+    ///
+    /// # Errors
+    /// There is none, or it refuses.
+    pub fn open(hardware_only: bool) -> Result<Self> {
+        let wanted = adapters().into_iter().find(|(a, _)| a.hardware || !hardware_only);
+        let Some((described, adapter)) = wanted else {
+            return Err(Error::new(
+                "could not use a GPU",
+                "no adapter was found by Vulkan, Metal, DirectX 12 or OpenGL",
+                "install a driver (Debian: libvulkan1 and, for one in software, mesa-vulkan-drivers), or use \
+                 --backend cpu",
+            ));
+        };
+        let mut features = wgpu::Features::empty();
+        features.set(wgpu::Features::SHADER_INT64, described.int64);
+        let request = wgpu::DeviceDescriptor {
+            label: None,
+            required_features: features,
+            required_limits: adapter.limits(),
+            experimental_features: wgpu::ExperimentalFeatures::disabled(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            trace: wgpu::Trace::Off,
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&request))
+            .map_err(|e| Error::new(format!("could not open {}", described.name), e.to_string(), USE_CPU))?;
+        let lost = Arc::new(Mutex::new(None));
+        let (by_loss, by_error) = (lost.clone(), lost.clone());
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                *locked(&by_loss) = Some(format!("the device was lost ({reason:?}): {message}"));
+            }
+        });
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            locked(&by_error).get_or_insert(error.to_string());
+        }));
+        Ok(Self { adapter: described, device, queue, lost, kernels: Mutex::default() })
+    }
+
+    /// An error if the device was lost or refused something since it was opened.
+    ///
+    /// # Errors
+    /// What it said.
+    fn healthy(&self) -> Result<()> {
+        match &*locked(&self.lost) {
+            None => Ok(()),
+            Some(what) => Err(Error::new(ATTEMPT, what.clone(), USE_CPU)),
+        }
+    }
+
+    /// Does something whose refusal the device tells later, and waits for the answer.
+    fn caught<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let done = work();
+        let invalid = pollster::block_on(validation.pop());
+        let full = pollster::block_on(memory.pop());
+        if let Some(error) = full {
+            let hint = "use fewer members at a time, or --backend cpu";
+            return Err(Error::new(format!("could not {what} on the GPU"), error.to_string(), hint));
+        }
+        if let Some(error) = invalid {
+            return Err(Error::new(format!("could not {what} on the GPU"), error.to_string(), USE_CPU));
+        }
+        self.healthy()?;
+        Ok(done)
+    }
+
+    /// The kernel of a shader with these override constants; compiled the first time.
+    ///
+    /// # Errors
+    /// The driver refuses it.
+    pub fn kernel(&self, shader: &Shader, constants: &[(&str, f64)]) -> Result<Kernel> {
+        let key = format!("{} {constants:?}", shader.name);
+        if let Some(kernel) = locked(&self.kernels).get(&key) {
+            return Ok(kernel.clone());
+        }
+        let kernel = self.caught(&format!("compile the kernel {}", shader.name), || {
+            let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(shader.name),
+                source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
+            });
+            Kernel(self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(shader.name),
+                layout: None,
+                module: &module,
+                entry_point: Some(shader.name),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                cache: None,
+            }))
+        })?;
+        locked(&self.kernels).insert(key, kernel.clone());
+        Ok(kernel)
+    }
+
+    /// A storage buffer with these bytes.
+    ///
+    /// # Errors
+    /// Not enough memory.
+    pub fn upload(&self, bytes: &[u8]) -> Result<Buffer> {
+        self.buffer(bytes, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// A uniform buffer with these bytes.
+    ///
+    /// # Errors
+    /// Not enough memory.
+    pub fn uniform(&self, bytes: &[u8]) -> Result<Buffer> {
+        self.buffer(bytes, wgpu::BufferUsages::UNIFORM)
+    }
+
+    fn buffer(&self, contents: &[u8], usage: wgpu::BufferUsages) -> Result<Buffer> {
+        let usage = usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        self.caught("allocate memory", || {
+            Buffer(self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage }))
+        })
+    }
+
+    /// A storage buffer of zeros.
+    ///
+    /// # Errors
+    /// Not enough memory.
+    pub fn zeros(&self, bytes: u64) -> Result<Buffer> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let size = bytes.max(4).next_multiple_of(4);
+        self.caught("allocate memory", || {
+            Buffer(self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            }))
+        })
+    }
+
+    /// Overwrites the beginning of a buffer, before what is submitted next.
+    pub fn write(&self, buffer: &Buffer, bytes: &[u8]) {
+        self.queue.write_buffer(&buffer.0, 0, bytes);
+    }
+
+    /// Hands dispatches to the device, one after the other.
+    ///
+    /// # Errors
+    /// The device was lost; buffers that do not fit their bindings.
+    pub fn submit(&self, dispatches: &[Dispatch<'_>]) -> Result<Submission> {
+        let index = self.caught("dispatch", || {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            for d in dispatches {
+                let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+                    .zip(d.buffers)
+                    .map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.0.as_entire_binding() })
+                    .collect();
+                let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: None,
+                    layout: &d.kernel.0.get_bind_group_layout(0),
+                    entries: &entries,
+                });
+                let mut pass = encoder.begin_compute_pass(&Default::default());
+                pass.set_pipeline(&d.kernel.0);
+                pass.set_bind_group(0, &group, &[]);
+                pass.dispatch_workgroups(d.workgroups, 1, 1);
+            }
+            self.queue.submit([encoder.finish()])
+        })?;
+        Ok(Submission(index))
+    }
+
+    /// Waits until a submission is done.
+    ///
+    /// # Errors
+    /// It hangs, or the device was lost.
+    pub fn wait(&self, submission: &Submission) -> Result<()> {
+        let wait =
+            wgpu::PollType::Wait { submission_index: Some(submission.0.clone()), timeout: Some(PATIENCE) };
+        self.device.poll(wait).map_err(|e| Error::new(ATTEMPT, e.to_string(), USE_CPU))?;
+        self.healthy()
+    }
+
+    /// The first bytes of a buffer, after all that was submitted.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn read(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
+        let staging = self.caught("read back", || {
+            let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(&buffer.0, 0, &staging, 0, bytes);
+            self.queue.submit([encoder.finish()]);
+            staging
+        })?;
+        let (send, receive) = std::sync::mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Nobody listens any more if the wait below has failed.
+            let _ = send.send(result);
+        });
+        let failed = |cause: String| Error::new(ATTEMPT, cause, USE_CPU);
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        self.device.poll(wait).map_err(|e| failed(e.to_string()))?;
+        self.healthy()?;
+        match receive.recv_timeout(PATIENCE) {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(failed(e.to_string())),
+            Err(e) => return Err(failed(e.to_string())),
+        }
+        let view = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
+        Ok(view.to_vec())
+    }
+}

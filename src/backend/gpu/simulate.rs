@@ -1,0 +1,291 @@
+//! Ensembles on a device: tiles of members × steps, state kept there between tiles, only sums read back.
+//!
+//! Submissions are kept near 80 ms, so that no driver loses patience and Ctrl-C is heard; the next one is prepared while
+//! the device works on the last.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use bytemuck::{Zeroable, bytes_of, cast_slice};
+use rayon::prelude::*;
+
+use super::{Buffer, Dispatch, Gpu, Kernel};
+use crate::backend::cpu::column;
+use crate::backend::{Backend, Batch, Partial, tile};
+use crate::error::{Error, Result};
+use crate::kernel::force;
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::Job;
+use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, STATE};
+use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
+use crate::kernel::source;
+use crate::progress;
+use crate::statistics::histogram::BINS;
+use crate::statistics::{Histogram, Machine, Moments};
+
+/// Seconds a submission should take.
+const TARGET_S: f64 = 0.08;
+/// Substeps tabulated at a time.
+const MOST_SUBSTEPS: u64 = 16_384;
+/// Members of a batch on hardware: enough to fill the largest cards several times over.
+const MOST_MEMBERS: u64 = 1 << 20;
+/// Members of a batch on a software adapter, so that its state stays in the cache.
+const MOST_MEMBERS_SOFTWARE: u64 = 1 << 15;
+
+/// Ensembles on a GPU.
+pub struct Ensembles {
+    gpu: Arc<Gpu>,
+    /// Most samples per tile.
+    pub tile_samples: u64,
+}
+
+impl Ensembles {
+    /// On an open device.
+    pub fn on(gpu: Arc<Gpu>) -> Self {
+        Self { gpu, tile_samples: MOST_SUBSTEPS }
+    }
+}
+
+impl Backend for Ensembles {
+    fn machine(&self, job: &Job) -> Machine {
+        Machine {
+            kind: "gpu".to_owned(),
+            name: self.gpu.adapter.name.clone(),
+            driver: self.gpu.adapter.driver.clone(),
+            precision: "f32".to_owned(),
+            fused_multiply_add: "as the driver compiles fma()".to_owned(),
+            integrator: job.integrator.to_string(),
+        }
+    }
+
+    fn batch_members(&self, job: &Job) -> Result<u64> {
+        let terms = flicker_amplitudes(&job.clock).len();
+        // Two sets of flicker terms at most; moments of every report stay on the device until the end.
+        let widest = 4 * (COLUMNS.max(STATE + 2 * terms) as u64);
+        let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
+        let room = self.gpu.adapter.largest_binding;
+        let counts = (job.clock.report_samples.len() * 4 * (BINS + 2) * 4) as u64;
+        let fits = (room / widest).min(room / moments.max(1) * u64::from(BLOCK)) & !u64::from(BLOCK - 1);
+        if fits == 0 || counts > room {
+            return Err(Error::new(
+                "could not simulate on the GPU",
+                format!(
+                    "{} report times do not fit its largest buffer of {} MB",
+                    job.clock.report_samples.len(),
+                    room >> 20
+                ),
+                "give fewer report times, or use --backend cpu",
+            ));
+        }
+        Ok(fits.min(if self.gpu.adapter.hardware { MOST_MEMBERS } else { MOST_MEMBERS_SOFTWARE }))
+    }
+
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>> {
+        let plan = Plan::new(&self.gpu, batch)?;
+        if !plan.integrate(&self.gpu, batch, self.tile_samples)? {
+            return Ok(None);
+        }
+        Ok(Some(plan.partials(&self.gpu, batch)?))
+    }
+}
+
+/// A batch on the device.
+struct Plan {
+    members: u32,
+    stride: u32,
+    simulate: Kernel,
+    reduce: Kernel,
+    tile: layout::Tile,
+    columns: Buffer,
+    turns: Buffer,
+    state: Buffer,
+    errors: Buffer,
+    bins: Buffer,
+    partials: Buffer,
+    counts: Buffer,
+}
+
+impl Plan {
+    fn new(gpu: &Gpu, batch: &Batch<'_>) -> Result<Self> {
+        let job = batch.job;
+        let members = batch.members.end - batch.members.start;
+        let stride = members.next_multiple_of(u64::from(BLOCK));
+        let drawn =
+            batch.members.clone().into_par_iter().map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
+        let place = |c: usize| drawn.par_iter().map(move |d| d.values[c] as f32);
+        let pad = (stride - members) as usize;
+        let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
+        for c in 0..COLUMNS {
+            columns.extend(place(c).collect::<Vec<f32>>());
+            columns.extend(std::iter::repeat_n(0.0, pad));
+        }
+        let turns: Vec<u32> = (0..2)
+            .flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad)))
+            .collect();
+        let constants = constants(job, &drawn);
+        let amplitudes = flicker_amplitudes(&job.clock);
+        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+        let mut flicker = [0.0; 16];
+        flicker.iter_mut().zip(&amplitudes).for_each(|(f, a)| *f = *a as f32);
+        let tile = layout::Tile {
+            seed: [job.seed as u32, (job.seed >> 32) as u32],
+            first_member: [batch.members.start as u32, (batch.members.start >> 32) as u32],
+            members: members as u32,
+            stride: stride as u32,
+            first_sample: 0,
+            samples: 0,
+            substeps: job.clock.steps_per_sample * job.integrator.substeps(),
+            flicker_terms: amplitudes.len() as u32,
+            tilt_gain: (job.gravity_m_s2 * sample_s) as f32,
+            sample_s: sample_s as f32,
+            zero: 0,
+            padding: [0; 3],
+            flicker,
+        };
+        let on = |name: &str| constants.iter().any(|(n, v)| *n == name && *v != 0.0);
+        let sets = usize::from(on("HAS_FLICKER")) + usize::from(on("HAS_GYRO_FLICKER"));
+        let reports = job.clock.report_samples.len() as u64;
+        let mut bins: Vec<layout::Bins> =
+            batch.bins.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
+        bins.resize(reports as usize * 4, layout::Bins::zeroed());
+        let blocks = stride / u64::from(BLOCK);
+        Ok(Self {
+            members: members as u32,
+            stride: stride as u32,
+            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64), &constants)?,
+            reduce: gpu.kernel(&source::reduce(), &[])?,
+            tile,
+            columns: gpu.upload(cast_slice(&columns))?,
+            turns: gpu.upload(cast_slice(&turns))?,
+            state: gpu.zeros(4 * stride * (STATE + sets * amplitudes.len()) as u64)?,
+            errors: gpu.zeros(4 * stride * 5)?,
+            bins: gpu.upload(cast_slice(&bins))?,
+            partials: gpu.zeros(reports * blocks * 4 * size_of::<layout::Partial>() as u64)?,
+            counts: gpu.zeros(if batch.bins.is_empty() { 4 } else { reports * 4 * 4 * (BINS as u64 + 2) })?,
+        })
+    }
+
+    /// All tiles; `false` when the user asked to stop.
+    fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
+        let (job, mut from) = (batch.job, 0);
+        let ceiling = most.min(MOST_SUBSTEPS / u64::from(self.tile.substeps)).max(4);
+        let mut samples = 16.min(ceiling);
+        let (mut under_way, mut begun) = (None, Instant::now());
+        while let Some(next) = tile::next(&job.clock, from, samples) {
+            if progress::interrupted() {
+                return Ok(false);
+            }
+            let count = next.samples.end - from;
+            let force = gpu.upload(cast_slice(&force::table::<f32>(job, from, count)))?;
+            let tile = layout::Tile { first_sample: from as u32, samples: count as u32, ..self.tile };
+            let tile = gpu.uniform(bytes_of(&tile))?;
+            let report = gpu.uniform(bytes_of(&layout::Report {
+                members: self.members,
+                stride: self.stride,
+                number: next.report.unwrap_or(0) as u32,
+                blocks: self.stride / BLOCK,
+                counts: u32::from(!batch.bins.is_empty()),
+                padding: [0; 3],
+            }))?;
+            let simulated = [&tile, &self.columns, &self.turns, &self.state, &force, &self.errors];
+            let reduced = [&report, &self.errors, &self.bins, &self.partials, &self.counts];
+            let mut work = vec![Dispatch {
+                kernel: &self.simulate,
+                buffers: &simulated,
+                workgroups: self.stride / SIMULATE_WORKGROUP,
+            }];
+            if next.report.is_some() {
+                work.push(Dispatch { kernel: &self.reduce, buffers: &reduced, workgroups: self.stride / BLOCK });
+            }
+            let submitted = gpu.submit(&work)?;
+            // Wait for the tile before this one; its time sizes the next.
+            if let Some((before, length)) = under_way.replace((submitted, count)) {
+                gpu.wait(&before)?;
+                let took_s = begun.elapsed().as_secs_f64();
+                // A tile cut short by a report says little about how long a full one takes.
+                if length == samples {
+                    samples = tile::adapt(samples, took_s, TARGET_S).min(ceiling);
+                }
+                begun = Instant::now();
+            }
+            from = next.samples.end;
+            (batch.progress)(count * u64::from(self.members));
+        }
+        if let Some((last, _)) = under_way {
+            gpu.wait(&last)?;
+        }
+        Ok(true)
+    }
+
+    fn partials(&self, gpu: &Gpu, batch: &Batch<'_>) -> Result<Vec<Partial>> {
+        let (reports, blocks) = (batch.job.clock.report_samples.len(), (self.stride / BLOCK) as usize);
+        let bytes = gpu.read(&self.partials, (reports * blocks * 4 * size_of::<layout::Partial>()) as u64)?;
+        let moments: Vec<layout::Partial> = bytemuck::pod_collect_to_vec(&bytes);
+        let counts: Vec<u32> = if batch.bins.is_empty() {
+            Vec::new()
+        } else {
+            bytemuck::pod_collect_to_vec(&gpu.read(&self.counts, (reports * 4 * (BINS + 2) * 4) as u64)?)
+        };
+        let partial = |report: usize| {
+            let of_report = &moments[report * blocks * 4..(report + 1) * blocks * 4];
+            let blocks: Vec<[Moments; 4]> =
+                of_report.chunks(4).map(|b| std::array::from_fn(|q| finish(&b[q]))).collect();
+            let counted: u64 = blocks.iter().map(|b| b[0].count).sum();
+            let histograms = batch.bins.get(report).map_or_else(Vec::new, |bins| {
+                let counts = counts[report * 4 * (BINS + 2)..].chunks(BINS + 2);
+                let histogram = |(bins, counts): (_, &[u32])| Histogram {
+                    bins,
+                    counts: counts.iter().map(|c| u64::from(*c)).collect(),
+                };
+                bins.iter().copied().zip(counts).map(histogram).collect()
+            });
+            Partial { blocks, histograms, failed: u64::from(self.members) - counted }
+        };
+        Ok((0..reports).map(partial).collect())
+    }
+}
+
+/// The moments behind what a workgroup summed: its rounded mean put right.
+fn finish(p: &layout::Partial) -> Moments {
+    if p.count == 0 {
+        return Moments::default();
+    }
+    let (n, off) = (f64::from(p.count), f64::from(p.correction));
+    Moments {
+        count: u64::from(p.count),
+        mean: f64::from(p.mean) + off / n,
+        squares: (f64::from(p.squares) - off * off / n).max(0.0),
+        min: f64::from(p.least),
+        max: f64::from(p.greatest),
+    }
+}
+
+/// Which parts of the kernel this batch needs: the rest is compiled away.
+fn constants(job: &Job, drawn: &[Column]) -> Vec<(&'static str, f64)> {
+    let any = |c: usize, none: f64| drawn.iter().any(|d| d.values[c] != none);
+    let has = |c: usize| f64::from(u8::from(any(c, 0.0)));
+    let integrator = match job.integrator {
+        Integrator::Ideal => 0.0,
+        Integrator::ExactHold => 1.0,
+        Integrator::RungeKutta4 { .. } => 2.0,
+        Integrator::RungeKutta4General { .. } => 3.0,
+        Integrator::ExponentialRk2 { .. } => 4.0,
+        Integrator::RosenbrockEuler { .. } => 5.0,
+    };
+    let gyro = (column::GYRO_BIAS..=column::GYRO_WALK).any(|c| any(c, 0.0));
+    vec![
+        ("INTEGRATOR", integrator),
+        ("HAS_FORCE", has(column::FORCE)),
+        ("HAS_WHITE", has(column::WHITE)),
+        ("HAS_FLICKER", has(column::FLICKER)),
+        ("HAS_WALK", has(column::WALK)),
+        ("HAS_GYRO", f64::from(u8::from(gyro))),
+        ("HAS_GYRO_WHITE", has(column::GYRO_WHITE)),
+        ("HAS_GYRO_FLICKER", has(column::GYRO_FLICKER)),
+        ("HAS_GYRO_WALK", has(column::GYRO_WALK)),
+        ("HAS_SINE", has(column::SINE)),
+        ("HAS_READING", f64::from(u8::from(any(column::SCALE, 0.0) || any(column::K2, 0.0)))),
+        ("HAS_RANGE", f64::from(u8::from(drawn.iter().any(|d| d.values[column::RANGE] < 1e30)))),
+        ("HAS_QUANTISATION", has(column::QUANTISATION)),
+    ]
+}

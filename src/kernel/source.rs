@@ -1,0 +1,112 @@
+//! The shaders as text: shared parts first, then the kernel. The only file that knows naga, and only to check.
+//!
+//! Not for running them: `backend::gpu` does.
+
+/// A shader, ready for a device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shader {
+    /// Name of its file and of its entry point.
+    pub name: &'static str,
+    /// WGSL.
+    pub text: String,
+}
+
+const PHILOX: &str = include_str!("../../shaders/shared/philox.wgsl");
+const MULTIPLY_16: &str = include_str!("../../shaders/shared/philox_multiply_16.wgsl");
+const MULTIPLY_64: &str = include_str!("../../shaders/shared/philox_multiply_64.wgsl");
+const ELEMENTARY: &str = include_str!("../../shaders/shared/elementary.wgsl");
+const LAYOUT: &str = include_str!("../../shaders/shared/layout.wgsl");
+const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
+const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
+
+/// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has 64-bit integers.
+pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
+    let multiply = if int64 { MULTIPLY_64 } else { MULTIPLY_16 };
+    Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
+}
+
+/// The ensemble kernel.
+pub fn simulate(int64: bool) -> Shader {
+    let own = include_str!("../../shaders/simulate.wgsl");
+    with_random_numbers("simulate", &[LAYOUT, OSCILLATOR, ACCUMULATE, own].join("\n"), int64)
+}
+
+/// The reduction.
+pub fn reduce() -> Shader {
+    Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::layout;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    fn parsed(shader: &Shader) -> naga::Module {
+        let module = naga::front::wgsl::parse_str(&shader.text).map_err(|e| e.emit_to_string(&shader.text));
+        let module = module.unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_INT64);
+        validator.validate(&module).unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
+        module
+    }
+
+    /// Span, and name and offset of each member, of a struct in a shader.
+    fn structure(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
+        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
+        match &found.expect("the struct is there").1.inner {
+            naga::TypeInner::Struct { members, span } => {
+                (*span, members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect())
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn shaders_parse_and_validate() {
+        [simulate(false), simulate(true), reduce()].iter().for_each(|s| drop(parsed(s)));
+    }
+
+    #[test]
+    fn layouts_agree_with_their_mirrors() {
+        let module = parsed(&simulate(false));
+        for mirror in layout::mirrors() {
+            let (span, members) = structure(&module, mirror.name);
+            assert_eq!(span, mirror.size, "{}", mirror.name);
+            let members: Vec<(&str, u32)> = members.iter().map(|(n, o)| (n.as_str(), *o)).collect();
+            assert_eq!(members, mirror.members, "{}", mirror.name);
+        }
+    }
+
+    #[test]
+    fn a_shifted_member_is_noticed() {
+        let moved = simulate(false).text.replacen("stride: u32,", "", 1);
+        let module = parsed(&Shader { name: "moved", text: moved.replace("tile.stride", "tile.members") });
+        assert_ne!(structure(&module, "Tile").1, layout::mirrors()[0].members_owned());
+    }
+
+    #[test]
+    fn bindings_and_workgroups_are_what_the_host_dispatches() {
+        for (shader, bindings, size) in
+            [(simulate(false), layout::SIMULATE_BINDINGS, layout::SIMULATE_WORKGROUP), (reduce(), 5, 256)]
+        {
+            let module = parsed(&shader);
+            let mut found: Vec<u32> =
+                module.global_variables.iter().filter_map(|(_, v)| v.binding.map(|b| b.binding)).collect();
+            found.sort_unstable();
+            assert_eq!(found, (0..bindings).collect::<Vec<u32>>(), "{}", shader.name);
+            let entry = &module.entry_points[0];
+            assert_eq!((entry.name.as_str(), entry.workgroup_size), (shader.name, [size, 1, 1]));
+        }
+    }
+
+    #[test]
+    fn columns_and_bounds_agree() {
+        let constants = |name: &str| format!("const {name} = ");
+        for (name, place) in layout::COLUMN_NAMES {
+            let line = LAYOUT.lines().find(|l| l.starts_with(&constants(name)));
+            assert_eq!(line, Some(format!("const {name} = {place}u;").as_str()));
+        }
+        assert!(LAYOUT.contains("const BOUND_M_S2 = 1e7;"));
+        assert_eq!(crate::kernel::cpu::simulate::BOUND_M_S2, 1e7);
+    }
+}
