@@ -52,3 +52,4 @@ pub mod statistics;
 pub mod study;
 pub mod trial;
 pub mod units;
+pub mod validation;

@@ -105,27 +105,43 @@ impl Cpu {
             .par_iter()
             .map(|&first| draw::<T>(job, first, members.end, shared.flicker.len()))
             .collect::<Result<Vec<Members<T>>>>()?;
-        let most = self.tile_samples.min(MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
         let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
-        let (mut partials, mut from) = (Vec::with_capacity(job.clock.report_samples.len()), 0);
+        let size = members.end - members.start;
+        let mut partials = Vec::with_capacity(job.clock.report_samples.len());
+        let finished = self.tiles(job, &shared, &mut groups, |tile, groups| {
+            (batch.progress)((tile.samples.end - tile.samples.start) * size);
+            if let Some(report) = tile.report {
+                let bins = batch.bins.get(report);
+                partials.push(partial(groups, size as usize, tile.samples.end, sample_s, bins));
+            }
+        });
+        Ok(finished.then_some(partials))
+    }
+
+    /// Takes the groups through the run, tile by tile; `false` when the user asked to stop.
+    fn tiles<T: Real>(
+        &self,
+        job: &Job,
+        shared: &Shared<T>,
+        groups: &mut [Members<T>],
+        mut after: impl FnMut(&tile::Tile, &[Members<T>]),
+    ) -> bool {
+        let most = self.tile_samples.min(MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
+        let mut from = 0;
         while let Some(tile) = tile::next(&job.clock, from, most) {
             if progress::interrupted() {
-                return Ok(None);
+                return false;
             }
             let count = tile.samples.end - from;
             let table = force::table::<T>(job, from, count);
             groups.par_iter_mut().for_each(|members| {
-                let work = Simulate { shared: &shared, members, force: &table, first: from, count, observer: &mut () };
+                let work = Simulate { shared, members, force: &table, first: from, count, observer: &mut () };
                 self.level.run(work);
             });
             from = tile.samples.end;
-            (batch.progress)(count * (members.end - members.start));
-            if let Some(report) = tile.report {
-                let bins = batch.bins.get(report);
-                partials.push(partial(&groups, (members.end - members.start) as usize, from, sample_s, bins));
-            }
+            after(&tile, groups);
         }
-        Ok(Some(partials))
+        true
     }
 }
 
@@ -169,6 +185,29 @@ fn partial<T: Real>(
         }
     }
     whole
+}
+
+/// The four errors of every member at the end of a run that fits the memory, for comparisons member by member.
+///
+/// # Errors
+/// A member that the integrator cannot step; Ctrl-C.
+pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
+    let shared = Shared::<T>::of(job);
+    let starts: Vec<u64> = (0..job.members).step_by(LANES).collect();
+    let mut groups = starts
+        .par_iter()
+        .map(|&first| draw::<T>(job, first, job.members, shared.flicker.len()))
+        .collect::<Result<Vec<Members<T>>>>()?;
+    let cpu = Cpu::default();
+    if !cpu.tiles(job, &shared, &mut groups, |_, _| ()) {
+        return Err(Error::interrupted("could not finish the simulation", "run it again"));
+    }
+    let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+    let all = groups.iter().flat_map(|group| {
+        let s = group.snapshot(job.clock.samples, sample_s);
+        (0..LANES).map(move |l| std::array::from_fn(|q| s.values[q][l]))
+    });
+    Ok(all.take(job.members as usize).collect())
 }
 
 /// Reading errors of 64 members, from the multiple of 64 at or below `member` on, sample by sample: `sink` is given the

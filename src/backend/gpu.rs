@@ -289,8 +289,7 @@ impl Gpu {
     /// # Errors
     /// It hangs, or the device was lost.
     pub fn wait(&self, submission: &Submission) -> Result<()> {
-        let wait =
-            wgpu::PollType::Wait { submission_index: Some(submission.0.clone()), timeout: Some(PATIENCE) };
+        let wait = wgpu::PollType::Wait { submission_index: Some(submission.0.clone()), timeout: Some(PATIENCE) };
         self.device.poll(wait).map_err(|e| Error::new(ATTEMPT, e.to_string(), USE_CPU))?;
         self.healthy()
     }

@@ -1,15 +1,59 @@
-//! `proofmass validate`.
+//! `proofmass validate`: laws, closed forms, orders and parities on this machine.
 
+use crate::ensemble::Choice;
 use crate::error::{Error, Result};
+use crate::progress;
+use crate::report::number::significant;
+use crate::report::table::Table;
+use crate::validation::{self, Row, jobs::Place};
 
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Where: `auto` checks the CPU and, if there is one, a GPU (a software one included)
+    #[arg(long, value_enum, default_value_t)]
+    backend: Choice,
+}
 
 /// Runs it.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `validate`", "not built yet", "see the README"))
+/// A check that does not hold; an adapter that is not there.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let mut places = match arguments.backend {
+        Choice::Cpu => vec![Place::cpu()],
+        Choice::Gpu => vec![Place::gpu()?],
+        Choice::Auto => std::iter::once(Place::cpu()).chain(Place::gpu()).collect(),
+    };
+    let bar = progress::bar("validating", 0);
+    let rows = validation::run(&mut places, |what| bar.set_message(what.to_owned()))?;
+    bar.finish_and_clear();
+    let failed: Vec<&Row> = rows.iter().filter(|r| !r.holds).collect();
+    if json {
+        let backends: Vec<&str> = places.iter().map(|p| p.name.as_str()).collect();
+        let document = serde_json::json!({
+            "schema": "proofmass.validation/1", "backends": backends, "holds": failed.is_empty(), "checks": rows,
+        });
+        println!("{document:#}");
+    } else {
+        print!("{}", table(&rows));
+    }
+    match failed.first() {
+        None => Ok(()),
+        Some(first) => Err(Error::new(
+            format!("{} of {} checks do not hold", failed.len(), rows.len()),
+            format!("{}: got {:e}, expected {:e} ± {:e}", first.what, first.got, first.expected, first.tolerance),
+            "do not trust results of this build on this machine; please report the table above",
+        )),
+    }
+}
+
+fn table(rows: &[Row]) -> Table {
+    let mut table = Table::new(&["what", "expected", "got", "tolerance", "holds"]);
+    for r in rows {
+        let number = |v: f64| significant(v, 5);
+        let holds = if r.holds { "yes" } else { "NO" };
+        table.row([r.what.clone(), number(r.expected), number(r.got), number(r.tolerance), holds.to_owned()]);
+    }
+    table
 }

@@ -110,8 +110,7 @@ impl Plan {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
-        let drawn =
-            batch.members.clone().into_par_iter().map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
+        let drawn = batch.members.clone().into_par_iter().map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
         let place = |c: usize| drawn.par_iter().map(move |d| d.values[c] as f32);
         let pad = (stride - members) as usize;
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
@@ -119,9 +118,8 @@ impl Plan {
             columns.extend(place(c).collect::<Vec<f32>>());
             columns.extend(std::iter::repeat_n(0.0, pad));
         }
-        let turns: Vec<u32> = (0..2)
-            .flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad)))
-            .collect();
+        let turns: Vec<u32> =
+            (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
         let constants = constants(job, &drawn);
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);

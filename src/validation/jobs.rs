@@ -1,0 +1,109 @@
+//! The small ensembles that checks run, and the places they run on.
+
+use std::sync::Arc;
+
+use crate::backend::Backend;
+use crate::backend::cpu::Cpu;
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::simulate::Ensembles;
+use crate::ensemble::{self, Options};
+use crate::error::Result;
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::{Clock, Job, Member, Waveform};
+use crate::sensor::{ProofMass, Sensor};
+use crate::statistics::Statistics;
+use crate::units::STANDARD_GRAVITY_M_S2;
+
+/// A backend and its name.
+pub struct Place {
+    /// For the rows.
+    pub name: String,
+    /// Whether it is a GPU.
+    pub is_gpu: bool,
+    backend: Box<dyn Backend>,
+}
+
+impl Place {
+    /// The CPU.
+    pub fn cpu() -> Self {
+        Self { name: "CPU".to_owned(), is_gpu: false, backend: Box::new(Cpu::default()) }
+    }
+
+    /// The best adapter.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn gpu() -> Result<Self> {
+        let gpu = Gpu::open(false)?;
+        Ok(Self { name: gpu.adapter.name.clone(), is_gpu: true, backend: Box::new(Ensembles::on(Arc::new(gpu))) })
+    }
+
+    /// Runs a job there.
+    ///
+    /// # Errors
+    /// As the backend.
+    pub fn run(&mut self, job: &Job) -> Result<Statistics> {
+        ensemble::run_on(job, self.backend.as_mut(), &Options { quiet: true, ..Options::default() })
+    }
+}
+
+/// a·sin(ωt) + offset.
+#[derive(Debug, Clone, Copy)]
+pub struct Sine {
+    /// Amplitude, m/s².
+    pub amplitude_m_s2: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Constant part, m/s².
+    pub offset_m_s2: f64,
+}
+
+impl Waveform for Sine {
+    fn specific_force_m_s2(&self, time_s: f64) -> f64 {
+        let angle = std::f64::consts::TAU * self.frequency_hz * time_s;
+        self.amplitude_m_s2 * angle.sin() + self.offset_m_s2
+    }
+}
+
+/// No force.
+pub const REST: Sine = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
+
+/// An ensemble of one sensor, sampled at 100 Hz with ten steps a sample.
+pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrator: Integrator) -> Job {
+    let report_samples: Vec<u64> = report_s.iter().map(|t| (t * 100.0).round() as u64).collect();
+    Job {
+        seed: 20_261_120,
+        members,
+        clock: Clock {
+            step_s: 1e-3,
+            steps_per_sample: 10,
+            samples: report_samples.last().copied().unwrap_or(1),
+            report_samples,
+        },
+        draw: Arc::new(move |_| Member { sensor, sine: None }),
+        waveform: Arc::new(force),
+        integrator,
+        gravity_m_s2: STANDARD_GRAVITY_M_S2,
+    }
+}
+
+/// A proof mass whose cubic spring carries a hundredth of a 1 g load.
+pub fn duffing(resonance_hz: f64, damping_ratio: f64) -> ProofMass {
+    let natural_frequency_rad_s = std::f64::consts::TAU * resonance_hz;
+    ProofMass {
+        natural_frequency_rad_s,
+        damping_ratio,
+        cubic_per_m2_s2: 0.01 * natural_frequency_rad_s.powi(6) / STANDARD_GRAVITY_M_S2.powi(2),
+        ..ProofMass::default()
+    }
+}
+
+/// One proof mass per integrator, as the tool would choose it at a step of 1 ms.
+pub fn masses() -> Vec<(ProofMass, Integrator)> {
+    let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
+    let further = ProofMass { quadratic_per_m_s2: 1e8, quadratic_damping_per_m: 1e3, ..duffing(30.0, 0.7) };
+    [linear, duffing(30.0, 0.7), further, duffing(1200.0, 0.7), duffing(1200.0, 0.01)]
+        .into_iter()
+        .map(|m| (m, Integrator::choose(Some(&m), 1e-3).integrator))
+        .collect()
+}
