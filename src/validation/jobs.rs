@@ -101,8 +101,14 @@ pub fn duffing(resonance_hz: f64, damping_ratio: f64) -> ProofMass {
 /// One proof mass per integrator, as the tool would choose it at a step of 1 ms.
 pub fn masses() -> Vec<(ProofMass, Integrator)> {
     let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
-    let further = ProofMass { quadratic_per_m_s2: 1e8, quadratic_damping_per_m: 1e3, ..duffing(30.0, 0.7) };
-    [linear, duffing(30.0, 0.7), further, duffing(1200.0, 0.7), duffing(1200.0, 0.01)]
+    let slow = duffing(30.0, 0.7);
+    let further = ProofMass {
+        // A quadratic spring that carries another hundredth of the load.
+        quadratic_per_m_s2: 0.01 * slow.natural_frequency_rad_s.powi(4) / STANDARD_GRAVITY_M_S2,
+        quadratic_damping_per_m: 1e3,
+        ..slow
+    };
+    [linear, slow, further, duffing(1200.0, 0.7), duffing(1200.0, 0.01)]
         .into_iter()
         .map(|m| (m, Integrator::choose(Some(&m), 1e-3).integrator))
         .collect()
