@@ -7,6 +7,7 @@ mod suite {
     pub mod cli;
     pub mod closed_form;
     pub mod diagnose_cli;
+    pub mod diagnosis_static;
     pub mod diagnosis_tumble;
     pub mod dynamics;
     pub mod law;
@@ -34,6 +35,8 @@ fn main() {
         suite::allan::tests(),
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
+        // static: each effect at rest is found alone, nothing where nothing is.
+        suite::diagnosis_static::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // diagnose: the contract's files and fields, and bad input in sentences.

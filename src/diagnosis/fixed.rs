@@ -1,23 +1,137 @@
 //! A sensor at rest: its noise and its drift: which physics its model leaves out.
+//!
+//! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is judged alone (`selection`),
+//! then all together for drift that they share (`common`), then what is left (`check`). Not for coefficients alone: those
+//! come faster, and with the classical curve, from `recording::noise`.
 
-use crate::error::{Error, Result};
-use crate::recording::Recording;
+mod candidate;
+mod channel;
+mod check;
+mod common;
+mod conclusion;
+mod describe;
+mod selection;
+mod spectrum;
+
+use rayon::prelude::*;
+
+pub use candidate::CANDIDATES;
 
 use super::Diagnosis;
-use super::candidate::Candidate;
 use super::model;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use crate::recording::health::Watch;
+use channel::{Channel, Curve};
 
-/// What can be named in this kind of recording.
-pub const CANDIDATES: &[Candidate] = &[];
+/// Longer recordings are averaged over neighbouring samples to at most this many.
+const LONGEST: usize = 1 << 18;
+/// Fewer samples cannot tell one law from another.
+const FEWEST: usize = 256;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
-pub struct Detail {}
+pub struct Detail {
+    /// Unit of the channels.
+    pub unit: String,
+    /// One per channel.
+    pub channels: Vec<ChannelDetail>,
+}
+
+/// What the figures show of a channel; all in file units.
+#[derive(Debug, Clone, Default)]
+pub struct ChannelDetail {
+    /// Heading.
+    pub name: String,
+    /// Ids named in it.
+    pub named: Vec<String>,
+    /// τ in s, recorded Allan deviation, base model's, repaired model's.
+    pub allan: Vec<[f64; 4]>,
+    /// Frequency in Hz, one-sided density recorded, base, repaired, unit/√Hz.
+    pub density: Vec<[f64; 4]>,
+    /// Time in s, block mean, repaired model's curve (0 where it has none).
+    pub trace: Vec<[f64; 3]>,
+}
 
 /// Diagnoses it.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn diagnose(_recording: &Recording, _model: &model::Static) -> Result<Diagnosis> {
-    Err(Error::new("could not diagnose the recording", "this kind is not built yet", "use kind = \"tumble\""))
+/// Fewer than 256 samples, or columns that are not there.
+pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosis> {
+    let rows = rows(recording, model);
+    let column = |name: &String| {
+        recording.column(name).map(|values| &values[rows.clone()]).ok_or_else(|| {
+            Error::new("could not diagnose the recording", format!("column `{name}` was not read"), "check [columns]")
+        })
+    };
+    let mut findings = recording.findings.clone();
+    let (names, live): (Vec<&String>, Vec<&[f64]>) = {
+        let all: Vec<(&String, &[f64])> =
+            model.columns.channels.iter().map(|n| Ok((n, column(n)?))).collect::<Result<_>>()?;
+        all.into_iter().filter(|(_, v)| v.windows(2).any(|w| w[0] != w[1])).unzip()
+    };
+    if live.is_empty() {
+        return Err(Error::new(
+            "could not diagnose the recording",
+            "every channel is constant",
+            "a sensor at rest still has noise: is it connected, and is the resolution high enough?",
+        ));
+    }
+    if rows.len() < FEWEST {
+        return Err(Error::new(
+            "could not diagnose the recording",
+            format!("{} samples", rows.len()),
+            format!("need at least {FEWEST}; thousands are better"),
+        ));
+    }
+    let together = rows.len().div_ceil(LONGEST);
+    let rate_hz = recording.rate_hz / together as f64;
+    if together > 1 {
+        findings.push(format!(
+            "{together} neighbouring samples were averaged: nothing faster than {:.4} Hz is judged",
+            rate_hz / 2.0
+        ));
+    }
+    let reduce = |values: &[f64]| -> Vec<f64> {
+        values.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
+    };
+    let steps: Vec<Option<f64>> = names.iter().zip(&live).map(|(n, v)| Watch::of(n, v).step()).collect();
+    let environment: Vec<(String, Curve)> = model
+        .columns
+        .environment
+        .iter()
+        .map(|n| Ok((n.clone(), Curve::new(reduce(column(n)?)))))
+        .collect::<Result<_>>()?;
+    let channels: Vec<Channel> = names
+        .iter()
+        .zip(&live)
+        .map(|(name, values)| {
+            let mut channel = Channel::new(name, &reduce(values), rate_hz);
+            channel.promised = describe::promised(&channel, model.noise.as_ref());
+            channel
+        })
+        .collect();
+    let mut selected: Vec<_> =
+        channels.par_iter().map(|c| selection::select(c, &environment, channels.len())).collect();
+    let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
+    Ok(conclusion::conclude(conclusion::Material {
+        recording,
+        model,
+        channels: &channels,
+        steps: &steps,
+        together,
+        selected: &mut selected,
+        common,
+        findings,
+    }))
+}
+
+/// Rows from the first to the last that the model's split names; all where it names none.
+fn rows(recording: &Recording, model: &model::Static) -> std::ops::Range<usize> {
+    let ranges = || model.split.train.iter().chain(&model.split.test);
+    let end = recording.samples();
+    match (ranges().map(|r| r[0]).min(), ranges().map(|r| r[1]).max()) {
+        (Some(from), Some(to)) if from < to.min(end) => from..to.min(end),
+        _ => 0..end,
+    }
 }

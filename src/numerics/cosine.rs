@@ -31,15 +31,37 @@ pub fn transform(values: &[f64]) -> Vec<f64> {
     (0..count).map(coefficient).collect()
 }
 
-/// The sequence with these coefficients. Quadratic in the number of non-zero ones: for smooth parts only.
-pub fn synthesise(coefficients: &[f64], count: usize) -> Vec<f64> {
-    let scale = (2.0 / count as f64).sqrt();
+/// The sequence with these coefficients: the inverse of [`transform`].
+pub fn invert(coefficients: &[f64]) -> Vec<f64> {
+    let count = coefficients.len();
+    if count == 0 {
+        return Vec::new();
+    }
+    let fft = RealFftPlanner::new().plan_fft_inverse(count);
+    let mut bins = fft.make_input_vec();
+    let scale = (count as f64 / 2.0).sqrt();
+    for (k, bin) in bins.iter_mut().enumerate() {
+        let mirrored = if k == 0 { 0.0 } else { coefficients[count - k] };
+        let own = coefficients[k] * if k == 0 { 2f64.sqrt() } else { 1.0 };
+        let turn = Complex64::from_polar(scale, std::f64::consts::PI * k as f64 / (2.0 * count as f64));
+        *bin = Complex64::new(own, -mirrored) * turn;
+    }
+    bins[0].im = 0.0;
+    if count.is_multiple_of(2)
+        && let Some(last) = bins.last_mut()
+    {
+        last.im = 0.0;
+    }
+    let mut output = fft.make_output_vec();
+    // Fails only for buffers of another length than planned.
+    if fft.process(&mut bins, &mut output).is_err() {
+        return vec![0.0; count];
+    }
     let mut out = vec![0.0; count];
-    for (k, c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-        let scale = if k == 0 { scale / 2f64.sqrt() } else { scale };
-        for (n, value) in out.iter_mut().enumerate() {
-            *value += c * scale * (std::f64::consts::PI * k as f64 * (n as f64 + 0.5) / count as f64).cos();
-        }
+    let half = count.div_ceil(2);
+    for (n, value) in output.iter().enumerate() {
+        let place = if n < half { 2 * n } else { 2 * (count - n) - 1 };
+        out[place] = value / count as f64;
     }
     out
 }
@@ -53,7 +75,7 @@ mod tests {
         for count in [1, 2, 5, 8, 63] {
             let values: Vec<f64> = (0..count).map(|i| ((i * 37 + 11) % 17) as f64 - 8.0).collect();
             let coefficients = transform(&values);
-            let back = synthesise(&coefficients, count);
+            let back = invert(&coefficients);
             assert!(values.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-10), "{count}");
             let energy = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
             assert!((energy(&values) - energy(&coefficients)).abs() < 1e-9 * energy(&values).max(1.0));

@@ -1,0 +1,225 @@
+//! One channel and its model: laws of noise plus curves of known shape, fitted together.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::spectrum::{self, Bin, Law, Part, Strengths};
+use crate::numerics::cosine;
+
+/// A channel, in units of its own scale so that all numbers are near one.
+#[derive(Debug, Clone)]
+pub(super) struct Channel {
+    pub(super) name: String,
+    /// Uniform samples, mean removed, over `scale`.
+    pub(super) values: Vec<f64>,
+    /// File units per unit here.
+    pub(super) scale: f64,
+    pub(super) rate_hz: f64,
+    pub(super) coefficients: Vec<f64>,
+    /// Variance that the datasheet promises to every bin, beyond white noise; empty for none.
+    pub(super) promised: Vec<f64>,
+}
+
+/// A curve of known shape in the mean: its samples and their cosine coefficients.
+#[derive(Debug, Clone)]
+pub(super) struct Curve {
+    pub(super) values: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+impl Curve {
+    pub(super) fn new(mut values: Vec<f64>) -> Self {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.iter_mut().for_each(|v| *v -= mean);
+        let coefficients = cosine::transform(&values);
+        Self { values, coefficients }
+    }
+}
+
+/// Something a candidate adds: a law, or one or two curves.
+#[derive(Debug, Clone)]
+pub(super) enum Addition {
+    Law(Law),
+    Curves(Vec<Curve>),
+}
+
+/// A candidate in a channel, with the number that was searched for (time constant, frequency).
+#[derive(Debug, Clone)]
+pub(super) struct Term {
+    pub(super) id: &'static str,
+    pub(super) addition: Addition,
+    /// Correlation time or time constant in samples; frequency in cycles per sample.
+    pub(super) searched: f64,
+    /// Environment column it follows.
+    pub(super) column: Option<String>,
+}
+
+/// A model fitted to a channel.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub(super) terms: Vec<Term>,
+    pub(super) strengths: Strengths,
+    /// Per curve, in order of terms: value and standard error.
+    pub(super) amplitudes: Vec<(f64, f64)>,
+    /// Cosine coefficients without the curves.
+    pub(super) residual: Vec<f64>,
+    pub(super) bins: Vec<Bin>,
+    pub(super) variances: Vec<f64>,
+}
+
+impl Fitted {
+    pub(super) fn log_likelihood(&self) -> f64 {
+        self.strengths.log_likelihood
+    }
+
+    pub(super) fn laws(&self) -> Vec<Law> {
+        laws(&self.terms)
+    }
+
+    pub(super) fn has(&self, id: &str) -> bool {
+        self.terms.iter().any(|t| t.id == id)
+    }
+
+    /// Where the amplitudes of a term's curves stand.
+    pub(super) fn amplitudes_of(&self, term: usize) -> &[(f64, f64)] {
+        let curves = |t: &Term| if let Addition::Curves(c) = &t.addition { c.len() } else { 0 };
+        let start = self.terms[..term].iter().map(curves).sum();
+        &self.amplitudes[start..start + curves(&self.terms[term])]
+    }
+
+    /// Strength and standard error of a term that is a law.
+    pub(super) fn strength_of(&self, term: usize) -> (f64, f64) {
+        let law = self.terms[..term].iter().filter(|t| matches!(t.addition, Addition::Law(_))).count() + 1;
+        (self.strengths.values[law], self.strengths.errors[law])
+    }
+
+    /// Sum of the fitted curves.
+    pub(super) fn mean_curve(&self, count: usize) -> Vec<f64> {
+        let mut out = vec![0.0; count];
+        for (curve, (amplitude, _)) in curves(&self.terms).zip(&self.amplitudes) {
+            out.iter_mut().zip(&curve.values).for_each(|(o, v)| *o += amplitude * v);
+        }
+        out
+    }
+
+    /// Log-likelihood of each fold under laws fitted to the other.
+    pub(super) fn held_out(&self, promised: &[f64]) -> f64 {
+        let laws = self.laws();
+        (0..2)
+            .map(|fold| {
+                let fitted = spectrum::fit(&self.bins, &laws, promised, Part::Fold(1 - fold));
+                let variances = spectrum::variances(&self.bins, &laws, &fitted.values, promised);
+                spectrum::log_likelihood(&self.bins, &variances, Part::Fold(fold))
+            })
+            .sum()
+    }
+}
+
+fn laws(terms: &[Term]) -> Vec<Law> {
+    let added = terms.iter().filter_map(|t| if let Addition::Law(law) = t.addition { Some(law) } else { None });
+    std::iter::once(Law::White).chain(added).collect()
+}
+
+fn curves(terms: &[Term]) -> impl Iterator<Item = &Curve> {
+    terms.iter().flat_map(|t| if let Addition::Curves(c) = &t.addition { &c[..] } else { &[] })
+}
+
+impl Channel {
+    /// `scale` is estimated from differences of neighbours, which no drift reaches.
+    pub(super) fn new(name: &str, values: &[f64], rate_hz: f64) -> Self {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let power = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * (values.len() - 1)) as f64;
+        let scale = if power > 0.0 { power.sqrt() } else { 1.0 };
+        let values: Vec<f64> = values.iter().map(|v| (v - mean) / scale).collect();
+        let coefficients = cosine::transform(&values);
+        Self { name: name.into(), values, scale, rate_hz, coefficients, promised: Vec::new() }
+    }
+
+    /// Fits laws and curves together: curves by generalised least squares under the laws, in turn.
+    pub(super) fn fit(&self, terms: Vec<Term>) -> Fitted {
+        let laws = laws(&terms);
+        let curves: Vec<&Curve> = curves(&terms).collect();
+        let mut residual = self.coefficients.clone();
+        let mut amplitudes = vec![(0.0, f64::INFINITY); curves.len()];
+        let rounds = if curves.is_empty() { 1 } else { 4 };
+        let mut bins = spectrum::bins(&residual);
+        let mut variances: Vec<f64> = vec![1.0; bins.len()];
+        let mut strengths = Strengths { values: Vec::new(), errors: Vec::new(), log_likelihood: 0.0 };
+        for _ in 0..rounds {
+            if !curves.is_empty() {
+                amplitudes = self.amplitudes(&curves, &bins, &variances);
+                residual.clone_from(&self.coefficients);
+                for (curve, (amplitude, _)) in curves.iter().zip(&amplitudes) {
+                    residual.iter_mut().zip(&curve.coefficients).for_each(|(r, c)| *r -= amplitude * c);
+                }
+                bins = spectrum::bins(&residual);
+            }
+            strengths = spectrum::fit(&bins, &laws, &self.promised, Part::All);
+            variances = spectrum::variances(&bins, &laws, &strengths.values, &self.promised);
+        }
+        Fitted { terms, strengths, amplitudes, residual, bins, variances }
+    }
+
+    fn amplitudes(&self, curves: &[&Curve], bins: &[Bin], variances: &[f64]) -> Vec<(f64, f64)> {
+        let count = curves.len();
+        let mut normal = DMatrix::<f64>::zeros(count, count);
+        let mut target = DVector::<f64>::zeros(count);
+        for (bin, variance) in bins.iter().zip(variances) {
+            for k in bin.from..bin.to {
+                for p in 0..count {
+                    let weighted = curves[p].coefficients[k] / variance;
+                    target[p] += weighted * self.coefficients[k];
+                    for q in p..count {
+                        normal[(p, q)] += weighted * curves[q].coefficients[k];
+                    }
+                }
+            }
+        }
+        normal.fill_lower_triangle_with_upper_triangle();
+        match normal.try_inverse() {
+            Some(inverse) => {
+                let solution = &inverse * target;
+                (0..count).map(|p| (solution[p], inverse[(p, p)].max(0.0).sqrt())).collect()
+            }
+            None => vec![(0.0, f64::INFINITY); count],
+        }
+    }
+
+    /// Share of the mean square on every second of sixteen stretches that curves remove when fitted to the others.
+    pub(super) fn held_out_share(&self, fitted: &Fitted, term: usize) -> f64 {
+        let Addition::Curves(curves) = &fitted.terms[term].addition else { return 0.0 };
+        let count = self.values.len();
+        let stretch = |n: usize| n * 16 / count % 2;
+        let others = {
+            let mut without = fitted.clone();
+            let start: usize = fitted.terms[..term]
+                .iter()
+                .map(|t| if let Addition::Curves(c) = &t.addition { c.len() } else { 0 })
+                .sum();
+            without.amplitudes[start..start + curves.len()].iter_mut().for_each(|a| a.0 = 0.0);
+            without.mean_curve(count)
+        };
+        let rest: Vec<f64> = self.values.iter().zip(&others).map(|(v, o)| v - o).collect();
+        let width = curves.len() + 1;
+        let design = |n: usize, p: usize| if p == 0 { 1.0 } else { curves[p - 1].values[n] };
+        let (mut normal, mut target) = (DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width));
+        let (mut mean, mut trained) = (0.0, 0.0);
+        for n in (0..count).filter(|n| stretch(*n) == 0) {
+            mean += rest[n];
+            trained += 1.0;
+            for p in 0..width {
+                target[p] += design(n, p) * rest[n];
+                for q in 0..width {
+                    normal[(p, q)] += design(n, p) * design(n, q);
+                }
+            }
+        }
+        let Some(solution) = normal.lu().solve(&target) else { return 0.0 };
+        let (mut before, mut after) = (0.0, 0.0);
+        for n in (0..count).filter(|n| stretch(*n) == 1) {
+            let predicted: f64 = (0..width).map(|p| solution[p] * design(n, p)).sum();
+            before += (rest[n] - mean / trained).powi(2);
+            after += (rest[n] - predicted).powi(2);
+        }
+        1.0 - after / before
+    }
+}

@@ -1,0 +1,106 @@
+//! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where it does not.
+
+use super::channel::{Channel, Fitted};
+use crate::diagnosis::verdict::Stretch;
+use crate::numerics::cosine;
+use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
+
+/// Power may differ from the model's by this share before a real sensor counts as misdescribed; no datasheet is better.
+pub(super) const TOLERANCE: f64 = 0.15;
+/// False discoveries among the stretches named.
+const RATE: f64 = 0.01;
+
+/// What is left of a channel when its model is taken off.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Remainder {
+    /// Smallest corrected probability that bands, stretches of time and single samples are noise as modelled.
+    pub(super) p_value: f64,
+    pub(super) time_s: Vec<Stretch>,
+    pub(super) frequency_hz: Vec<Stretch>,
+}
+
+/// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
+pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Remainder {
+    let (mut p_values, frequency_hz) = bands(channel, fitted, tolerance);
+    let mut white = fitted.residual.clone();
+    white[0] = 0.0;
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        white[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance.sqrt());
+    }
+    let innovations = cosine::invert(&white);
+    let (of_time, time_s) = stretches(channel, &innovations, tolerance);
+    p_values.extend(of_time);
+    let count = innovations.len() as f64;
+    let largest = innovations.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let tests = p_values.len() as f64 + 1.0;
+    // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
+    let outlier = (count * 2.0 * normal_cdf(-largest / (1.0 + tolerance))).min(1.0);
+    let smallest = p_values.iter().copied().fold(outlier, f64::min);
+    Remainder { p_value: (smallest * tests).min(1.0), time_s, frequency_hz }
+}
+
+/// Two-sided probability that a mean of `count` squares of unit variance is this far from one, beyond the tolerance.
+fn off(mean: f64, count: f64, tolerance: f64) -> f64 {
+    let high = chi_squared_above(count * mean / (1.0 + tolerance), count);
+    let low = 1.0 - chi_squared_above(count * mean * (1.0 + tolerance), count);
+    (2.0 * high.min(low)).min(1.0)
+}
+
+fn named(p_values: &[f64], at: impl Fn(usize) -> Stretch) -> Vec<Stretch> {
+    let found = discoveries(p_values, RATE);
+    let mut out: Vec<Stretch> = Vec::new();
+    for stretch in (0..p_values.len()).filter(|i| found[*i]).map(at).filter(|s| s.excess > 1.0) {
+        match out.last_mut() {
+            Some(last) if (last.to - stretch.from).abs() <= 1e-9 * stretch.to.abs() => {
+                last.to = stretch.to;
+                last.excess = last.excess.max(stretch.excess);
+            }
+            _ => out.push(stretch),
+        }
+    }
+    out
+}
+
+fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<Stretch>) {
+    // Bands of at least eight coefficients, a third wide.
+    let mut bands: Vec<(usize, usize, f64, f64)> = Vec::new();
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        let power = (bin.sum[0] + bin.sum[1]) / variance;
+        match bands.last_mut() {
+            Some((from, to, sum, count)) if *count < 8.0 || (bin.to as f64) < 1.33 * *from as f64 => {
+                *to = bin.to;
+                *sum += power;
+                *count += bin.count[0] + bin.count[1];
+            }
+            _ => bands.push((bin.from, bin.to, power, bin.count[0] + bin.count[1])),
+        }
+    }
+    let p_values: Vec<f64> = bands.iter().map(|b| off(b.2 / b.3, b.3, tolerance)).collect();
+    let to_hz = channel.rate_hz / (2 * channel.values.len()) as f64;
+    let named = named(&p_values, |i| Stretch {
+        from: bands[i].0 as f64 * to_hz,
+        to: bands[i].1 as f64 * to_hz,
+        excess: bands[i].2 / bands[i].3,
+    });
+    (p_values, named)
+}
+
+fn stretches(channel: &Channel, innovations: &[f64], tolerance: f64) -> (Vec<f64>, Vec<Stretch>) {
+    let count = innovations.len();
+    let parts = (count / 64).clamp(1, 64);
+    let edges: Vec<usize> = (0..=parts).map(|i| i * count / parts).collect();
+    let means: Vec<(f64, f64)> = edges
+        .windows(2)
+        .map(|w| {
+            let part = &innovations[w[0]..w[1]];
+            (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64)
+        })
+        .collect();
+    let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
+    let named = named(&p_values, |i| Stretch {
+        from: edges[i] as f64 / channel.rate_hz,
+        to: edges[i + 1] as f64 / channel.rate_hz,
+        excess: means[i].0,
+    });
+    (p_values, named)
+}

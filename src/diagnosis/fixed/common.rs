@@ -1,0 +1,115 @@
+//! Slow drift that channels share: temperature, or another common cause, without a column that shows it.
+//!
+//! The slow part of one channel is offered to another as if it were an environment column, on top of the other's own noise
+//! with its own walk or flicker. Two independent walks look alike too; under the other's own walk that likeness is worth
+//! no more than chance.
+
+use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::selection::{ALPHA, Selected};
+use super::spectrum::Law;
+use crate::numerics::cosine;
+use crate::numerics::special::chi_squared_above;
+
+/// A channel that follows another.
+#[derive(Debug, Clone)]
+pub(super) struct Follower {
+    pub(super) channel: usize,
+    /// With the leader's slow part in it.
+    pub(super) fitted: Fitted,
+    /// Corrected.
+    pub(super) p_value: f64,
+    /// Share of its slow variance that the leader's slow part explains.
+    pub(super) share: f64,
+}
+
+/// The channel whose slow part others follow, and those that do.
+#[derive(Debug, Clone)]
+pub(super) struct Common {
+    pub(super) leader: usize,
+    /// The leader with noise of its own, slow part included.
+    pub(super) leader_fit: Fitted,
+    pub(super) followers: Vec<Follower>,
+}
+
+/// Whether a term moves over much of the recording.
+pub(super) fn is_slow(term: &Term, channel: &Channel) -> bool {
+    let count = channel.values.len() as f64;
+    match &term.addition {
+        Addition::Law(Law::Walk | Law::Flicker) => true,
+        Addition::Law(Law::Markov(memory)) => *memory > 0.005 * count,
+        Addition::Law(_) => false,
+        Addition::Curves(_) => term.id != "sinusoid" || term.searched * count < 10.0,
+    }
+}
+
+/// Whether a channel drifts in a way that no single curve of the library describes.
+fn drifts(selected: &Selected, channel: &Channel) -> bool {
+    let slow = selected.fitted.terms.iter().filter(|t| is_slow(t, channel));
+    let (laws, curves): (Vec<&Term>, Vec<&Term>) = slow.partition(|t| matches!(t.addition, Addition::Law(_)));
+    !laws.is_empty() || curves.len() > 1
+}
+
+/// Noise of its own: a walk and flicker, with whatever fast terms were found.
+fn own_noise(channel: &Channel, selected: &Selected) -> Vec<Term> {
+    let term = |id, law| Term { id, addition: Addition::Law(law), searched: 0.0, column: None };
+    let mut terms: Vec<Term> = selected.fitted.terms.iter().filter(|t| !is_slow(t, channel)).cloned().collect();
+    terms.push(term("random-walk", Law::Walk));
+    terms.push(term("flicker-noise", Law::Flicker));
+    terms
+}
+
+/// Looks for a common cause among all channels.
+pub(super) fn find(channels: &[Channel], selected: &[Selected]) -> Option<Common> {
+    let drifting: Vec<usize> = (0..channels.len()).filter(|i| drifts(&selected[*i], &channels[*i])).collect();
+    if drifting.len() < 2 {
+        return None;
+    }
+    let own: Vec<Fitted> = channels.iter().zip(selected).map(|(c, s)| c.fit(own_noise(c, s))).collect();
+    let leader = drifting.iter().copied().max_by(|a, b| slow_power(&own[*a]).total_cmp(&slow_power(&own[*b])))?;
+    let slow = slow_part(&own[leader]);
+    let curve = Curve::new(slow);
+    let correction = (channels.len() * (channels.len() - 1)) as f64;
+    let followers: Vec<Follower> = drifting
+        .iter()
+        .copied()
+        .filter(|i| *i != leader)
+        .filter_map(|i| {
+            let mut terms = own_noise(&channels[i], &selected[i]);
+            terms.push(Term {
+                id: "temperature-sensitivity",
+                addition: Addition::Curves(vec![curve.clone()]),
+                searched: 0.0,
+                column: None,
+            });
+            let fitted = channels[i].fit(terms);
+            let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
+            let p_value = (chi_squared_above(gain.max(0.0), 1.0) * correction).min(1.0);
+            let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
+            (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
+        })
+        .collect();
+    (!followers.is_empty()).then(|| Common { leader, leader_fit: own[leader].clone(), followers })
+}
+
+/// Power of the coefficients beyond white noise.
+fn slow_power(fitted: &Fitted) -> f64 {
+    let white = fitted.strengths.values[0];
+    let of = |(bin, variance): (&super::spectrum::Bin, &f64)| {
+        let share = 1.0 - white / variance;
+        if share > 0.5 { share * (bin.sum[0] + bin.sum[1]) } else { 0.0 }
+    };
+    fitted.bins.iter().zip(&fitted.variances).map(of).sum()
+}
+
+/// The slow part in time: every coefficient weighted by the share that is not white (Wiener's filter).
+fn slow_part(fitted: &Fitted) -> Vec<f64> {
+    let white = fitted.strengths.values[0];
+    let mut coefficients = vec![0.0; fitted.residual.len()];
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        let share = (1.0 - white / variance).max(0.0);
+        for k in bin.from..bin.to {
+            coefficients[k] = share * fitted.residual[k];
+        }
+    }
+    cosine::invert(&coefficients)
+}
