@@ -107,9 +107,8 @@ fn slow_part(fitted: &Fitted) -> Vec<f64> {
     let mut coefficients = vec![0.0; fitted.residual.len()];
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
         let share = (1.0 - white / variance).max(0.0);
-        for k in bin.from..bin.to {
-            coefficients[k] = share * fitted.residual[k];
-        }
+        let part = bin.from..bin.to;
+        coefficients[part.clone()].iter_mut().zip(&fitted.residual[part]).for_each(|(c, r)| *c = share * r);
     }
     cosine::invert(&coefficients)
 }
