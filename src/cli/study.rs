@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Seed, instead of the study's own
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-    /// Where to write report.html and the figures [default: reports/<name of the study>]
+    /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Go on with a run that was stopped by Ctrl-C

@@ -10,6 +10,7 @@ use super::html::Page;
 use super::number::{duration, significant};
 use super::table::Table;
 use crate::drift::Drift;
+use crate::drift::budget::Share;
 use crate::navigation::power_law::EXPONENTS;
 use crate::statistics::{Summary, quantity};
 use crate::study::Study;
@@ -68,20 +69,35 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
     else {
         return String::new();
     };
-    let largest = drift.budget.shares.first();
-    let culprit = largest.map_or(String::new(), |share| {
-        let k = drift.budget.time_s.len() - 1;
+    let after = format!("After {} without aiding, the position that a sensor like this one gives is", moment(time_s));
+    let digits = |v: f64| significant(v, 3);
+    let (mean, sd, shares) = (last.mean, last.sd, &drift.budget.shares);
+    // Where all members share the error, its mean and not its spread is the answer.
+    if mean.abs() > sd {
+        let alone = |share: &Share| share.mean_m.last().map_or(0.0, |m| m.abs());
+        let culprit = shares.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
+        let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is the work of the {}.", s.source.name()));
+        return format!(
+            "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{culprit}",
+            digits(mean),
+            digits(sd),
+            study.members
+        );
+    }
+    if sd == 0.0 {
+        return format!("{after} exact: the study gives it no error.");
+    }
+    let k = drift.budget.time_s.len().saturating_sub(1);
+    let culprit = shares.first().map_or(String::new(), |share| {
         let percent = significant(100.0 * drift.budget.fraction(share, k), 2);
         format!(" The {} owns {percent} % of that variance.", share.source.name())
     });
     format!(
-        "After {} without aiding, the position that a sensor like this one gives is wrong by {} m (standard deviation over \
-         {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
-        moment(time_s),
-        significant(last.sd, 3),
+        "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
+        digits(sd),
         study.members,
-        significant(last.percentiles[1], 3),
-        significant(last.percentiles[3], 3),
+        digits(last.percentiles[1]),
+        digits(last.percentiles[3]),
     )
 }
 
@@ -118,12 +134,14 @@ pub fn budget_table(drift: &Drift) -> Table {
     let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
     headings.extend(times.clone());
-    headings.extend(drift.report.last().iter().zip(times.last()).map(|(_, t)| format!("sd at {t} / m")));
+    headings.extend(times.last().iter().flat_map(|t| [format!("sd at {t} / m"), format!("mean at {t} / m")]));
     let mut table = Table { headings, rows: Vec::new() };
     for share in &drift.budget.shares {
         let mut row = vec![share.source.name().to_owned()];
         row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(share, *k))));
-        row.extend(drift.report.last().map(|k| significant(share.variance_m2[*k].sqrt(), 3)));
+        for k in drift.report.last() {
+            row.extend([significant(share.variance_m2[*k].sqrt(), 3), significant(share.mean_m[*k], 3)]);
+        }
         table.row(row);
     }
     table

@@ -7,12 +7,12 @@ use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::drift::expected::Expected;
-use proofmass::ensemble::{self, Options};
+use proofmass::ensemble::{self, Choice, Options};
 use proofmass::kernel::integrator::Integrator;
 use proofmass::statistics::{Statistics, quantity};
 use proofmass::study::{self, Study};
 
-use super::world::{check, near, test};
+use super::world::{check, gpu_test, near, test};
 
 const TIMES_S: [f64; 3] = [5.0, 10.0, 20.0];
 const TOLERANCE: f64 = 0.04;
@@ -57,8 +57,13 @@ const CASES: &[Case] = &[
 pub fn tests() -> Vec<Trial> {
     let mut all: Vec<Trial> = CASES
         .iter()
-        .map(|case| test(&format!("closed form: {} alone, 8192 members, on the CPU", case.0), move || alone(case)))
+        .map(|case| {
+            test(&format!("closed form: {} alone, 8192 members, on the CPU", case.0), move || alone(case, Choice::Cpu))
+        })
         .collect();
+    all.extend(CASES.iter().map(|case| {
+        gpu_test(&format!("closed form: {} alone, 8192 members, on a GPU", case.0), move || alone(case, Choice::Gpu))
+    }));
     all.push(test("closed form: bias instability follows the sum of its held processes", flicker));
     all.push(test("closed form: mixed sources add in variance", mixed));
     all.push(test("closed form: the paper's 0.034 m/s² is 1.7 m after 10 s", paper));
@@ -73,9 +78,9 @@ fn study(sections: &str) -> Result<Study, Failed> {
     Ok(study::parse("study.toml", &format!("{head}{sections}"), Path::new(""))?)
 }
 
-fn simulate(study: &Study) -> Result<Statistics, Failed> {
+fn simulate(study: &Study, backend: Choice) -> Result<Statistics, Failed> {
     let job = study.job(Integrator::Ideal, study.clock.report_samples.clone());
-    Ok(ensemble::run(&job, &Options { quiet: true, ..Options::default() })?)
+    Ok(ensemble::run(&job, &Options { backend, quiet: true, ..Options::default() })?)
 }
 
 fn compare(statistics: &Statistics, law: impl Fn(f64) -> f64) -> Result<(), Failed> {
@@ -85,9 +90,9 @@ fn compare(statistics: &Statistics, law: impl Fn(f64) -> f64) -> Result<(), Fail
     Ok(())
 }
 
-fn alone((_, sections, law): &Case) -> Result<(), Failed> {
+fn alone((_, sections, law): &Case, backend: Choice) -> Result<(), Failed> {
     let study = study(sections)?;
-    compare(&simulate(&study)?, law)?;
+    compare(&simulate(&study, backend)?, law)?;
     // The closed form that reports print is the same law.
     let expected = Expected::of(&study, &study.clock.report_samples).total(quantity::POSITION);
     for (time_s, moment) in TIMES_S.iter().zip(expected) {
@@ -99,7 +104,7 @@ fn alone((_, sections, law): &Case) -> Result<(), Failed> {
 /// Against `drift::expected` for all four quantities: there is no textbook law for a sum of held processes.
 fn against_expected(sections: &str, tolerance: f64) -> Result<(), Failed> {
     let study = study(sections)?;
-    let statistics = simulate(&study)?;
+    let statistics = simulate(&study, Choice::Cpu)?;
     let expected = Expected::of(&study, &study.clock.report_samples);
     for q in [quantity::POSITION, quantity::VELOCITY, quantity::ACCELERATION, quantity::TILT] {
         for ((at, moment), time_s) in statistics.at.iter().zip(expected.total(q)).zip(TIMES_S) {
@@ -129,7 +134,7 @@ fn mixed() -> Result<(), Failed> {
 fn paper() -> Result<(), Failed> {
     // Section II.A of the paper: a linear acceleration error of 0.034 m/s² makes 1.7 m after 10 s.
     let bias_mg = 0.034 / G * 1e3;
-    let statistics = simulate(&study(&format!("[accelerometer]\nbias_mg = {bias_mg}"))?)?;
+    let statistics = simulate(&study(&format!("[accelerometer]\nbias_mg = {bias_mg}"))?, Choice::Cpu)?;
     let at_10_s = &statistics.at[1][quantity::POSITION];
     near("mean position error after 10 s", at_10_s.mean, 1.7, 1e-4)?;
     check(at_10_s.sd < 1e-6, format!("a fixed bias has no spread, got {:e}", at_10_s.sd))
@@ -137,7 +142,7 @@ fn paper() -> Result<(), Failed> {
 
 fn control() -> Result<(), Failed> {
     // The classic mistake: the one-sided density taken for the random walk, a factor √2.
-    let statistics = simulate(&study(CASES[1].1)?)?;
+    let statistics = simulate(&study(CASES[1].1)?, Choice::Cpu)?;
     let wrong = compare(&statistics, |t| 2f64.sqrt() * (CASES[1].2)(t));
     check(wrong.is_err(), "a law that is √2 off passed")
 }

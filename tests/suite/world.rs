@@ -29,6 +29,17 @@ pub fn data_test(name: &str, body: impl FnOnce(&Path) -> Result<(), Failed> + Se
     }
 }
 
+/// A test on a GPU adapter, software ones included: ignored where there is none, a failure where `PROOFMASS_REQUIRE_GPU=1`
+/// demands one.
+pub fn gpu_test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
+    static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
+    let present = *PRESENT.get_or_init(|| !proofmass::backend::gpu::list().is_empty());
+    if present || std::env::var_os("PROOFMASS_REQUIRE_GPU").is_some() {
+        return Trial::test(name, body);
+    }
+    Trial::test(format!("{name} (needs an adapter: install mesa-vulkan-drivers)"), || Ok(())).with_ignored_flag(true)
+}
+
 /// Fails with a sentence unless `holds`.
 pub fn check(holds: bool, sentence: impl Into<String>) -> Result<(), Failed> {
     if holds { Ok(()) } else { Err(sentence.into().into()) }
