@@ -139,7 +139,7 @@ pub fn budget_table(drift: &Drift) -> Table {
     for share in &drift.budget.shares {
         let mut row = vec![share.source.name().to_owned()];
         row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(share, *k))));
-        for k in drift.report.last() {
+        if let Some(k) = drift.report.last() {
             row.extend([significant(share.variance_m2[*k].sqrt(), 3), significant(share.mean_m[*k], 3)]);
         }
         table.row(row);

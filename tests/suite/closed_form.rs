@@ -7,8 +7,10 @@ use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::drift::expected::Expected;
+use proofmass::drift::{self, Drift};
 use proofmass::ensemble::{self, Choice, Options};
 use proofmass::kernel::integrator::Integrator;
+use proofmass::navigation::power_law::EXPONENTS;
 use proofmass::statistics::{Statistics, quantity};
 use proofmass::study::{self, Study};
 
@@ -67,6 +69,8 @@ pub fn tests() -> Vec<Trial> {
     all.push(test("closed form: bias instability follows the sum of its held processes", flicker));
     all.push(test("closed form: mixed sources add in variance", mixed));
     all.push(test("closed form: the paper's 0.034 m/s² is 1.7 m after 10 s", paper));
+    all.push(test("error budget: the sources add up to the whole and each owns what its closed form says", budget));
+    all.push(test("growth: a source alone grows by its power of time", growth));
     all.push(test("closed form: the check sees a law that is wrong", control));
     all
 }
@@ -138,6 +142,51 @@ fn paper() -> Result<(), Failed> {
     let at_10_s = &statistics.at[1][quantity::POSITION];
     near("mean position error after 10 s", at_10_s.mean, 1.7, 1e-4)?;
     check(at_10_s.sd < 1e-6, format!("a fixed bias has no spread, got {:e}", at_10_s.sd))
+}
+
+fn answer(sections: &str) -> Result<Drift, Failed> {
+    let options = Options { quiet: true, backend: Choice::Cpu, ..Options::default() };
+    Ok(drift::answer(&study(sections)?, |job, _| ensemble::run(job, &options))?)
+}
+
+fn budget() -> Result<(), Failed> {
+    let drift = answer(
+        "[accelerometer]\nbias_mg = { mean = 0.0, sd = 0.5 }\nnoise_density_ug_rthz = 300.0\nquantisation_mg = 1.0\n\
+         [gyro]\nbias_deg_h = { mean = 0.0, sd = 8.0 }\nangle_random_walk_deg_rth = 0.4",
+    )?;
+    let last = drift.statistics.time_s.len() - 1;
+    let whole = drift.statistics.at[last][quantity::POSITION].sd.powi(2);
+    let sum: f64 = drift.budget.shares.iter().map(|s| s.variance_m2[last]).sum();
+    // Variances of 4096 and 8192 members scatter by 2.2 and 1.6 %.
+    near("sum of the sources over the whole variance", sum / whole, 1.0, 0.1)?;
+    let total = drift.expected.total(quantity::POSITION)[last].variance;
+    for (source, rows) in &drift.expected.sources {
+        let Some(share) = drift.budget.shares.iter().find(|s| s.source == *source) else {
+            return Err(format!("{} is not in the budget", source.name()).into());
+        };
+        let theory = rows[last][quantity::POSITION].variance / total;
+        near(source.name(), drift.budget.fraction(share, last), theory, 0.05)?;
+    }
+    check(drift.budget.shares[0].variance_m2[last] >= drift.budget.shares[1].variance_m2[last], "not sorted")
+}
+
+fn growth() -> Result<(), Failed> {
+    for (case, exponent) in [(1, 1.5), (0, 2.0), (5, 2.5), (4, 3.0)] {
+        let (name, sections, law) = CASES[case];
+        let growth = answer(sections)?.growth;
+        let slope = growth.exponents[growth.exponents.len() - 1];
+        near(&format!("{name}: local exponent at 20 s"), slope, exponent, 0.1)?;
+        let powers = growth.fitted.iter().zip(EXPONENTS).map(|(a, p)| (a * 20f64.powf(p)).powi(2)).sum::<f64>();
+        near(&format!("{name}: fitted powers at 20 s over the law"), powers.sqrt() / law(20.0), 1.0, TOLERANCE)?;
+        let k = EXPONENTS.iter().position(|p| *p == exponent).ok_or("no such power")?;
+        near(
+            &format!("{name}: closed-form coefficient"),
+            growth.expected[k] * 20f64.powf(exponent) / law(20.0),
+            1.0,
+            1e-3,
+        )?;
+    }
+    Ok(())
 }
 
 fn control() -> Result<(), Failed> {
