@@ -162,14 +162,19 @@ fn levels() -> Result<(), Failed> {
     let density = (2.0 / RATE_HZ).sqrt();
     let as_promised = judged(vec![white(6000, &mut rng)], Some(density))?;
     check(as_promised.verdict == Outcome::Adequate, as_promised.sentence)?;
-    let mut covered = 0;
+    let (mut covered, mut others) = (0, 0);
     for seed in 0..60 {
         let louder = white(3000, &mut Philox::new(5, seed, Stream::Host)).iter().map(|v| v * 1.3).collect();
         let verdict = judged(vec![louder], Some(density))?;
-        check(verdict.effects.iter().map(|e| e.id.as_str()).eq(["white-noise"]), verdict.sentence.clone())?;
-        let [low, high] = verdict.effects[0].parameters[0].ci95;
+        let Some(effect) = verdict.effects.iter().find(|e| e.id == "white-noise") else {
+            return Err(format!("{seed}: {}", verdict.sentence).into());
+        };
+        others += verdict.effects.len() - 1;
+        let [low, high] = effect.parameters[0].ci95;
         covered += usize::from((low..=high).contains(&(1.3 * density)));
     }
+    // The false-alarm rate is half a per cent: three in sixty happen once in four hundred runs of other seeds.
+    check(others <= 2, format!("{others} effects beside the level"))?;
     // 95 % of 60, less two and a half standard errors.
     check(covered >= 53, format!("{covered} of 60 intervals cover the level"))
 }
