@@ -1,6 +1,7 @@
 //! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where it does not.
 
 use super::channel::{Channel, Fitted};
+use super::selection::ALPHA;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
 use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
@@ -15,13 +16,17 @@ const RATE: f64 = 0.01;
 pub(super) struct Remainder {
     /// Smallest corrected probability that bands, stretches of time and single samples are noise as modelled.
     pub(super) p_value: f64,
+    /// The same of stretches of time and single samples alone.
+    pub(super) p_value_in_time: f64,
+    /// Angles θ = πk/(2N) of the bands whose corrected probability is below the level of a verdict.
+    pub(super) failing: Vec<f64>,
     pub(super) time_s: Vec<Stretch>,
     pub(super) frequency_hz: Vec<Stretch>,
 }
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
 pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Remainder {
-    let (mut p_values, frequency_hz) = bands(channel, fitted, tolerance);
+    let (of_bands, centres, frequency_hz) = bands(channel, fitted, tolerance);
     let mut white = fitted.residual.clone();
     white[0] = 0.0;
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
@@ -29,14 +34,21 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     }
     let innovations = cosine::invert(&white);
     let (of_time, time_s) = stretches(channel, &innovations, tolerance);
-    p_values.extend(of_time);
     let count = innovations.len() as f64;
     let largest = innovations.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let tests = p_values.len() as f64 + 1.0;
+    let tests = (of_bands.len() + of_time.len() + 1) as f64;
     // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
     let outlier = (count * 2.0 * normal_cdf(-largest / (1.0 + tolerance))).min(1.0);
-    let smallest = p_values.iter().copied().fold(outlier, f64::min);
-    Remainder { p_value: (smallest * tests).min(1.0), time_s, frequency_hz }
+    let in_time = of_time.iter().copied().fold(outlier, f64::min);
+    let smallest = of_bands.iter().copied().fold(in_time, f64::min);
+    let failing = centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
+    Remainder {
+        p_value: (smallest * tests).min(1.0),
+        p_value_in_time: (in_time * tests).min(1.0),
+        failing,
+        time_s,
+        frequency_hz,
+    }
 }
 
 /// Two-sided probability that a mean of `count` squares of unit variance is this far from one, beyond the tolerance.
@@ -61,7 +73,8 @@ fn named(p_values: &[f64], at: impl Fn(usize) -> Stretch) -> Vec<Stretch> {
     out
 }
 
-fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<Stretch>) {
+/// Probability, angle of the centre, and the bands named.
+fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f64>, Vec<Stretch>) {
     // Bands of at least eight coefficients, a third wide.
     let mut bands: Vec<(usize, usize, f64, f64)> = Vec::new();
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
@@ -82,7 +95,9 @@ fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<S
         to: bands[i].1 as f64 * to_hz,
         excess: bands[i].2 / bands[i].3,
     });
-    (p_values, named)
+    let per_coefficient = std::f64::consts::PI / (2 * channel.values.len()) as f64;
+    let centres = bands.iter().map(|b| (b.0 + b.1 - 1) as f64 / 2.0 * per_coefficient).collect();
+    (p_values, centres, named)
 }
 
 fn stretches(channel: &Channel, innovations: &[f64], tolerance: f64) -> (Vec<f64>, Vec<Stretch>) {

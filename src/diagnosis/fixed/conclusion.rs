@@ -1,10 +1,10 @@
 //! From what was selected to a verdict in words and numbers.
 
-use super::channel::{Channel, Fitted};
+use super::channel::{Addition, Channel, Fitted};
 use super::check::{self, TOLERANCE};
 use super::common::{Common, is_slow};
 use super::selection::{ALPHA, Selected};
-use super::spectrum::{self, Part};
+use super::spectrum::{self, Law, Part};
 use super::{Detail, candidate, describe};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
@@ -90,14 +90,12 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
         ));
     }
     if !described {
-        // What explains the drift by half while something foreign remains is a stand-in; what has a witness of its own stays.
-        let witnessed = |e: &Effect| match e.id.as_str() {
-            "temperature-sensitivity" | "sinusoid" | "white-noise" => true,
-            // The grid is its own witness; a rising spectrum alone is none.
-            "quantisation-noise" => e.parameters.iter().any(|p| p.name == "step"),
-            _ => false,
-        };
-        effects.retain(witnessed);
+        // What explains a drift by half while something foreign remains is a stand-in. What has a witness of its own stays,
+        // and so does a law that holds wherever it rules.
+        effects.retain(|e| {
+            let at = channels.iter().position(|c| e.channels.contains(&c.name)).unwrap_or(0);
+            witnessed(e) || holds_where_it_rules(&e.id, &finals[at], &remainders[at])
+        });
     }
     effects.sort_by(|a, b| b.evidence.held_out_gain.total_cmp(&a.evidence.held_out_gain));
     let tied = effects.iter().any(|e| !e.confusable_with.is_empty());
@@ -135,6 +133,28 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     let repair = repair(channels, &finals, &verdict, unit);
     let detail = Detail { unit: unit.into(), channels: details };
     Diagnosis { verdict, ranking, repair, detail: AnyDetail::Static(Box::new(detail)) }
+}
+
+/// Whether an effect rests on more than the shape of a spectrum: a common cause, a line, a grid, a promise.
+fn witnessed(effect: &Effect) -> bool {
+    match effect.id.as_str() {
+        "temperature-sensitivity" | "sinusoid" | "white-noise" => true,
+        "quantisation-noise" => effect.parameters.iter().any(|p| p.name == "step"),
+        _ => false,
+    }
+}
+
+/// Whether nothing is amiss in time, and in no band where this law is the larger part of the model.
+fn holds_where_it_rules(id: &str, fitted: &Fitted, remainder: &check::Remainder) -> bool {
+    let Some(index) = fitted.terms.iter().position(|t| t.id == id) else { return false };
+    // Laws of finite reach (a memory, differences) fit any hump; only those that rise to the lowest frequency count.
+    let Addition::Law(law @ (Law::Walk | Law::Flicker)) = fitted.terms[index].addition else { return false };
+    let strength = fitted.strength_of(index).0;
+    let all = |theta: f64| -> f64 {
+        fitted.laws().iter().zip(&fitted.strengths.values).map(|(l, s)| s * l.variance(theta)).sum()
+    };
+    let rules = |theta: &f64| strength * law.variance(*theta) > 0.5 * all(*theta);
+    remainder.p_value_in_time >= ALPHA && !remainder.failing.iter().any(rules)
 }
 
 /// The drift that channels share, as one effect; their models become the ones with it.
@@ -204,7 +224,7 @@ fn base_variances(channel: &Channel, selected: &Selected, model: &model::Static)
         None => selected.base.variances.clone(),
         Some(noise) => {
             let white = describe::white_of_density(channel, noise.density);
-            spectrum::variances(&selected.base.bins, &[spectrum::Law::White], &[white], &channel.promised)
+            spectrum::variances(&selected.base.bins, &[Law::White], &[white], &channel.promised)
         }
     }
 }
