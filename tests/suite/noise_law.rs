@@ -97,7 +97,7 @@ fn readings(sections: &str, samples: usize) -> Result<[Vec<Vec<f64>>; 2], Failed
         format!("members = {LANES}\nseed = 5\nduration_s = {duration_s}\n[sensor]\nsample_rate_hz = {RATE_HZ}\n");
     let study = study::parse("study.toml", &(head + sections), Path::new(""))?;
     let job = study.job(Integrator::Ideal, vec![study.clock.samples]);
-    let mut both = [vec![Vec::with_capacity(samples); LANES], vec![Vec::with_capacity(samples); LANES]];
+    let mut both: [Vec<Vec<f64>>; 2] = std::array::from_fn(|_| vec![Vec::new(); LANES]);
     cpu::readings::<f64>(&job, 0, |accelerometer, gyro| {
         for (series, lane) in both.iter_mut().zip([accelerometer, gyro]) {
             series.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(*value));
