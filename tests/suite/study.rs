@@ -13,6 +13,7 @@ use super::world::{check, data_test, near, test};
 pub fn tests() -> Vec<Trial> {
     let mut all = vec![
         test("study: the embedded default reads", || Ok(study::read_default(Overrides::default()).map(drop)?)),
+        test("study: every study of this repository reads", committed),
         test("study: datasheet units become SI", units),
         test("study: the paper's m, D0, k, eps give the same proof mass as its modes", mechanics),
         test("study: every excitation reads", excitations),
@@ -28,6 +29,23 @@ pub fn tests() -> Vec<Trial> {
 
 fn read(text: &str) -> Result<study::Study, proofmass::error::Error> {
     study::parse("study.toml", text, Path::new(""))
+}
+
+fn committed() -> Result<(), Failed> {
+    let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
+    let mut found = 0;
+    for entry in std::fs::read_dir(reports)? {
+        let path = entry?.path().join("study.toml");
+        if path.exists() {
+            let study = study::read(&path, Overrides::default())?;
+            check(
+                path.parent().is_some_and(|p| p.ends_with(&study.name)),
+                format!("{} is named otherwise", path.display()),
+            )?;
+            found += 1;
+        }
+    }
+    check(found >= 2, format!("only {found} studies found"))
 }
 
 fn units() -> Result<(), Failed> {
