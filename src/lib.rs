@@ -30,6 +30,7 @@
 //! can name; *null*, a recording without any.
 
 pub mod backend;
+pub mod benchmark;
 pub mod cli;
 pub mod diagnosis;
 pub mod document;

@@ -3,6 +3,7 @@
 //! Not for computing anything: it receives finished results. `figure` is the only place that names plotters.
 
 pub mod allan;
+pub mod bench;
 pub mod diagnosis;
 pub mod diagnosis_driven;
 pub mod diagnosis_static;

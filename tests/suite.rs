@@ -6,12 +6,15 @@ mod suite {
     pub mod architecture;
     pub mod cli;
     pub mod closed_form;
+    pub mod convergence;
     pub mod diagnose_cli;
     pub mod diagnosis_static;
     pub mod diagnosis_tumble;
     pub mod dynamics;
+    pub mod invariance;
     pub mod law;
     pub mod noise_law;
+    pub mod parity;
     pub mod recording;
     pub mod study;
     pub mod study_cli;
@@ -32,8 +35,14 @@ fn main() {
         suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
-        // law: every error source grows by its closed form.
+        // law: random numbers and error growth follow their laws, and the controls fail.
         suite::law::tests(),
+        // convergence: integrators have their order, f32 stays below the noise.
+        suite::convergence::tests(),
+        // parity: CPU and GPU agree.
+        suite::parity::tests(),
+        // invariance: the same bits for any tile, batch, thread, lane and interruption.
+        suite::invariance::tests(),
         // allan: coefficients come back from a signal made of them, covered as claimed.
         suite::allan::tests(),
         // recording: files are read as they are, or refused with a reason.

@@ -10,7 +10,7 @@ use std::time::Duration;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use crate::error::{Error, Result};
-use crate::kernel::source::Shader;
+use crate::kernel::source::{self, Shader};
 
 pub mod simulate;
 
@@ -327,5 +327,19 @@ impl Gpu {
         }
         let view = staging.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
         Ok(view.to_vec())
+    }
+
+    /// What a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away again: 0 and 1 where compensation
+    /// is alive.
+    ///
+    /// # Errors
+    /// As a dispatch.
+    pub fn compensation(&self) -> Result<[f32; 2]> {
+        let kernel = self.kernel(&source::compensation(), &[])?;
+        let numbers = self.upload(bytemuck::cast_slice(&[1.0_f32, 33_554_432.0, 0.0, 0.0]))?;
+        self.submit(&[Dispatch { kernel: &kernel, buffers: &[&numbers], workgroups: 1 }])?;
+        let bytes = self.read(&numbers, 8)?;
+        let read: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok([read[0], read[1]])
     }
 }

@@ -1,15 +1,64 @@
-//! `proofmass bench`.
+//! `proofmass bench`: how fast this machine is.
 
-use crate::error::{Error, Result};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::simulate::Ensembles;
+use crate::benchmark::{self, Row};
+use crate::document::write_whole;
+use crate::ensemble::Choice;
+use crate::error::Result;
+use crate::progress;
+use crate::report::bench;
 
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Where: `auto` measures the CPU and, if there is one, a hardware GPU; `gpu` takes a software one too
+    #[arg(long, value_enum, default_value_t)]
+    backend: Choice,
+    /// Folder for report.html
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Print rows of the work unit that other tools are measured on, as CSV
+    #[arg(long, hide = true)]
+    peers: bool,
+}
 
-/// Runs it.
+/// Measures and prints.
 ///
 /// # Errors
-/// Always, until it is built.
-pub fn run(_arguments: &Arguments, _json: bool) -> Result<()> {
-    Err(Error::new("could not run `bench`", "not built yet", "see the README"))
+/// An adapter that is not there; a folder that cannot be written; Ctrl-C.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    if arguments.peers {
+        benchmark::peers().iter().for_each(|row| println!("{row}"));
+        return Ok(());
+    }
+    let bar = progress::bar("measuring", 0);
+    let told = |what: &str| bar.set_message(what.to_owned());
+    let mut rows: Vec<Row> = Vec::new();
+    if arguments.backend != Choice::Gpu {
+        rows.extend(benchmark::cpu(told)?);
+    }
+    let gpu = match arguments.backend {
+        Choice::Cpu => None,
+        Choice::Auto => Gpu::open(true).ok(),
+        Choice::Gpu => Some(Gpu::open(false)?),
+    };
+    if let Some(gpu) = gpu {
+        let (name, hardware) = (gpu.adapter.name.clone(), gpu.adapter.hardware);
+        rows.extend(benchmark::gpu(&name, hardware, &mut Ensembles::on(Arc::new(gpu)), told)?);
+    }
+    bar.finish_and_clear();
+    if let Some(folder) = &arguments.out {
+        write_whole(&folder.join("report.html"), bench::page(&rows).as_bytes())?;
+        eprintln!("wrote {}", folder.join("report.html").display());
+    }
+    if json {
+        println!("{:#}", serde_json::json!({ "schema": "proofmass.bench/1", "rows": rows }));
+    } else {
+        print!("{}", bench::table(&rows));
+    }
+    Ok(())
 }

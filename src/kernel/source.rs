@@ -36,6 +36,11 @@ pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
 }
 
+/// A check of the device: what sums keep of a small number beside a large one.
+pub fn compensation() -> Shader {
+    Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,7 +68,7 @@ mod tests {
 
     #[test]
     fn shaders_parse_and_validate() {
-        [simulate(false), simulate(true), reduce()].iter().for_each(|s| drop(parsed(s)));
+        [simulate(false), simulate(true), reduce(), compensation()].iter().for_each(|s| drop(parsed(s)));
     }
 
     #[test]

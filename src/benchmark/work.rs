@@ -1,0 +1,53 @@
+//! The ensembles that are timed: 4096 samples of one step of 1 ms, sums every 256.
+
+use std::sync::Arc;
+
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::{Clock, Job, Member};
+use crate::sensor::{ProofMass, Sensor};
+use crate::units::STANDARD_GRAVITY_M_S2;
+use crate::validation::jobs::{Sine, duffing};
+use crate::validation::parity::everything;
+
+/// Sizes at which the full path is timed: from one sensor to a fleet.
+pub const SIZES: [u64; 6] = [1, 64, 1024, 8192, 65_536, 1 << 20];
+/// Name of these rows.
+pub const SIZED: &str = "full, by size of the ensemble";
+
+fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Job {
+    Job {
+        seed: 1,
+        members,
+        clock: Clock {
+            step_s: 1e-3,
+            steps_per_sample: 1,
+            samples,
+            report_samples: (1..=samples / 256).map(|i| i * 256).collect(),
+        },
+        draw: Arc::new(move |_| Member { sensor, sine: None }),
+        waveform: Arc::new(Sine { amplitude_m_s2: 7.0, frequency_hz: 1.3, offset_m_s2: 0.0 }),
+        integrator,
+        gravity_m_s2: STANDARD_GRAVITY_M_S2,
+    }
+}
+
+/// Runge–Kutta 4 with force noise, two integrations, sums every 256 steps; fewer steps for very many members.
+pub fn full(members: u64) -> Job {
+    let mass = ProofMass { force_noise_m_s_rts: 4e-4, ..duffing(30.0, 0.7) };
+    let sensor = Sensor { proof_mass: Some(mass), ..Sensor::ideal() };
+    let samples = if members > 8192 { 512 } else { 4096 };
+    job(sensor, members, samples, Integrator::RungeKutta4 { substeps: 1 })
+}
+
+/// What an ensemble is mostly asked for.
+pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
+    let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
+    let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::ideal() };
+    plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;
+    let all = Sensor { proof_mass: Some(linear), ..everything() };
+    vec![
+        ("full: Runge-Kutta 4, force noise, two integrations", Job { clock: full(1).clock, ..full(members) }),
+        ("linear: exact map, white noise, two integrations", job(plain, members, 4096, Integrator::ExactHold)),
+        ("every error on: exact map, seven noises, tilt", job(all, members, 4096, Integrator::ExactHold)),
+    ]
+}
