@@ -118,7 +118,11 @@ fn failing() -> std::result::Result<(), Failed> {
 
 fn gpu() -> std::result::Result<(), Failed> {
     let device = Arc::new(Gpu::open(false)?);
-    let on = |tile_samples| Ensembles { tile_samples, ..Ensembles::on(device.clone()) };
+    let on = |tile_samples| {
+        let mut ensembles = Ensembles::on(device.clone());
+        ensembles.tile_samples = tile_samples;
+        ensembles
+    };
     let plain = run(&mut on(4096), None)?;
     same("the tile", &plain, &run(&mut on(20), None)?)?;
     same("the batch", &plain, &run(&mut on(4096), Some(512))?)
