@@ -1,13 +1,16 @@
 //! Allan curves and their coefficients: what is put in comes out, with intervals that cover as often as they claim.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::numerics::allan::law::Term;
 use proofmass::numerics::allan::{self, fit::Fit};
+use proofmass::recording::unit::{Quantity, Unit};
+use proofmass::recording::{Request, noise};
 use proofmass::rng::{Philox, Stream};
 use rand::{Rng, RngExt as _};
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-use super::world::{check, test};
+use super::world::{check, data_test, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -18,6 +21,8 @@ pub fn tests() -> Vec<Trial> {
         test("allan: quantisation, white noise and a ramp come back, covered as claimed", || {
             round_trip("Q, N, R", [0.02, 0.1, 0.0, 0.0, 2e-4])
         }),
+        test("allan: the command writes JSON, a page and a sensor for a study, or one sentence why not", command),
+        data_test("allan: the ADIS16405 has the coefficients known of it", adis16405),
     ]
 }
 
@@ -80,4 +85,82 @@ fn round_trip(name: &str, truth: [f64; 5]) -> Result<(), Failed> {
         )?;
     }
     Ok(())
+}
+
+fn command() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let log = folder.path().join("log.csv");
+    let mut rng = Philox::new(12, 0, Stream::Host);
+    let values = signal(20_000, [0.0, 0.1, 0.0, 0.0, 0.0], &mut rng);
+    let rows: String = values.iter().enumerate().map(|(i, v)| format!("{},{v},1.0\n", i as f64 / RATE_HZ)).collect();
+    std::fs::write(&log, format!("t_s,ax,dead\n{rows}"))?;
+    let run = |arguments: &[&str]| program().arg("allan").arg(&log).args(arguments).output();
+    let out = folder.path().join("noise");
+    let out = out.to_string_lossy();
+    let good = run(&["--json", "--time", "t_s", "--accelerometer", "ax", "--columns", "dead", "--out", &out])?;
+    check(good.status.success(), String::from_utf8_lossy(&good.stderr))?;
+    let document: serde_json::Value = serde_json::from_slice(&good.stdout)?;
+    check(document["schema"] == "proofmass.allan/1", document["schema"].to_string())?;
+    check(document["recording"]["samples"] == 20_000, document["recording"].to_string())?;
+    check(document["findings"].to_string().contains("dead channel"), document["findings"].to_string())?;
+    let channels = document["channels"].as_array().ok_or("channels")?;
+    let ax = channels.iter().find(|c| c["name"] == "ax").ok_or("ax")?;
+    let interval = |n: usize| ax["terms"][1]["ci95"][n].as_f64().unwrap_or(f64::NAN) / 60.0;
+    check(interval(0) < 0.1 && 0.1 < interval(1), format!("N of 0.1 m/s/√s: {}", ax["terms"][1]))?;
+    let sensor = std::fs::read_to_string(folder.path().join("noise/sensor.toml"))?;
+    let sensor: toml::Value = toml::from_str(&sensor)?;
+    let written = sensor["accelerometer"]["velocity_random_walk_m_s_rth"].as_float().unwrap_or(f64::NAN);
+    check((written / 6.0 - 1.0).abs() < 0.05, format!("sensor.toml has {written} m/s/√h, 6 went in"))?;
+    check(std::fs::read_to_string(folder.path().join("noise/report.html"))?.contains("<svg"), "no figure")?;
+    for (arguments, said) in [
+        (&["--rate-hz", "0"][..], "rate"),
+        (&[], "neither a sampling rate"),
+        (&["--rate-hz", "10", "--columns", "ay"], "did you mean `ax`?"),
+        (&["--rate-hz", "10", "--accelerometer", "ax", "--accelerometer-scale", "3furlong"], "furlong"),
+        (&["--rate-hz", "10", "--columns", "ax,ax"], "named twice"),
+    ] {
+        let refused = run(arguments)?;
+        let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+        check(refused.status.code() == Some(2) && text.contains(said), format!("{arguments:?}: {text}"))?;
+    }
+    Ok(())
+}
+
+fn adis16405(folder: &std::path::Path) -> Result<(), Failed> {
+    let gyro = ["gx_lsb", "gy_lsb", "gz_lsb"];
+    let request = Request { rate_hz: Some(100.0), ..Request::default() };
+    // Counts, from the README of the data: gyro 0.05 °/s, accelerometer 3.33 mg.
+    let noise = noise::analyse(&folder.join("adis16405/run1_counts.csv"), &request, |name| {
+        let (scale, quantity) =
+            if gyro.contains(&name) { ("0.05deg/s", Quantity::Gyro) } else { ("3.33mg", Quantity::Accelerometer) };
+        Unit::parse(scale, quantity).unwrap_or_else(|_| Unit::unknown())
+    })?;
+    // Known of it (README): Allan deviation at 1 s as N, °/√h and m/s/√h, and its minimum over 0.664, °/h and mg. They carry
+    // two or three digits, so half a digit is allowed beside the interval.
+    let known = [
+        ("gx_lsb", 2.47, 29.0),
+        ("gy_lsb", 2.58, 49.0),
+        ("gz_lsb", 2.31, 45.0),
+        ("ax_lsb", 0.42, 0.46),
+        ("ay_lsb", 0.30, 0.34),
+        ("az_lsb", 0.37, 0.36),
+    ];
+    for (name, white, stability) in known {
+        let channel = noise.channels.iter().find(|c| c.name == name).ok_or("a channel")?;
+        let at = channel.at_one_second().ok_or("an averaging time of 1 s")?;
+        let factor = channel.unit.coefficient(Term::White).1;
+        let [low, high] = at.ci95.map(|e| e * factor);
+        check(low * 0.985 <= white && white <= high * 1.015, format!("{name}: N {low} to {high}, known {white}"))?;
+        let (_, ci95) = channel.bias_stability().ok_or("a minimum")?;
+        let factor = channel.unit.coefficient(Term::Flicker).1;
+        let [low, high] = ci95.map(|e| e * factor);
+        check(
+            low * 0.985 <= stability && stability <= high * 1.015,
+            format!("{name}: B {low} to {high}, known {stability}"),
+        )?;
+        let roll_off = channel.roll_off.unwrap_or(1.0);
+        check(roll_off < 0.7, format!("{name}: its on-chip filter goes unnoticed ({roll_off})"))?;
+    }
+    let line = noise.channels.iter().find(|c| c.name == "ax_lsb").and_then(|c| c.lines.first());
+    check(line.is_some(), "the accelerometer's vibration near 0.6 Hz goes unnoticed")
 }

@@ -26,7 +26,7 @@ pub(super) struct Follower {
 #[derive(Debug, Clone)]
 pub(super) struct Common {
     pub(super) leader: usize,
-    /// The leader with noise of its own, slow part included.
+    /// The leader, following the best of its followers.
     pub(super) leader_fit: Fitted,
     pub(super) followers: Vec<Follower>,
 }
@@ -66,29 +66,32 @@ pub(super) fn find(channels: &[Channel], selected: &[Selected]) -> Option<Common
     }
     let own: Vec<Fitted> = channels.iter().zip(selected).map(|(c, s)| c.fit(own_noise(c, s))).collect();
     let leader = drifting.iter().copied().max_by(|a, b| slow_power(&own[*a]).total_cmp(&slow_power(&own[*b])))?;
-    let slow = slow_part(&own[leader]);
-    let curve = Curve::new(slow);
     let correction = (channels.len() * (channels.len() - 1)) as f64;
+    let following = |channel: usize, of: usize| {
+        let mut terms = own_noise(&channels[channel], &selected[channel]);
+        terms.push(Term {
+            id: "temperature-sensitivity",
+            addition: Addition::Curves(vec![Curve::new(slow_part(&own[of]))]),
+            searched: 0.0,
+            column: None,
+        });
+        channels[channel].fit(terms)
+    };
     let followers: Vec<Follower> = drifting
         .iter()
         .copied()
         .filter(|i| *i != leader)
         .filter_map(|i| {
-            let mut terms = own_noise(&channels[i], &selected[i]);
-            terms.push(Term {
-                id: "temperature-sensitivity",
-                addition: Addition::Curves(vec![curve.clone()]),
-                searched: 0.0,
-                column: None,
-            });
-            let fitted = channels[i].fit(terms);
+            let fitted = following(i, leader);
             let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
             let p_value = (chi_squared_above(gain.max(0.0), 1.0) * correction).min(1.0);
             let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
             (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
         })
         .collect();
-    (!followers.is_empty()).then(|| Common { leader, leader_fit: own[leader].clone(), followers })
+    // Who leads is arbitrary: the leader in turn is described by the channel that follows it best.
+    let best = followers.iter().max_by(|a, b| a.share.total_cmp(&b.share))?.channel;
+    Some(Common { leader, leader_fit: following(leader, best), followers })
 }
 
 /// Power of the coefficients beyond white noise.

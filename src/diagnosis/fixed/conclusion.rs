@@ -251,7 +251,12 @@ fn locate(channels: &[Channel], selected: &[Selected], remainders: &[check::Rema
     let name = &channels[worst].name;
     out.summary = match strongest {
         None if out.time_s.is_empty() => "Nowhere: no band of frequency and no stretch of time stands out.".into(),
-        None => format!("In time: {} stretches of {name} are louder than the rest.", out.time_s.len()),
+        None => format!(
+            "In time: {} stretches of {name} are louder than the rest, the first from {:.4e} to {:.4e} s.",
+            out.time_s.len(),
+            out.time_s[0].from,
+            out.time_s[0].to
+        ),
         Some(s) => format!(
             "Most between {:.3e} and {:.3e} Hz (averaging times {:.3e} to {:.3e} s) of {name}, with {:.3} times the power {}.",
             s.from,

@@ -182,6 +182,11 @@ fn of_term(channel: &Channel, term: Term) -> String {
     let supported = channel.fit.as_ref().is_some_and(|f| f.coefficients[term as usize].supported());
     let name = name(term);
     let text = coefficient(channel, term);
+    if supported && term == Term::Quantisation && !channel.lines.is_empty() {
+        return format!(
+            "{name}: Q = {text} {unit}; what is left of a vibration has the same slope, so read it as a limit."
+        );
+    }
     if supported {
         return format!("{name}: {} = {text} {unit}.", term.symbol());
     }
