@@ -113,7 +113,7 @@ pub struct Shown {
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
     let Prepared { mut data, own_test, mut findings } = prepare::prepare(recording, model)?;
-    let Some((base, scales)) = begin::base(&mut data, &model.start, &mut findings) else {
+    let Some((base, scales)) = begin::base(&data, &model.start, &mut findings) else {
         return Err(Error::new(
             format!("could not diagnose {}", recording.path.display()),
             "no oscillator, at any resonance or damping, can be fitted to it",
@@ -126,7 +126,13 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         .filter(|t| !t.starts(&scales).is_empty())
         .collect();
     let base = select::judge(&data, base, &scales);
-    let selection = select::search(&data, base, &scales, &candidates);
+    let mut selection = select::search(&data, base, &scales, &candidates);
+    if let Some(how) = begin::other_input(&mut data, &selection.chosen, &scales) {
+        findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
+        let again = fit::fit(&data, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
+        let base = select::judge(&data, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
+        selection = select::search(&data, base, &scales, &candidates);
+    }
     if progress::interrupted() {
         return Err(Error::interrupted(format!("could not diagnose {}", recording.path.display()), "start it again"));
     }

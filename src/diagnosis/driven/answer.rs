@@ -9,7 +9,7 @@ use crate::recording::Recording;
 
 use super::conclude::Conclusion;
 use super::fit::{Data, Fit, Run, trace};
-use super::held_out::{HeldOut, settled};
+use super::held_out::{HeldOut, at_rest, settled};
 use super::isolation::{Compared, locate};
 use super::select::Selection;
 use super::sensor::repair;
@@ -36,7 +36,7 @@ pub fn answer(
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
     let effects = words::effects(data, c, selection, scales, &channels);
     let ranking = words::ranking(c, selection, &channels);
-    let free = |fit: &Fit| trace(data, &fit.shape, &fit.point, &fit.run(data, false));
+    let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
     let (after, _) = free(&c.model.fit);
     let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
@@ -129,7 +129,7 @@ fn shown(data: &Data, c: &Conclusion, scales: &Scales) -> Shown {
     let simulated = |fit: &Fit| -> Vec<f64> {
         let inside = range.start >= data.hull.start && range.end <= data.hull.end;
         let (run, point) = if inside {
-            (data.hull.start..range.end, fit.point.clone())
+            (data.hull.start..range.end, at_rest(data, fit, scales))
         } else {
             (range.clone(), settled(data, fit, scales, &range))
         };

@@ -1,35 +1,16 @@
-//! The base model of a recording: fitted with each way that its input may go between samples, and what that already shows.
+//! The base model of a recording, and whether another way of the input between its samples would do what terms seem to.
 
 use crate::diagnosis::model;
 
-use super::fit::{Data, Fit, OMEGA, fit};
+use super::fit::{Data, Fit, OMEGA, Shape, fit};
 use super::input::{Input, Interpolation};
-use super::lag::Delay;
+use super::select::Judged;
 use super::start;
 use super::term::{Scales, Term};
 
-/// Another interpolation must leave this much less variance than a band-limited one.
-const CLEARLY: f64 = 0.9;
-
-/// The base fit; sets the input's interpolation and says what was noticed.
-pub fn base(data: &mut Data, hints: &model::Start, findings: &mut Vec<String>) -> Option<(Fit, Scales)> {
-    let mut best = start::base(data, hints)?;
-    if data.input.is_some() {
-        let smooth = delayed(data, &best).unwrap_or(best.0.variance);
-        for how in [Interpolation::Hold, Interpolation::Linear] {
-            let kept = data.input.take()?;
-            data.input = Some(Input::new(kept.samples().to_vec(), how));
-            let other = fit(data, &best.0.shape, &best.0.point, &best.1, 25);
-            match other {
-                Some(other) if other.variance < CLEARLY * best.0.variance && other.variance < 0.97 * smooth => {
-                    findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
-                    best.0 = other;
-                    break;
-                }
-                _ => data.input = Some(kept),
-            }
-        }
-    }
+/// The base fit; says what was noticed.
+pub fn base(data: &Data, hints: &model::Start, findings: &mut Vec<String>) -> Option<(Fit, Scales)> {
+    let best = start::base(data, hints)?;
     let turn = best.0.point[OMEGA] * data.interval_s();
     if turn > std::f64::consts::PI {
         findings.push(format!(
@@ -40,8 +21,28 @@ pub fn base(data: &mut Data, hints: &model::Start, findings: &mut Vec<String>) -
     Some(best)
 }
 
-/// Variance with a delay added: a held input looks like one of half a sample.
-fn delayed(data: &Data, base: &(Fit, Scales)) -> Option<f64> {
-    let (shape, point) = base.0.with(Term::Delay(Delay), &[0.0]);
-    fit(data, &shape, &point, &base.1, 10).map(|f| f.variance)
+/// Whether steps or straight lines between the samples of the input do as well as the linear terms of `chosen` that they
+/// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
+pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
+    let mistaken =
+        |t: &Term| matches!(t, Term::Delay(_) | Term::Lowpass(_) | Term::Feedthrough(_) | Term::ParasiticMode(_));
+    if !chosen.fit.shape.terms.iter().any(mistaken) {
+        return None;
+    }
+    let (mut terms, mut point) = (Vec::new(), chosen.fit.point[..super::fit::BASE].to_vec());
+    for (i, term) in chosen.fit.shape.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
+        terms.push(*term);
+        point.extend_from_slice(chosen.fit.shape.of(i, &chosen.fit.point));
+    }
+    let shape = Shape::new(&terms);
+    for how in [Interpolation::Hold, Interpolation::Linear] {
+        let kept = data.input.take()?;
+        data.input = Some(Input::new(kept.samples().to_vec(), how));
+        let other = fit(data, &shape, &point, scales, 25);
+        if other.is_some_and(|o| o.variance < 1.01 * chosen.fit.variance) {
+            return Some(how);
+        }
+        data.input = Some(kept);
+    }
+    None
 }

@@ -7,11 +7,13 @@ use super::fit::{Data, Fit, fit};
 use super::held_out::{Comparison, compare, held_out};
 use super::interval::{self, Spread};
 use super::quantisation::{Lattice, lattice};
-use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, left, without};
+use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, left, power_left, without};
 use super::term::{Scales, Term};
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
 const WHITE: f64 = 0.02;
+/// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
+const EVEN: f64 = 0.01;
 /// Level at which structure counts as found.
 const LEVEL: f64 = 1e-3;
 /// With a remainder as structured as this, a term must stand far above it.
@@ -99,9 +101,13 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         }
         after = left(data, &model.fit);
     }
+    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
+    let power = power_left(data, &model.fit);
+    let only_noise = named.iter().all(|n| model.fit.shape.terms[n.index].noise().is_some());
+    let tidy = !only_noise || named.is_empty() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
-    let white = after.share < WHITE || after.p_value > LEVEL;
+    let white = tidy && (after.share < WHITE || after.p_value > LEVEL);
     let gone = 1.0 - model.held_out.free() / base.held_out.free().max(1e-300);
     let something = !named.is_empty() || lattice.is_some();
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
@@ -113,6 +119,17 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     } else {
         Outcome::Unexplained
     };
+    if outcome == Outcome::Unexplained {
+        // Only what towers above the remainder holds by itself.
+        let bar = FAR_ABOVE * share.max(WHITE);
+        for n in named.iter().filter(|n| n.growth < bar) {
+            dropped.push((model.fit.shape.terms[n.index], "a stand-in: does not bring the residual to the noise"));
+        }
+        named.retain(|n| n.growth >= bar);
+        if named.iter().all(|n| model.fit.shape.terms[n.index].noise().is_some()) {
+            named.clear();
+        }
+    }
     let spread = interval::spread(&model.fit);
     Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
 }

@@ -133,6 +133,9 @@ impl Pass<'_> {
         let [mut x, mut v] = self.initial;
         let mut bias = [0.0; LANES];
         let mut own = [[0.0; LANES]; MOST_STATES];
+        for m in movers_all(self.terms, self.first) {
+            m.term.begin(&x, &v, &self.parameters[m.first..], &mut own[m.state..]);
+        }
         let mut out = Vec::with_capacity(self.run.len());
         let per_sample = 2 * self.steps;
         for k in self.run.clone() {

@@ -110,13 +110,22 @@ impl Shape {
 
     /// Integration steps per sample that this point needs.
     pub fn steps(&self, point: &[f64], scales: &Scales) -> usize {
+        self.steps_by(point, scales, ANGLE)
+    }
+
+    /// As `steps`, for a look that need not be exact.
+    pub fn coarse_steps(&self, point: &[f64], scales: &Scales) -> usize {
+        self.steps_by(point, scales, 4.0 * ANGLE)
+    }
+
+    fn steps_by(&self, point: &[f64], scales: &Scales, angle: f64) -> usize {
         let fastest = self
             .terms
             .iter()
             .enumerate()
             .map(|(i, t)| t.fastest_rad_s(self.of(i, point), scales))
             .fold(point[OMEGA], f64::max);
-        ((fastest * scales.interval_s / ANGLE).ceil() as usize).clamp(2, MOST_STEPS)
+        ((fastest * scales.interval_s / angle).ceil() as usize).clamp(2, MOST_STEPS)
     }
 }
 
@@ -392,6 +401,17 @@ impl Fit {
         let mut point = self.point.clone();
         point.drain(self.shape.first[index]..self.shape.first[index] + gone.parameters());
         (Shape::new(&terms), point)
+    }
+
+    /// Whether a term's parameter lies at the end of its plausible range, where the term is not what its name says.
+    pub fn at_bound(&self, scales: &Scales) -> bool {
+        self.shape.terms.iter().enumerate().filter(|(_, t)| t.noise().is_none()).any(|(i, term)| {
+            let values = self.shape.of(i, &self.point);
+            term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
+                Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
+                Coordinate::Linear(_) => false,
+            })
+        })
     }
 
     /// The run it was fitted on.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::numerics::special;
 
 use super::filter::Nothing;
-use super::fit::{Data, Fit, INITIAL, Run, Search, coordinates, innovations};
+use super::fit::{Data, Fit, INITIAL, OFFSET, Run, Search, coordinates, innovations};
 use super::term::{Lanes, Scales};
 
 /// Blocks that they are cut into.
@@ -93,14 +93,14 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
     let mut blocks = Vec::new();
     let total: usize = ranges.iter().map(Range::len).sum();
     let length = (total / BLOCKS).max(20);
-    let hull = Evaluation::new(data, fit, &fit.point, data.hull.clone());
+    let hull = Evaluation::new(data, fit, &fit.point, &at_rest(data, fit, scales), data.hull.clone());
     for range in ranges {
         let inside = range.start >= data.hull.start && range.end <= data.hull.end;
         if inside {
             hull.cut(range.clone(), length, &mut blocks);
         } else {
             let point = settled(data, fit, scales, range);
-            let here = Evaluation::new(data, fit, &point, range.clone());
+            let here = Evaluation::new(data, fit, &point, &point, range.clone());
             let lead = LEAD.min(range.len() / 4);
             here.cut(range.start + lead..range.end, length, &mut blocks);
         }
@@ -112,19 +112,37 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
 pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
-    point[INITIAL] = data.reading[range.start] - point[super::fit::OFFSET];
+    point[INITIAL] = data.reading[range.start] - point[OFFSET];
     point[INITIAL + 1] = 0.0;
     let rows = range.start..(range.start + lead).min(range.end);
     let search = Search {
         data,
         shape: &fit.shape,
         point: point.clone(),
-        free: vec![INITIAL, INITIAL + 1],
+        free: if fit.shape.is_noisy() { vec![OFFSET, INITIAL, INITIAL + 1] } else { vec![INITIAL, INITIAL + 1] },
         coordinates: coordinates(&fit.shape, scales),
         run: Run { range: rows.clone(), steps: fit.steps, corrected: false },
         rows: vec![rows],
     };
     search.minimise(10).map_or(point, |m| search.point(&m.z))
+}
+
+/// The fitted model with offset and initial state as free simulation of the training rows wants them: a filter that corrects
+/// itself leaves them undetermined.
+pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
+    if !fit.shape.is_noisy() {
+        return fit.point.clone();
+    }
+    let search = Search {
+        data,
+        shape: &fit.shape,
+        point: fit.point.clone(),
+        free: vec![OFFSET, INITIAL, INITIAL + 1],
+        coordinates: coordinates(&fit.shape, scales),
+        run: Run { range: data.hull.clone(), steps: fit.steps, corrected: false },
+        rows: data.train.clone(),
+    };
+    search.minimise(4).map_or_else(|| fit.point.clone(), |m| search.point(&m.z))
 }
 
 /// Both kinds of error over one run.
@@ -135,12 +153,12 @@ struct Evaluation {
 }
 
 impl Evaluation {
-    fn new(data: &Data, fit: &Fit, point: &[f64], range: Range<usize>) -> Self {
-        let run = |corrected| {
+    fn new(data: &Data, fit: &Fit, point: &[f64], free: &[f64], range: Range<usize>) -> Self {
+        let run = |corrected, point: &[f64]| {
             let run = Run { range: range.clone(), steps: fit.steps, corrected };
             innovations(data, &fit.shape, &[point.to_vec()], &run, &mut Nothing)
         };
-        Self { start: range.start, free: run(false), one_step: fit.shape.is_noisy().then(|| run(true)) }
+        Self { start: range.start, free: run(false, free), one_step: fit.shape.is_noisy().then(|| run(true, point)) }
     }
 
     fn cut(&self, range: Range<usize>, length: usize, blocks: &mut Vec<Block>) {

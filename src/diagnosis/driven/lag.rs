@@ -74,6 +74,11 @@ impl Physics for Lowpass {
     fn states(&self) -> usize {
         1
     }
+    fn begin(&self, x: &Lanes, v: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        for l in 0..LANES {
+            own[0][l] = x[l] - p[0][l] * v[l];
+        }
+    }
     /// The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
     #[inline(always)]
     fn follow(&self, s: &Stride, p: &[Lanes], own: &mut [Lanes]) {

@@ -19,7 +19,7 @@ pub const PARASITIC: Candidate = Candidate {
     parameters: &[
         Parameter { name: "g2", unit: "y/(u s^2)", range: (-1.0, 1.0) },
         Parameter { name: "omega2", unit: "rad/s", range: (0.1, 10.0) },
-        Parameter { name: "zeta2", unit: "1", range: (1e-4, 1.0) },
+        Parameter { name: "zeta2", unit: "1", range: (1e-4, 0.6) },
     ],
     acts: "equation of motion",
     signature: "a second peak, or a dip beside one, in the frequency response",
@@ -39,7 +39,7 @@ impl Physics for Parasitic {
                 0.05 * omega,
                 (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega),
             ),
-            Coordinate::Log(1e-4, 2.0),
+            Coordinate::Log(1e-4, 0.6),
         ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {

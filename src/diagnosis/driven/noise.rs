@@ -31,7 +31,7 @@ impl Physics for Force {
         vec![Coordinate::Log(1e-3, 1e3)]
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
-        vec![vec![0.2], vec![2.0]]
+        [0.1, 0.3, 1.0, 3.0, 10.0, 100.0].map(|r| vec![r]).to_vec()
     }
     fn noise(&self) -> Option<Noise> {
         Some(Noise::Force)
@@ -63,7 +63,7 @@ impl Physics for Walk {
         vec![Coordinate::Log(1e-5, 1e2)]
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
-        vec![vec![0.01], vec![0.2]]
+        [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0].map(|r| vec![r]).to_vec()
     }
     fn noise(&self) -> Option<Noise> {
         Some(Noise::Walk)

@@ -12,6 +12,8 @@ use super::start::spread;
 
 /// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges.
 const BLOCKS: usize = 12;
+/// Samples at the beginning that are simulated but do not count.
+const SETTLING: usize = 100;
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
@@ -76,7 +78,11 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     let (train, test) = ranges(recording, &model.split, &ends, &mut findings)?;
     let own_test = !test.is_empty();
     let hull = train.first().map_or(0, |r| r.start)..train.last().map_or(0, |r| r.end);
-    let (fitted, validation) = interleaved(&train);
+    let (mut fitted, validation) = interleaved(&train);
+    // What went on before the recording began rings on in states that nobody estimates.
+    if let Some(first) = fitted.first_mut() {
+        first.start += (first.len() / 8).min(SETTLING);
+    }
     let test = if own_test { test } else { validation.clone() };
     let data = Data {
         reading,

@@ -130,6 +130,8 @@ pub trait Physics {
     /// Changes the reading.
     #[inline(always)]
     fn reading(&self, _at: &Instant<'_>, _p: &[Lanes], _own: &[Lanes], _y: &mut Lanes) {}
+    /// Its own states when the mass begins at `x`, `v`; at rest where nothing is known.
+    fn begin(&self, _x: &Lanes, _v: &Lanes, _p: &[Lanes], _own: &mut [Lanes]) {}
     /// Carries its own states over one step of the mass, by exact solution.
     #[inline(always)]
     fn follow(&self, _stride: &Stride, _p: &[Lanes], _own: &mut [Lanes]) {}
@@ -282,6 +284,11 @@ impl Term {
     /// As `Physics::moves`.
     pub fn moves(&self) -> bool {
         self.physics().moves()
+    }
+
+    /// As `Physics::begin`.
+    pub fn begin(&self, x: &Lanes, v: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        self.physics().begin(x, v, p, own);
     }
 
     /// As `Physics::follows`.
