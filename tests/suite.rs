@@ -8,6 +8,7 @@ mod suite {
     pub mod closed_form;
     pub mod convergence;
     pub mod diagnose_cli;
+    pub mod diagnosis_driven;
     pub mod diagnosis_static;
     pub mod diagnosis_tumble;
     pub mod dynamics;
@@ -55,6 +56,8 @@ fn main() {
         suite::diagnose_cli::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
+        // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
+        suite::diagnosis_driven::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.

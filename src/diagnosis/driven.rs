@@ -113,26 +113,35 @@ pub struct Shown {
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
     let Prepared { mut data, own_test, mut findings } = prepare::prepare(recording, model)?;
-    let Some((base, scales)) = begin::base(&data, &model.start, &mut findings) else {
+    let mut narrow = prepare::loudest(&data).unwrap_or_else(|| data.clone());
+    if narrow.hull != data.hull {
+        findings.push(format!(
+            "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",
+            narrow.hull.len(),
+            narrow.hull.start
+        ));
+    }
+    let Some((base, scales)) = begin::base(&narrow, &model.start, &mut findings) else {
         return Err(Error::new(
             format!("could not diagnose {}", recording.path.display()),
             "no oscillator, at any resonance or damping, can be fitted to it",
             "check that input and output are the right columns and that the input moves the output",
         ));
     };
-    let scales = select::refined(&data, &base, &scales);
+    let scales = select::refined(&narrow, &base, &scales);
     let candidates: Vec<Term> = Term::tried(data.environments, data.input.is_some())
         .into_iter()
         .filter(|t| !t.starts(&scales).is_empty())
         .collect();
-    let base = select::judge(&data, base, &scales);
-    let mut selection = select::search(&data, base, &scales, &candidates);
-    if let Some(how) = begin::other_input(&mut data, &selection.chosen, &scales) {
+    let base = select::judge(&narrow, base, &scales);
+    let mut selection = select::search(&narrow, base, &scales, &candidates);
+    if let Some(how) = begin::other_input(&mut narrow, &selection.chosen, &scales) {
         findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
-        let again = fit::fit(&data, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
-        let base = select::judge(&data, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
-        selection = select::search(&data, base, &scales, &candidates);
+        let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
+        let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
+        selection = select::search(&narrow, base, &scales, &candidates);
     }
+    data.input = narrow.input;
     if progress::interrupted() {
         return Err(Error::interrupted(format!("could not diagnose {}", recording.path.display()), "start it again"));
     }

@@ -12,6 +12,8 @@ use super::term::{Scales, Term};
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
 const WHITE: f64 = 0.02;
+/// A remainder of less than this share, with no candidate that earns a name, is too faint to say that the library fails.
+const FAINT: f64 = 0.05;
 /// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
 const EVEN: f64 = 0.01;
 /// Level at which structure counts as found.
@@ -28,7 +30,7 @@ const NEARLY_ALL: f64 = 0.99;
 pub struct Named {
     /// Its place in the model.
     pub index: usize,
-    /// Fraction by which the innovations' variance grows without it.
+    /// Fraction by which the innovations' variance grows without it, or the test error of free simulation if that is more.
     pub growth: f64,
     /// On validation samples, against the model without it.
     pub comparison: Comparison,
@@ -74,37 +76,31 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let mut after = left(data, &model.fit);
     let mut dropped = Vec::new();
     let mut rivals = selection.rivals.clone();
-    let mut named;
-    // What the full model leaves is the measure; dropping terms must not raise the bar for the others.
+    // What the full model leaves is the measure.
     let share = if after.p_value < LEVEL { after.share } else { 0.0 };
     let need = if share <= COLOURED { share } else { FAR_ABOVE * share };
-    loop {
-        named = weighed(data, selection, &model, scales, &rivals);
-        let Some(fails) = named
-            .iter()
-            .filter(|n: &&Named| n.growth < need.max(SMALLEST_GAIN) || worse(n, &model))
-            .min_by(|a, b| a.growth.total_cmp(&b.growth))
-        else {
-            break;
-        };
-        let reason = if worse(fails, &model) {
-            "made the prediction of the test samples worse"
-        } else {
-            "smaller than what is still unexplained"
-        };
-        let index = fails.index;
-        dropped.push((model.fit.shape.terms[index], reason));
+    let mut named = weighed(data, selection, &model, scales, &rivals);
+    // A term that the test samples speak against goes, and the others are weighed again without it.
+    while let Some(n) = named.iter().find(|n| worse(n, &model)) {
+        let index = n.index;
+        dropped.push((model.fit.shape.terms[index], "made the prediction of the test samples worse"));
         let Some(poorer) = without(data, &model, index, scales) else { break };
         model = Judged { held_out: held_out(data, &poorer.fit, scales, &data.test), fit: poorer.fit };
         if index < rivals.len() {
             rivals.remove(index);
         }
         after = left(data, &model.fit);
+        named = weighed(data, selection, &model, scales, &rivals);
     }
+    // What is smaller than the remainder stays in the model, so that it does not bias the others, but is not named.
+    for n in named.iter().filter(|n| n.growth < need.max(SMALLEST_GAIN)) {
+        dropped
+            .push((model.fit.shape.terms[n.index], "smaller than what is still unexplained; carried along, not named"));
+    }
+    named.retain(|n| n.growth >= need.max(SMALLEST_GAIN));
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
     let power = power_left(data, &model.fit);
-    let only_noise = named.iter().all(|n| model.fit.shape.terms[n.index].noise().is_some());
-    let tidy = !only_noise || named.is_empty() || power.share < EVEN || power.p_value > LEVEL;
+    let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
     let white = tidy && (after.share < WHITE || after.p_value > LEVEL);
@@ -116,6 +112,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         Outcome::Explained
     } else if white {
         Outcome::Adequate
+    } else if named.is_empty() && after.share < FAINT {
+        Outcome::Undecidable
     } else {
         Outcome::Unexplained
     };
@@ -152,7 +150,9 @@ fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, 
             let judged = held_out(data, &poorer.fit, scales, &data.test);
             Some(Named {
                 index,
-                growth: poorer.fit.variance / model.fit.variance.max(1e-300) - 1.0,
+                growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
+                    .max(judged.free() / model.held_out.free().max(1e-300))
+                    - 1.0,
                 comparison,
                 free_without: judged.free(),
                 log_score_without: judged.log_score(poorer.fit.variance),

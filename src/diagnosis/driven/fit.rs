@@ -25,7 +25,7 @@ pub const INITIAL: usize = 4;
 const ANGLE: f64 = 0.25;
 
 /// The recording, as fits see it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Data {
     /// Readings.
     pub reading: Vec<f64>,

@@ -6,7 +6,7 @@ use crate::numerics::special;
 
 use super::filter::Nothing;
 use super::fit::{Data, Fit, INITIAL, OFFSET, Run, Search, coordinates, innovations};
-use super::term::{Lanes, Scales};
+use super::term::{Lanes, Noise, Scales};
 
 /// Blocks that they are cut into.
 const BLOCKS: usize = 24;
@@ -114,12 +114,13 @@ pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) ->
     let mut point = fit.point.clone();
     point[INITIAL] = data.reading[range.start] - point[OFFSET];
     point[INITIAL + 1] = 0.0;
+    let walks = fit.shape.terms.iter().any(|t| t.noise() == Some(Noise::Walk));
     let rows = range.start..(range.start + lead).min(range.end);
     let search = Search {
         data,
         shape: &fit.shape,
         point: point.clone(),
-        free: if fit.shape.is_noisy() { vec![OFFSET, INITIAL, INITIAL + 1] } else { vec![INITIAL, INITIAL + 1] },
+        free: if walks { vec![OFFSET, INITIAL, INITIAL + 1] } else { vec![INITIAL, INITIAL + 1] },
         coordinates: coordinates(&fit.shape, scales),
         run: Run { range: rows.clone(), steps: fit.steps, corrected: false },
         rows: vec![rows],
@@ -133,10 +134,13 @@ pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
     if !fit.shape.is_noisy() {
         return fit.point.clone();
     }
+    let mut point = fit.point.clone();
+    point[INITIAL] = data.reading[data.hull.start] - point[OFFSET];
+    point[INITIAL + 1] = 0.0;
     let search = Search {
         data,
         shape: &fit.shape,
-        point: fit.point.clone(),
+        point,
         free: vec![OFFSET, INITIAL, INITIAL + 1],
         coordinates: coordinates(&fit.shape, scales),
         run: Run { range: data.hull.clone(), steps: fit.steps, corrected: false },

@@ -31,7 +31,7 @@ pub const REACH: usize = 24;
 pub const MOST_STEPS: usize = 32;
 
 /// Samples of the input, and denser grids made from them once.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Input {
     samples: Vec<f64>,
     /// How it is interpolated.

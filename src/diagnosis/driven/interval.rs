@@ -15,6 +15,8 @@ const BLOCKS: usize = 32;
 pub struct Spread {
     /// Standard deviation of each free parameter's coordinate.
     pub deviation: Vec<f64>,
+    /// Correlation of the free parameters' coordinates.
+    pub correlation: DMatrix<f64>,
     /// How much more the blocks disagree than their own noise explains, per free parameter: 1 when they agree.
     pub overdispersion: Vec<f64>,
 }
@@ -22,7 +24,11 @@ pub struct Spread {
 /// Both estimates of a fit's covariance (White 1980; Liang & Zeger 1986 for the blocks).
 pub fn spread(fit: &Fit) -> Spread {
     let parameters = fit.free.len();
-    let unknown = Spread { deviation: vec![f64::INFINITY; parameters], overdispersion: vec![1.0; parameters] };
+    let unknown = Spread {
+        deviation: vec![f64::INFINITY; parameters],
+        correlation: DMatrix::identity(parameters, parameters),
+        overdispersion: vec![1.0; parameters],
+    };
     let normal = fit.linear.normal();
     let Some(inverse) = normal.inverse(0.0) else { return unknown };
     let rows = fit.linear.residual.len();
@@ -48,7 +54,10 @@ pub fn spread(fit: &Fit) -> Spread {
     let overdispersion = (0..parameters)
         .map(|i| (clustered[(i, i)] / (fit.variance * inverse[(i, i)]).max(1e-300)).max(0.0).sqrt())
         .collect();
-    Spread { deviation, overdispersion }
+    let correlation = DMatrix::from_fn(parameters, parameters, |i, j| {
+        inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).max(1e-300).sqrt()
+    });
+    Spread { deviation, correlation, overdispersion }
 }
 
 /// Half-width of a 95 % interval in standard deviations; Student's, as the blocks are few.

@@ -11,9 +11,11 @@ use super::input::{Input, Interpolation, REACH};
 use super::start::spread;
 
 /// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges.
-const BLOCKS: usize = 12;
-/// Samples at the beginning that are simulated but do not count.
-const SETTLING: usize = 100;
+const BLOCKS: usize = 24;
+/// Recordings longer than this are searched on a stretch only.
+const LONG: usize = 40_000;
+/// Samples of that stretch.
+const STRETCH: usize = 24_576;
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
@@ -78,11 +80,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     let (train, test) = ranges(recording, &model.split, &ends, &mut findings)?;
     let own_test = !test.is_empty();
     let hull = train.first().map_or(0, |r| r.start)..train.last().map_or(0, |r| r.end);
-    let (mut fitted, validation) = interleaved(&train);
-    // What went on before the recording began rings on in states that nobody estimates.
-    if let Some(first) = fitted.first_mut() {
-        first.start += (first.len() / 8).min(SETTLING);
-    }
+    let (fitted, validation) = interleaved(&train);
     let test = if own_test { test } else { validation.clone() };
     let data = Data {
         reading,
@@ -186,6 +184,19 @@ fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
             .collect();
     }
     left
+}
+
+/// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to everything afterwards.
+/// `None` where the recording is short enough to be used whole.
+pub fn loudest(data: &Data) -> Option<Data> {
+    if data.hull.len() <= LONG {
+        return None;
+    }
+    let power = |r: &Range<usize>| spread(&data.reading[r.clone()]).1;
+    let windows = (0..=8).map(|i| data.hull.start + (data.hull.len() - STRETCH) * i / 8).map(|a| a..a + STRETCH);
+    let hull = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    let (fitted, validation) = interleaved(std::slice::from_ref(&hull));
+    Some(Data { hull, train: fitted, test: validation.clone(), validation, ..data.clone() })
 }
 
 /// Every third block apart.

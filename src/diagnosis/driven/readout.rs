@@ -34,7 +34,7 @@ impl Physics for Saturation {
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         let (low, high) = s.output_range;
         let far = 100.0 * s.output;
-        [0.97, 0.9, 0.8, 0.65]
+        [0.9999, 0.97, 0.88, 0.7]
             .into_iter()
             .flat_map(|r| [vec![r * low, r * high], vec![low - far, r * high], vec![r * low, high + far]])
             .collect()

@@ -97,17 +97,32 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
 fn strength(data: &Data, c: &Conclusion, index: usize, noise: Noise, reach: f64, channels: &Channels) -> Estimate {
     let fit = &c.model.fit;
     let place = fit.shape.first[index];
-    let at = |ratio: f64| {
-        let mut moved = fit.clone();
-        moved.point[place] = ratio;
-        ratio * readout_noise(data, &moved)
-    };
     let factor = if noise == Noise::Walk { data.rate_hz.sqrt() } else { 1.0 };
-    let (ratio, value) = (fit.point[place], at(fit.point[place]));
-    let slope = (at(ratio * 1.05) / value).ln() / 1.05f64.ln();
-    let deviation = fit.free.iter().position(|f| *f == place).map_or(0.0, |f| c.spread.deviation[f].min(10.0));
+    let value = fit.point[place] * readout_noise(data, fit);
+    // By the delta method over every noise ratio: all of them are relative to the same readout noise.
+    let noises: Vec<(usize, f64)> = fit
+        .shape
+        .terms
+        .iter()
+        .zip(&fit.shape.first)
+        .filter(|(t, _)| t.noise().is_some())
+        .filter_map(|(_, first)| {
+            let mut moved = fit.clone();
+            moved.point[*first] *= 1.05;
+            let there = moved.point[place] * readout_noise(data, &moved);
+            Some((fit.free.iter().position(|f| f == first)?, (there / value).ln() / 1.05f64.ln()))
+        })
+        .collect();
+    let mut variance = 0.0;
+    for (i, a) in &noises {
+        for (j, b) in &noises {
+            let d = |k: usize| c.spread.deviation[k].min(1e3);
+            variance += a * b * c.spread.correlation[(*i, *j)] * d(*i) * d(*j);
+        }
+    }
+    let deviation = variance.max(0.0).sqrt().min(10.0);
     let of_variance = (0.5 / fit.linear.residual.len().max(1) as f64).sqrt();
-    let reach = reach * (slope * deviation).hypot(of_variance);
+    let reach = reach * deviation.hypot(of_variance);
     let parameter = fit.shape.terms[index].words().parameters[0];
     Estimate {
         name: parameter.name.to_owned(),
@@ -262,6 +277,10 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
         .collect();
     match c.outcome {
         Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
+        Outcome::Undecidable if effects.is_empty() => format!(
+            "Something faint is left ({} % of the variance can be foreseen), too weak in this recording to be named.",
+            short(100.0 * c.after.share)
+        ),
         Outcome::Undecidable => {
             let also: Vec<String> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
@@ -294,6 +313,9 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
 pub fn next_experiment(c: &Conclusion, effects: &[Effect], input: bool) -> String {
     let source = if input { "drive" } else { "release" };
     match c.outcome {
+        Outcome::Undecidable if effects.is_empty() => {
+            "Record longer, or harder: what is left must rise well above the noise before it can be named.".to_owned()
+        }
         Outcome::Undecidable => {
             let tied: Vec<&str> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
