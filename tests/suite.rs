@@ -16,6 +16,7 @@ mod suite {
     pub mod law;
     pub mod noise_law;
     pub mod parity;
+    pub mod planted;
     pub mod recording;
     pub mod study;
     pub mod study_cli;
@@ -62,6 +63,8 @@ fn main() {
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
+        // planted: a very small blind trial of the real diagnosis.
+        suite::planted::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.

@@ -172,7 +172,10 @@ impl Case {
     /// Visible size of each effect over the noise, with its id.
     pub fn sizes_over_noise(&self) -> Vec<(String, f64)> {
         match &self.body {
-            Body::Driven(d) => d.planted.iter().map(|p| (id_of(&p.term.physics), p.over_noise(d))).collect(),
+            Body::Driven(d) => {
+                let ids = d.planted.iter().map(|p| id_of(&p.term.physics));
+                ids.enumerate().map(|(n, id)| (id, d.over_noise(n))).collect()
+            }
             Body::Still(s) => s.planted.iter().map(|p| (id_of(&p.slow), p.visible())).collect(),
             Body::Turned(t) => t.planted.iter().map(|p| (id_of(&p.fault), p.visible)).collect(),
         }

@@ -129,10 +129,13 @@ impl Driven {
     }
 }
 
-impl Planted {
-    /// The visible size in units of the readout noise.
-    pub fn over_noise(&self, case: &Driven) -> f64 {
-        self.visible * case.output_rms / case.noise
+impl Driven {
+    /// Visible size of the nth effect over the noise that it must be seen in: the readout's, and that of any planted
+    /// effect that is itself noise.
+    pub fn over_noise(&self, nth: usize) -> f64 {
+        let others = self.planted.iter().enumerate().filter(|(n, p)| *n != nth && p.term.physics.is_noise());
+        let noise = (self.noise / self.output_rms).powi(2) + others.map(|(_, p)| p.visible.powi(2)).sum::<f64>();
+        self.planted[nth].visible / noise.sqrt()
     }
 }
 

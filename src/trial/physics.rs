@@ -130,6 +130,11 @@ impl Physics {
         }
     }
 
+    /// Effects that no simulation predicts sample by sample.
+    pub fn is_noise(self) -> bool {
+        matches!(self, ForceNoise | ReadoutQuantisation | BiasRandomWalk)
+    }
+
     /// Effects with corners or jumps in time, integrated with twice the sub-steps.
     pub fn is_abrupt(self) -> bool {
         matches!(self, CoulombFriction | Hysteresis | EndStop | BacklashSpring | SlippingMount | SofteningWithHistory)
