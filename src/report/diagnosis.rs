@@ -2,6 +2,7 @@
 //!
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
+use crate::diagnosis::consequence::DIFFERENCE;
 use crate::diagnosis::repair::Cost;
 use crate::diagnosis::verdict::{Effect, Estimate, Outcome, Verdict};
 use crate::diagnosis::{Detail, Diagnosis, Ranked};
@@ -162,21 +163,20 @@ fn answers(verdict: &Verdict, costs: &[Cost]) -> Vec<(&'static str, String)> {
         if worst.is_finite() { format!("{gain}; chance of a false name {}", chance(worst)) } else { gain }
     };
     let mut out = vec![("left out", what), ("where it shows", verdict.location.summary.clone()), ("how sure", sure)];
-    if let [before, rest @ ..] = costs {
-        let metres = |c: &Cost| {
-            format!(
-                "{} m after 10 s, {} m after 60 s",
-                significant(c.position_10_s_m, 2),
-                significant(c.position_60_s_m, 2)
-            )
-        };
-        let text = match rest.first() {
-            Some(after) => {
-                format!("{} ({}): {}; {}: {}", before.of, before.under, metres(before), after.of, metres(after))
-            }
-            None => format!("{} ({}): {}", before.of, before.under, metres(before)),
-        };
-        out.push(("what it costs", text));
+    let metres = |c: &Cost| {
+        format!(
+            "{} m after 10 s, {} m after 60 s",
+            significant(c.position_10_s_m, 2),
+            significant(c.position_60_s_m, 2)
+        )
+    };
+    match (costs.iter().find(|c| c.of == DIFFERENCE), costs) {
+        (Some(cost), [_, after, ..]) => out.push((
+            "what it costs",
+            format!("leaving it out: {} ({}); {}: {}", metres(cost), cost.under, after.of, metres(after)),
+        )),
+        (None, [only, ..]) => out.push(("what it costs", format!("nothing; drift {}: {}", only.of, metres(only)))),
+        _ => {}
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
     out

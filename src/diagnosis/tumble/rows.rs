@@ -359,3 +359,68 @@ fn attitudes(forces: &[Vector3<f64>], turns: &[Turn]) -> Vec<Matrix3<f64>> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::tumble::imu::Imu;
+
+    const COUNTS_PER_UNIT: f64 = 1000.0;
+
+    /// Three poses and two turns of an ideal IMU, sampled without noise but for a ripple that gives poses a variance.
+    fn columns() -> ([Vec<f64>; 3], [Vec<f64>; 3]) {
+        let (mut gyro, mut accelerometer): ([Vec<f64>; 3], [Vec<f64>; 3]) = Default::default();
+        let mut attitude = Rotation3::identity();
+        for (turning, axis) in [
+            (false, Vector3::zeros()),
+            (true, Vector3::new(1.0, 0.5, 0.0)),
+            (false, Vector3::zeros()),
+            (true, Vector3::new(0.2, -1.0, 0.7)),
+            (false, Vector3::zeros()),
+        ] {
+            for k in 0..if turning { 25 } else { 100 } {
+                let rate: Vector3<f64> = if turning { axis * 4.0 } else { Vector3::zeros() };
+                let force = attitude.inverse() * Vector3::new(1.0, 2.0, 9.55);
+                for i in 0..3 {
+                    let ripple = 1e-3 * f64::from((k * (7 + i as i32)) % 11 - 5);
+                    gyro[i].push(COUNTS_PER_UNIT * (rate[i] + ripple));
+                    accelerometer[i].push(COUNTS_PER_UNIT * (force[i] + ripple));
+                }
+                attitude *= Rotation3::new(rate / 100.0);
+            }
+        }
+        (gyro, accelerometer)
+    }
+
+    #[test]
+    fn every_slope_agrees_with_a_finite_difference() {
+        let (gyro, accelerometer) = columns();
+        let imu = Imu {
+            rate_hz: 100.0,
+            gyro: [&gyro[0], &gyro[1], &gyro[2]],
+            accelerometer: [&accelerometer[0], &accelerometer[1], &accelerometer[2]],
+            covariate: (0..gyro[0].len()).map(|k| k as f64 * 0.01).collect(),
+            gravity_m_s2: 9.81,
+        };
+        let mut observed = imu.observe(&[0..100, 125..225, 250..350]);
+        (observed.accelerometer_scale, observed.gyro_scale) = (COUNTS_PER_UNIT, COUNTS_PER_UNIT);
+        let mut point: Point = [0.0; PARAMETERS];
+        point[accelerometer::SCALE.start] = COUNTS_PER_UNIT;
+        point[gyro::SCALE.start] = COUNTS_PER_UNIT;
+        let active: Vec<usize> = (0..PARAMETERS).collect();
+        let rows = observed.rows(&point, &active);
+        for p in 0..PARAMETERS {
+            let step = 1e-6 * point[p].abs().max(1.0);
+            let at = |by: f64| {
+                let mut moved = point;
+                moved[p] += by;
+                observed.rows(&moved, &[]).residual
+            };
+            let difference = (at(step) - at(-step)) / (2.0 * step);
+            let slope = rows.slope.column(p);
+            // The slopes of turns are first order in one sample's angle (0.05 rad) and in the residual itself.
+            let error = (&difference - slope).norm() / slope.norm();
+            assert!(slope.norm() > 0.0 && error < 0.01, "parameter {p}: {error}");
+        }
+    }
+}
