@@ -11,6 +11,7 @@ mod suite {
     pub mod diagnosis_driven;
     pub mod diagnosis_static;
     pub mod diagnosis_tumble;
+    pub mod driven_bad_input;
     pub mod dynamics;
     pub mod invariance;
     pub mod law;
@@ -55,6 +56,8 @@ fn main() {
         suite::dynamics::tests(),
         // diagnose: the contract's files and fields, and bad input in sentences.
         suite::diagnose_cli::tests(),
+        // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
+        suite::driven_bad_input::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
