@@ -52,14 +52,27 @@ pub struct Cost {
     pub basis: String,
 }
 
+/// Comments in model.toml are broken at this many characters.
+const COMMENT_WIDTH: usize = 100;
+
 /// The repaired sensor as a study: DIR/model.toml. What a study cannot run stands in comments, so that nothing named is lost.
 pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
     let mut text = String::new();
     let mut comment = |line: &str| {
-        for part in line.lines() {
-            let _ = writeln!(text, "# {part}");
+        let mut width = 0;
+        for (n, word) in line.split_whitespace().enumerate() {
+            let length = word.chars().count() + 1;
+            let (lead, start) = if n == 0 { ("# ", 2) } else { ("\n#   ", 4) };
+            if n == 0 || width + length > COMMENT_WIDTH {
+                let _ = write!(text, "{lead}{word}");
+                width = start + length;
+            } else {
+                let _ = write!(text, " {word}");
+                width += length;
+            }
         }
+        text.push('\n');
     };
     let file = Path::new(&verdict.recording.file).file_name().unwrap_or_default().to_string_lossy();
     comment(&format!("The sensor of {file} with the physics that its diagnosis named."));

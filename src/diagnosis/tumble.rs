@@ -17,6 +17,7 @@ pub mod poses;
 mod remainder;
 pub mod rows;
 mod selection;
+mod slopes;
 mod start;
 mod units;
 mod words;

@@ -96,8 +96,10 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.section("Where it shows");
     page.paragraph(&verdict.location.summary);
     figures(&mut page, exhibits, Part::Isolation);
-    page.section("How sure the numbers are");
-    figures(&mut page, exhibits, Part::Identification);
+    if exhibits.iter().any(|e| e.part == Part::Identification) {
+        page.section("How sure the numbers are");
+        figures(&mut page, exhibits, Part::Identification);
+    }
     if !costs.is_empty() {
         page.section("What it costs");
         if let Some(repair) = &diagnosis.repair {
@@ -220,14 +222,22 @@ fn ranking_table(ranking: &[Ranked]) -> Table {
         table.row([
             r.id.to_owned(),
             r.channels.join(", "),
-            significant(r.held_out_gain, 2),
-            format!("{} to {}", significant(r.ci95[0], 2), significant(r.ci95[1], 2)),
+            share(r.held_out_gain),
+            match r.ci95.iter().all(|v| v.is_finite()) {
+                true => format!("{} to {}", share(r.ci95[0]), share(r.ci95[1])),
+                false => "–".to_owned(),
+            },
             if r.p_value < 1e-6 { "<10⁻⁶".into() } else { significant(r.p_value, 2) },
             if r.named { "yes" } else { "no" }.to_owned(),
             r.note.clone(),
         ]);
     }
     table
+}
+
+/// A share of one: three decimals at most, for its interval is wider than a fourth.
+fn share(value: f64) -> String {
+    if value.abs() < 5e-4 { "0".into() } else { format!("{value:.3}").replacen('-', "−", 1) }
 }
 
 fn fit_table(verdict: &Verdict) -> Table {

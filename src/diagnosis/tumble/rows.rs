@@ -8,8 +8,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, PARAMETERS, Point, Sensor, Triad, accelerometer, gyro};
-use super::imu::{Observed, Pose};
+use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, Point, Sensor, gyro};
+use super::imu::Observed;
+use super::slopes::{Active, reading_slopes};
 
 /// Which residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,98 +44,6 @@ pub struct Rows {
 /// A pose's specific force and its slopes: (column, ∂f).
 type Force<'a> = (&'a Vector3<f64>, &'a [(usize, Vector3<f64>)]);
 
-/// Which columns of the slope matrix are wanted.
-struct Active<'a> {
-    column: [Option<usize>; PARAMETERS],
-    list: &'a [usize],
-}
-
-/// Calls `give(parameter, axis, φ)` for every parameter that moves axis i of the reading v by −φ.
-fn reading_slopes(
-    sensor: Sensor,
-    triad: &Triad,
-    scale: f64,
-    counts: &Vector3<f64>,
-    covariate: f64,
-    mut give: impl FnMut(usize, usize, f64),
-) {
-    let (offset, common, axis, quadratic, cubic, temperature) = match sensor {
-        Sensor::Accelerometer => (
-            accelerometer::OFFSET.start,
-            accelerometer::SCALE.start,
-            accelerometer::AXIS_SCALE.start,
-            accelerometer::QUADRATIC.start,
-            accelerometer::CUBIC.start,
-            accelerometer::TEMPERATURE.start,
-        ),
-        Sensor::Gyro => (
-            gyro::OFFSET.start,
-            gyro::SCALE.start,
-            gyro::AXIS_SCALE.start,
-            gyro::QUADRATIC.start,
-            gyro::CUBIC.start,
-            gyro::TEMPERATURE.start,
-        ),
-    };
-    for i in 0..3 {
-        let raw = (counts[i] - triad.offset[i]) / triad.scale[i];
-        let x = raw - triad.temperature[i] * covariate;
-        let steep = 1.0 - 2.0 * triad.quadratic[i] * x - 3.0 * triad.cubic[i] * x * x;
-        give(offset + i, i, steep / triad.scale[i]);
-        give(common, i, steep * raw / scale);
-        if i > 0 {
-            give(axis + i - 1, i, steep * raw * scale / triad.scale[i]);
-        }
-        give(quadratic + i, i, x * x);
-        give(cubic + i, i, x * x * x);
-        give(temperature + i, i, steep * covariate);
-    }
-}
-
-impl Active<'_> {
-    fn new(list: &[usize]) -> Active<'_> {
-        let mut column = [None; PARAMETERS];
-        for (c, &p) in list.iter().enumerate() {
-            column[p] = Some(c);
-        }
-        Active { column, list }
-    }
-
-    /// ∂f of a pose by every active parameter of the accelerometer: (column, ∂f).
-    fn force_slopes(
-        &self,
-        point: &Point,
-        calibration: &Calibration,
-        pose: &Pose,
-        force: &Vector3<f64>,
-    ) -> Vec<(usize, Vector3<f64>)> {
-        let triad = &calibration.accelerometer;
-        let mut out: Vec<(usize, Vector3<f64>)> = Vec::new();
-        let mut give = |parameter: usize, axis: usize, phi: f64| {
-            if let Some(column) = self.column[parameter] {
-                let change = triad.unalign().column(axis) * -phi;
-                match out.iter_mut().find(|o| o.0 == column) {
-                    Some(o) => o.1 += change,
-                    None => out.push((column, change)),
-                }
-            }
-        };
-        reading_slopes(
-            Sensor::Accelerometer,
-            triad,
-            point[accelerometer::SCALE.start],
-            &pose.accelerometer,
-            pose.covariate,
-            &mut give,
-        );
-        let m = accelerometer::MISALIGNMENT.start;
-        give(m, 0, force[1]);
-        give(m + 1, 0, force[2]);
-        give(m + 2, 1, force[2]);
-        out
-    }
-}
-
 /// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it by.
 struct Turn {
     rotation: Matrix3<f64>,
@@ -157,9 +66,9 @@ impl Observed<'_> {
             let rate = calibration.rate_rad_s(counts.into(), &force, covariate);
             let angle = rate * step_s;
             if let Some(active) = active {
-                // The right Jacobian of a rotation, to first order in one sample's angle.
+                // The left Jacobian of this sample's rotation (it turns what came before), to first order in its angle.
                 let lever: Matrix3<f64> =
-                    rotation * (Matrix3::identity() - angle.cross_matrix() * 0.5) * unalign * step_s;
+                    rotation * (Matrix3::identity() + angle.cross_matrix() * 0.5) * unalign * step_s;
                 let mut give = |parameter: usize, axis: usize, phi: f64| {
                     if let Some(column) = active.column[parameter] {
                         slopes[column] -= lever.column(axis) * phi;
@@ -363,6 +272,7 @@ fn attitudes(forces: &[Vector3<f64>], turns: &[Turn]) -> Vec<Matrix3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::tumble::calibration::{PARAMETERS, accelerometer};
     use crate::diagnosis::tumble::imu::Imu;
 
     const COUNTS_PER_UNIT: f64 = 1000.0;
