@@ -188,7 +188,6 @@ impl Channel {
     pub(super) fn held_out_share(&self, fitted: &Fitted, term: usize) -> f64 {
         let Addition::Curves(curves) = &fitted.terms[term].addition else { return 0.0 };
         let count = self.values.len();
-        let stretch = |n: usize| n * 16 / count % 2;
         let others = {
             let mut without = fitted.clone();
             let start: usize = fitted.terms[..term]
@@ -199,27 +198,40 @@ impl Channel {
             without.mean_curve(count)
         };
         let rest: Vec<f64> = self.values.iter().zip(&others).map(|(v, o)| v - o).collect();
-        let width = curves.len() + 1;
-        let design = |n: usize, p: usize| if p == 0 { 1.0 } else { curves[p - 1].values[n] };
-        let (mut normal, mut target) = (DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width));
-        let (mut mean, mut trained) = (0.0, 0.0);
-        for n in (0..count).filter(|n| stretch(*n) == 0) {
-            mean += rest[n];
-            trained += 1.0;
-            for p in 0..width {
-                target[p] += design(n, p) * rest[n];
-                for q in 0..width {
-                    normal[(p, q)] += design(n, p) * design(n, q);
-                }
-            }
-        }
-        let Some(solution) = normal.lu().solve(&target) else { return 0.0 };
-        let (mut before, mut after) = (0.0, 0.0);
-        for n in (0..count).filter(|n| stretch(*n) == 1) {
-            let predicted: f64 = (0..width).map(|p| solution[p] * design(n, p)).sum();
-            before += (rest[n] - mean / trained).powi(2);
-            after += (rest[n] - predicted).powi(2);
-        }
+        let [_, [before, after]] = split(&rest, &curves.iter().collect::<Vec<_>>());
         1.0 - after / before
     }
+
+    /// Sums of squares before and after all curves, fitted to every second of sixteen stretches: on those, then on the
+    /// others, which they were not fitted to.
+    pub(super) fn held_out_squares(&self, fitted: &Fitted) -> [[f64; 2]; 2] {
+        split(&self.values, &curves(&fitted.terms).collect::<Vec<_>>())
+    }
+}
+
+/// Straight least squares of a constant and curves on the even of sixteen stretches: [even, odd], each the sum of squares
+/// [about the even stretches' mean, about the fit].
+fn split(values: &[f64], curves: &[&Curve]) -> [[f64; 2]; 2] {
+    let count = values.len();
+    let stretch = |n: usize| n * 16 / count % 2;
+    let width = curves.len() + 1;
+    let design = |n: usize, p: usize| if p == 0 { 1.0 } else { curves[p - 1].values[n] };
+    let (mut normal, mut target) = (DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width));
+    for n in (0..count).filter(|n| stretch(*n) == 0) {
+        for p in 0..width {
+            target[p] += design(n, p) * values[n];
+            for q in 0..width {
+                normal[(p, q)] += design(n, p) * design(n, q);
+            }
+        }
+    }
+    let mean = target[0] / normal[(0, 0)];
+    let solution = normal.lu().solve(&target).unwrap_or_else(|| DVector::zeros(width));
+    let mut out = [[0.0; 2]; 2];
+    for (n, value) in values.iter().enumerate() {
+        let predicted: f64 = (0..width).map(|p| solution[p] * design(n, p)).sum();
+        out[stretch(n)][0] += (value - mean).powi(2);
+        out[stretch(n)][1] += (value - predicted).powi(2);
+    }
+    out
 }

@@ -275,11 +275,12 @@ fn fit(channels: &[Channel], selected: &[Selected], finals: &[Fitted], before: &
     let power = |values: &dyn Fn(usize) -> f64| -> f64 {
         ((0..channels.len()).map(|i| values(i) * channels[i].scale.powi(2)).sum::<f64>() / count).sqrt()
     };
-    let squares = |v: &[f64]| v.iter().skip(1).map(|c| c * c).sum::<f64>();
     let noise_floor = power(&|i| finals[i].strengths.values[0] * channels[i].values.len() as f64);
-    let whole = Score {
-        rmse_before: power(&|i| squares(&channels[i].coefficients)),
-        rmse_after: power(&|i| squares(&finals[i].residual)),
+    let squares: Vec<[[f64; 2]; 2]> = channels.iter().zip(finals).map(|(c, f)| c.held_out_squares(f)).collect();
+    // Each part is half of the recording.
+    let part = |part: usize| Score {
+        rmse_before: power(&|i| 2.0 * squares[i][part][0]),
+        rmse_after: power(&|i| 2.0 * squares[i][part][1]),
         ratio_ci95: None,
     };
     let scale: f64 = channels.iter().map(|c| c.values.len() as f64 * c.scale.ln()).sum();
@@ -291,8 +292,8 @@ fn fit(channels: &[Channel], selected: &[Selected], finals: &[Fitted], before: &
     Fit {
         unit: unit.into(),
         noise_floor,
-        train: whole,
-        test: whole,
+        train: part(0),
+        test: part(1),
         log_score: Some(LogScore { before: score(before), after: score(after) }),
         one_step_rmse: None,
     }
