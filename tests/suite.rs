@@ -16,6 +16,7 @@ mod suite {
     pub mod invariance;
     pub mod law;
     pub mod noise_law;
+    pub mod paper;
     pub mod parity;
     pub mod planted;
     pub mod recording;
@@ -54,6 +55,8 @@ fn main() {
         suite::diagnosis_static::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
+        // paper: twenty figures, every check holds and can fail.
+        suite::paper::tests(),
         // diagnose: the contract's files and fields, and bad input in sentences.
         suite::diagnose_cli::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.

@@ -18,18 +18,21 @@ pub struct Check {
     /// Where the expected number and the tolerance come from.
     #[serde(skip)]
     pub because: String,
+    /// Whether the claim is a range, from `expected − tolerance` to `expected + tolerance`.
+    #[serde(skip)]
+    pub range: bool,
 }
 
 impl Check {
     /// `got` must lie within `tolerance` of `expected`.
     pub fn near(name: &str, because: &str, expected: f64, got: f64, tolerance: f64) -> Self {
         let holds = (got - expected).abs() <= tolerance;
-        Self { name: name.into(), expected, got, tolerance, holds, because: because.into() }
+        Self { name: name.into(), expected, got, tolerance, holds, because: because.into(), range: false }
     }
 
     /// `got` must lie from `low` to `high`: near their middle, within half their distance.
     pub fn between(name: &str, because: &str, low: f64, high: f64, got: f64) -> Self {
-        Self::near(name, because, 0.5 * (low + high), got, 0.5 * (high - low))
+        Self { range: true, ..Self::near(name, because, 0.5 * (low + high), got, 0.5 * (high - low)) }
     }
 }
 

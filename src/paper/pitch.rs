@@ -112,7 +112,9 @@ pub fn compute(imu: &Inertial) -> Pitch {
     let moving_gyro = carried(imu, shown, seconds);
     let enlarged_s = (seconds(imu.poses[worst].end) - 0.5, seconds(imu.poses[worst + 1].start) + 0.5);
 
-    let still = imu.poses[0].clone();
+    // Half a second off both ends: a pose's edges are where a hand takes hold.
+    let margin = (0.5 / imu.step_s) as usize;
+    let still = imu.poses[0].start + margin..imu.poses[0].end - margin;
     let direction = up(imu, 0);
     let rates: Vec<f64> = imu.rate_rad_s[still.clone()].iter().map(|r| pitch_rate_rad_s(direction, *r)).collect();
     let force: Vec<f64> = imu.force_m_s2[still].iter().map(|f| pitch_rad(*f)).collect();

@@ -69,9 +69,10 @@ fn heat(atlas: &Atlas, grid: &Grid, title: &str, values: &[f64], limits: (f64, f
 pub fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
     let mut sorted: Vec<f64> = grid.exponent_per_s.iter().copied().filter(|e| e.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    // The upper end holds all but one in a thousand cells; the lower end is as far below zero, so that zero is mid-ramp.
+    // All but a few cells at either end, so that single ones do not take the ramp.
     let high = sorted.get(sorted.len() * 999 / 1000).copied().unwrap_or(1.0).max(0.02);
-    let exponent = heat(atlas, grid, &grid.map.title, &grid.exponent_per_s, (-high, high), "largest exponent / (1/s)");
+    let low = sorted.get(sorted.len() / 50).copied().unwrap_or(-1.0).min(-0.25 * high);
+    let exponent = heat(atlas, grid, &grid.map.title, &grid.exponent_per_s, (low, high), "largest exponent / (1/s)");
     let period: Vec<f64> = grid.period.iter().map(|p| if *p == 0 { f64::NAN } else { f64::from(*p).log2() }).collect();
     let period = heat(atlas, grid, "Period (blank: none up to 16)", &period, (0.0, 4.0), "log₂ of the period");
     [exponent, period]
@@ -122,7 +123,7 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
         };
         let first = format!(
             "Largest Lyapunov exponent of eq. 6, each cell from rest, averaged over {} periods after {}; {} to {} \
-             Runge–Kutta steps a period in f32. Above zero (mid-ramp) neighbours part: {} % of the cells are chaotic.{noise}",
+             Runge–Kutta steps a period in f32. Dark is periodic; above zero neighbours part: {} % of the cells are chaotic.{noise}",
             g.map.periods,
             g.map.transient_periods,
             g.steps.0,
@@ -130,7 +131,12 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
             significant(100.0 * g.chaotic_share(), 2),
         );
         let second = "Smallest number of forcing periods after which the strobed orbit repeats.";
-        page.figure_row(&[(&exponent, &first), (&period, second)]);
+        if g.map.noise_n_rts > 0.0 {
+            // Nothing repeats under noise.
+            page.figure(&exponent, &first);
+        } else {
+            page.figure_row(&[(&exponent, &first), (&period, second)]);
+        }
     }
     for b in &atlas.diagrams {
         page.subsection(&format!("Bifurcation diagram: {}", b.diagram.title));

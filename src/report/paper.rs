@@ -10,7 +10,7 @@ use super::html::Page;
 use super::number::significant;
 use super::table::Table;
 use crate::paper::Paper;
-use crate::paper::check::{Exhibit, Source};
+use crate::paper::check::{Check, Exhibit, Source};
 
 /// One line per figure, for a terminal.
 pub fn table(paper: &Paper) -> Table {
@@ -63,21 +63,18 @@ fn head(page: &mut Page, exhibit: &Exhibit) {
     page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
 }
 
-/// The checks of a figure.
+/// The checks of a figure, a sentence each: tables of so many words do not fit a phone.
 fn checks(page: &mut Page, exhibit: &Exhibit) {
-    let mut table =
-        Table::new(&["check", "expected", "got", "tolerance", "holds", "where the expected value comes from"]);
-    for c in &exhibit.checks {
-        table.row([
-            c.name.clone(),
-            significant(c.expected, 4),
-            significant(c.got, 4),
-            significant(c.tolerance, 2),
-            if c.holds { "yes".into() } else { "NO".to_owned() },
-            c.because.clone(),
-        ]);
-    }
-    page.table(&table);
+    let sentence = |c: &Check| {
+        let expected = if c.range {
+            format!("{} to {}", significant(c.expected - c.tolerance, 3), significant(c.expected + c.tolerance, 3))
+        } else {
+            format!("{} ± {}", significant(c.expected, 4), significant(c.tolerance, 2))
+        };
+        let verdict = if c.holds { "Holds" } else { "DOES NOT HOLD" };
+        format!("{verdict}. {}: {}, expected {expected}. Source: {}.", c.name, significant(c.got, 4), c.because)
+    };
+    page.list(&exhibit.checks.iter().map(sentence).collect::<Vec<_>>());
 }
 
 /// The whole page.

@@ -145,7 +145,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
         if pitch.force_deviation.value < pitch.walk_deviation.value { "narrower" } else { "wider" },
     ));
     let reach = 3.5 * tenth(pitch.force_deviation.value.max(pitch.walk_deviation.value));
-    let bins = 60;
+    let bins = 36;
     let width = 2.0 * reach / f64::from(bins);
     let middle = |c: &Curve| c.iter().map(|p| p.1).sum::<f64>() / c.len().max(1) as f64;
     let histogram = |c: &Curve| -> Curve {
@@ -220,19 +220,25 @@ fn spread(values: &[f64], unit: f64, digits: usize) -> String {
     format!("{} ({} to {})", at(0.5), at(0.05), at(0.95))
 }
 
-fn filters(title: &str, lines: &[(f64, f64, f64, [f64; 3])], second: &str) -> Figure {
-    let pick = |value: &dyn Fn(&(f64, f64, f64, [f64; 3])) -> f64| -> Curve {
-        thin(&lines.iter().map(|l| (l.0, value(l) / DEGREE)).collect::<Vec<_>>(), 900)
+/// Accelerometer, gyro and the three filters: time, the two, the three; s and rad.
+fn filters(
+    title: &str,
+    label: &str,
+    lines: &[(f64, f64, f64, [f64; 3])],
+    (from_s, to_s): (f64, f64),
+    reach_deg: f64,
+) -> Figure {
+    let inside: Vec<_> = lines.iter().filter(|l| l.0 >= from_s && l.0 <= to_s).collect();
+    let pick = |value: fn(&(f64, f64, f64, [f64; 3])) -> f64| -> Curve {
+        thin(&inside.iter().map(|l| (l.0, value(l) / DEGREE)).collect::<Vec<_>>(), 900)
     };
-    let accelerometer_first = second == "gyro";
-    let force = pick(&|l| if accelerometer_first { l.1 } else { l.2 });
-    let other = pick(&|l| if accelerometer_first { l.2 } else { l.1 });
-    Chart::new(title, Axis::linear("time / s"), Axis::linear("tilt / °"))
-        .with("accelerometer", Ink::Red, Mark::Line, force)
-        .with(second, Ink::Blue, Mark::Line, other)
-        .with("plain filter", Ink::Green, Mark::Line, pick(&|l| l.3[0]))
-        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, pick(&|l| l.3[1]))
-        .with("and adaptive R", Ink::Orange, Mark::Dashed, pick(&|l| l.3[2]))
+    let y = Axis::linear(label).within(-reach_deg, reach_deg);
+    Chart::new(title, Axis::linear("time / s").within(from_s, to_s), y)
+        .with("accelerometer", Ink::Red, Mark::Line, pick(|l| l.1))
+        .with("gyro", Ink::Blue, Mark::Line, pick(|l| l.2))
+        .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]))
+        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, pick(|l| l.3[1]))
+        .with("and adaptive R", Ink::Orange, Mark::Dashed, pick(|l| l.3[2]))
         .draw()
 }
 
@@ -253,7 +259,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
          hardly moves; one that also watches the scatter of its innovations helps where the force keeps its length, as in \
          slow moves by hand. Its price is a longer distrust afterwards.",
     );
-    let example = filters("One push, simulated", &motion.example, "gyro");
+    let example = filters("One push, simulated", "tilt / °", &motion.example, (0.9, 3.4), 20.0);
     let mut histogram = Chart::new(
         "Time until back, plain filter",
         Axis::linear("after the end of the motion / s"),
@@ -273,7 +279,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     histogram.add("the paper's", Ink::Black, Mark::Dashed, vec![(papers, 0.0), (papers, top)]);
     page.figure_row(&[
         (&example, "One of 400 simulated sensors. The push is one swing of acceleration, so that it starts and ends at rest; its \
-                    size is drawn per member (typically 12 m/s²)."),
+                    size is drawn per member (typically 12 m/s²). The accelerometer's swing goes far beyond the frame."),
         (&histogram.draw(), "Recovery: the time after the motion at which its trace, against a twin with the same noise that \
                     was not pushed, is below what the filter itself holds possible (√P)."),
     ]);
@@ -281,12 +287,16 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
         Source::Recorded => "on the recording's own moves",
         Source::Simulated => "on the moves of a simulation, since no recording was found",
     };
-    let recorded = filters("A move by hand", &moved.example, "reference");
+    let errors: Vec<(f64, f64, f64, [f64; 3])> =
+        moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
+    let end = errors.last().map_or(8.0, |l| l.0);
+    let recorded = filters("A move by hand", "tilt less reference / °", &errors, (-1.0, end), 10.0);
     page.figure(
         &recorded,
         &format!(
             "The three filters {words} ({}), with the noise fitted to the still minute: the move with the plain filter's \
-             largest error. The reference is carried by the gyro from pose to pose and meets the accelerometer in both.",
+             largest error, as errors against a reference: the pitch that the gyro carries from pose to pose, made to meet the \
+             accelerometer in both (the blue line at zero).",
             pitch.origin
         ),
     );
