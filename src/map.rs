@@ -56,7 +56,7 @@ impl Bifurcation {
 ///
 /// # Errors
 /// When the device fails or Ctrl-C stops it.
-pub fn compute(document: Document, device: Device) -> Result<Atlas> {
+pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
     let rows: u64 = document.map.iter().map(|m| u64::from(m.y.points)).sum();
     let bar = progress::bar("mapping", rows + document.bifurcation.len() as u64);
     let mut grids = Vec::new();

@@ -72,7 +72,7 @@ impl Paper {
 ///
 /// # Errors
 /// A recording that cannot be used; Ctrl-C.
-pub fn compute(data: Option<&Path>, maps: bool, device: Device) -> Result<Paper> {
+pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>) -> Result<Paper> {
     let bar = progress::bar("twenty figures", 8);
     let step = || {
         bar.inc(1);

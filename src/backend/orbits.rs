@@ -1,7 +1,9 @@
-//! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector unit the host has.
+//! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector unit the
+//! host has, or on a GPU.
 
 use rayon::prelude::*;
 
+use super::gpu::{self, Gpu};
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lyapunov::exponents;
 use crate::kernel::cpu::poincare::{Block, LANES, Real, strobes};
@@ -9,19 +11,22 @@ use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::progress;
 
 /// Where orbits are integrated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Device {
+#[derive(Clone, Copy)]
+pub enum Device<'a> {
     /// CPU lanes in f32.
     Cpu,
+    /// A GPU, in f32.
+    Gpu(&'a Gpu),
 }
 
 /// Integrates every point on a device in f32.
 ///
 /// # Errors
 /// When stopped by Ctrl-C, or when the device fails.
-pub fn explore_on(device: Device, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+pub fn explore_on(device: Device<'_>, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
     match device {
         Device::Cpu => explore::<f32>(points, plan),
+        Device::Gpu(gpu) => gpu::orbits::explore(gpu, points, plan),
     }
 }
 

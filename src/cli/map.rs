@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use crate::backend::gpu::Gpu;
 use crate::backend::orbits::Device;
 use crate::document::{read_toml, write_whole};
 use crate::error::Result;
@@ -47,6 +48,34 @@ pub struct Arguments {
     /// Where to write report.html, one CSV per map and the figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
+    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    pub backend: Choice,
+}
+
+/// Where to integrate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Choice {
+    /// A hardware GPU if there is one, else the CPU
+    Auto,
+    /// A GPU, in software if there is no other
+    Gpu,
+    /// CPU lanes
+    Cpu,
+}
+
+impl Choice {
+    /// The device to use, opened; `None` is the CPU.
+    ///
+    /// # Errors
+    /// A GPU was asked for and there is none.
+    pub fn open(self) -> Result<Option<Gpu>> {
+        match self {
+            Choice::Auto => Ok(Gpu::open(true).ok()),
+            Choice::Gpu => Gpu::open(false).map(Some),
+            Choice::Cpu => Ok(None),
+        }
+    }
 }
 
 /// Maps, prints a summary and writes the report.
@@ -56,7 +85,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let document: crate::map::document::Document = read_toml(&arguments.map)?;
     document.check()?;
-    let atlas = compute(document, Device::Cpu)?;
+    let gpu = arguments.backend.open()?;
+    let atlas = compute(document, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
     if let Some(folder) = &arguments.out {
         write(folder, &atlas)?;
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
+use super::map::Choice;
 use crate::backend::orbits::Device;
 use crate::document::write_whole;
 use crate::error::{Error, Result};
@@ -19,6 +20,9 @@ pub struct Arguments {
     /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
+    /// Where to integrate the maps: auto takes a hardware GPU if there is one, else the CPU
+    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    pub backend: Choice,
 }
 
 /// Computes, prints which checks hold and writes the page.
@@ -35,7 +39,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let beside = PathBuf::from("../shared/data");
     let data = arguments.data.clone().or_else(|| beside.is_dir().then_some(beside));
-    let paper = compute(data.as_deref(), true, Device::Cpu)?;
+    let gpu = arguments.backend.open()?;
+    let paper = compute(data.as_deref(), true, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
     write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
     if json {
         println!("{:#}", json!({ "figures": paper.exhibits() }));

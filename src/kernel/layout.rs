@@ -39,6 +39,25 @@ pub struct Tile {
     pub flicker: [f32; 16],
 }
 
+/// Invocations of a workgroup of `lyapunov` and `poincare`.
+pub const ORBIT_WORKGROUP: u32 = 64;
+
+/// Mirror of `OrbitTile`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct OrbitTile {
+    pub seed: [u32; 2],
+    pub first: [u32; 2],
+    pub points: u32,
+    pub steps: u32,
+    pub begin: u32,
+    pub periods: u32,
+    pub counted: u32,
+    pub strobe: u32,
+    pub padding: [u32; 2],
+}
+
 /// Mirror of `Partial`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

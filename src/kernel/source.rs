@@ -31,6 +31,19 @@ pub fn simulate(int64: bool) -> Shader {
     with_random_numbers("simulate", &[LAYOUT, OSCILLATOR, ACCUMULATE, own].join("\n"), int64)
 }
 
+/// Text that both map kernels share.
+const ORBIT: &str = include_str!("../../shaders/shared/orbit.wgsl");
+
+/// The kernel of largest Lyapunov exponents.
+pub fn lyapunov(int64: bool) -> Shader {
+    with_random_numbers("lyapunov", &[ORBIT, include_str!("../../shaders/lyapunov.wgsl")].join("\n"), int64)
+}
+
+/// The kernel of orbits strobed once per period.
+pub fn poincare(int64: bool) -> Shader {
+    with_random_numbers("poincare", &[ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"), int64)
+}
+
 /// The reduction.
 pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
@@ -68,7 +81,9 @@ mod tests {
 
     #[test]
     fn shaders_parse_and_validate() {
-        [simulate(false), simulate(true), reduce(), compensation()].iter().for_each(|s| drop(parsed(s)));
+        let orbits = [lyapunov(false), lyapunov(true), poincare(false), poincare(true)];
+        let others = [simulate(false), simulate(true), reduce(), compensation()];
+        others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
     }
 
     #[test]
@@ -79,6 +94,21 @@ mod tests {
             assert_eq!(span, mirror.size, "{}", mirror.name);
             let members: Vec<(&str, u32)> = members.iter().map(|(n, o)| (n.as_str(), *o)).collect();
             assert_eq!(members, mirror.members, "{}", mirror.name);
+        }
+    }
+
+    #[test]
+    fn the_map_kernels_agree_with_their_mirror_and_bindings() {
+        for (shader, bindings) in [(lyapunov(false), 4), (poincare(false), 5)] {
+            let module = parsed(&shader);
+            let (span, members) = structure(&module, "OrbitTile");
+            assert_eq!(span as usize, size_of::<layout::OrbitTile>());
+            let offset = |name: &str| members.iter().find(|m| m.0 == name).map(|m| m.1 as usize);
+            assert_eq!(offset("points"), Some(std::mem::offset_of!(layout::OrbitTile, points)));
+            assert_eq!(offset("strobe"), Some(std::mem::offset_of!(layout::OrbitTile, strobe)));
+            let found = module.global_variables.iter().filter(|(_, v)| v.binding.is_some()).count();
+            assert_eq!(found, bindings, "{}", shader.name);
+            assert_eq!(module.entry_points[0].workgroup_size, [layout::ORBIT_WORKGROUP, 1, 1]);
         }
     }
 

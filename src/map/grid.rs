@@ -58,7 +58,7 @@ fn set(oscillator: &mut Oscillator, drive: &mut Drive, quantity: Quantity, value
 ///
 /// # Errors
 /// When the device fails or Ctrl-C stops it.
-pub fn compute(document: &Document, map: &Map, device: Device, bar: &ProgressBar) -> Result<Grid> {
+pub fn compute(document: &Document, map: &Map, device: Device<'_>, bar: &ProgressBar) -> Result<Grid> {
     let mut grid = Grid { map: map.clone(), exponent_per_s: vec![], period: vec![], steps: (u32::MAX, 0) };
     // Rows that need the same step are one job, so that a device is filled.
     let mut rows: Vec<(u32, Vec<Point>)> = Vec::new();

@@ -1,13 +1,14 @@
 //! Duffing orbits: lanes and oracle agree, exponents match analysis and print.
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::backend::orbits::explore;
+use proofmass::backend::gpu::Gpu;
+use proofmass::backend::orbits::{Device, explore, explore_on};
 use proofmass::dynamics::duffing::{Drive, Oscillator, PAPER, State};
 use proofmass::dynamics::estimate::Estimate;
 use proofmass::dynamics::lyapunov::{Span, spectrum};
 use proofmass::kernel::orbit::{Plan, Point};
 
-use super::world::{check, near, test};
+use super::world::{check, gpu_test, near, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -20,6 +21,7 @@ pub fn tests() -> Vec<Trial> {
         test("dynamics: f32 and f64 lanes agree in distribution, and a wrong stiffness does not", precision),
         test("dynamics: periods are found, and chaos has none", periods),
         test("dynamics: a lane's orbit does not depend on its neighbours", lanes_are_independent),
+        gpu_test("dynamics: GPU and CPU agree on regular orbits, and on chaos in distribution", devices_agree),
         test("dynamics: an orbit that leaves every bound is NaN, not poison", lost),
     ]
 }
@@ -120,6 +122,37 @@ fn lanes_are_independent() -> Result<(), Failed> {
     let tail = explore::<f32>(&points[64..], &Plan { first_member: 64, ..plan })?;
     check(together[64..] == tail[..], "splitting a job changed its orbits")?;
     check(together[0].strobes != together[1].strobes, "neighbours share their noise")
+}
+
+fn devices_agree() -> Result<(), Failed> {
+    let gpu = Gpu::open(false)?;
+    let plan = Plan { steps_per_period: 128, transient_periods: 40, periods: 150, strobes: 4, ..PLAN };
+    let both = |force: f64, cubic: f64, noise: f64| -> Result<[Vec<f64>; 2], Failed> {
+        let oscillator = Oscillator { cubic_n_m3: cubic, ..PAPER };
+        let drive = Drive { amplitude_n: force, omega_rad_s: 1.5 };
+        let points: Vec<Point> = (0..128)
+            .map(|l| Point { noise_m_s2_rts: noise, x_m: 0.05 * l as f64, ..point(&oscillator, &drive, l) })
+            .collect();
+        let exponents = |device| -> Result<Vec<f64>, Failed> {
+            Ok(explore_on(device, &points, &plan)?.iter().map(|o| o.exponent_per_s).collect())
+        };
+        Ok([exponents(Device::Cpu)?, exponents(Device::Gpu(&gpu))?])
+    };
+    // Linear, with noise: the tangent does not feel the orbit, so that both differ by rounding alone: 150 sums of
+    // logarithms, each off by a few ulp of the tangent, over 600 s.
+    let [cpu, device] = both(1.0, 0.0, 0.5)?;
+    for (a, b) in cpu.iter().zip(&device) {
+        near("linear exponent", *b, *a, 2e-5)?;
+    }
+    // Chaotic: 128 orbits, four joint standard errors; a weaker spring must fail.
+    let [cpu, device] = both(66.75, 0.3, 0.0)?;
+    let [_, wrong] = both(66.75, 0.2, 0.0)?;
+    let apart = |a: &[f64], b: &[f64]| {
+        let (a, b) = (Estimate::of_mean(a), Estimate::of_mean(b));
+        (a.value - b.value).abs() / a.standard_error.hypot(b.standard_error)
+    };
+    check(apart(&cpu, &device) < 4.0, format!("{} joint standard errors apart", apart(&cpu, &device)))?;
+    check(apart(&cpu, &wrong) > 4.0, "a wrong stiffness passed")
 }
 
 fn lost() -> Result<(), Failed> {

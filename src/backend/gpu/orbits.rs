@@ -1,0 +1,167 @@
+//! The map kernels on a device: orbits stay there from the transient through the exponent to the strobes.
+//!
+//! A submission is a few periods of the force, as many as fit the time that a driver is patient for.
+
+use std::time::Instant;
+
+use bytemuck::{bytes_of, cast_slice};
+
+use super::{Buffer, Dispatch, Gpu, Kernel};
+use crate::error::{Error, Result};
+use crate::kernel::layout::{ORBIT_WORKGROUP, OrbitTile};
+use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
+use crate::kernel::source;
+use crate::progress;
+
+/// Seconds a submission should take.
+const TARGET_S: f64 = 0.08;
+/// Numbers of state per point: x, v, tangent x and v, sum of logarithms, lost.
+const STATE: usize = 6;
+
+/// Integrates every point on the device, as `backend::orbits::explore::<f32>` does on the CPU. Orbits agree with those of
+/// the CPU while they are regular; chaotic ones agree in distribution, because the device may fuse multiply and add.
+///
+/// # Errors
+/// Not enough memory, a device that was lost, or Ctrl-C.
+pub fn explore(gpu: &Gpu, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+    // Strobes are the largest buffer: as many points at a time as it holds.
+    let room = gpu.adapter.largest_binding.min(1 << 30) / (8 * u64::from(plan.strobes.max(1)));
+    let most = (room as usize).clamp(ORBIT_WORKGROUP as usize, 1 << 20);
+    let mut orbits = Vec::with_capacity(points.len());
+    for (number, part) in points.chunks(most).enumerate() {
+        let first = plan.first_member + (number * most) as u64;
+        orbits.extend(Run::new(gpu, part, &Plan { first_member: first, ..*plan })?.finish()?);
+    }
+    Ok(orbits)
+}
+
+/// One set of points on the device.
+struct Run<'a> {
+    gpu: &'a Gpu,
+    points: &'a [Point],
+    plan: Plan,
+    lyapunov: Kernel,
+    poincare: Kernel,
+    tile: Buffer,
+    parameters: Buffer,
+    cosines: Buffer,
+    state: Buffer,
+    strobes: Buffer,
+    /// Period that comes next, and how many a submission takes.
+    next: u32,
+    stride: u32,
+}
+
+/// What a stretch of periods is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Phase {
+    Transient,
+    Align,
+    Count,
+    Strobe,
+}
+
+impl<'a> Run<'a> {
+    fn new(gpu: &'a Gpu, points: &'a [Point], plan: &Plan) -> Result<Self> {
+        let step_s = |p: &Point| 2.0 * std::f64::consts::PI / (p.omega_rad_s * f64::from(plan.steps_per_period));
+        let column = |f: &dyn Fn(&Point) -> f64| points.iter().map(|p| f(p) as f32).collect::<Vec<f32>>();
+        let parameters = [
+            column(&|p| p.damping_per_s),
+            column(&|p| p.stiffness_per_s2),
+            column(&|p| p.cubic_per_m2_s2),
+            column(&|p| p.amplitude_m_s2),
+            column(&step_s),
+            column(&|p| p.noise_m_s2_rts / step_s(p).sqrt()),
+        ];
+        let nothing = vec![0.0f32; points.len()];
+        let state = [
+            column(&|p| p.x_m),
+            column(&|p| p.v_m_s),
+            vec![1.0; points.len()],
+            nothing.clone(),
+            nothing.clone(),
+            nothing,
+        ];
+        let halves = 2 * plan.steps_per_period;
+        let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);
+        let cosines: Vec<f32> = (0..=halves).map(|j| angle(j).cos() as f32).collect();
+        let int64 = gpu.adapter.int64;
+        Ok(Self {
+            gpu,
+            points,
+            plan: *plan,
+            lyapunov: gpu.kernel(&source::lyapunov(int64), &[])?,
+            poincare: gpu.kernel(&source::poincare(int64), &[])?,
+            tile: gpu.uniform(&[0; size_of::<OrbitTile>()])?,
+            parameters: gpu.upload(cast_slice(&parameters.concat()))?,
+            cosines: gpu.upload(cast_slice(&cosines))?,
+            state: gpu.upload(cast_slice(&state.concat()))?,
+            strobes: gpu.zeros((points.len() * plan.strobes.max(1) as usize * 8) as u64)?,
+            next: 0,
+            stride: 1,
+        })
+    }
+
+    /// Runs all phases and reads back what they measured.
+    fn finish(mut self) -> Result<Vec<Orbit>> {
+        self.go(Phase::Transient, self.plan.transient_periods)?;
+        self.go(Phase::Align, ALIGN_PERIODS)?;
+        self.go(Phase::Count, self.plan.periods)?;
+        let n = self.points.len();
+        let bytes = self.gpu.read(&self.state, (4 * STATE * n) as u64)?;
+        let state: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+        self.go(Phase::Strobe, self.plan.strobes)?;
+        let bytes = self.gpu.read(&self.strobes, (8 * n * self.plan.strobes.max(1) as usize) as u64)?;
+        let strobes: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
+        let orbit = |(i, p): (usize, &Point)| {
+            let span_s = f64::from(self.plan.periods) * 2.0 * std::f64::consts::PI / p.omega_rad_s;
+            let lost = state[5 * n + i] != 0.0;
+            Orbit {
+                exponent_per_s: if lost { f64::NAN } else { f64::from(state[4 * n + i]) / span_s },
+                strobes: (0..self.plan.strobes as usize).map(|s| strobes[s * n + i]).collect(),
+            }
+        };
+        Ok(self.points.iter().enumerate().map(orbit).collect())
+    }
+
+    fn go(&mut self, phase: Phase, periods: u32) -> Result<()> {
+        let mut done = 0;
+        while done < periods {
+            if progress::interrupted() {
+                return Err(Error::interrupted(
+                    "could not finish the map",
+                    "run it again; a smaller map takes less time",
+                ));
+            }
+            let now = self.stride.min(periods - done);
+            let tile = OrbitTile {
+                seed: [self.plan.seed as u32, (self.plan.seed >> 32) as u32],
+                first: [self.plan.first_member as u32, (self.plan.first_member >> 32) as u32],
+                points: self.points.len() as u32,
+                steps: self.plan.steps_per_period,
+                begin: self.next,
+                periods: now,
+                counted: u32::from(phase == Phase::Count || phase == Phase::Strobe),
+                strobe: done,
+                padding: [0; 2],
+            };
+            self.gpu.write(&self.tile, bytes_of(&tile));
+            let begun = Instant::now();
+            let four = [&self.tile, &self.parameters, &self.cosines, &self.state];
+            let five = [&self.tile, &self.parameters, &self.cosines, &self.state, &self.strobes];
+            let workgroups = (self.points.len() as u32).div_ceil(ORBIT_WORKGROUP);
+            let dispatch = match phase {
+                Phase::Transient | Phase::Strobe => Dispatch { kernel: &self.poincare, buffers: &five, workgroups },
+                Phase::Align | Phase::Count => Dispatch { kernel: &self.lyapunov, buffers: &four, workgroups },
+            };
+            let submission = self.gpu.submit(&[dispatch])?;
+            self.gpu.wait(&submission)?;
+            let took_s = begun.elapsed().as_secs_f64().max(1e-6);
+            (done, self.next) = (done + now, self.next + now);
+            // Towards the target, at most fourfold at once: the first submission also compiles.
+            let wanted = f64::from(now) * TARGET_S / took_s;
+            self.stride = (wanted as u32).clamp(1, self.stride.saturating_mul(4));
+        }
+        Ok(())
+    }
+}
