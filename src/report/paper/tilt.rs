@@ -9,6 +9,7 @@ use crate::paper::Paper;
 use crate::paper::check::Source;
 use crate::paper::envelope::quantile;
 use crate::paper::fusion::{BACK_AFTER_S, Fusion, MOVED_UNTIL_S, STILL_UNTIL_S};
+use crate::paper::moved::Line;
 use crate::paper::pitch::{Curve, Pitch};
 use crate::units::DEGREE;
 
@@ -221,15 +222,9 @@ fn spread(values: &[f64], unit: f64, digits: usize) -> String {
 }
 
 /// Accelerometer, gyro and the three filters: time, the two, the three; s and rad.
-fn filters(
-    title: &str,
-    label: &str,
-    lines: &[(f64, f64, f64, [f64; 3])],
-    (from_s, to_s): (f64, f64),
-    reach_deg: f64,
-) -> Figure {
+fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64), reach_deg: f64) -> Figure {
     let inside: Vec<_> = lines.iter().filter(|l| l.0 >= from_s && l.0 <= to_s).collect();
-    let pick = |value: fn(&(f64, f64, f64, [f64; 3])) -> f64| -> Curve {
+    let pick = |value: fn(&Line) -> f64| -> Curve {
         thin(&inside.iter().map(|l| (l.0, value(l) / DEGREE)).collect::<Vec<_>>(), 900)
     };
     let y = Axis::linear(label).within(-reach_deg, reach_deg);
@@ -287,8 +282,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
         Source::Recorded => "on the recording's own moves",
         Source::Simulated => "on the moves of a simulation, since no recording was found",
     };
-    let errors: Vec<(f64, f64, f64, [f64; 3])> =
-        moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
+    let errors: Vec<Line> = moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
     let end = errors.last().map_or(8.0, |l| l.0);
     let recorded = filters("A move by hand", "tilt less reference / °", &errors, (-1.0, end), 10.0);
     page.figure(
