@@ -54,15 +54,3 @@ pub fn near(what: &str, got: f64, expected: f64, tolerance: f64) -> Result<(), F
 pub fn program() -> std::process::Command {
     std::process::Command::new(env!("CARGO_BIN_EXE_proofmass"))
 }
-
-/// A test that needs an adapter: ignored where there is none, a failure where `PROOFMASS_REQUIRE_GPU=1` demands one.
-pub fn gpu_test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
-    if !proofmass::backend::gpu::list().is_empty() {
-        Trial::test(name, body)
-    } else if std::env::var_os("PROOFMASS_REQUIRE_GPU").is_some() {
-        Trial::test(name, || Err("PROOFMASS_REQUIRE_GPU is set and no adapter was found".into()))
-    } else {
-        let reason = format!("{name} (needs an adapter: install mesa-vulkan-drivers and libvulkan1)");
-        Trial::test(reason, || Ok(())).with_ignored_flag(true)
-    }
-}
