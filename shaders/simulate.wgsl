@@ -19,7 +19,9 @@ override HAS_QUANTISATION: bool = false;
 @group(0) @binding(1) var<storage, read> columns: array<f32>;
 @group(0) @binding(2) var<storage, read> turns: array<u32>;
 @group(0) @binding(3) var<storage, read_write> state: array<f32>;
-@group(0) @binding(4) var<storage, read> forces: array<Force>;
+// Per substep: begin, middle, middle less begin, end less begin; the end is the next one's begin. Uniform memory, because
+// all members read the same place at the same time.
+@group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
 
 const STREAM_WHITE = 1u;
@@ -215,8 +217,9 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         let push = force_sigma * pushes.x;
         var felt = 0.0;
         for (var substep = 0u; substep < tile.substeps; substep++) {
-            var f = forces[local * tile.substeps + substep];
-            f = Force(gain * f.begin, gain * f.middle, gain * f.end, gain * f.to_middle, gain * f.to_end);
+            let place = local * tile.substeps + substep;
+            let now = gain * forces[place];
+            var f = Force(now.x, now.y, gain * forces[place + 1u].x, now.z, now.w);
             if HAS_SINE {
                 let half = (n * tile.substeps + substep) * 2u;
                 let begin = sine * sin_cos_turns(phase + half * phase_step).x;

@@ -14,14 +14,14 @@ pub struct Tile {
 }
 
 /// The tile that begins at sample `from`: at most `most` samples (rounded down to a multiple of four, the numbers that
-/// one draw gives), and never beyond a report time or the end of the run.
+/// one draw gives, unless fewer are allowed), and never beyond a report time or the end of the run.
 pub fn next(clock: &Clock, from: u64, most: u64) -> Option<Tile> {
     if from >= clock.samples {
         return None;
     }
     let due = clock.report_samples.iter().position(|&r| r > from);
     let stop = due.map_or(clock.samples, |i| clock.report_samples[i].min(clock.samples));
-    let longest = (from + most.max(4)) & !3;
+    let longest = if most >= 4 { (from + most) & !3 } else { from + most.max(1) };
     if longest < stop {
         return Some(Tile { samples: from..longest, report: None });
     }
@@ -42,11 +42,11 @@ mod tests {
     #[test]
     fn tiles_cover_the_run_once_and_end_at_every_report() {
         let clock = Clock { step_s: 1e-3, steps_per_sample: 1, samples: 1003, report_samples: vec![5, 6, 500, 1003] };
-        for most in [1, 4, 7, 64, 5000] {
+        for most in [1, 3, 4, 7, 64, 5000] {
             let (mut from, mut reports) = (0, vec![]);
             while let Some(tile) = next(&clock, from, most) {
                 assert_eq!(tile.samples.start, from);
-                assert!(tile.samples.end > from && tile.samples.end - from <= most.max(4));
+                assert!(tile.samples.end > from && tile.samples.end - from <= most);
                 reports.extend(tile.report.map(|_| tile.samples.end));
                 from = tile.samples.end;
             }

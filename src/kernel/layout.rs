@@ -3,13 +3,14 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::force::Force;
 use super::member::{COLUMNS, column};
 
 /// Invocations of a workgroup of `simulate`.
 pub const SIMULATE_WORKGROUP: u32 = 64;
 /// Bindings of `simulate`.
 pub const SIMULATE_BINDINGS: u32 = 6;
+/// Entries of the uniform array of forces, 16 bytes each: 64 KB, which every adapter offers.
+pub const FORCES: usize = 4096;
 /// Members that a workgroup of `reduce` sums up.
 pub const BLOCK: u32 = 256;
 /// Numbers of a member's state before its flicker terms.
@@ -93,11 +94,6 @@ pub struct Bins {
     pub per_unit: f32,
 }
 
-// SAFETY: five f32 in C order: no padding, every bit pattern is a value.
-unsafe impl Zeroable for Force<f32> {}
-// SAFETY: as above.
-unsafe impl Pod for Force<f32> {}
-
 /// What a struct of the shader must look like.
 pub struct Mirror {
     /// Its name there.
@@ -137,7 +133,6 @@ pub fn mirrors() -> Vec<Mirror> {
             seed, first_member, members, stride, first_sample, samples, substeps, flicker_terms, tilt_gain, sample_s,
             zero, flicker
         } "padding_0" at 52, "padding_1" at 56, "padding_2" at 60),
-        mirror!(Force<f32> as "Force" { begin, middle, end, to_middle, to_end }),
         mirror!(Bins as "Bins" { begin, per_unit }),
         mirror!(Partial as "Partial" { count, mean, correction, squares, least, greatest }),
         mirror!(Report as "Report" { members, stride, number, blocks, counts }

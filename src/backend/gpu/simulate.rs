@@ -25,8 +25,8 @@ use crate::statistics::{Histogram, Machine, Moments};
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
-/// Substeps tabulated at a time.
-const MOST_SUBSTEPS: u64 = 16_384;
+/// Substeps tabulated at a time; the entry after the last holds its end.
+const MOST_SUBSTEPS: u64 = layout::FORCES as u64 - 1;
 /// Members of a batch on hardware: enough to fill the largest cards several times over.
 const MOST_MEMBERS: u64 = 1 << 20;
 /// Members of a batch on a software adapter, so that its state stays in the cache.
@@ -59,6 +59,11 @@ impl Backend for Ensembles {
     }
 
     fn batch_members(&self, job: &Job) -> Result<u64> {
+        let substeps = u64::from(job.clock.steps_per_sample) * u64::from(job.integrator.substeps());
+        if substeps > MOST_SUBSTEPS {
+            let cause = format!("a sample has {substeps} substeps, and its table of forces {MOST_SUBSTEPS}");
+            return Err(Error::new("could not simulate on the GPU", cause, "use --backend cpu, or a longer step_s"));
+        }
         let terms = flicker_amplitudes(&job.clock).len();
         // Two sets of flicker terms at most; moments of every report stay on the device until the end.
         let widest = 4 * (COLUMNS.max(STATE + 2 * terms) as u64);
@@ -166,7 +171,7 @@ impl Plan {
     /// All tiles; `false` when the user asked to stop.
     fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
         let (job, mut from) = (batch.job, 0);
-        let ceiling = most.min(MOST_SUBSTEPS / u64::from(self.tile.substeps)).max(4);
+        let ceiling = most.min(MOST_SUBSTEPS / u64::from(self.tile.substeps));
         let mut samples = 16.min(ceiling);
         let (mut under_way, mut begun) = (None, Instant::now());
         while let Some(next) = tile::next(&job.clock, from, samples) {
@@ -174,7 +179,7 @@ impl Plan {
                 return Ok(false);
             }
             let count = next.samples.end - from;
-            let force = gpu.upload(cast_slice(&force::table::<f32>(job, from, count)))?;
+            let force = gpu.uniform(cast_slice(&forces(job, from, count)))?;
             let tile = layout::Tile { first_sample: from as u32, samples: count as u32, ..self.tile };
             let tile = gpu.uniform(bytes_of(&tile))?;
             let report = gpu.uniform(bytes_of(&layout::Report {
@@ -241,6 +246,15 @@ impl Plan {
         };
         Ok((0..reports).map(partial).collect())
     }
+}
+
+/// The force over some samples as the kernel reads it.
+fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
+    let table = force::table::<f32>(job, first, count);
+    let mut entries: Vec<[f32; 4]> = table.iter().map(|f| [f.begin, f.middle, f.to_middle, f.to_end]).collect();
+    entries.extend(table.last().map(|f| [f.end, 0.0, 0.0, 0.0]));
+    entries.resize(layout::FORCES, [0.0; 4]);
+    entries
 }
 
 /// The moments behind what a workgroup summed: its rounded mean put right.
