@@ -50,7 +50,7 @@ pub struct Arguments {
 
 impl Arguments {
     fn plan(&self) -> Plan {
-        let (cases, samples) = if self.quick { (60, 4000) } else { (DEFAULT_CASES, 20_000) };
+        let (cases, samples) = if self.quick { (60, 4000) } else { (DEFAULT_CASES, 10_000) };
         Plan { seed: self.seed, cases: self.cases.unwrap_or(cases), samples: self.samples.unwrap_or(samples) }
     }
 

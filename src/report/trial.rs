@@ -7,6 +7,7 @@ use crate::report::number::{duration, significant};
 use crate::report::table::Table;
 use crate::trial::case::{Case, Family};
 use crate::trial::interval::Share;
+use crate::trial::judge::Covered;
 use crate::trial::like::Power;
 use crate::trial::outcome::{FALLBACK_LIMIT, Limit, Outcome};
 use crate::trial::plan::Plan;
@@ -42,13 +43,14 @@ pub fn headline(outcome: &Outcome) -> Table {
 
 /// One row per way of concealment.
 pub fn families(outcome: &Outcome) -> Table {
-    let mut table = Table::new(&["how it is concealed", "cases", "right", "silent", "false name"]);
+    let mut table = Table::new(&["how it is concealed", "cases", "right", "silent", "seen, not named", "false name"]);
     for row in &outcome.families {
         table.row([
             row.name.clone(),
             row.cases.to_string(),
             percent(row.named_correctly),
             percent(row.silent),
+            percent(row.unnamed),
             percent(row.confidently_wrong),
         ]);
     }
@@ -98,6 +100,27 @@ pub fn effects(outcome: &Outcome) -> Table {
             limit_words(limit),
             format!("{right} of {total}"),
             others.join(", "),
+        ]);
+    }
+    table
+}
+
+/// Per parameter: how many of the 95 % intervals hold the planted value.
+pub fn intervals(outcome: &Outcome) -> Table {
+    let mut table = Table::new(&["effect", "parameter", "intervals", "hold the truth", "worst (estimate / truth)"]);
+    let mut names: Vec<(&str, &str)> = outcome.covered.iter().map(|c| (c.id.as_str(), c.name.as_str())).collect();
+    names.sort_unstable();
+    names.dedup();
+    for (id, name) in names {
+        let of: Vec<_> = outcome.covered.iter().filter(|c| c.id == id && c.name == name).collect();
+        let ratio = |c: &Covered| c.value / c.truth;
+        let worst = of.iter().max_by(|a, b| (ratio(a) - 1.0).abs().total_cmp(&(ratio(b) - 1.0).abs()));
+        table.row([
+            id.to_owned(),
+            name.to_owned(),
+            of.len().to_string(),
+            of.iter().filter(|c| c.covers).count().to_string(),
+            worst.map_or_else(String::new, |c| significant(ratio(c), 4)),
         ]);
     }
     table
@@ -217,6 +240,8 @@ pub fn page(
     ]);
     page.section("What was taken for what");
     page.table(&effects(outcome));
+    page.section("Do the intervals hold the truth?");
+    page.table(&intervals(outcome));
     page.section("Every case");
     page.paragraph("Reproduce one with: proofmass trial --seed S --cases N --case NUMBER --out DIR.");
     let mut table = Table::new(&["case", "family", "planted (× noise)", "said", "mark"]);

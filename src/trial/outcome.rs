@@ -26,6 +26,8 @@ pub struct Row {
     pub confidently_wrong: f64,
     /// Share that said nothing was missing.
     pub silent: f64,
+    /// Share that saw a mismatch and gave it no full explanation: unexplained, or undecided.
+    pub unnamed: f64,
 }
 
 /// What was planted and what was said.
@@ -103,6 +105,9 @@ pub struct Outcome {
     pub covered: Vec<Covered>,
 }
 
+/// Sizes below this, over the noise, are none: a stop that is never touched.
+const SMALLEST_SIZE: f64 = 1e-3;
+
 struct Judged<'a> {
     case: &'a Case,
     said: &'a Said,
@@ -146,9 +151,6 @@ impl Outcome {
         let named = Share::over(planted().filter(|j| above(j)).map(|j| j.mark.is_named()));
         let flagged = Share::over(foreign().map(|j| j.mark == Mark::Unexplained));
         let coverage = Share::over(covered.iter().map(|c| c.covers));
-        let wrong = |j: &Judged<'_>| {
-            if j.case.planted().is_empty() { judge::is_alarm(j.said) } else { j.mark.is_confidently_wrong() }
-        };
         Self {
             cases: judged.len(),
             named_correctly: named.value,
@@ -162,7 +164,7 @@ impl Outcome {
                 median(judged.iter().map(|j| j.said.seconds).collect()),
                 judged.iter().map(|j| j.said.seconds).fold(0.0, f64::max),
             ],
-            confidently_wrong: Share::over(judged.iter().map(wrong)).value,
+            confidently_wrong: Share::over(judged.iter().map(|j| j.mark.is_confidently_wrong())).value,
             errors: Share::over(judged.iter().map(|j| j.mark == Mark::Error)).value,
             unknown_named: Share::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
             truth_sha256: truth_sha256.into(),
@@ -204,6 +206,7 @@ fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
                 named_correctly: share(&right),
                 confidently_wrong: share(&|j| j.mark.is_confidently_wrong()),
                 silent: share(&|j| j.mark == Mark::Silent),
+                unnamed: share(&|j| matches!(j.mark, Mark::Unexplained | Mark::Undecided)),
             })
         })
         .collect()
@@ -230,7 +233,9 @@ fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
                 .iter()
                 .filter(single)
                 .filter(|j| j.case.planted()[0] == id)
-                .map(|j| (j.case.sizes_over_noise()[0].1.max(1e-6), judge::is_detected(j.said)))
+                .map(|j| (j.case.sizes_over_noise()[0].1, judge::is_detected(j.said)))
+                // What a recording does not show at all has no size to be noticed at.
+                .filter(|(size, _)| *size > SMALLEST_SIZE)
                 .collect();
             let curve = Curve::fit(&cases);
             let sizes = || cases.iter().map(|c| c.0);
@@ -243,5 +248,6 @@ fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
                 cases,
             }
         })
+        .filter(|limit| !limit.cases.is_empty())
         .collect()
 }
