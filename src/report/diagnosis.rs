@@ -68,7 +68,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     let verdict = &diagnosis.verdict;
     let file = std::path::Path::new(&verdict.recording.file);
     let name = file.file_name().map_or(verdict.recording.file.clone(), |n| n.to_string_lossy().into_owned());
-    let mut page = Page::new(&format!("{}: {name}", headline(verdict.verdict)), &verdict.sentence);
+    let mut page = Page::new(&format!("{}: {name}", headline(verdict)), &verdict.sentence);
     let mut first = Table::new(&["", ""]);
     answers(verdict, costs).into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
     page.table(&first);
@@ -129,8 +129,9 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.finish()
 }
 
-fn headline(outcome: Outcome) -> &'static str {
-    match outcome {
+fn headline(verdict: &Verdict) -> &'static str {
+    match verdict.verdict {
+        Outcome::Unexplained if !verdict.effects.is_empty() => "More is left out than can be named",
         Outcome::Adequate => "Nothing is missing",
         Outcome::Explained => "Physics was left out, and named",
         Outcome::Unexplained => "Something unknown is left out",
@@ -177,7 +178,9 @@ fn answers(verdict: &Verdict, costs: &[Cost]) -> Vec<(&'static str, String)> {
             "what it costs",
             format!("leaving it out: {} ({}); {}: {}", metres(cost), cost.under, after.of, metres(after)),
         )),
-        (None, [only, ..]) => out.push(("what it costs", format!("nothing; drift {}: {}", only.of, metres(only)))),
+        (None, [only, ..]) => {
+            out.push(("what it costs", format!("drift {} ({}): {}", only.of, only.under, metres(only))))
+        }
         _ => {}
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
