@@ -120,7 +120,7 @@ pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: 
             .collect();
         let sums = problem.sums(&points);
         let Some((best, sum)) = sums.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        if !(sum < normal.sum) {
+        if sum.is_nan() || sum >= normal.sum {
             if centre >= 1e6 {
                 converged = true;
                 break;

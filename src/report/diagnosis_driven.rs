@@ -109,13 +109,12 @@ fn spectra(detail: &Detail) -> Exhibit {
         let step = d.frequency_hz.len().div_ceil(POINTS).max(1);
         d.frequency_hz.iter().zip(&d.density).step_by(step).map(|(f, d)| (*f, d.sqrt())).collect()
     };
-    let reading: Vec<f64> = detail.state.clone();
     let mut chart = Chart::new(
         "Error over frequency",
         Axis::log("frequency / Hz"),
         Axis::log(&format!("one-sided density / {}/√Hz", detail.unit)),
     )
-    .with("displacement", Ink::Blue, Mark::Line, lines(&reading))
+    .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state))
     .with("error of the base model", Ink::Soft, Mark::Line, lines(&detail.before));
     if detail.named {
         chart.add("error of the repaired model", Ink::Red, Mark::Line, lines(&detail.after));
@@ -131,20 +130,18 @@ fn spectra(detail: &Detail) -> Exhibit {
 }
 
 fn states(detail: &Detail) -> Exhibit {
-    // Missing acceleration: second difference of the error is what a force left out would have to be; shown is the error
-    // itself against displacement and velocity, averaged in cells.
     let mut order: Vec<usize> = (0..detail.state.len().min(detail.before.len())).collect();
     order.sort_by(|a, b| detail.state[*a].total_cmp(&detail.state[*b]));
     let cells = 40.min(order.len().max(1));
-    let profile = |errors: &[f64], square: bool| -> Vec<(f64, f64)> {
+    let profile = |errors: &[f64]| -> Vec<(f64, f64)> {
         (0..cells)
             .map(|i| &order[order.len() * i / cells..order.len() * (i + 1) / cells])
             .filter(|part| !part.is_empty())
             .map(|part| {
                 let n = part.len() as f64;
                 let x = part.iter().map(|k| detail.state[*k]).sum::<f64>() / n;
-                let e = part.iter().map(|k| if square { errors[*k].powi(2) } else { errors[*k] }).sum::<f64>() / n;
-                (x, if square { e.sqrt() } else { e })
+                let power = part.iter().map(|k| errors[*k].powi(2)).sum::<f64>() / n;
+                (x, power.sqrt())
             })
             .collect()
     };
@@ -153,9 +150,9 @@ fn states(detail: &Detail) -> Exhibit {
         Axis::linear(&format!("displacement / {}", detail.unit)),
         Axis::log(&format!("root mean square / {}", detail.unit)),
     )
-    .with("base model", Ink::Soft, Mark::Line, profile(&detail.before, true));
+    .with("base model", Ink::Soft, Mark::Line, profile(&detail.before));
     if detail.named {
-        chart.add("repaired model", Ink::Red, Mark::Line, profile(&detail.after, true));
+        chart.add("repaired model", Ink::Red, Mark::Line, profile(&detail.after));
     }
     Exhibit {
         part: Part::Isolation,
@@ -188,7 +185,8 @@ fn candidates(detail: &Detail) -> Exhibit {
             let ink = if *named { Ink::Red } else { Ink::Soft };
             chart.add("", ink, Mark::Line, vec![(clip(interval[0]), place(i)), (clip(interval[1]), place(i))]);
         }
-        chart.note((clip(gain.max(interval[1].min(1.0))) + 0.03, place(i)), id);
+        let end = if interval[1].is_finite() { gain.max(interval[1]) } else { *gain };
+        chart.note((clip(end) + 0.03, place(i)), id);
     }
     chart.size = (860, 90 + 26 * shown.len() as u32);
     Exhibit {

@@ -4,6 +4,9 @@
 //! step length limits only the terms and the input. Without noise terms nothing is corrected and the innovations are the
 //! errors of free simulation; with them they are one-step prediction errors, whose likelihood is Gaussian and white.
 
+// Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
+#![allow(clippy::needless_range_loop)]
+
 use std::ops::Range;
 
 use super::gain::transition;

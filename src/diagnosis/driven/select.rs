@@ -248,10 +248,11 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales) 
     by_score(&mut trials);
     trials.par_iter_mut().enumerate().for_each(|(rank, trial)| {
         let Some(judged) = &mut trial.judged else { return };
-        if rank < POLISHED && !judged.fit.converged {
-            if let Some(found) = fit(data, &judged.fit.shape, &judged.fit.point, scales, ITERATIONS) {
-                *judged = judge(data, found, scales);
-            }
+        if rank < POLISHED
+            && !judged.fit.converged
+            && let Some(found) = fit(data, &judged.fit.shape, &judged.fit.point, scales, ITERATIONS)
+        {
+            *judged = judge(data, found, scales);
         }
         trial.comparison = compare(&model.held_out, &judged.held_out);
     });
