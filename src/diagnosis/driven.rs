@@ -141,7 +141,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
         selection = select::search(&narrow, base, &scales, &candidates);
     }
-    data.input = narrow.input;
+    data.input = narrow.input.clone();
     if progress::interrupted() {
         return Err(Error::interrupted(format!("could not diagnose {}", recording.path.display()), "start it again"));
     }
@@ -149,6 +149,11 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         data.train = std::mem::take(&mut data.train).into_iter().chain(data.validation.iter().cloned()).collect();
         data.train.sort_by_key(|r| r.start);
     }
-    let conclusion = conclude::conclude(&data, &selection, &scales);
+    let conclusion = if narrow.hull == data.hull {
+        conclude::conclude(&data, &selection, &scales)
+    } else {
+        narrow.test = data.test.clone();
+        conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
+    };
     Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, findings))
 }

@@ -132,6 +132,18 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
 }
 
+/// The same conclusion with base and final model fitted to more samples than it was drawn on.
+pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
+    let refit = |j: &Judged| -> Option<Judged> {
+        let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
+        Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
+    };
+    let (Some(base), Some(model)) = (refit(&c.base), refit(&c.model)) else { return c };
+    let (before, after) = (left(data, &base.fit), left(data, &model.fit));
+    let spread = interval::spread(&model.fit);
+    Conclusion { base, model, before, after, spread, ..c }
+}
+
 /// A term that the test samples speak against.
 fn worse(named: &Named, model: &Judged) -> bool {
     let term = model.fit.shape.terms[named.index];
