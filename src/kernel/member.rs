@@ -36,7 +36,7 @@ pub mod column {
 /// A member, ready for a kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Column {
-    /// Its numbers, in the order of [`column`].
+    /// Its numbers, in the order of the module [`column`](mod@column).
     pub values: [f64; COLUMNS],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],

@@ -110,7 +110,8 @@ fn two_at_once() -> Result<(), Failed> {
 }
 
 fn foreign() -> Result<(), Failed> {
-    let inventions: [(&str, fn(&mut Imu)); 3] = [
+    type Invention = (&'static str, fn(&mut Imu));
+    let inventions: [Invention; 3] = [
         ("a bias that keeps the sign of the last flip", |i| i.hysteresis_m_s2 = 0.03),
         ("a rate that follows the heading", |i| i.heading_rad_s = 0.01),
         ("a stop that yields on one side", |i| i.soft_stop_m_s2 = 0.4),

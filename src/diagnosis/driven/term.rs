@@ -1,7 +1,7 @@
 //! What a candidate is to the simulator: a term in the equation of motion, at the readout, or in the noise.
 //!
 //! A term works on [`LANES`] parameter sets at once, so that a Jacobian or a line search is one pass over the recording.
-//! One file per family; the list of all terms is [`Term::ALL`]. Not for fitting (`fit`) and not for choosing (`select`).
+//! One file per family; the list of all terms is [`Term::tried`]. Not for fitting (`fit`) and not for choosing (`select`).
 
 use crate::diagnosis::candidate::Candidate;
 
