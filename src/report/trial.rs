@@ -113,7 +113,8 @@ pub fn intervals(outcome: &Outcome) -> Table {
     names.dedup();
     for (id, name) in names {
         let of: Vec<_> = outcome.covered.iter().filter(|c| c.id == id && c.name == name).collect();
-        let ratio = |c: &Covered| c.value / c.truth;
+        // A planted zero has no ratio; its interval still counts.
+        let ratio = |c: &Covered| if c.truth == 0.0 { 1.0 } else { c.value / c.truth };
         let worst = of.iter().max_by(|a, b| (ratio(a) - 1.0).abs().total_cmp(&(ratio(b) - 1.0).abs()));
         table.row([
             id.to_owned(),
