@@ -7,7 +7,7 @@ use super::fit::{Data, Fit, fit};
 use super::held_out::{Comparison, compare, held_out};
 use super::interval::{self, Spread};
 use super::quantisation::{Lattice, lattice};
-use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, left, power_left, without};
+use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, alike, left, power_left, without};
 use super::term::{Scales, Term};
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
@@ -98,12 +98,19 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
             .push((model.fit.shape.terms[n.index], "smaller than what is still unexplained; carried along, not named"));
     }
     named.retain(|n| n.growth >= need.max(SMALLEST_GAIN));
+    // Two terms that can be mistaken for each other, neither above the noise, are one thing that the library does not hold.
+    let faint: Vec<usize> = named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
+    let term = |i: usize| model.fit.shape.terms[i];
+    let twins: Vec<usize> =
+        faint.iter().copied().filter(|i| faint.iter().any(|j| i != j && alike(&term(*i), &term(*j)))).collect();
+    dropped.extend(twins.iter().map(|i| (term(*i), "only together with another that it can be mistaken for")));
+    named.retain(|n| !twins.contains(&n.index));
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
     let power = power_left(data, &model.fit);
     let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
-    let white = tidy && (after.share < WHITE || after.p_value > LEVEL);
+    let white = tidy && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
     let gone = 1.0 - model.held_out.free() / base.held_out.free().max(1e-300);
     let something = !named.is_empty() || lattice.is_some();
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
@@ -112,7 +119,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         Outcome::Explained
     } else if white {
         Outcome::Adequate
-    } else if named.is_empty() && after.share < FAINT {
+    } else if named.is_empty() && twins.is_empty() && after.share < FAINT {
         Outcome::Undecidable
     } else {
         Outcome::Unexplained

@@ -372,7 +372,7 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
 }
 
 /// Whether the library says that one can be mistaken for the other.
-fn alike(a: &Term, b: &Term) -> bool {
+pub fn alike(a: &Term, b: &Term) -> bool {
     a.words().confusable_with.contains(&b.id()) || b.words().confusable_with.contains(&a.id())
 }
 
