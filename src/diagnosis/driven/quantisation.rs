@@ -72,8 +72,10 @@ mod tests {
         let coarse = rounded(0.05);
         let errors: Vec<f64> = coarse.iter().zip(&truth).map(|(a, b)| a - b).collect();
         let found = lattice(&coarse, &errors).map_or(0.0, |l| l.gain);
-        // Uniform against Gaussian of the same variance: ½ ln(2πe/12) = 0.176 per sample.
-        assert!((found - 0.176).abs() < 0.02, "{found}");
+        // Uniform against Gaussian of the same variance: ½ ln(2πe/12) = 0.176 per sample. The least noise tried, 3 % of the
+        // error, softens both edges: 2·0.03·∫−ln Φ/√12 = 0.010 less. Of 5000 errors, ½ ln of the variance has a
+        // standard deviation of ½√(0.8/5000) = 0.0063; twice that is allowed.
+        assert!((found - 0.166).abs() < 0.0126, "{found}");
         let noisy: Vec<f64> = errors.iter().enumerate().map(|(k, _)| 0.1 * ((k * k) as f64).sin()).collect();
         assert!(lattice(&rounded(0.001), &noisy).is_none());
     }
