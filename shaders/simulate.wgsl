@@ -2,6 +2,7 @@
 // `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why.
 
 override INTEGRATOR: u32 = 0u;
+override SUBSTEPS: u32 = 1u;
 override HAS_FORCE: bool = false;
 override HAS_WHITE: bool = false;
 override HAS_FLICKER: bool = false;
@@ -19,8 +20,8 @@ override HAS_QUANTISATION: bool = false;
 @group(0) @binding(1) var<storage, read> columns: array<f32>;
 @group(0) @binding(2) var<storage, read> turns: array<u32>;
 @group(0) @binding(3) var<storage, read_write> state: array<f32>;
-// Per substep: begin, middle, middle less begin, end less begin; the end is the next one's begin. Uniform memory, because
-// all members read the same place at the same time.
+// Per substep: end, middle, middle less begin, end less begin; the first entry holds where the first begins. Uniform
+// memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
 
@@ -37,6 +38,11 @@ const RENEWED = 0.9298735;
 
 fn column(i: u32, which: u32) -> f32 {
     return columns[which * tile.stride + i];
+}
+
+// One of the four numbers of a draw, as a value: numbers in memory would be slow.
+fn pick(numbers: vec4<f32>, number: u32) -> f32 {
+    return numbers[number];
 }
 
 fn amplitude(term: u32) -> f32 {
@@ -78,26 +84,23 @@ fn start_terms(i: u32, base: u32, member: vec2<u32>, stream: u32) {
     }
 }
 
-// Terms 0 and 1 and the sum of the slower ones, after the sample's renewals.
-fn renew_terms(i: u32, base: u32, n: u32, fast: f32, slow_numbers: vec2<f32>, terms: vec3<f32>) -> vec3<f32> {
-    var t = terms;
-    if n == 0u {
-        t.x = fast;
-        return t;
-    }
-    t.x = fma(RETAINED, t.x, RENEWED * fast);
+// Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group of four begins.
+fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
     let zeros = countTrailingZeros(n);
-    if (zeros & 1u) == 1u {
-        let j = (zeros + 1u) >> 1u;
-        if j == 1u {
-            t.y = fma(RETAINED, t.y, RENEWED * slow_numbers.x);
-        } else if j < tile.flicker_terms {
-            let place = (base + j) * tile.stride + i;
-            state[place] = fma(RETAINED, state[place], RENEWED * slow_numbers.y);
-            t.z = sum_slowest(i, base);
-        }
+    let j = (zeros + 1u) >> 1u;
+    if n < tile.first_sample || n == 0u || (zeros & 1u) == 0u || j >= tile.flicker_terms {
+        return sum;
     }
-    return t;
+    let place = (base + j) * tile.stride + i;
+    state[place] = fma(RETAINED, state[place], RENEWED * number);
+    return sum_slowest(i, base);
+}
+
+// Terms 0 and 1 after the renewals of sample n, the third or another of its group of four.
+fn renew_fastest(n: u32, fast: f32, slow: f32, terms: vec3<f32>) -> vec3<f32> {
+    let first = select(fma(RETAINED, terms.x, RENEWED * fast), fast, n == 0u);
+    let second = select(terms.y, fma(RETAINED, terms.y, RENEWED * slow), (n & 3u) == 2u);
+    return vec3<f32>(first, second, terms.z);
 }
 
 @compute @workgroup_size(64)
@@ -121,6 +124,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let phase = turns[i];
     let phase_step = turns[stride + i];
     let bias = column(i, BIAS);
+    let scale = column(i, SCALE);
+    let k2 = column(i, K2);
+    let range = column(i, RANGE);
+    let lsb = column(i, QUANTISATION);
     let force_sigma = column(i, FORCE);
     let white_sigma = column(i, WHITE);
     let walk_sigma = column(i, WALK);
@@ -173,122 +180,116 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var gyro_slows = vec2<f32>();
     var error = 0.0;
 
-    for (var local = 0u; local < tile.samples; local++) {
-        let n = tile.first_sample + local;
-        let number = n & 3u;
-        if number == 0u || local == 0u {
-            let counter = n >> 2u;
-            if HAS_FORCE {
-                pushes = gaussians(counter, member, STREAM_FORCE, seed);
-            }
-            if HAS_WHITE {
-                whites = gaussians(counter, member, STREAM_WHITE, seed);
-            }
-            if HAS_WALK {
-                walks = gaussians(counter, member, STREAM_WALK, seed);
-            }
-            if HAS_FLICKER {
-                fasts = gaussians(counter, member, STREAM_FLICKER, seed);
-                slows = gaussians(counter, member, STREAM_FLICKER | (1u << 8u), seed).xy;
-            }
-            if HAS_GYRO_WHITE {
-                gyro_whites = gaussians(counter, member, STREAM_GYRO_WHITE, seed);
-            }
-            if HAS_GYRO_WALK {
-                gyro_walks = gaussians(counter, member, STREAM_GYRO_WALK, seed);
-            }
-            if HAS_GYRO_FLICKER {
-                gyro_fasts = gaussians(counter, member, STREAM_GYRO_FLICKER, seed);
-                gyro_slows = gaussians(counter, member, STREAM_GYRO_FLICKER | (1u << 8u), seed).xy;
-            }
-            // The numbers of the sample are taken from the front; a tile may begin inside a group of four.
-            for (var skip = 0u; skip < number; skip++) {
-                pushes = pushes.yzwx;
-                whites = whites.yzwx;
-                walks = walks.yzwx;
-                fasts = fasts.yzwx;
-                gyro_whites = gyro_whites.yzwx;
-                gyro_walks = gyro_walks.yzwx;
-                gyro_fasts = gyro_fasts.yzwx;
-            }
-        }
-
-        // Mechanics.
-        let push = force_sigma * pushes.x;
-        var felt = 0.0;
-        for (var substep = 0u; substep < tile.substeps; substep++) {
-            let place = local * tile.substeps + substep;
-            let now = gain * forces[place];
-            var f = Force(now.x, now.y, gain * forces[place + 1u].x, now.z, now.w);
-            if HAS_SINE {
-                let half = (n * tile.substeps + substep) * 2u;
-                let begin = sine * sin_cos_turns(phase + half * phase_step).x;
-                let middle = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
-                let end = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
-                f = Force(
-                    f.begin + begin,
-                    f.middle + middle,
-                    f.end + end,
-                    f.to_middle + (middle - begin),
-                    f.to_end + (end - begin),
-                );
-            }
-            s = advance(k, s, f, push);
-            felt = f.end;
-        }
-
-        // The accelerometer's reading.
-        error = s.x + bias;
-        if HAS_READING {
-            let a = felt + s.x;
-            error = fma(fma(column(i, K2), a, column(i, SCALE)), a, error);
+    // Four samples at a time, which one draw serves. The four are a loop of known length, so that a compiler unrolls it,
+    // and samples outside the tile are masked: software adapters run both sides of a branch and gain nothing by skipping.
+    let stop = tile.first_sample + tile.samples;
+    var shared_force = gain * forces[0].x;
+    for (var counter = tile.first_sample / 4u; 4u * counter < stop; counter++) {
+        if HAS_FORCE {
+            pushes = gaussians(counter, member, STREAM_FORCE, seed);
         }
         if HAS_WHITE {
-            error = fma(white_sigma, whites.x, error);
-        }
-        if HAS_FLICKER {
-            terms = renew_terms(i, base, n, fasts.x, slows, terms);
-            let sum = fma(amplitude(0u), terms.x, fma(amplitude(1u), terms.y, terms.z));
-            error = fma(flicker_scale, sum, error);
+            whites = gaussians(counter, member, STREAM_WHITE, seed);
         }
         if HAS_WALK {
-            walk = fma(walk_sigma, walks.x, walk);
-            error += walk;
+            walks = gaussians(counter, member, STREAM_WALK, seed);
         }
-        if HAS_RANGE {
-            let range = column(i, RANGE);
-            error = max(min(error, range - felt), -range - felt);
+        if HAS_FLICKER {
+            fasts = gaussians(counter, member, STREAM_FLICKER, seed);
+            slows = gaussians(counter, member, STREAM_FLICKER | (1u << 8u), seed).xy;
+            terms.z = renew_slowest(i, base, 4u * counter, slows.y, terms.z);
         }
-        if HAS_QUANTISATION {
-            let lsb = column(i, QUANTISATION);
-            let reading = (felt + error) / max(lsb, 1e-30);
-            error = fma(lsb, round(reading) - reading, error);
+        if HAS_GYRO_WHITE {
+            gyro_whites = gaussians(counter, member, STREAM_GYRO_WHITE, seed);
         }
-
-        // The gyro, the tilt and what gravity makes of it.
-        if HAS_GYRO {
-            var turn = gyro_bias;
-            if HAS_GYRO_WHITE {
-                turn = fma(gyro_sigma, gyro_whites.x, turn);
-            }
-            if HAS_GYRO_FLICKER {
-                gyro_terms = renew_terms(i, gyro_base, n, gyro_fasts.x, gyro_slows, gyro_terms);
-                let sum = fma(amplitude(0u), gyro_terms.x, fma(amplitude(1u), gyro_terms.y, gyro_terms.z));
-                turn = fma(gyro_flicker_scale, sum, turn);
-            }
-            if HAS_GYRO_WALK {
-                gyro_walk = fma(gyro_walk_sigma, gyro_walks.x, gyro_walk);
-                turn += gyro_walk;
-            }
-            error = fma(tile.tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
-            rate += turn;
+        if HAS_GYRO_WALK {
+            gyro_walks = gaussians(counter, member, STREAM_GYRO_WALK, seed);
+        }
+        if HAS_GYRO_FLICKER {
+            gyro_fasts = gaussians(counter, member, STREAM_GYRO_FLICKER, seed);
+            gyro_slows = gaussians(counter, member, STREAM_GYRO_FLICKER | (1u << 8u), seed).xy;
+            gyro_terms.z = renew_slowest(i, gyro_base, 4u * counter, gyro_slows.y, gyro_terms.z);
         }
 
-        // Two integrations.
-        position += fma(0.5, error, velocity);
-        velocity += error;
+        for (var number = 0u; number < 4u; number++) {
+            let n = 4u * counter + number;
+            if n >= tile.first_sample && n < stop {
+                // Mechanics.
+                let push = force_sigma * pick(pushes, number);
+                var felt = 0.0;
+                for (var substep = 0u; substep < SUBSTEPS; substep++) {
+                    let now = gain * forces[(n - tile.first_sample) * SUBSTEPS + substep + 1u];
+                    var f = Force(shared_force, now.y, now.x, now.z, now.w);
+                    shared_force = now.x;
+                    if HAS_SINE {
+                        let half = (n * SUBSTEPS + substep) * 2u;
+                        let begin = sine * sin_cos_turns(phase + half * phase_step).x;
+                        let middle = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
+                        let end = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
+                        f = Force(
+                            f.begin + begin,
+                            f.middle + middle,
+                            f.end + end,
+                            f.to_middle + (middle - begin),
+                            f.to_end + (end - begin),
+                        );
+                    }
+                    s = advance(k, s, f, push);
+                    felt = f.end;
+                }
 
-        if (n & 63u) == 63u {
+                // The accelerometer's reading.
+                error = s.x + bias;
+                if HAS_READING {
+                    let a = felt + s.x;
+                    error = fma(fma(k2, a, scale), a, error);
+                }
+                if HAS_WHITE {
+                    error = fma(white_sigma, pick(whites, number), error);
+                }
+                if HAS_FLICKER {
+                    terms = renew_fastest(n, pick(fasts, number), slows.x, terms);
+                    let sum = fma(amplitude(0u), terms.x, fma(amplitude(1u), terms.y, terms.z));
+                    error = fma(flicker_scale, sum, error);
+                }
+                if HAS_WALK {
+                    walk = fma(walk_sigma, pick(walks, number), walk);
+                    error += walk;
+                }
+                if HAS_RANGE {
+                    error = max(min(error, range - felt), -range - felt);
+                }
+                if HAS_QUANTISATION {
+                    let reading = (felt + error) / max(lsb, 1e-30);
+                    error = fma(lsb, round(reading) - reading, error);
+                }
+
+                // The gyro, the tilt and what gravity makes of it.
+                if HAS_GYRO {
+                    var turn = gyro_bias;
+                    if HAS_GYRO_WHITE {
+                        turn = fma(gyro_sigma, pick(gyro_whites, number), turn);
+                    }
+                    if HAS_GYRO_FLICKER {
+                        gyro_terms = renew_fastest(n, pick(gyro_fasts, number), gyro_slows.x, gyro_terms);
+                        let sum = fma(amplitude(0u), gyro_terms.x, fma(amplitude(1u), gyro_terms.y, gyro_terms.z));
+                        turn = fma(gyro_flicker_scale, sum, turn);
+                    }
+                    if HAS_GYRO_WALK {
+                        gyro_walk = fma(gyro_walk_sigma, pick(gyro_walks, number), gyro_walk);
+                        turn += gyro_walk;
+                    }
+                    error = fma(tile.tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
+                    rate += turn;
+                }
+
+                // Two integrations.
+                position += fma(0.5, error, velocity);
+                velocity += error;
+            }
+        }
+
+        if (counter & 15u) == 15u && 4u * counter + 3u < stop {
             position_total = add_compensated(position_total, 64.0 * velocity_total.x, zero);
             position_total = add_compensated(position_total, position, zero);
             position_total.y += 64.0 * velocity_total.y;
@@ -301,14 +302,6 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                 failed = 1.0;
             }
         }
-
-        pushes = pushes.yzwx;
-        whites = whites.yzwx;
-        walks = walks.yzwx;
-        fasts = fasts.yzwx;
-        gyro_whites = gyro_whites.yzwx;
-        gyro_walks = gyro_walks.yzwx;
-        gyro_fasts = gyro_fasts.yzwx;
     }
 
     state[STATE_E * stride + i] = s.x;

@@ -11,8 +11,6 @@ struct Tile {
     // First sample and how many.
     first_sample: u32,
     samples: u32,
-    // Substeps per sample.
-    substeps: u32,
     flicker_terms: u32,
     // Gravity times sample period.
     tilt_gain: f32,
@@ -20,9 +18,6 @@ struct Tile {
     sample_s: f32,
     // Zero, which no compiler knows: it keeps compensated sums from being optimised away.
     zero: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
     // Amplitudes of the flicker terms, four by four.
     flicker: array<vec4<f32>, 4>,
 }

@@ -31,12 +31,10 @@ pub struct Tile {
     pub stride: u32,
     pub first_sample: u32,
     pub samples: u32,
-    pub substeps: u32,
     pub flicker_terms: u32,
     pub tilt_gain: f32,
     pub sample_s: f32,
     pub zero: u32,
-    pub padding: [u32; 3],
     pub flicker: [f32; 16],
 }
 
@@ -130,9 +128,8 @@ macro_rules! mirror {
 pub fn mirrors() -> Vec<Mirror> {
     vec![
         mirror!(Tile as "Tile" {
-            seed, first_member, members, stride, first_sample, samples, substeps, flicker_terms, tilt_gain, sample_s,
-            zero, flicker
-        } "padding_0" at 52, "padding_1" at 56, "padding_2" at 60),
+            seed, first_member, members, stride, first_sample, samples, flicker_terms, tilt_gain, sample_s, zero, flicker
+        }),
         mirror!(Bins as "Bins" { begin, per_unit }),
         mirror!(Partial as "Partial" { count, mean, correction, squares, least, greatest }),
         mirror!(Report as "Report" { members, stride, number, blocks, counts }

@@ -23,9 +23,11 @@ use crate::progress;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Histogram, Machine, Moments};
 
+/// Members of the whole job that are asked which parts of the kernel it needs.
+const ASKED: u64 = 256;
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
-/// Substeps tabulated at a time; the entry after the last holds its end.
+/// Substeps tabulated at a time; the entry before the first holds where it begins.
 const MOST_SUBSTEPS: u64 = layout::FORCES as u64 - 1;
 /// Members of a batch on hardware: enough to fill the largest cards several times over.
 const MOST_MEMBERS: u64 = 1 << 20;
@@ -59,7 +61,7 @@ impl Backend for Ensembles {
     }
 
     fn batch_members(&self, job: &Job) -> Result<u64> {
-        let substeps = u64::from(job.clock.steps_per_sample) * u64::from(job.integrator.substeps());
+        let substeps = substeps(job);
         if substeps > MOST_SUBSTEPS {
             let cause = format!("a sample has {substeps} substeps, and its table of forces {MOST_SUBSTEPS}");
             return Err(Error::new("could not simulate on the GPU", cause, "use --backend cpu, or a longer step_s"));
@@ -125,7 +127,7 @@ impl Plan {
         }
         let turns: Vec<u32> =
             (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
-        let constants = constants(job, &drawn);
+        let constants = constants(job, &drawn)?;
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
         let mut flicker = [0.0; 16];
@@ -137,12 +139,10 @@ impl Plan {
             stride: stride as u32,
             first_sample: 0,
             samples: 0,
-            substeps: job.clock.steps_per_sample * job.integrator.substeps(),
             flicker_terms: amplitudes.len() as u32,
             tilt_gain: (job.gravity_m_s2 * sample_s) as f32,
             sample_s: sample_s as f32,
             zero: 0,
-            padding: [0; 3],
             flicker,
         };
         let on = |name: &str| constants.iter().any(|(n, v)| *n == name && *v != 0.0);
@@ -171,7 +171,7 @@ impl Plan {
     /// All tiles; `false` when the user asked to stop.
     fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
         let (job, mut from) = (batch.job, 0);
-        let ceiling = most.min(MOST_SUBSTEPS / u64::from(self.tile.substeps));
+        let ceiling = most.min(MOST_SUBSTEPS / substeps(job));
         let mut samples = 16.min(ceiling);
         let (mut under_way, mut begun) = (None, Instant::now());
         while let Some(next) = tile::next(&job.clock, from, samples) {
@@ -248,11 +248,17 @@ impl Plan {
     }
 }
 
+/// Substeps of a sample.
+fn substeps(job: &Job) -> u64 {
+    u64::from(job.clock.steps_per_sample) * u64::from(job.integrator.substeps())
+}
+
 /// The force over some samples as the kernel reads it.
 fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let table = force::table::<f32>(job, first, count);
-    let mut entries: Vec<[f32; 4]> = table.iter().map(|f| [f.begin, f.middle, f.to_middle, f.to_end]).collect();
-    entries.extend(table.last().map(|f| [f.end, 0.0, 0.0, 0.0]));
+    let begin = table.first().map(|f| [f.begin, 0.0, 0.0, 0.0]);
+    let rest = table.iter().map(|f| [f.end, f.middle, f.to_middle, f.to_end]);
+    let mut entries: Vec<[f32; 4]> = begin.into_iter().chain(rest).collect();
     entries.resize(layout::FORCES, [0.0; 4]);
     entries
 }
@@ -272,8 +278,12 @@ fn finish(p: &layout::Partial) -> Moments {
     }
 }
 
-/// Which parts of the kernel this batch needs: the rest is compiled away.
-fn constants(job: &Job, drawn: &[Column]) -> Vec<(&'static str, f64)> {
+/// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the job are asked beside
+/// those of the batch, so that every batch of a job runs the same kernel: two compilations may round differently.
+fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(&'static str, f64)>> {
+    let asked = job.members.min(ASKED);
+    let mut drawn = (0..asked).map(|i| column(job, i * (job.members / asked))).collect::<Result<Vec<Column>>>()?;
+    drawn.extend_from_slice(batch);
     let any = |c: usize, none: f64| drawn.iter().any(|d| d.values[c] != none);
     let has = |c: usize| f64::from(u8::from(any(c, 0.0)));
     let integrator = match job.integrator {
@@ -285,8 +295,9 @@ fn constants(job: &Job, drawn: &[Column]) -> Vec<(&'static str, f64)> {
         Integrator::RosenbrockEuler { .. } => 5.0,
     };
     let gyro = (column::GYRO_BIAS..=column::GYRO_WALK).any(|c| any(c, 0.0));
-    vec![
+    Ok(vec![
         ("INTEGRATOR", integrator),
+        ("SUBSTEPS", substeps(job) as f64),
         ("HAS_FORCE", has(column::FORCE)),
         ("HAS_WHITE", has(column::WHITE)),
         ("HAS_FLICKER", has(column::FLICKER)),
@@ -299,5 +310,5 @@ fn constants(job: &Job, drawn: &[Column]) -> Vec<(&'static str, f64)> {
         ("HAS_READING", f64::from(u8::from(any(column::SCALE, 0.0) || any(column::K2, 0.0)))),
         ("HAS_RANGE", f64::from(u8::from(drawn.iter().any(|d| d.values[column::RANGE] < 1e30)))),
         ("HAS_QUANTISATION", has(column::QUANTISATION)),
-    ]
+    ])
 }
