@@ -125,5 +125,20 @@ fn gpu() -> std::result::Result<(), Failed> {
     };
     let plain = run(&mut on(4096), None)?;
     same("the tile", &plain, &run(&mut on(20), None)?)?;
-    same("the batch", &plain, &run(&mut on(4096), Some(512))?)
+    same("a tile that begins inside a draw of four", &plain, &run(&mut on(3), None)?)?;
+    same("the batch", &plain, &run(&mut on(4096), Some(512))?)?;
+    // A noise that a whole batch does not have: it must run the same kernel as the others.
+    let mixed = Job {
+        draw: Arc::new(|i| {
+            let mut member = (study().draw)(i);
+            member.sensor.gyro.rate_random_walk_rad_s_rts *= if i < 600 { 0.0 } else { 1.0 };
+            member
+        }),
+        ..study()
+    };
+    let in_batches = |members| {
+        let options = Options { quiet: true, batch_members: Some(members), ..Options::default() };
+        run_on(&mixed, &mut on(4096), &options)
+    };
+    same("the batch where a noise is absent", &in_batches(1536)?, &in_batches(256)?)
 }
