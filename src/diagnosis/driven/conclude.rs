@@ -1,5 +1,7 @@
 //! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
 
+use rayon::prelude::*;
+
 use crate::diagnosis::detection::Structure;
 use crate::diagnosis::verdict::Outcome;
 
@@ -71,8 +73,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         let fit: Fit = fit(data, &j.fit.shape, &j.fit.point, scales, 20).unwrap_or_else(|| j.fit.clone());
         Judged { held_out: held_out(data, &fit, scales, &data.test), fit }
     };
-    let base = refit(&selection.base);
-    let (before, mut model) = (left(data, &base.fit), refit(&selection.chosen));
+    let (base, mut model) = rayon::join(|| refit(&selection.base), || refit(&selection.chosen));
+    let before = left(data, &base.fit);
     let mut after = left(data, &model.fit);
     let mut dropped = Vec::new();
     let mut rivals = selection.rivals.clone();
@@ -145,8 +147,8 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
         let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
-    let (Some(base), Some(model)) = (refit(&c.base), refit(&c.model)) else { return c };
-    let (before, after) = (left(data, &base.fit), left(data, &model.fit));
+    let (Some(base), Some(model)) = rayon::join(|| refit(&c.base), || refit(&c.model)) else { return c };
+    let (before, after) = rayon::join(|| left(data, &base.fit), || left(data, &model.fit));
     let spread = interval::spread(&model.fit);
     Conclusion { base, model, before, after, spread, ..c }
 }
@@ -159,6 +161,7 @@ fn worse(named: &Named, model: &Judged) -> bool {
 
 fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, rivals: &[Vec<Rival>]) -> Vec<Named> {
     (0..model.fit.shape.terms.len())
+        .into_par_iter()
         .filter_map(|index| {
             let poorer = without(data, model, index, scales)?;
             let mut comparison = compare(

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 
 use super::filter::{Keep, Nothing, Pass, States};
@@ -283,14 +285,17 @@ impl Residuals for Search<'_> {
         }
         let mut residual = Vec::new();
         let mut columns = Vec::with_capacity(z.len());
-        for (chunk, group) in points.chunks(LANES).enumerate() {
-            let lanes = innovations(self.data, self.shape, group, &self.run, &mut Nothing);
+        let passes: Vec<Vec<Lanes>> = points
+            .par_chunks(LANES)
+            .map(|group| innovations(self.data, self.shape, group, &self.run, &mut Nothing))
+            .collect();
+        for (chunk, (group, lanes)) in points.chunks(LANES).zip(&passes).enumerate() {
             for l in 0..group.len() {
                 if chunk == 0 && l == 0 {
-                    residual = self.pick(&lanes, 0);
+                    residual = self.pick(lanes, 0);
                     continue;
                 }
-                let mut column = self.pick(&lanes, l);
+                let mut column = self.pick(lanes, l);
                 for (c, e) in column.iter_mut().zip(&residual) {
                     *c = (*c - e) / NUDGE;
                 }

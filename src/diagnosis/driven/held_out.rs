@@ -162,7 +162,8 @@ impl Evaluation {
             let run = Run { range: range.clone(), steps: fit.steps, corrected };
             innovations(data, &fit.shape, &[point.to_vec()], &run, &mut Nothing)
         };
-        Self { start: range.start, free: run(false, free), one_step: fit.shape.is_noisy().then(|| run(true, point)) }
+        let (free, one_step) = rayon::join(|| run(false, free), || fit.shape.is_noisy().then(|| run(true, point)));
+        Self { start: range.start, free, one_step }
     }
 
     fn cut(&self, range: Range<usize>, length: usize, blocks: &mut Vec<Block>) {

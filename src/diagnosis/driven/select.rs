@@ -390,18 +390,20 @@ fn settled(
         let terms = chosen.fit.shape.terms.clone();
         let here = refined(data, &chosen.fit, scales);
         let mut better: Option<Judged> = None;
+        let in_place_of = |(i, term): (usize, &Term)| {
+            if terms.len() == 1 {
+                return alone.to_vec();
+            }
+            let Some(poorer) = without(data, &chosen, i, scales) else { return Vec::new() };
+            let open: Vec<Term> =
+                candidates.iter().copied().filter(|t| !poorer.has(t.id()) && alike(t, term)).collect();
+            round(data, &poorer, &open, &here)
+        };
+        let trials: Vec<Vec<Trial>> = terms.par_iter().enumerate().map(in_place_of).collect();
         rivals = terms
             .iter()
-            .enumerate()
-            .map(|(i, term)| {
-                let others = if terms.len() == 1 {
-                    alone.to_vec()
-                } else {
-                    let Some(poorer) = without(data, &chosen, i, scales) else { return Vec::new() };
-                    let open: Vec<Term> =
-                        candidates.iter().copied().filter(|t| !poorer.has(t.id()) && alike(t, term)).collect();
-                    round(data, &poorer, &open, &here)
-                };
+            .zip(&trials)
+            .map(|(term, others)| {
                 let mut equal: Vec<Rival> = Vec::new();
                 for trial in others.iter().filter(|t| t.term.id() != term.id()) {
                     let Some(judged) = trial.judged.as_ref().filter(|j| !j.fit.at_bound(&here)) else { continue };

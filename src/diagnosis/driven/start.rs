@@ -4,6 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use rayon::prelude::*;
+
 use crate::diagnosis::model;
 use crate::numerics::spectrum;
 
@@ -73,8 +75,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     }
     let mean = spread(&data.reading[data.hull.clone()]).0;
     let shape = Shape::new(&[]);
-    let mut best: Option<(Fit, Scales)> = None;
-    for place in places {
+    let begin = |place: &Place| {
         let mut here = scales.clone();
         here.omega_rad_s = place.omega;
         here.zeta = place.zeta;
@@ -87,15 +88,14 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
             mean,
         ]);
         point[4] = data.reading[data.hull.start] - mean;
-        let Some(found) = fit(data, &shape, &point, &here, 25) else { continue };
-        if best.as_ref().is_none_or(|(b, _)| found.variance < b.variance) {
-            here.omega_rad_s = found.point[1];
-            here.zeta = found.point[2];
-            here.gain = if data.input.is_some() { found.point[0] } else { 1.0 };
-            best = Some((found, here));
-        }
-    }
-    best
+        let found = fit(data, &shape, &point, &here, 25)?;
+        here.omega_rad_s = found.point[1];
+        here.zeta = found.point[2];
+        here.gain = if data.input.is_some() { found.point[0] } else { 1.0 };
+        Some((found, here))
+    };
+    let found: Vec<Option<(Fit, Scales)>> = places.par_iter().map(begin).collect();
+    found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
 }
 
 fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
