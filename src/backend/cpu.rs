@@ -7,8 +7,9 @@ use super::tile;
 use super::{Backend, Batch, Partial};
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::{LANES, Lane, Level};
+use crate::kernel::cpu::members::{Members, Shared, Snapshot};
 use crate::kernel::cpu::reduce::{self, BLOCK};
-use crate::kernel::cpu::simulate::{Members, Observer, Shared, Simulate, Snapshot};
+use crate::kernel::cpu::simulate::Simulate;
 use crate::kernel::force;
 use crate::kernel::job::Job;
 use crate::kernel::member::Column;
@@ -135,8 +136,8 @@ impl Cpu {
             let count = tile.samples.end - from;
             let table = force::table::<T>(job, from, count);
             groups.par_iter_mut().for_each(|members| {
-                let work = Simulate { shared, members, force: &table, first: from, count, observer: &mut () };
-                self.level.run(work);
+                let work = Simulate { shared, members, force: &table, first: from, count, observer: None };
+                work.run(self.level);
             });
             from = tile.samples.end;
             after(&tile, groups);
@@ -215,18 +216,11 @@ pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
 ///
 /// # Errors
 /// A member that the integrator cannot step.
-pub fn readings<T: Real>(job: &Job, member: u64, sink: impl FnMut(&Lane<T>, &Lane<T>)) -> Result<bool> {
-    struct Sink<F>(F);
-    impl<T: Real, F: FnMut(&Lane<T>, &Lane<T>)> Observer<T> for Sink<F> {
-        #[inline(always)]
-        fn sample(&mut self, accelerometer: &Lane<T>, gyro: &Lane<T>) {
-            (self.0)(accelerometer, gyro);
-        }
-    }
+pub fn readings<T: Real>(job: &Job, member: u64, mut sink: impl FnMut(&Lane<T>, &Lane<T>)) -> Result<bool> {
     let first = member / LANES as u64 * LANES as u64;
     let shared = Shared::<T>::of(job);
     let mut members = draw::<T>(job, first, job.members.max(first + 1), shared.flicker.len())?;
-    let (mut observer, mut from) = (Sink(sink), 0);
+    let mut from = 0;
     let most = (MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
     while let Some(tile) = tile::next(&job.clock, from, most) {
         if progress::interrupted() {
@@ -240,9 +234,9 @@ pub fn readings<T: Real>(job: &Job, member: u64, sink: impl FnMut(&Lane<T>, &Lan
             force: &force,
             first: from,
             count,
-            observer: &mut observer,
+            observer: Some(&mut sink),
         };
-        Level::best().run(work);
+        work.run(Level::best());
         from = tile.samples.end;
     }
     Ok(true)

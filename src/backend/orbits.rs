@@ -5,9 +5,11 @@ use rayon::prelude::*;
 
 use super::gpu::{self, Gpu};
 use crate::error::{Error, Result};
+use crate::kernel::cpu::lanes::{Kernel, LANES, Level};
 use crate::kernel::cpu::lyapunov::exponents;
-use crate::kernel::cpu::poincare::{Block, LANES, Real, strobes};
+use crate::kernel::cpu::poincare::{Block, strobes};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
+use crate::numerics::elementary::Real;
 use crate::progress;
 
 /// Where orbits are integrated.
@@ -47,7 +49,7 @@ pub fn explore<T: Real>(points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
             }
             let mut block = Block::<T>::load(chunk, plan, (number * LANES) as u64);
             let mut recorded = Vec::with_capacity(plan.strobes as usize);
-            let exponents = run(&mut block, plan, &table, &mut recorded);
+            let exponents = Level::best().run(Both { block: &mut block, plan, table: &table, out: &mut recorded });
             let orbit =
                 |l: usize| Orbit { exponent_per_s: exponents[l], strobes: recorded.iter().map(|s| s[l]).collect() };
             (0..chunk.len()).map(orbit).collect()
@@ -59,39 +61,22 @@ pub fn explore<T: Real>(points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
     Ok(blocks.into_iter().flatten().collect())
 }
 
-/// Both kernels one after the other, in whatever instruction set the caller was compiled for.
-#[inline(always)]
-fn both<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T], out: &mut Vec<[[f32; 2]; LANES]>) -> [f64; LANES] {
-    let exponents = exponents(block, plan, table);
-    strobes(block, plan, table, plan.transient_periods + ALIGN_PERIODS + plan.periods, out);
-    exponents
+/// Both kernels one after the other.
+struct Both<'a, T> {
+    block: &'a mut Block<T>,
+    plan: &'a Plan,
+    table: &'a [T],
+    out: &'a mut Vec<[[f32; 2]; LANES]>,
 }
 
-#[cfg(target_arch = "x86_64")]
-fn run<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T], out: &mut Vec<[[f32; 2]; LANES]>) -> [f64; LANES] {
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-    fn avx512<T: Real>(b: &mut Block<T>, p: &Plan, t: &[T], o: &mut Vec<[[f32; 2]; LANES]>) -> [f64; LANES] {
-        both(b, p, t, o)
+impl<T: Real> Kernel for Both<'_, T> {
+    type Output = [f64; LANES];
+    /// Neither fuses multiply and add, whether or not it could: maps do not depend on the host.
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> [f64; LANES] {
+        let Self { block, plan, table, out } = self;
+        let exponents = exponents(block, plan, table);
+        strobes(block, plan, table, plan.transient_periods + ALIGN_PERIODS + plan.periods, out);
+        exponents
     }
-    #[target_feature(enable = "avx2")]
-    fn avx2<T: Real>(b: &mut Block<T>, p: &Plan, t: &[T], o: &mut Vec<[[f32; 2]; LANES]>) -> [f64; LANES] {
-        both(b, p, t, o)
-    }
-    let has_avx512 = is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512dq")
-        && is_x86_feature_detected!("avx512vl");
-    if has_avx512 {
-        // SAFETY: the three features were found on this host in the line above.
-        unsafe { avx512(block, plan, table, out) }
-    } else if is_x86_feature_detected!("avx2") {
-        // SAFETY: the feature was found on this host in the line above.
-        unsafe { avx2(block, plan, table, out) }
-    } else {
-        both(block, plan, table, out)
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn run<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T], out: &mut Vec<[[f32; 2]; LANES]>) -> [f64; LANES] {
-    both(block, plan, table, out)
 }

@@ -110,7 +110,7 @@ impl<T: Real> Kernel for Noisy<'_, T> {
         let block = self.block.clone();
         let draw = Drawer { seed: 1, first_member: block.first_member };
         for (counter, f) in self.force.windows(9).step_by(8).enumerate() {
-            draw.four::<T, FMA>(counter as u32, Stream::Force as u32, &mut numbers);
+            draw.fill::<T, FMA>(Stream::Force as u32, counter as u32, 4, &mut numbers);
             for (i, number) in numbers.iter().enumerate() {
                 let mut push = zero;
                 for l in 0..LANES {

@@ -6,10 +6,14 @@
 // Lanes are indexed in plain loops over several arrays at once: the form that the compiler turns into vector code.
 #![allow(clippy::needless_range_loop)]
 
+pub mod flicker;
 pub mod lanes;
 pub mod lyapunov;
+pub mod members;
 pub mod noise;
 pub mod oscillator;
 pub mod poincare;
+pub mod reading;
 pub mod reduce;
 pub mod simulate;
+pub mod sums;

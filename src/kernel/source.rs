@@ -142,6 +142,6 @@ mod tests {
             assert_eq!(line, Some(format!("const {name} = {place}u;").as_str()));
         }
         assert!(LAYOUT.contains("const BOUND_M_S2 = 1e7;"));
-        assert_eq!(crate::kernel::cpu::simulate::BOUND_M_S2, 1e7);
+        assert_eq!(crate::kernel::cpu::sums::BOUND_M_S2, 1e7);
     }
 }

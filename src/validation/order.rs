@@ -4,7 +4,8 @@ use super::Row;
 use super::jobs::{Sine, duffing, masses};
 use crate::error::Result;
 use crate::kernel::cpu::lanes::Level;
-use crate::kernel::cpu::simulate::{Members, Shared, Simulate};
+use crate::kernel::cpu::members::{Members, Shared};
+use crate::kernel::cpu::simulate::Simulate;
 use crate::kernel::force;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
@@ -67,8 +68,8 @@ fn integrate(mass: &ProofMass, integrator: Integrator, step_s: f64, steps: u64, 
     members.place(-crate::kernel::job::Waveform::specific_force_m_s2(&waveform, 0.0), 0.0);
     let force = force::table::<f64>(&job, 0, steps);
     let work =
-        Simulate { shared: &shared, members: &mut members, force: &force, first: 0, count: steps, observer: &mut () };
-    Level::best().run(work);
+        Simulate { shared: &shared, members: &mut members, force: &force, first: 0, count: steps, observer: None };
+    work.run(Level::best());
     members.placed(0).0
 }
 

@@ -41,7 +41,7 @@ fn sample(stream: u32) -> Vec<f64> {
     let mut four = [Lane::splat(0.0_f32); 4];
     let mut numbers = Vec::with_capacity(4 * LANES * 16_384);
     for counter in 0..16_384 {
-        drawer.four::<f32, false>(counter, stream, &mut four);
+        drawer.fill::<f32, false>(stream, counter, 4, &mut four);
         numbers.extend(four.iter().flat_map(|lane| lane.0.iter().map(|g| f64::from(*g))));
     }
     numbers

@@ -5,6 +5,7 @@
 //! the constant `FMA`. With and without, results differ in the last bit; AVX-512 and AVX2 agree bit for bit.
 
 use std::ops::{Index, IndexMut};
+use std::sync::OnceLock;
 
 /// Members side by side. Sixteen would wait for each other's latency; sixty-four hide it.
 pub const LANES: usize = 64;
@@ -46,7 +47,7 @@ pub trait Kernel {
 }
 
 /// An instruction set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// What every machine of this architecture has (on aarch64: NEON, with fused multiply-add).
     Baseline,
@@ -61,7 +62,8 @@ pub enum Level {
 impl Level {
     /// The best that this machine has.
     pub fn best() -> Self {
-        *Self::available().last().unwrap_or(&Self::Baseline)
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| *Self::available().last().unwrap_or(&Self::Baseline))
     }
 
     /// All that this machine has, worst first.
@@ -105,20 +107,18 @@ impl Level {
         }
     }
 
-    /// Runs a kernel compiled for this level; one that the machine lacks runs at the baseline.
+    /// Runs a kernel compiled for this level, or for the best that the machine has if it lacks this one.
+    #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        match self {
+        // Levels are nested and in order: what is not above the best is there.
+        match self.min(Self::best()) {
             Self::Baseline => kernel.run::<{ cfg!(target_arch = "aarch64") }>(),
-            // SAFETY: the features are checked here, at the call.
+            // SAFETY: `available` lists a level only where all of its features were detected, and the best is the last.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") => unsafe {
-                avx2(kernel)
-            },
-            // SAFETY: `available` lists the level only where all of its features were detected.
+            Self::Avx2 => unsafe { avx2(kernel) },
+            // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 if Self::available().contains(&Self::Avx512) => unsafe { avx512(kernel) },
-            #[cfg(target_arch = "x86_64")]
-            _ => kernel.run::<false>(),
+            Self::Avx512 => unsafe { avx512(kernel) },
         }
     }
 }

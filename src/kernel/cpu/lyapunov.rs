@@ -6,8 +6,10 @@
 
 #![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
 
-use super::poincare::{Block, LANES, Real, lose, noise, step};
+use super::lanes::LANES;
+use super::poincare::{Block, lose, noise, step};
 use crate::kernel::orbit::{ALIGN_PERIODS, Plan};
+use crate::numerics::elementary::Real;
 
 /// Exponents of the block's lanes, 1/s, and the block carried to the end of the averaging.
 #[inline(always)]
@@ -26,7 +28,7 @@ pub fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f6
             both(block, &mut tangent, [table[2 * j], table[2 * j + 1], table[2 * j + 2]], &noise);
         }
         for l in 0..LANES {
-            let (x, v) = (tangent.0[l].wide(), tangent.1[l].wide());
+            let (x, v) = (tangent.0[l].f64(), tangent.1[l].f64());
             let length = x.hypot(v);
             if period >= ALIGN_PERIODS {
                 sum[l] += length.ln();
@@ -37,7 +39,7 @@ pub fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f6
         lose(block);
     }
     let span = f64::from(plan.periods) * f64::from(plan.steps_per_period);
-    std::array::from_fn(|l| if block.lost[l] { f64::NAN } else { sum[l] / (span * block.h[l].wide()) })
+    std::array::from_fn(|l| if block.lost[l] { f64::NAN } else { sum[l] / (span * block.h[l].f64()) })
 }
 
 /// One Runge–Kutta step of orbit and tangent together.

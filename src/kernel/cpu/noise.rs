@@ -3,7 +3,7 @@
 //! The numbers of one purpose are numbered; number n of a member is element n mod 4 of counter n / 4. Counter words:
 //! n / 4, member low, member high, stream; key: seed. So a number depends on nothing but its name.
 
-use super::lanes::{LANES, Lane};
+use super::lanes::{Kernel, LANES, Lane};
 use crate::numerics::elementary::{Real, gaussian_pair};
 use crate::rng::{MULTIPLIER_0, MULTIPLIER_1, Stream, WEYL_0, WEYL_1};
 
@@ -48,27 +48,47 @@ impl Drawer {
         }
     }
 
-    /// Gaussian numbers 4·`counter` to 4·`counter` + 3 of every member.
+    /// Gaussian numbers of consecutive counters from `counter` on: the first `each` (2 or 4) of every counter's four.
     #[inline(always)]
-    pub fn four<T: Real, const FMA: bool>(&self, counter: u32, stream: u32, out: &mut [Lane<T>; 4]) {
+    pub fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
         let mut words = [Lane::splat(0_u32); 4];
-        self.words(counter, stream, &mut words);
-        for l in 0..LANES {
-            (out[0][l], out[1][l]) = gaussian_pair::<T, FMA>(words[0][l], words[1][l]);
-        }
-        for l in 0..LANES {
-            (out[2][l], out[3][l]) = gaussian_pair::<T, FMA>(words[2][l], words[3][l]);
+        for (i, numbers) in out.chunks_exact_mut(each).enumerate() {
+            self.words(counter.wrapping_add(i as u32), stream, &mut words);
+            for (pair, words) in numbers.chunks_exact_mut(2).zip(words.chunks_exact(2)) {
+                let [first, second] = pair else { continue };
+                gaussian_pairs::<T, FMA>(&words[0], &words[1], first, second);
+            }
         }
     }
+}
 
-    /// The first two of these four.
+#[inline(always)]
+fn gaussian_pairs<T: Real, const FMA: bool>(
+    radius: &Lane<u32>,
+    angle: &Lane<u32>,
+    first: &mut Lane<T>,
+    second: &mut Lane<T>,
+) {
+    for l in 0..LANES {
+        (first[l], second[l]) = gaussian_pair::<T, FMA>(radius[l], angle[l]);
+    }
+}
+
+/// Fills lanes with the numbers of one stream: compiled once for all purposes.
+pub(super) struct Draw<'a, T> {
+    pub drawer: Drawer,
+    pub stream: u32,
+    pub counter: u32,
+    /// Numbers taken of each counter, 2 or 4.
+    pub each: usize,
+    pub out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for Draw<'_, T> {
+    type Output = ();
     #[inline(always)]
-    pub fn two<T: Real, const FMA: bool>(&self, counter: u32, stream: u32, out: &mut [Lane<T>; 2]) {
-        let mut words = [Lane::splat(0_u32); 4];
-        self.words(counter, stream, &mut words);
-        for l in 0..LANES {
-            (out[0][l], out[1][l]) = gaussian_pair::<T, FMA>(words[0][l], words[1][l]);
-        }
+    fn run<const FMA: bool>(self) {
+        self.drawer.fill::<T, FMA>(self.stream, self.counter, self.each, self.out);
     }
 }
 
@@ -82,7 +102,7 @@ mod tests {
         let drawer = Drawer { seed: 0x1234_5678_9ABC_DEF0, first_member: (7 << 32) + 64 };
         let word = stream(Stream::GyroFlicker, 3);
         let mut four = [Lane::splat(0.0); 4];
-        drawer.four::<f64, false>(1_000_000_000, word, &mut four);
+        drawer.fill::<f64, false>(word, 1_000_000_000, 4, &mut four);
         for (l, got) in four[2].0.iter().enumerate() {
             let w = philox4x32_10([1_000_000_000, 64 + l as u32, 7, word], [0x9ABC_DEF0, 0x1234_5678]);
             assert_eq!(*got, gaussian_pair::<f64, false>(w[2], w[3]).0);

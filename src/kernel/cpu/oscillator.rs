@@ -1,12 +1,13 @@
-//! One substep of the proof mass in error coordinates, for each integrator. Twin of `shaders/shared/oscillator.wgsl`.
+//! The proof mass in error coordinates, for each integrator, and the reading it gives. Twin of `shaders/shared/oscillator.wgsl`.
 //!
 //! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the substep. Integrating
 //! the error, never the reading, keeps f32 good enough: a constant force of 1 g cancels exactly. Equation, with the
 //! substep as unit of time (see `member`): a″ + Ca′ + W(a + κa³) = W(f + w), with w held.
 
+use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::force::Force;
-use crate::kernel::member::COEFFICIENTS;
-use crate::numerics::elementary::{Real, fma, sin_cos};
+use crate::kernel::member::{COEFFICIENTS, COLUMNS, column};
+use crate::numerics::elementary::{Real, fma, sin_cos, sin_cos_turns};
 
 /// A member's coefficients, as `member::coefficients` orders them.
 pub type Coefficients<T> = [T; COEFFICIENTS];
@@ -139,4 +140,137 @@ impl<T: Real> Oscillator<T> for RosenbrockEuler {
         let ey2 = fma::<T, FMA>(-stiff * odd, y1, (even - half_c * odd) * y2);
         (e - g + (ey1 - y1), r + (ey2 - y2) + f.to_end)
     }
+}
+
+/// The proof masses of 64 members over consecutive samples.
+pub(super) struct Motion<'a, T> {
+    /// Parameters.
+    pub k: &'a [Lane<T>; COLUMNS],
+    pub e: &'a mut Lane<T>,
+    pub q: &'a mut Lane<T>,
+    /// The shared force over the substeps of these samples.
+    pub force: &'a [Force<T>],
+    /// Substeps per sample.
+    pub substeps: usize,
+    /// Normal numbers of the force noise, one a sample, if there is any.
+    pub push: Option<&'a [Lane<T>]>,
+    /// Whether some member feels the shared force by a gain of its own.
+    pub gain: bool,
+    /// Phases of the members' own sines and the first half substep's number, if there are any.
+    pub sine: Option<(&'a [Lane<u32>; 2], u64)>,
+    /// Whether some member has a scale error or a second-order one.
+    pub scaled: bool,
+    /// Receives the error of each reading: the proof mass's, the bias and the scale's.
+    pub error: &'a mut [Lane<T>],
+    /// Receives the specific force felt at the end of each sample.
+    pub felt: &'a mut [Lane<T>],
+}
+
+/// [`Motion`] by one way of stepping.
+pub(super) struct Step<'a, T, O>(pub O, pub Motion<'a, T>);
+
+impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let m = self.1;
+        let zero = Lane::splat(T::of(0.0));
+        let (mut e, mut q) = (*m.e, *m.q);
+        let mut half = m.sine.map_or(0, |(_, half)| half);
+        let own = m.gain || m.sine.is_some();
+        let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps));
+        for (i, ((error, felt), steps)) in samples.enumerate() {
+            let push = m.push.map_or(&zero, |p| &p[i]);
+            for f in steps {
+                if own {
+                    let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
+                    half += 2;
+                    pushed_each::<T, O, FMA>(m.k, f, &sine, push, &mut e, &mut q, felt);
+                } else if O::MOVES {
+                    pushed_alike::<T, O, FMA>(m.k, f, push, &mut e, &mut q);
+                }
+            }
+            if let Some(last) = steps.last().filter(|_| !own) {
+                *felt = Lane::splat(last.end);
+            }
+            read::<T, FMA>(m.k, &e, felt, m.scaled, error);
+        }
+        (*m.e, *m.q) = (e, q);
+    }
+}
+
+/// The members' own sines at the beginning, the middle and the end of a substep.
+#[inline(always)]
+fn sines<T: Real, const FMA: bool>(k: &[Lane<T>; COLUMNS], turns: &[Lane<u32>; 2], half: u64) -> [Lane<T>; 3] {
+    let mut out = [Lane::splat(T::of(0.0)); 3];
+    for (i, out) in out.iter_mut().enumerate() {
+        for l in 0..LANES {
+            let turns = turns[0][l].wrapping_add((half as u32).wrapping_add(i as u32).wrapping_mul(turns[1][l]));
+            out[l] = k[column::SINE][l] * sin_cos_turns::<T, FMA>(turns).0;
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn pushed_alike<T: Real, O: Oscillator<T>, const FMA: bool>(
+    k: &[Lane<T>; COLUMNS],
+    f: &Force<T>,
+    push: &Lane<T>,
+    e: &mut Lane<T>,
+    q: &mut Lane<T>,
+) {
+    for l in 0..LANES {
+        (e[l], q[l]) = O::step::<FMA>(&coefficients(k, l), e[l], q[l], f, k[column::FORCE][l] * push[l]);
+    }
+}
+
+#[inline(always)]
+fn pushed_each<T: Real, O: Oscillator<T>, const FMA: bool>(
+    k: &[Lane<T>; COLUMNS],
+    f: &Force<T>,
+    sine: &[Lane<T>; 3],
+    push: &Lane<T>,
+    e: &mut Lane<T>,
+    q: &mut Lane<T>,
+    felt: &mut Lane<T>,
+) {
+    for l in 0..LANES {
+        let gain = k[column::GAIN][l];
+        let [begin, middle, end] = [sine[0][l], sine[1][l], sine[2][l]];
+        let own = Force {
+            begin: fma::<T, FMA>(gain, f.begin, begin),
+            middle: fma::<T, FMA>(gain, f.middle, middle),
+            end: fma::<T, FMA>(gain, f.end, end),
+            to_middle: fma::<T, FMA>(gain, f.to_middle, middle - begin),
+            to_end: fma::<T, FMA>(gain, f.to_end, end - begin),
+        };
+        (e[l], q[l]) = O::step::<FMA>(&coefficients(k, l), e[l], q[l], &own, k[column::FORCE][l] * push[l]);
+        felt[l] = own.end;
+    }
+}
+
+/// The reading's error: the proof mass's, the bias, and the scale's on what it shows.
+#[inline(always)]
+fn read<T: Real, const FMA: bool>(
+    k: &[Lane<T>; COLUMNS],
+    e: &Lane<T>,
+    felt: &Lane<T>,
+    scaled: bool,
+    error: &mut Lane<T>,
+) {
+    for l in 0..LANES {
+        error[l] = e[l] + k[column::BIAS][l];
+    }
+    if scaled {
+        for l in 0..LANES {
+            let a = felt[l] + e[l];
+            error[l] = fma::<T, FMA>(fma::<T, FMA>(k[column::K2][l], a, k[column::SCALE][l]), a, error[l]);
+        }
+    }
+}
+
+#[inline(always)]
+fn coefficients<T: Real>(k: &[Lane<T>; COLUMNS], l: usize) -> Coefficients<T> {
+    std::array::from_fn(|c| k[c][l])
 }

@@ -2,43 +2,10 @@
 
 #![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
 
-use std::ops::{Add, Mul, Sub};
-
+use super::lanes::LANES;
 use crate::kernel::orbit::{LOST_M, Plan, Point};
+use crate::numerics::elementary::Real;
 use crate::rng::{Stream, philox4x32_10};
-
-/// Lanes per block: wide enough to hide the latency of a vector unit, small enough for the first-level cache.
-pub const LANES: usize = 64;
-
-/// What the kernels need of f32 and f64.
-pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Send + Sync {
-    /// Rounded from f64.
-    fn of(value: f64) -> Self;
-    /// Widened to f64, exactly.
-    fn wide(self) -> f64;
-}
-
-impl Real for f32 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value as f32
-    }
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        f64::from(self)
-    }
-}
-
-impl Real for f64 {
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self
-    }
-}
 
 /// Parameters and state of one block of lanes.
 #[derive(Debug, Clone)]
@@ -93,7 +60,7 @@ pub fn strobes<T: Real>(
             step(block, [table[2 * j], table[2 * j + 1], table[2 * j + 2]], &noise);
         }
         lose(block);
-        out.push(std::array::from_fn(|l| [block.x[l].wide() as f32, block.v[l].wide() as f32]));
+        out.push(std::array::from_fn(|l| [block.x[l].f64() as f32, block.v[l].f64() as f32]));
     }
 }
 
@@ -144,7 +111,7 @@ pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usiz
 #[inline(always)]
 pub(super) fn lose<T: Real>(block: &mut Block<T>) {
     for l in 0..LANES {
-        let x = block.x[l].wide();
+        let x = block.x[l].f64();
         if x.is_nan() || x.abs() > LOST_M {
             block.lost[l] = true;
             block.x[l] = T::of(0.0);

@@ -4,7 +4,7 @@
 //! The block is fixed, whatever the tile, thread or lane: so results are the same bits for any of them.
 
 use super::lanes::LANES;
-use super::simulate::Snapshot;
+use super::members::Snapshot;
 use crate::statistics::{Histogram, Moments};
 
 /// Members per block.

@@ -1,0 +1,158 @@
+//! 64 members of an ensemble as the kernels hold them: what all share, their parameters, and their state between tiles.
+//!
+//! Not for stepping them: that is `simulate` and the phases it calls.
+
+use super::flicker::Flicker;
+use super::lanes::{LANES, Lane};
+use super::noise::Drawer;
+use super::sums::{BOUND_M_S2, CHUNK, Sums};
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::Job;
+use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
+use crate::numerics::elementary::Real;
+
+/// What all members share.
+#[derive(Debug, Clone)]
+pub struct Shared<T> {
+    /// Key of the random numbers.
+    pub seed: u64,
+    /// Substeps per sample.
+    pub substeps: u32,
+    /// How the proof mass is stepped.
+    pub integrator: Integrator,
+    /// Tilt to horizontal acceleration, per unit of rate summed over samples: gravity × sample period.
+    pub tilt_gain: T,
+    /// Amplitudes of the flicker terms.
+    pub flicker: Vec<T>,
+}
+
+impl<T: Real> Shared<T> {
+    /// What the members of a job share.
+    pub fn of(job: &Job) -> Self {
+        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+        Self {
+            seed: job.seed,
+            substeps: job.clock.steps_per_sample * job.integrator.substeps(),
+            integrator: job.integrator,
+            tilt_gain: T::of(job.gravity_m_s2 * sample_s),
+            flicker: flicker_amplitudes(&job.clock).into_iter().map(T::of).collect(),
+        }
+    }
+}
+
+/// Error terms and forces that some of these members have.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Active {
+    pub(super) white: bool,
+    pub(super) flicker: bool,
+    pub(super) walk: bool,
+    pub(super) force: bool,
+    pub(super) gyro: bool,
+    pub(super) gyro_white: bool,
+    pub(super) gyro_flicker: bool,
+    pub(super) gyro_walk: bool,
+    pub(super) sine: bool,
+    pub(super) gain: bool,
+    pub(super) reading: bool,
+    pub(super) range: bool,
+    pub(super) quantisation: bool,
+}
+
+/// 64 members between tiles: parameters and state.
+#[derive(Debug, Clone)]
+pub struct Members<T> {
+    pub(super) draw: Drawer,
+    pub(super) active: Active,
+    pub(super) columns: [Lane<T>; COLUMNS],
+    pub(super) turns: [Lane<u32>; 2],
+    pub(super) e: Lane<T>,
+    pub(super) q: Lane<T>,
+    pub(super) walk: Lane<T>,
+    pub(super) gyro_walk: Lane<T>,
+    pub(super) flicker: Flicker<T>,
+    pub(super) gyro_flicker: Flicker<T>,
+    pub(super) sums: Sums<T>,
+    /// Errors of the last reading.
+    pub(super) acceleration: Lane<T>,
+}
+
+/// Errors of 64 members at a sample, in the order of `QUANTITIES`, and who failed.
+#[derive(Debug, Clone)]
+pub struct Snapshot {
+    /// Position (m), velocity (m/s), acceleration (m/s²) and tilt (rad) error.
+    pub values: [[f64; LANES]; 4],
+    /// Members that left the range of their model.
+    pub failed: [bool; LANES],
+}
+
+impl<T: Real> Members<T> {
+    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat the last one.
+    pub fn new(seed: u64, first_member: u64, columns: &[Column], flicker_terms: usize) -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        let mut lanes = [zero; COLUMNS];
+        let mut turns = [Lane::splat(0); 2];
+        for l in 0..LANES {
+            let Some(member) = columns.get(l).or(columns.last()) else { break };
+            (0..COLUMNS).for_each(|c| lanes[c][l] = T::of(member.values[c]));
+            (0..2).for_each(|i| turns[i][l] = member.turns[i]);
+        }
+        let any = |c: usize| lanes[c].0.iter().any(|v| *v != T::of(0.0));
+        let active = Active {
+            white: any(column::WHITE),
+            flicker: any(column::FLICKER),
+            walk: any(column::WALK),
+            force: any(column::FORCE),
+            gyro: (column::GYRO_BIAS..=column::GYRO_WALK).any(any),
+            gyro_white: any(column::GYRO_WHITE),
+            gyro_flicker: any(column::GYRO_FLICKER),
+            gyro_walk: any(column::GYRO_WALK),
+            sine: any(column::SINE),
+            gain: lanes[column::GAIN].0.iter().any(|v| *v != T::of(1.0)),
+            reading: any(column::SCALE) || any(column::K2),
+            range: lanes[column::RANGE].0.iter().any(|v| *v < T::of(1e30)),
+            quantisation: any(column::QUANTISATION),
+        };
+        let terms = |on: bool| Flicker::new(if on { flicker_terms } else { 0 });
+        Self {
+            draw: Drawer { seed, first_member },
+            active,
+            columns: lanes,
+            turns,
+            e: zero,
+            q: zero,
+            walk: zero,
+            gyro_walk: zero,
+            flicker: terms(active.flicker),
+            gyro_flicker: terms(active.gyro_flicker),
+            sums: Sums::new(),
+            acceleration: zero,
+        }
+    }
+
+    /// Places every proof mass: error of the reading (m/s²) and rate of the reading times one substep.
+    pub fn place(&mut self, error_m_s2: f64, rate_step_m_s2: f64) {
+        self.e = Lane::splat(T::of(error_m_s2));
+        self.q = Lane::splat(T::of(rate_step_m_s2));
+    }
+
+    /// Error of the reading and its rate times one substep, of one lane.
+    pub fn placed(&self, lane: usize) -> (f64, f64) {
+        (self.e[lane].f64(), self.q[lane].f64())
+    }
+
+    /// The errors after `samples` samples of `sample_s` seconds.
+    pub fn snapshot(&self, samples: u64, sample_s: f64) -> Snapshot {
+        let sums = &self.sums;
+        let mut s = Snapshot { values: [[0.0; LANES]; 4], failed: sums.failed };
+        let since = (samples % CHUNK) as f64;
+        for l in 0..LANES {
+            let position = sums.position_total[l] + (since * sums.velocity_total[l] + sums.position[l].f64());
+            s.values[0][l] = sample_s * sample_s * position;
+            s.values[1][l] = sample_s * (sums.velocity_total[l] + sums.velocity[l].f64());
+            s.values[2][l] = self.acceleration[l].f64();
+            s.values[3][l] = sample_s * (sums.rate_total[l] + sums.rate[l].f64());
+            s.failed[l] |= self.acceleration[l].beyond(BOUND_M_S2) || s.values.iter().any(|v| !v[l].is_finite());
+        }
+        s
+    }
+}
