@@ -7,8 +7,11 @@
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
 pub mod blind;
+pub mod campaign;
 pub mod case;
+pub mod catalogue;
 pub mod driven;
+pub mod equation;
 pub mod excitation;
 pub mod interval;
 pub mod judge;
@@ -25,3 +28,4 @@ pub mod said;
 pub mod seal;
 pub mod standstill;
 pub mod turning;
+pub mod workers;

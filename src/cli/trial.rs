@@ -6,11 +6,12 @@ use crate::document::write_whole;
 use crate::error::{Error, Result};
 use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
+use crate::trial::campaign::Campaign;
 use crate::trial::case::Case;
 use crate::trial::judge;
 use crate::trial::like;
 use crate::trial::outcome::Outcome;
-use crate::trial::plan::{DEFAULT_CASES, Plan};
+use crate::trial::plan::Plan;
 use crate::trial::real::{self, Found};
 
 /// Arguments of `trial`.
@@ -19,9 +20,13 @@ pub struct Arguments {
     /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Fewer and shorter recordings: two minutes instead of twenty
+    /// Fewer and shorter recordings: at most two minutes instead of twenty
     #[arg(long)]
     pub quick: bool,
+    /// Effects in the open instead of concealed ones: each candidate alone at 1 % and 5 % of the output, two at once, foreign
+    /// physics, 300 recordings with nothing planted; 20,000 rows each
+    #[arg(long, conflicts_with = "quick")]
+    pub planted: bool,
     /// Continue the trial that lies in --out
     #[arg(long, requires = "out")]
     pub resume: bool,
@@ -50,14 +55,18 @@ pub struct Arguments {
 
 impl Arguments {
     fn plan(&self) -> Plan {
-        let (cases, samples) = if self.quick { (60, 4000) } else { (DEFAULT_CASES, 10_000) };
-        Plan { seed: self.seed, cases: self.cases.unwrap_or(cases), samples: self.samples.unwrap_or(samples) }
+        let campaign = if self.planted { Campaign::Planted } else { Campaign::Concealed };
+        let usual = Plan { seed: self.seed, cases: campaign.size(), samples: campaign.samples(), campaign };
+        let usual = if self.quick { Plan::quick(self.seed) } else { usual };
+        Plan { cases: self.cases.unwrap_or(usual.cases), samples: self.samples.unwrap_or(usual.samples), ..usual }
     }
 
     fn command(&self) -> String {
         let mut command = format!("proofmass trial --seed {}", self.seed);
-        if self.quick {
-            command += " --quick";
+        for (name, given) in [("quick", self.quick), ("planted", self.planted)] {
+            if given {
+                command += &format!(" --{name}");
+            }
         }
         if let Some(recipe) = &self.recordings {
             command += &format!(" --recordings {}", recipe.display());
@@ -169,12 +178,12 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
     let document = as_json(&power)?;
     if let Some(folder) = &arguments.out {
         write_whole(&folder.join("power.json"), document.as_bytes())?;
-        write_whole(&folder.join("power.html"), report::power_page(&power).as_bytes())?;
+        write_whole(&folder.join("power.html"), report::like::page(&power).as_bytes())?;
     }
     if json {
         println!("{document}");
     } else {
-        print!("{}", report::power_terminal(&power));
+        print!("{}", report::like::terminal(&power));
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! What a blind trial found: on the terminal, as a page, and as a short summary to be committed.
 
 pub mod figures;
+pub mod like;
 
 use crate::report::html::Page;
 use crate::report::number::{duration, significant};
@@ -8,8 +9,7 @@ use crate::report::table::Table;
 use crate::trial::case::{Case, Family};
 use crate::trial::interval::Share;
 use crate::trial::judge::Covered;
-use crate::trial::like::Power;
-use crate::trial::outcome::{FALLBACK_LIMIT, Limit, Outcome};
+use crate::trial::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
 use crate::trial::plan::Plan;
 use crate::trial::real::Found;
 
@@ -75,8 +75,9 @@ pub fn recordings(found: &[Found]) -> Table {
 }
 
 fn limit_words(limit: &Limit) -> String {
-    match limit.effect_over_noise {
-        Some(size) => significant(size, 2),
+    let numbers = |v: f64| significant(v, 2);
+    match limit.effect_over_noise.zip(limit.ci95) {
+        Some((size, [low, high])) => format!("{} ({}–{})", numbers(size), numbers(low), numbers(high)),
         None if limit.noticed == 1.0 => format!("< {}", significant(limit.tried[0], 2)),
         None => format!("> {}", significant(limit.tried[1], 2)),
     }
@@ -101,6 +102,39 @@ pub fn effects(outcome: &Outcome) -> Table {
             format!("{right} of {total}"),
             others.join(", "),
         ]);
+    }
+    table
+}
+
+/// Physics foreign to the library, kind by kind.
+pub fn unknown(outcome: &Outcome) -> Table {
+    let headings = ["what was planted", "cases", "unexplained", "… with a part named", "false name"];
+    let mut table = Table::new(&headings);
+    for kind in &outcome.unknown {
+        let counts = [kind.cases, kind.flagged, kind.partly_named, kind.named].map(|n| n.to_string());
+        table.row(std::iter::once(kind.what.clone()).chain(counts));
+    }
+    table
+}
+
+/// Planted alone against said, as a matrix: a row per effect, columns by the rows' numbers; a tie counts in each of its
+/// columns.
+pub fn matrix(outcome: &Outcome) -> Table {
+    let ids: Vec<&str> = outcome.detection_limit.iter().map(|l| l.id.as_str()).collect();
+    let numbers: Vec<String> = (1..=ids.len()).map(|n| n.to_string()).collect();
+    let outcomes = ["adequate", "unexplained", "undecidable"];
+    let headings: Vec<&str> =
+        ["planted"].into_iter().chain(numbers.iter().map(String::as_str)).chain(outcomes).collect();
+    let mut table = Table::new(&headings);
+    for (id, number) in ids.iter().zip(&numbers) {
+        let said = || outcome.confusion.iter().filter(|c| c.planted == *id);
+        let names = |c: &Confusion, column: &str| c.said.split([' ', '+', '|']).any(|word| word == column);
+        let cell = |column: &&str| {
+            let count: usize = said().filter(|c| names(c, column)).map(|c| c.cases).sum();
+            if count == 0 { "·".to_owned() } else { count.to_string() }
+        };
+        let cells: Vec<String> = ids.iter().chain(&outcomes).map(cell).collect();
+        table.row(std::iter::once(format!("{number} {id}")).chain(cells));
     }
     table
 }
@@ -135,60 +169,6 @@ fn tie_of_two_with(said: &str, id: &str) -> bool {
 /// The result on a terminal.
 pub fn terminal(outcome: &Outcome) -> String {
     format!("{}\n{}\n{}", headline(outcome), families(outcome), effects(outcome))
-}
-
-/// What a user's own recording could reveal.
-pub fn power(power: &Power) -> (String, Table) {
-    let sentence = format!(
-        "{}: {} rows at {} Hz; {}. Effects were planted into copies of it, sizes as visible rms over noise rms. Of {} \
-         copies with nothing planted, {} raised an alarm.",
-        power.file,
-        power.samples,
-        significant(power.rate_hz, 5),
-        power.base,
-        power.nulls,
-        power.alarms
-    );
-    let mut table = Table::new(&["effect", "noticed from (× noise)", "named from (× noise)", "taken for or tied with"]);
-    for effect in &power.effects {
-        let largest = effect.tried.iter().map(|t| t.effect_over_noise).fold(0.0, f64::max);
-        let words = |from: Option<f64>| match from {
-            Some(size) => significant(size, 2),
-            None => format!("> {}", significant(largest, 2)),
-        };
-        let taken = effect.taken_for.join(", ");
-        table.row([effect.id.clone(), words(effect.noticed_from), words(effect.named_from), taken]);
-    }
-    (sentence, table)
-}
-
-/// The same on a terminal.
-pub fn power_terminal(found: &Power) -> String {
-    let (sentence, table) = power(found);
-    let pairs: Vec<String> = found.inseparable.iter().map(|[a, b]| format!("{a} and {b}")).collect();
-    let last = if pairs.is_empty() {
-        "At the largest size no two effects were confused.".to_owned()
-    } else {
-        format!("Not told apart at the largest size: {}.", pairs.join("; "))
-    };
-    format!("{sentence}\n\n{table}\n{last}\n")
-}
-
-/// The same as a page.
-pub fn power_page(found: &Power) -> String {
-    let (sentence, table) = power(found);
-    let mut page = Page::new("What this recording could reveal", &sentence);
-    page.table(&table);
-    page.paragraph(power_terminal(found).lines().last().unwrap_or_default());
-    page.section("Every copy");
-    let mut every = Table::new(&["planted", "× noise", "said"]);
-    for effect in &found.effects {
-        for tried in &effect.tried {
-            every.row([effect.id.clone(), significant(tried.effect_over_noise, 2), tried.said.clone()]);
-        }
-    }
-    page.table(&every);
-    page.finish()
 }
 
 fn how(plan: &Plan, outcome: &Outcome) -> String {
@@ -235,12 +215,20 @@ pub fn page(
     page.figure_row(&[
         (
             &power,
-            "Share noticed and share named against the visible size, all effects planted alone; bars: exact 95 %.",
+            "Share noticed and share named against the visible size, all effects planted alone. Bars: exact 95 %; bands: all \
+             curves within 95 %.",
         ),
         (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect."),
     ]);
     page.section("What was taken for what");
     page.table(&effects(outcome));
+    page.subsection("As a matrix");
+    page.paragraph(
+        "Rows: planted alone. Columns: named, by the number of the row; a tie counts in both of its columns.",
+    );
+    page.table(&matrix(outcome));
+    page.section("What no candidate describes");
+    page.table(&unknown(outcome));
     page.section("Do the intervals hold the truth?");
     page.table(&intervals(outcome));
     page.section("Every case");
@@ -274,7 +262,7 @@ pub fn summary(plan: &Plan, outcome: &Outcome, command: &str, real: &[Found]) ->
     format!(
         "# Proof of the diagnosis\n\nGenerated by `{command}`.\n\n{}\n\nSHA-256 of the sealed truth: `{}`\n\n{}\n\
          ## How effects were concealed\n\n{}\nFamilies with confident false names: {misses}.\n\n\
-         {}## Effects\n\n{}\n![power](power.svg)\n\n![limits](limits.svg)\n",
+         {}## Effects\n\n{}\n## What no candidate describes\n\n{}\n## Intervals\n\n{}\n![power](power.svg)\n\n![limits](limits.svg)\n",
         how(plan, outcome),
         outcome.truth_sha256,
         markdown(&headline(outcome)),
@@ -285,5 +273,7 @@ pub fn summary(plan: &Plan, outcome: &Outcome, command: &str, real: &[Found]) ->
             format!("## Real recordings\n\n{}\n", markdown(&recordings(real)))
         },
         markdown(&effects(outcome)),
+        markdown(&unknown(outcome)),
+        markdown(&intervals(outcome)),
     )
 }

@@ -13,6 +13,7 @@ use super::case::{Case, Files};
 use super::plan::Plan;
 use super::said::Said;
 use super::seal::{Sealed, Truth};
+use super::workers::side_by_side;
 use crate::diagnosis::verdict::Verdict;
 use crate::diagnosis::{self, model};
 use crate::error::{Error, Result};
@@ -128,25 +129,22 @@ pub fn run(
     let bar = progress::bar("blind verdicts", cases.len() as u64);
     bar.set_position((cases.len() - open.len()) as u64);
     bar.reset_eta();
-    let fresh: Vec<Option<(usize, Said)>> = open
-        .par_iter()
-        .map(|case| {
-            if progress::interrupted() {
-                return Ok(None);
-            }
-            let said = ask(case, subject)?;
-            // A diagnosis that stopped because of Ctrl-C is no verdict.
-            if progress::interrupted() && said.outcome == "error" {
-                return Ok(None);
-            }
-            let line = Done { seal: sealed.sha256.clone(), number: case.number, said };
-            if let (Ok(text), Ok(mut file)) = (serde_json::to_string(&line), file.lock()) {
-                writeln!(file, "{text}").map_err(|e| Error::io("write", state, &e))?;
-            }
-            bar.inc(1);
-            Ok(Some((line.number, line.said)))
-        })
-        .collect::<Result<_>>()?;
+    let fresh: Vec<Option<(usize, Said)>> = side_by_side(&open, |case| {
+        if progress::interrupted() {
+            return Ok(None);
+        }
+        let said = ask(case, subject)?;
+        // A diagnosis that stopped because of Ctrl-C is no verdict.
+        if progress::interrupted() && said.outcome == "error" {
+            return Ok(None);
+        }
+        let line = Done { seal: sealed.sha256.clone(), number: case.number, said };
+        if let (Ok(text), Ok(mut file)) = (serde_json::to_string(&line), file.lock()) {
+            writeln!(file, "{text}").map_err(|e| Error::io("write", state, &e))?;
+        }
+        bar.inc(1);
+        Ok(Some((line.number, line.said)))
+    })?;
     bar.finish_and_clear();
     done.extend(fresh.into_iter().flatten());
     if done.len() < cases.len() {

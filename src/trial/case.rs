@@ -25,7 +25,7 @@ pub enum Family {
     SingleFivePercent,
     /// Two effects of similar size.
     Pair,
-    /// Physics that no candidate describes.
+    /// Driven, physics that no candidate describes.
     UnknownPhysics,
     /// Smaller than the noise.
     UnderTheNoise,
@@ -49,15 +49,19 @@ pub enum Family {
     StillPlanted,
     /// At rest, temperature acts and its column is withheld.
     WithheldColumn,
+    /// At rest, something that no candidate describes.
+    StillUnknown,
     /// Turned by hand, nothing planted.
     TurnedNull,
     /// Turned by hand, one fault.
     TurnedPlanted,
+    /// Turned by hand, something that no candidate describes.
+    TurnedUnknown,
 }
 
 impl Family {
     /// Every family, in the order of the report.
-    pub const ALL: [Family; 19] = [
+    pub const ALL: [Family; 21] = [
         Self::Null,
         Self::ForceNoiseOnly,
         Self::SingleOnePercent,
@@ -75,8 +79,10 @@ impl Family {
         Self::StillNull,
         Self::StillPlanted,
         Self::WithheldColumn,
+        Self::StillUnknown,
         Self::TurnedNull,
         Self::TurnedPlanted,
+        Self::TurnedUnknown,
     ];
 
     /// The row's name.
@@ -87,7 +93,7 @@ impl Family {
             Self::SingleOnePercent => "one effect, 1 % of the output",
             Self::SingleFivePercent => "one effect, 5 % of the output",
             Self::Pair => "two effects",
-            Self::UnknownPhysics => "unknown physics",
+            Self::UnknownPhysics => "driven, unknown physics",
             Self::UnderTheNoise => "under the noise",
             Self::AbsorbedByBase => "absorbed by base parameters",
             Self::AmplitudesNotRecorded => "amplitudes not in the recording",
@@ -99,8 +105,10 @@ impl Family {
             Self::StillNull => "at rest, nothing planted",
             Self::StillPlanted => "at rest, one process",
             Self::WithheldColumn => "at rest, temperature withheld",
+            Self::StillUnknown => "at rest, unknown physics",
             Self::TurnedNull => "turned by hand, nothing planted",
             Self::TurnedPlanted => "turned by hand, one fault",
+            Self::TurnedUnknown => "turned by hand, unknown physics",
         }
     }
 }
@@ -163,10 +171,18 @@ impl Case {
 
     /// Whether the library has a candidate for everything planted.
     pub fn in_library(&self) -> bool {
-        match &self.body {
-            Body::Driven(d) => d.planted.iter().all(|p| p.term.physics.in_library()),
-            Body::Still(_) | Body::Turned(_) => true,
-        }
+        self.foreign_words().is_empty()
+    }
+
+    /// What is planted that no candidate describes, in words.
+    pub fn foreign_words(&self) -> Vec<&'static str> {
+        let mut words: Vec<&str> = match &self.body {
+            Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.foreign_words()).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| p.slow.foreign_words()).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| p.fault.foreign_words()).collect(),
+        };
+        words.retain(|w| !w.is_empty());
+        words
     }
 
     /// Visible size of each effect over the noise, with its id.

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::equation::Oscillator;
 use super::excitation::Excitation;
 use super::physics::{DEGREES, Physics, Scales, Term};
-use super::proof_mass::{self, Clock, Oscillator};
+use super::proof_mass::{self, Clock};
 use super::readout::{self, Noise, Tap};
 use super::refit;
 

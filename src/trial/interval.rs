@@ -48,43 +48,29 @@ pub struct Curve {
     pub slope: f64,
 }
 
+/// The most probable detection curve and all that are not refuted at 95 %.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Power {
+    /// Most probable.
+    pub best: Curve,
+    /// Within 1.92 of its log-likelihood: half the 95 % quantile of chi-square with one degree of freedom.
+    likely: Vec<Curve>,
+}
+
 impl Curve {
-    /// Most probable curve for (size, noticed) pairs; the slope is held near 3 by a log-normal prior of one unit, because
-    /// few cases per effect cannot tell it. None when nothing, or everything, was noticed: there is no limit in range.
-    pub fn fit(cases: &[(f64, bool)]) -> Option<Self> {
-        let noticed = cases.iter().filter(|c| c.1).count();
-        if noticed == 0 || noticed == cases.len() {
-            return None;
-        }
-        let score = |middle: f64, slope: f64| -> f64 {
-            let fit: f64 = cases
-                .iter()
-                .map(|(size, hit)| {
-                    let x = slope * (size.ln() - middle);
-                    // ln of the logistic function, without overflow.
-                    let toward = if *hit { -x } else { x };
-                    -(toward.max(0.0) + (-toward.abs()).exp().ln_1p())
-                })
-                .sum();
-            fit - 0.5 * (slope / 3.0).ln().powi(2)
-        };
-        let sizes = || cases.iter().map(|c| c.0.ln());
-        let (low, high) =
-            (sizes().fold(f64::INFINITY, f64::min) - 1.0, sizes().fold(f64::NEG_INFINITY, f64::max) + 1.0);
-        let mut best = (f64::NEG_INFINITY, Self { middle: low, slope: 3.0 });
-        for i in 0..=200 {
-            for j in 0..=40 {
-                let curve = Self {
-                    middle: low + (high - low) * f64::from(i) / 200.0,
-                    slope: 0.5 * 24f64.powf(f64::from(j) / 40.0),
-                };
-                let value = score(curve.middle, curve.slope);
-                if value > best.0 {
-                    best = (value, curve);
-                }
-            }
-        }
-        Some(best.1)
+    /// Log-probability of (size, noticed) pairs; the slope is held near 3 by a log-normal prior of one unit, because few
+    /// cases per effect cannot tell it.
+    fn score(self, cases: &[(f64, bool)]) -> f64 {
+        let fit: f64 = cases
+            .iter()
+            .map(|(size, hit)| {
+                let x = self.slope * (size.ln() - self.middle);
+                // ln of the logistic function, without overflow.
+                let toward = if *hit { -x } else { x };
+                -(toward.max(0.0) + (-toward.abs()).exp().ln_1p())
+            })
+            .sum();
+        fit - 0.5 * (self.slope / 3.0).ln().powi(2)
     }
 
     /// Size found with this power.
@@ -95,6 +81,41 @@ impl Curve {
     /// Power at a size.
     pub fn power_at(&self, size: f64) -> f64 {
         1.0 / (1.0 + (-self.slope * (size.ln() - self.middle)).exp())
+    }
+}
+
+impl Power {
+    /// Fits curves on a grid. None when nothing, or everything, was noticed: there is no limit in range.
+    pub fn fit(cases: &[(f64, bool)]) -> Option<Self> {
+        let noticed = cases.iter().filter(|c| c.1).count();
+        if noticed == 0 || noticed == cases.len() {
+            return None;
+        }
+        let sizes = || cases.iter().map(|c| c.0.ln());
+        let (low, high) =
+            (sizes().fold(f64::INFINITY, f64::min) - 1.0, sizes().fold(f64::NEG_INFINITY, f64::max) + 1.0);
+        let middles = (0..=120).map(|i| low + (high - low) * f64::from(i) / 120.0);
+        let curves = middles
+            .flat_map(|middle| (0..=30).map(move |j| Curve { middle, slope: 0.5 * 24f64.powf(f64::from(j) / 30.0) }));
+        let scored: Vec<(f64, Curve)> = curves.map(|curve| (curve.score(cases), curve)).collect();
+        let (top, best) = *scored.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let likely = scored.into_iter().filter(|(score, _)| top - score <= 1.92).map(|(_, curve)| curve).collect();
+        Some(Self { best, likely })
+    }
+
+    fn range(&self, of: impl Fn(&Curve) -> f64) -> [f64; 2] {
+        let values = || self.likely.iter().map(&of);
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// 95 % interval of the size found with this power.
+    pub fn size_ci95(&self, power: f64) -> [f64; 2] {
+        self.range(|curve| curve.size_at(power))
+    }
+
+    /// 95 % interval of the power at a size.
+    pub fn power_ci95(&self, size: f64) -> [f64; 2] {
+        self.range(|curve| curve.power_at(size))
     }
 }
 
@@ -114,8 +135,10 @@ mod tests {
     #[test]
     fn a_curve_finds_the_size_where_noticing_begins() {
         let cases: Vec<(f64, bool)> = (0..40).map(|k| 0.01 * 1.2f64.powi(k)).map(|s| (s, s > 0.2)).collect();
-        let limit = Curve::fit(&cases).expect("both kinds").size_at(0.9);
+        let power = Power::fit(&cases).expect("both kinds");
+        let (limit, [low, high]) = (power.best.size_at(0.9), power.size_ci95(0.9));
         assert!((0.15..0.35).contains(&limit), "{limit}");
-        assert!(Curve::fit(&[(1.0, true), (2.0, true)]).is_none());
+        assert!(low <= limit && limit <= high && high < 2.0 * low, "{low} {high}");
+        assert!(Power::fit(&[(1.0, true), (2.0, true)]).is_none());
     }
 }

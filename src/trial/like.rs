@@ -13,11 +13,12 @@ use super::case::{Body, Case, Family};
 use super::driven::Driven;
 use super::excitation::Excitation;
 use super::judge::{self, Mark};
-use super::physics::{LIBRARY, Physics, Scales};
+use super::physics::{Physics, Scales};
 use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::said::Said;
-use super::standstill::{SLOW, Slow, Still};
+use super::standstill::{Slow, Still};
+use super::workers::side_by_side;
 use crate::diagnosis::model::{self, Model};
 use crate::error::{Error, Result};
 use crate::progress;
@@ -112,17 +113,14 @@ pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subj
     };
     let cases = planted(&copy, sizes);
     let bar = progress::bar("planted copies", cases.len() as u64);
-    let said: Vec<Said> = cases
-        .par_iter()
-        .map(|case| {
-            if progress::interrupted() {
-                return Err(Error::interrupted(attempt(), "run it again, with --quick for fewer copies"));
-            }
-            let said = blind::ask(case, subject);
-            bar.inc(1);
-            said
-        })
-        .collect::<Result<_>>()?;
+    let said: Vec<Said> = side_by_side(&cases, |case| {
+        if progress::interrupted() {
+            return Err(Error::interrupted(attempt(), "run it again, with --quick for fewer copies"));
+        }
+        let said = blind::ask(case, subject);
+        bar.inc(1);
+        said
+    })?;
     bar.finish_and_clear();
     let nulls = || cases.iter().zip(&said).filter(|(case, _)| case.planted().is_empty());
     let effects = revealed(&cases, &said);
@@ -233,8 +231,8 @@ fn still_copy(data: &Recording, model: &model::Static, seed: u64) -> (Copy, f64,
 /// Copies with nothing planted, then each effect at each size.
 fn planted(copy: &Copy, sizes: &[f64]) -> Vec<Case> {
     let jobs: Vec<(usize, f64)> = match copy {
-        Copy::Driven(_) => (0..LIBRARY.len()).flat_map(|e| sizes.iter().map(move |s| (e, *s))).collect(),
-        Copy::Still(_) => (0..SLOW.len()).flat_map(|e| sizes.iter().map(move |s| (e, *s))).collect(),
+        Copy::Driven(_) => (0..Physics::LIBRARY.len()).flat_map(|e| sizes.iter().map(move |s| (e, *s))).collect(),
+        Copy::Still(_) => (0..Slow::LIBRARY.len()).flat_map(|e| sizes.iter().map(move |s| (e, *s))).collect(),
     };
     let nulls = sizes.len();
     let bar = progress::bar("planting effects", (nulls + jobs.len()) as u64);
@@ -261,7 +259,7 @@ fn driven_body(bare: &Driven, n: u64, job: Option<(usize, f64)>) -> Option<(Fami
     let Some((effect, size)) = job else {
         return Some((Family::Null, Body::Driven(Box::new(case))));
     };
-    let physics = LIBRARY[effect];
+    let physics = Physics::LIBRARY[effect];
     let needs_input = matches!(physics, Physics::DriveNonlinearity | Physics::Feedthrough | Physics::ParasiticMode);
     if needs_input && case.excitation == Excitation::None {
         return None;
@@ -284,12 +282,12 @@ fn still_body(bare: &Still, n: u64, job: Option<(usize, f64)>) -> (Family, Body)
         return (Family::StillNull, Body::Still(Box::new(case)));
     };
     let mut rng = Philox::new(bare.seed, effect as u64, Stream::Host);
-    let size = match SLOW[effect] {
+    let size = match Slow::LIBRARY[effect] {
         Slow::WhiteNoise => 1.0 + size,
         Slow::QuantisationNoise => size * 12f64.sqrt(),
         _ => size,
     };
-    case.plant(&mut rng, SLOW[effect], size);
+    case.plant(&mut rng, Slow::LIBRARY[effect], size);
     (Family::StillPlanted, Body::Still(Box::new(case)))
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::blind::Verdicts;
 use super::case::{Case, Family};
-use super::interval::{Curve, Share};
+use super::interval::{Power, Share};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
 
@@ -41,6 +41,32 @@ pub struct Confusion {
     pub cases: usize,
 }
 
+/// One effect planted alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Planted {
+    /// Visible rms over noise rms.
+    pub size: f64,
+    /// Whether a mismatch was noticed.
+    pub noticed: bool,
+    /// Whether it was named, alone or with one other.
+    pub named: bool,
+}
+
+/// What became of one kind of physics that the library does not know.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unknown {
+    /// In words.
+    pub what: String,
+    /// Recordings.
+    pub cases: usize,
+    /// Called unexplained.
+    pub flagged: usize,
+    /// Of those, with the name of a candidate that carries part of it.
+    pub partly_named: usize,
+    /// Given a name as if that explained it.
+    pub named: usize,
+}
+
 /// Where an effect begins to be noticed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
@@ -48,16 +74,15 @@ pub struct Limit {
     pub id: String,
     /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was never, or always, noticed.
     pub effect_over_noise: Option<f64>,
+    /// 95 % interval of that size.
+    pub ci95: Option<[f64; 2]>,
     /// Smallest and largest size tried.
     pub tried: [f64; 2],
     /// Share noticed over all sizes tried.
     pub noticed: f64,
-    /// (size, noticed) of every case.
+    /// Every case.
     #[serde(skip)]
-    pub cases: Vec<(f64, bool)>,
-    /// The curve, where there is one.
-    #[serde(skip)]
-    pub curve: Option<Curve>,
+    pub cases: Vec<Planted>,
 }
 
 /// The public document.
@@ -79,6 +104,8 @@ pub struct Outcome {
     pub confusion: Vec<Confusion>,
     /// Per effect.
     pub detection_limit: Vec<Limit>,
+    /// Per kind of physics foreign to the library.
+    pub unknown: Vec<Unknown>,
     /// Median share of the removable held-out error that the named physics removed, where it was named correctly.
     pub held_out_gain: f64,
     /// Median and largest time per verdict.
@@ -169,6 +196,7 @@ impl Outcome {
             unknown_named: Share::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
             truth_sha256: truth_sha256.into(),
             detection_limit: limits,
+            unknown: unknown(&judged),
             named,
             flagged,
             coverage,
@@ -229,25 +257,43 @@ fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
     let ids: BTreeSet<String> = judged.iter().filter(single).flat_map(|j| j.case.planted()).collect();
     ids.into_iter()
         .map(|id| {
-            let cases: Vec<(f64, bool)> = judged
+            let cases: Vec<Planted> = judged
                 .iter()
                 .filter(single)
                 .filter(|j| j.case.planted()[0] == id)
-                .map(|j| (j.case.sizes_over_noise()[0].1, judge::is_detected(j.said)))
+                .map(|j| Planted {
+                    size: j.case.sizes_over_noise()[0].1,
+                    noticed: judge::is_detected(j.said),
+                    named: j.mark.is_named(),
+                })
                 // What a recording does not show at all has no size to be noticed at.
-                .filter(|(size, _)| *size > SMALLEST_SIZE)
+                .filter(|case| case.size > SMALLEST_SIZE)
                 .collect();
-            let curve = Curve::fit(&cases);
-            let sizes = || cases.iter().map(|c| c.0);
+            let power = Power::fit(&cases.iter().map(|c| (c.size, c.noticed)).collect::<Vec<_>>());
+            let sizes = || cases.iter().map(|c| c.size);
             Limit {
                 id,
-                effect_over_noise: curve.map(|c| c.size_at(0.9)),
+                effect_over_noise: power.as_ref().map(|p| p.best.size_at(0.9)),
+                ci95: power.as_ref().map(|p| p.size_ci95(0.9)),
                 tried: [sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max)],
-                noticed: Share::over(cases.iter().map(|c| c.1)).value,
-                curve,
+                noticed: Share::over(cases.iter().map(|c| c.noticed)).value,
                 cases,
             }
         })
         .filter(|limit| !limit.cases.is_empty())
         .collect()
+}
+
+fn unknown(judged: &[Judged<'_>]) -> Vec<Unknown> {
+    let mut kinds: BTreeMap<String, Unknown> = BTreeMap::new();
+    for j in judged.iter().filter(|j| !j.library) {
+        let what = j.case.foreign_words().join("; ");
+        let none = Unknown { what: what.clone(), cases: 0, flagged: 0, partly_named: 0, named: 0 };
+        let kind = kinds.entry(what).or_insert(none);
+        kind.cases += 1;
+        kind.flagged += usize::from(j.mark == Mark::Unexplained);
+        kind.partly_named += usize::from(j.mark == Mark::Unexplained && !j.said.groups.is_empty());
+        kind.named += usize::from(j.mark.is_confidently_wrong());
+    }
+    kinds.into_values().collect()
 }

@@ -1,4 +1,4 @@
-//! What can be planted in a driven recording: the library's effects and physics that no library names.
+//! What can be planted in a driven recording: the library's effects and physics that no candidate describes.
 //!
 //! A term has one dimensionless amplitude, calibrated to a visible size, and a shape drawn beforehand. The amplitude is
 //! made physical by the scales of the undisturbed motion (rms displacement σ, velocity σv, input σu, stiffness k = ω₀²,
@@ -20,116 +20,51 @@
 
 use serde::{Deserialize, Serialize};
 
-/// An effect by name. The first twenty-one are public ids of the library; the rest are foreign to it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[allow(
-    missing_docs,
-    reason = "each variant is its public id, explained in the library and in `Physics::foreign_words`"
-)]
-pub enum Physics {
-    CubicStiffness,
-    QuadraticStiffness,
-    QuadraticDamping,
-    SqueezeFilmDamping,
-    CoulombFriction,
-    Hysteresis,
-    StiffnessDrift,
-    ParasiticMode,
-    DriveNonlinearity,
-    EndStop,
-    ForceNoise,
-    ReadoutSaturation,
-    ReadoutQuantisation,
-    ReadoutDelay,
-    ReadoutLowpass,
-    ReadoutNonlinearity,
-    Feedthrough,
-    BiasDrift,
-    WarmUp,
-    BiasRandomWalk,
-    PeriodicDisturbance,
-    FractionalDamper,
-    SofteningWithHistory,
-    SlippingMount,
-    NegativeDamping,
-    BacklashSpring,
-    ParametricPumping,
-    StiffnessJump,
-    GainControl,
-    ClockWander,
-    DampingDrift,
+use super::catalogue::catalogue;
+
+catalogue! {
+    /// An effect in a driven recording.
+    Physics
+    library {
+        CubicStiffness,
+        QuadraticStiffness,
+        QuadraticDamping,
+        SqueezeFilmDamping,
+        CoulombFriction,
+        Hysteresis,
+        StiffnessDrift,
+        ParasiticMode,
+        DriveNonlinearity,
+        EndStop,
+        ForceNoise,
+        ReadoutSaturation,
+        ReadoutQuantisation,
+        ReadoutDelay,
+        ReadoutLowpass,
+        ReadoutNonlinearity,
+        Feedthrough,
+        BiasDrift,
+        WarmUp,
+        BiasRandomWalk,
+        PeriodicDisturbance,
+    }
+    foreign {
+        FractionalDamper = "a damper of fractional order, as in rubber",
+        SofteningWithHistory = "a spring that softens with the largest excursion it has seen",
+        SlippingMount = "a mount that slips above a force and creeps with every slip",
+        NegativeDamping = "negative damping near the rest position",
+        BacklashSpring = "a spring with a dead zone",
+        ParametricPumping = "a stiffness modulated by a clock",
+        StiffnessJump = "a stiffness that changes once, suddenly",
+        GainControl = "a readout gain that follows the mean amplitude",
+        ClockWander = "sampling instants that wander",
+        DampingDrift = "a damping that drifts",
+    }
 }
 
 use Physics::*;
 
-/// The driven library, in its public order.
-pub const LIBRARY: [Physics; 21] = [
-    CubicStiffness,
-    QuadraticStiffness,
-    QuadraticDamping,
-    SqueezeFilmDamping,
-    CoulombFriction,
-    Hysteresis,
-    StiffnessDrift,
-    ParasiticMode,
-    DriveNonlinearity,
-    EndStop,
-    ForceNoise,
-    ReadoutSaturation,
-    ReadoutQuantisation,
-    ReadoutDelay,
-    ReadoutLowpass,
-    ReadoutNonlinearity,
-    Feedthrough,
-    BiasDrift,
-    WarmUp,
-    BiasRandomWalk,
-    PeriodicDisturbance,
-];
-
-/// Physics that no candidate describes, unlike each other.
-pub const FOREIGN: [Physics; 10] = [
-    FractionalDamper,
-    SofteningWithHistory,
-    SlippingMount,
-    NegativeDamping,
-    BacklashSpring,
-    ParametricPumping,
-    StiffnessJump,
-    GainControl,
-    ClockWander,
-    DampingDrift,
-];
-
 impl Physics {
-    /// The public id, or a name of the same form for foreign physics.
-    pub fn id(self) -> String {
-        super::case::id_of(&self)
-    }
-
-    /// Whether the library has a candidate for it.
-    pub fn in_library(self) -> bool {
-        !FOREIGN.contains(&self)
-    }
-
-    /// What a foreign effect is, in words; empty for the library's own.
-    pub fn foreign_words(self) -> &'static str {
-        match self {
-            FractionalDamper => "a damper of fractional order, as in rubber",
-            SofteningWithHistory => "a spring that softens with the largest excursion it has seen",
-            SlippingMount => "a mount that slips above a force and creeps with every slip",
-            NegativeDamping => "negative damping near the rest position",
-            BacklashSpring => "a spring with a dead zone",
-            ParametricPumping => "a stiffness modulated by a clock",
-            StiffnessJump => "a stiffness that changes once, suddenly",
-            GainControl => "a readout gain that follows the mean amplitude",
-            ClockWander => "sampling instants that wander",
-            DampingDrift => "a damping that drifts",
-            _ => "",
-        }
-    }
-
     /// Effects that no simulation predicts sample by sample.
     pub fn is_noise(self) -> bool {
         matches!(self, ForceNoise | ReadoutQuantisation | BiasRandomWalk)

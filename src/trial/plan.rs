@@ -3,12 +3,13 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
+use super::campaign::Campaign;
 use super::case::{Body, Case, Family};
 use super::driven::Driven;
-use super::physics::{FOREIGN, LIBRARY, Physics};
+use super::physics::Physics;
 use super::plant::{self, Drive, Size, log_uniform, plant, uniform};
-use super::standstill::{SLOW, Slow, Still};
-use super::turning::{FAULTS, Turned};
+use super::standstill::{Slow, Still};
+use super::turning::{Fault, Turned};
 use crate::rng::{Philox, Stream};
 
 /// Readout noise of every planted case, relative to the rms output.
@@ -21,40 +22,16 @@ pub struct Plan {
     pub seed: u64,
     /// About how many; each family gets its share.
     pub cases: usize,
-    /// Rows per driven recording.
+    /// Rows per driven recording and per log at rest.
     pub samples: usize,
+    /// Which families, in which proportion.
+    pub campaign: Campaign,
 }
 
-/// Cases per family in a trial of [`DEFAULT_CASES`].
-fn share(family: Family) -> usize {
-    match family {
-        Family::Null => 130,
-        Family::ForceNoiseOnly => 15,
-        Family::SingleOnePercent | Family::SingleFivePercent => 42,
-        Family::Pair => 30,
-        Family::UnknownPhysics => 40,
-        Family::UnderTheNoise => 21,
-        Family::AbsorbedByBase => 20,
-        Family::AmplitudesNotRecorded => 14,
-        Family::LookAlikes => 24,
-        Family::BehindALarger => 20,
-        Family::RareInTime => 12,
-        Family::AroundTheLimit => 63,
-        Family::RingDown => 16,
-        Family::StillNull => 30,
-        Family::StillPlanted => 36,
-        Family::WithheldColumn => 12,
-        Family::TurnedNull => 12,
-        Family::TurnedPlanted => 24,
-    }
-}
-
-/// Size of the default trial.
-pub const DEFAULT_CASES: usize = 603;
-
-/// The nth effect of a family: a stride of eight visits all twenty-one, and a short trial a varied part of them.
-fn effect(nth: usize) -> Physics {
-    LIBRARY[(8 * nth) % LIBRARY.len()]
+/// The nth of a list for a family: strides visit all of it, families begin at different places, so that a short trial
+/// holds a varied part of everything.
+fn nth_of<T: Copy>(list: &[T], stride: usize, family: Family, nth: usize) -> T {
+    list[(stride * nth + 5 * family as usize) % list.len()]
 }
 
 /// Groups whose members resemble each other.
@@ -94,12 +71,17 @@ const RING_DOWN: [Physics; 5] = [
 ];
 
 impl Plan {
+    /// The short trial.
+    pub fn quick(seed: u64) -> Self {
+        Self { seed, cases: 90, samples: 4000, campaign: Campaign::Concealed }
+    }
+
     /// The families of all cases, interleaved so that any first part of a trial holds some of each.
     pub fn families(&self) -> Vec<(Family, usize)> {
-        let total: usize = Family::ALL.iter().map(|f| share(*f)).sum();
         let mut all: Vec<(f64, Family, usize)> = Vec::new();
         for family in Family::ALL {
-            let count = ((share(family) * self.cases) as f64 / total as f64).round().max(1.0) as usize;
+            let share = self.campaign.share(family);
+            let count = (share * self.cases).div_ceil(self.campaign.size().max(1));
             all.extend((0..count).map(|k| ((k as f64 + 0.5) / count as f64, family, k)));
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -109,16 +91,23 @@ impl Plan {
     /// Draws the case with this number, `nth` of its family.
     pub fn draw(&self, number: usize, family: Family, nth: usize) -> Case {
         let body = match family {
-            Family::StillNull | Family::StillPlanted | Family::WithheldColumn => {
+            Family::StillNull | Family::StillPlanted | Family::WithheldColumn | Family::StillUnknown => {
                 let mut rng = Philox::new(self.seed, number as u64, Stream::Host);
                 Body::Still(Box::new(self.still(&mut rng, family, nth)))
             }
-            Family::TurnedNull | Family::TurnedPlanted => {
+            Family::TurnedNull | Family::TurnedPlanted | Family::TurnedUnknown => {
                 let mut rng = Philox::new(self.seed, number as u64, Stream::Host);
                 let mut case = Turned::bare(&mut rng);
-                let size = log_uniform(&mut rng, 0.1, 3.0);
-                if family == Family::TurnedPlanted {
-                    case.plant(&mut rng, FAULTS[nth % FAULTS.len()], size);
+                match family {
+                    Family::TurnedPlanted => {
+                        let size = log_uniform(&mut rng, 0.1, 3.0);
+                        case.plant(&mut rng, nth_of(Fault::LIBRARY, 1, family, nth), size);
+                    }
+                    Family::TurnedUnknown => {
+                        let size = log_uniform(&mut rng, 0.5, 5.0);
+                        case.plant(&mut rng, nth_of(Fault::FOREIGN, 1, family, nth), size);
+                    }
+                    _ => {}
                 }
                 Body::Turned(Box::new(case))
             }
@@ -145,7 +134,7 @@ impl Plan {
         let size = log_uniform(rng, 0.2, 3.0);
         match family {
             Family::StillPlanted => {
-                let slow = SLOW[(4 * nth) % SLOW.len()];
+                let slow = nth_of(Slow::LIBRARY, 4, family, nth);
                 let size = match slow {
                     // A level is a factor, a step is coarser than the noise.
                     Slow::WhiteNoise => uniform(rng, 1.15, 3.0),
@@ -156,6 +145,10 @@ impl Plan {
                 case.plant(rng, slow, size);
             }
             Family::WithheldColumn => case.plant(rng, Slow::TemperatureSensitivity, size),
+            Family::StillUnknown => {
+                let size = log_uniform(rng, 0.5, 3.0);
+                case.plant(rng, nth_of(Slow::FOREIGN, 1, family, nth), size);
+            }
             _ => {}
         }
         case
@@ -167,7 +160,8 @@ impl Plan {
             let shape = plant::shape(rng, physics, case);
             plant(case, physics, shape, size)
         };
-        let library = |rng: &mut Philox| LIBRARY[rng.random_range(0..LIBRARY.len())];
+        let library = |rng: &mut Philox| Physics::LIBRARY[rng.random_range(0..Physics::LIBRARY.len())];
+        let effect = |nth: usize| nth_of(Physics::LIBRARY, 8, family, nth);
         let mut case = match family {
             Family::Null => {
                 let noise = log_uniform(rng, 0.002, 0.02);
@@ -194,7 +188,7 @@ impl Plan {
             }
             Family::UnknownPhysics => {
                 let size = log_uniform(rng, 0.02, 0.1);
-                add(&mut case, rng, FOREIGN[(7 * nth) % FOREIGN.len()], Size::Visible(size))
+                add(&mut case, rng, nth_of(Physics::FOREIGN, 7, family, nth), Size::Visible(size))
             }
             Family::Pair | Family::BehindALarger => {
                 let first = library(rng);
@@ -241,17 +235,14 @@ mod tests {
 
     #[test]
     fn a_trial_holds_every_family_and_a_case_follows_from_its_number() {
-        let plan = Plan { seed: 5, cases: 60, samples: 1000 };
+        let plan = Plan { seed: 5, cases: 60, samples: 1000, campaign: Campaign::Concealed };
         let families = plan.families();
         assert!(Family::ALL.iter().all(|f| families.iter().any(|(g, _)| f == g)));
         for (number, (family, nth)) in families.iter().enumerate().take(12) {
             let case = plan.draw(number, *family, *nth);
             assert_eq!(case, plan.draw(number, *family, *nth));
         }
-        assert_eq!(share_sum(), DEFAULT_CASES);
-    }
-
-    fn share_sum() -> usize {
-        Family::ALL.iter().map(|f| share(*f)).sum()
+        let full = Plan { cases: Campaign::Planted.size(), campaign: Campaign::Planted, ..plan };
+        assert_eq!(full.families().len(), full.cases);
     }
 }

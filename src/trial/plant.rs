@@ -219,11 +219,10 @@ fn remeasure(case: &mut Driven) {
 mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
-    use crate::trial::physics::{FOREIGN, LIBRARY};
 
     #[test]
     fn every_effect_reaches_the_size_asked() {
-        for (n, physics) in LIBRARY.into_iter().chain(FOREIGN).enumerate() {
+        for (n, &physics) in Physics::LIBRARY.iter().chain(Physics::FOREIGN).enumerate() {
             let mut rng = Philox::new(11, n as u64, Stream::Host);
             let reached = (0..6).any(|_| {
                 let mut case = bare(&mut rng, Drive::Any, 1500, 0.002);

@@ -83,12 +83,13 @@ impl Sealed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trial::campaign::Campaign;
 
     #[test]
     fn a_changed_truth_is_refused_and_an_untouched_one_comes_back_whole() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("truth.json");
-        let plan = Plan { seed: 1, cases: 17, samples: 400 };
+        let plan = Plan { seed: 1, cases: 17, samples: 400, campaign: Campaign::Concealed };
         let cases = vec![plan.draw(0, crate::trial::case::Family::Null, 0)];
         let truth = Truth::new(plan, cases);
         let sealed = truth.seal(&path).expect("written");

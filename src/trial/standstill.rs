@@ -9,54 +9,35 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::catalogue::catalogue;
 use super::plant::{log_uniform, sign, uniform};
 use crate::rng::{Philox, Stream};
 
-/// What can be planted at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Slow {
-    /// The white level differs from the datasheet's.
-    WhiteNoise,
-    /// Readings rounded to a step.
-    QuantisationNoise,
-    /// 1/f.
-    FlickerNoise,
-    /// A running sum of white noise.
-    RandomWalk,
-    /// A straight line in time.
-    RateRamp,
-    /// First-order coloured noise.
-    GaussMarkov,
-    /// A pickup.
-    Sinusoid,
-    /// An exponential settling.
-    WarmUp,
-    /// All channels follow a temperature.
-    TemperatureSensitivity,
+catalogue! {
+    /// What can be planted at rest: white level off the datasheet's, rounding, 1/f, a running sum of white noise, a straight
+    /// line, first-order coloured noise, a pickup, an exponential settling, all channels following a temperature.
+    Slow
+    library {
+        WhiteNoise,
+        QuantisationNoise,
+        FlickerNoise,
+        RandomWalk,
+        RateRamp,
+        GaussMarkov,
+        Sinusoid,
+        WarmUp,
+        TemperatureSensitivity,
+    }
+    foreign {
+        BurstNoise = "a bias that jumps between two levels now and then (popcorn noise)",
+        BiasJump = "a bias that changes once, suddenly",
+        SparseSpikes = "rare single readings far off",
+        SweptPickup = "a pickup whose frequency runs through the band",
+        GrowingNoise = "a white noise that grows during the recording",
+    }
 }
 
 use Slow::*;
-
-/// All of them.
-pub const SLOW: [Slow; 9] = [
-    WhiteNoise,
-    QuantisationNoise,
-    FlickerNoise,
-    RandomWalk,
-    RateRamp,
-    GaussMarkov,
-    Sinusoid,
-    WarmUp,
-    TemperatureSensitivity,
-];
-
-impl Slow {
-    /// The public id.
-    pub fn id(self) -> String {
-        super::case::id_of(&self)
-    }
-}
 
 /// A planted process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,7 +47,8 @@ pub struct Process {
     /// rms about its mean over the white noise; the step over the white noise for quantisation; the factor on the
     /// promised level for white noise.
     pub size: f64,
-    /// Time constant in s (Gauss–Markov, warm-up) or frequency in Hz (sinusoid); else unused.
+    /// Time constant in s (Gauss–Markov, warm-up), mean dwell in s (burst), frequency in Hz (sinusoid; the lowest of a sweep),
+    /// instant in s (jump); else unused.
     pub scale: f64,
     /// Signed share per channel; zero where a channel is untouched.
     pub channels: [f64; 3],
@@ -162,6 +144,9 @@ impl Still {
             GaussMarkov => log_uniform(rng, 30.0, 1000.0) / self.rate_hz,
             WarmUp => duration_s * log_uniform(rng, 0.03, 0.3),
             Sinusoid => self.rate_hz * log_uniform(rng, 1e-3, 0.4),
+            BurstNoise => duration_s / uniform(rng, 5.0, 20.0),
+            BiasJump => duration_s * uniform(rng, 0.25, 0.75),
+            SweptPickup => self.rate_hz * log_uniform(rng, 1e-3, 0.1),
             _ => 0.0,
         };
         let everywhere = matches!(slow, TemperatureSensitivity | WhiteNoise | QuantisationNoise);
@@ -222,11 +207,40 @@ impl Still {
             }
             WarmUp => (0..n).map(|i| (-(i as f64) / (process.scale * self.rate_hz)).exp()).collect(),
             TemperatureSensitivity => temperature.to_vec(),
+            BurstNoise | BiasJump | SparseSpikes | SweptPickup | GrowingNoise => self.strange(process, &mut rng),
         };
         normalise(&mut values);
         let strength = process.size * process.channels[channel];
         values.iter_mut().for_each(|v| *v *= strength);
         values
+    }
+
+    /// Processes that no candidate describes.
+    fn strange(&self, process: &Process, rng: &mut Philox) -> Vec<f64> {
+        let n = self.samples;
+        let place = process.scale * self.rate_hz;
+        let mut level = 1.0;
+        let mut phase = TAU * rng.random::<f64>();
+        (0..n)
+            .map(|i| match process.slow {
+                BurstNoise => {
+                    // Memoryless: the dwell at either level is exponential.
+                    if rng.random::<f64>() < 1.0 / place {
+                        level = -level;
+                    }
+                    level
+                }
+                BiasJump => f64::from(u8::from(i as f64 > place)),
+                SparseSpikes if rng.random::<f64>() < 0.003 => sign(rng) * uniform(rng, 0.5, 1.0),
+                SweptPickup => {
+                    let frequency = process.scale * (1.0 + 3.0 * i as f64 / n as f64);
+                    phase += TAU * frequency / self.rate_hz;
+                    phase.sin()
+                }
+                GrowingNoise => i as f64 / n as f64 * gaussian(rng),
+                _ => 0.0,
+            })
+            .collect()
     }
 
     /// One-sided density that the model promises, unit/√Hz.
@@ -318,7 +332,7 @@ mod tests {
     #[test]
     fn a_process_has_the_size_asked() {
         let mut rng = Philox::new(9, 0, Stream::Host);
-        for slow in SLOW {
+        for &slow in Slow::LIBRARY.iter().chain(Slow::FOREIGN) {
             let bare = Still::bare(&mut rng, 4000);
             let mut with = bare.clone();
             with.plant(&mut rng, slow, 2.0);

@@ -7,6 +7,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::catalogue::catalogue;
 use super::plant::{log_uniform, sign, uniform};
 use crate::rng::{Philox, Stream};
 
@@ -15,33 +16,27 @@ pub const GRAVITY_M_S2: f64 = 9.81;
 /// The earth's rate, rad/s.
 const EARTH_RAD_S: f64 = 7.292e-5;
 
-/// What can be planted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fault {
-    /// Axes of one sensor differ in scale.
-    ScaleFactor,
-    /// Axes are not orthogonal, or the gyro's do not lie along the accelerometer's.
-    Misalignment,
-    /// The gyro follows specific force.
-    GSensitivity,
-    /// The accelerometer's scale bends.
-    ScaleNonlinearity,
-    /// Offsets follow a slow temperature, given as a column.
-    TemperatureSensitivity,
-    /// The earth turns below.
-    EarthRate,
+catalogue! {
+    /// What can be planted in an IMU that is turned: axes that differ in scale or are not orthogonal (or not the
+    /// accelerometer's), a gyro that follows specific force, an accelerometer scale that bends, offsets that follow a
+    /// temperature given as a column, the earth's turning.
+    Fault
+    library {
+        ScaleFactor,
+        Misalignment,
+        GSensitivity,
+        ScaleNonlinearity,
+        TemperatureSensitivity,
+        EarthRate,
+    }
+    foreign {
+        PoseHysteresis = "an accelerometer offset that remembers from which side each axis came",
+        CrossAxisNonlinearity = "an accelerometer axis that follows the product of the two others",
+        StickyAxis = "accelerometer axes that stick near zero",
+        BiasJump = "an accelerometer offset that changes once, suddenly",
+        SquareGSensitivity = "a gyro that follows the square of the specific force",
+    }
 }
-
-/// All of them.
-pub const FAULTS: [Fault; 6] = [
-    Fault::ScaleFactor,
-    Fault::Misalignment,
-    Fault::GSensitivity,
-    Fault::ScaleNonlinearity,
-    Fault::TemperatureSensitivity,
-    Fault::EarthRate,
-];
 
 /// A planted fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -91,7 +86,14 @@ struct Instant {
     /// Body to world.
     attitude: Rotation3<f64>,
     temperature: f64,
+    /// Share of the recording that has passed.
+    progress: f64,
+    /// ±1 per axis: the side from which gravity's share in it came to this pose.
+    came_from: Vector3<f64>,
 }
+
+/// Specific force below which an axis sticks, m/s².
+const STICK_M_S2: f64 = 1.5;
 
 /// Progress of a turn and its slope: the minimum-jerk profile.
 fn minimum_jerk(s: f64) -> (f64, f64) {
@@ -118,9 +120,9 @@ impl Turned {
     /// Plants a fault of the size asked; see [`Planted::visible`]. The earth's rate is what it is.
     pub fn plant(&mut self, rng: &mut impl Rng, fault: Fault, size: f64) {
         let in_gyro = match fault {
-            Fault::GSensitivity | Fault::EarthRate => true,
-            Fault::ScaleNonlinearity => false,
-            _ => rng.random::<bool>(),
+            Fault::GSensitivity | Fault::EarthRate | Fault::SquareGSensitivity => true,
+            Fault::ScaleFactor | Fault::Misalignment | Fault::TemperatureSensitivity => rng.random::<bool>(),
+            _ => false,
         };
         let mut values = [[0.0; 3]; 3];
         for (i, row) in values.iter_mut().enumerate() {
@@ -136,8 +138,8 @@ impl Turned {
                         }
                     }
                     Fault::GSensitivity => true,
-                    Fault::ScaleNonlinearity | Fault::TemperatureSensitivity => i == 0,
                     Fault::EarthRate => false,
+                    _ => i == 0,
                 };
                 *value = if used { sign(rng) * uniform(rng, 0.4, 1.0) } else { 0.0 };
             }
@@ -146,8 +148,9 @@ impl Turned {
             // North and up at some latitude.
             let latitude = uniform(rng, 0.3, 1.2);
             values[0] = [EARTH_RAD_S * latitude.cos(), 0.0, EARTH_RAD_S * latitude.sin()];
-            // Only a good gyro sees it.
+            // Only a good gyro sees it, and a good one counts finely enough to show its own noise.
             self.noise[1] = log_uniform(rng, 2e-5, 2e-4);
+            self.scale[1] = uniform(rng, 2.0, 20.0) / self.noise[1];
         }
         let mut planted = Planted { fault, in_gyro, values, visible: 0.0 };
         planted.visible = self.visible(&planted);
@@ -167,6 +170,7 @@ impl Turned {
             move || -> f64 { StandardNormal.sample(&mut own) }
         };
         let mut attitude = Rotation3::identity();
+        let mut came_from = Vector3::repeat(1.0);
         let mut instants = Vec::new();
         for pose in 0..self.poses {
             let still_s = if pose == 0 { 12.0 } else { uniform(&mut rng, 2.0, 4.0) };
@@ -176,6 +180,9 @@ impl Turned {
             let shove = Vector3::from_fn(|_, _| 0.6 * normal());
             let last = pose + 1 == self.poses;
             let count = ((still_s + if last { 0.0 } else { turn_s }) * self.rate_hz).round() as usize;
+            let next = attitude * Rotation3::from_axis_angle(&axis, angle);
+            let down = |attitude: &Rotation3<f64>| attitude.inverse() * Vector3::z();
+            let goes = (down(&next) - down(&attitude)).map(f64::signum);
             for n in 0..count {
                 let s = ((n as f64 / self.rate_hz - still_s) / turn_s).clamp(0.0, 1.0);
                 let (progress, slope) = minimum_jerk(s);
@@ -187,15 +194,16 @@ impl Turned {
                     rate: axis.into_inner() * (angle * slope / turn_s),
                     attitude: here,
                     temperature: 0.0,
+                    progress: 0.0,
+                    came_from: if s < 0.5 { came_from } else { goes },
                 });
             }
-            if !last {
-                attitude *= Rotation3::from_axis_angle(&axis, angle);
-            }
+            (attitude, came_from) = (next, goes);
         }
         let total = instants.len() as f64;
         for (n, instant) in instants.iter_mut().enumerate() {
             let t = n as f64 / total;
+            instant.progress = t;
             instant.temperature = (1.7 * std::f64::consts::PI * t).sin() + t;
         }
         instants
@@ -212,6 +220,14 @@ impl Turned {
             Fault::ScaleNonlinearity => row.component_mul(&sensed.component_mul(&sensed)),
             Fault::TemperatureSensitivity => row * at.temperature,
             Fault::EarthRate => at.attitude.inverse() * row,
+            Fault::PoseHysteresis => row.component_mul(&at.came_from),
+            Fault::CrossAxisNonlinearity => {
+                let f = at.force;
+                row.component_mul(&Vector3::new(f.y * f.z, f.z * f.x, f.x * f.y))
+            }
+            Fault::StickyAxis => row.component_mul(&at.force.map(|f| -f * (-(f / STICK_M_S2).powi(2)).exp())),
+            Fault::BiasJump => row * f64::from(u8::from(at.progress > 0.55)),
+            Fault::SquareGSensitivity => row.component_mul(&at.force.component_mul(&at.force)),
         };
         if planted.in_gyro { [Vector3::zeros(), extra] } else { [extra, Vector3::zeros()] }
     }
@@ -299,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_fault_has_the_size_asked_and_a_common_scale_is_none() {
-        for fault in FAULTS {
+        for &fault in Fault::LIBRARY.iter().chain(Fault::FOREIGN) {
             let mut rng = Philox::new(2, fault as u64, Stream::Host);
             let mut case = Turned::bare(&mut rng);
             case.plant(&mut rng, fault, 0.5);

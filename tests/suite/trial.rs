@@ -9,9 +9,10 @@ use proofmass::diagnosis::candidate::Kind;
 use proofmass::diagnosis::verdict::{self, Verdict};
 use proofmass::rng::{Philox, Stream};
 use proofmass::trial::blind::{self, Verdicts};
+use proofmass::trial::campaign::Campaign;
 use proofmass::trial::case::{Case, Family, Files};
 use proofmass::trial::outcome::Outcome;
-use proofmass::trial::physics::LIBRARY;
+use proofmass::trial::physics::Physics;
 use proofmass::trial::plan::Plan;
 use proofmass::trial::said::Said;
 use rand::RngExt;
@@ -28,7 +29,7 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-const PLAN: Plan = Plan { seed: 3, cases: 60, samples: 600 };
+const PLAN: Plan = Plan { seed: 3, cases: 60, samples: 600, campaign: Campaign::Concealed };
 
 fn cases() -> Vec<Case> {
     PLAN.families().into_iter().enumerate().map(|(n, (family, nth))| PLAN.draw(n, family, nth)).collect()
@@ -122,7 +123,8 @@ fn controls() -> Result<(), Failed> {
 
     // Negative control: a name drawn at random is right one time in 21 and alarms at every null.
     let mut rng = Philox::new(1, 0, Stream::Host);
-    let mut coin = |_: &Case| said("explained", vec![vec![LIBRARY[rng.random_range(0..LIBRARY.len())].id()]]);
+    let mut coin =
+        |_: &Case| said("explained", vec![vec![Physics::LIBRARY[rng.random_range(0..Physics::LIBRARY.len())].id()]]);
     let worst = Outcome::of(&cases, &verdicts(&mut coin), "seal");
     check(worst.named_correctly < 0.25, format!("a coin is right {} of the time", worst.named_correctly))?;
     near("false alarms of the coin", worst.false_alarm_rate.value, 1.0, 0.0)?;
@@ -177,7 +179,7 @@ fn adequate(files: &Files) -> Verdict {
 
 fn resume() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    let plan = Plan { seed: 8, cases: 17, samples: 500 };
+    let plan = Plan { seed: 8, cases: 17, samples: 500, campaign: Campaign::Concealed };
     let (sealed, cases) = blind::prepare(plan, folder.path())?;
     let state = folder.path().join("verdicts.jsonl");
     let asked = AtomicUsize::new(0);
