@@ -175,7 +175,7 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
     format!(
         "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output (nulls 0.2 to 2 %). Sizes are the rms \
          that the best refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was \
-         planted, or says `undecidable` and lists it with at most one other. An effect without a detection limit in range \
+         planted, or says “undecidable” and lists it with at most one other. An effect without a detection limit in range \
          counts as above it from {FALLBACK_LIMIT} × noise.",
         outcome.cases, plan.seed, plan.samples
     )

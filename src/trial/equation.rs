@@ -96,9 +96,7 @@ impl<'a> Machine<'a> {
                 Physics::QuadraticDamping => total -= value * v.abs() * v,
                 Physics::SqueezeFilmDamping => total -= value * x * x * v,
                 Physics::Hysteresis => total -= value * s[HYSTERESIS],
-                Physics::StiffnessDrift if q == 0.0 => {
-                    total -= k * value * (now.t_s - self.scales.duration_s / 2.0) * x
-                }
+                Physics::StiffnessDrift if q == 0.0 => total -= k * value * now.t_s * x,
                 Physics::StiffnessDrift => total -= k * p * a * now.environment * x,
                 Physics::DriveNonlinearity => input += value * now.input * now.input,
                 Physics::EndStop => {

@@ -9,7 +9,7 @@
 //! | cubic, quadratic stiffness | β = ±a k/σ², α = ±a k/σ | sign |
 //! | quadratic, squeeze-film damping, Coulomb friction | a c/σv, a c/σ², a c σv | |
 //! | hysteresis (Bouc–Wen, n = 1) | stiffness a k | yield/σ, share of β in β + γ |
-//! | stiffness drift | k(1 ± a (t − T/2)/T), or k(1 ± a × environment) | sign, 1 for the column |
+//! | stiffness drift | k(1 ± a t/T), or k(1 ± a × environment) | sign, 1 for the column |
 //! | parasitic mode | static gain a of the first's, with the ratio's sign | ± frequency ratio, damping ratio |
 //! | drive nonlinearity | u ± a u²/σu | sign |
 //! | end stop, saturation | at peak/(1 + a) | stiffness/k (stop only), side −1 0 1 |
