@@ -1,19 +1,30 @@
 //! How fast this machine does the tool's work, beside what it could do at most and what a plain loop does.
 //!
-//! Rates are member-steps per second of wall time, the fastest of repeated runs, all in one process: on a machine that
-//! does other things too, that is the run least disturbed, and only ratios within one process mean anything. Not for correctness: `validation` has that.
+//! Rates are per second of wall time, the fastest of repeated runs, all in one process: on a machine that does other things
+//! too, that is the run least disturbed, and only ratios within one process mean anything. Not for correctness:
+//! `validation` has that.
 
 use std::time::Instant;
 
 use crate::backend::cpu::{Cpu, Precision};
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::peak::multiply_adds;
+use crate::backend::orbits::{Device, explore_on};
 use crate::backend::{Backend, Batch};
 use crate::error::Result;
 use crate::kernel::cpu::lanes::Level;
 use crate::kernel::job::Job;
+use crate::numerics::elementary::Real;
 use crate::progress;
 
+pub mod diffusion;
 pub mod duffing;
+pub mod lorenz;
+pub mod operations;
 pub mod peak;
+pub mod peers;
+pub mod prediction;
+pub mod published;
 pub mod scalar;
 pub mod work;
 
@@ -34,13 +45,41 @@ pub struct Row {
     pub per_second: f64,
     /// What a unit is.
     pub unit: String,
-    /// Share of the machine's multiply-add peak, where instructions were counted.
+    /// Vector instructions per unit, where they were counted.
+    pub instructions: Option<f64>,
+    /// Bytes to and from memory per unit, where they were counted.
+    pub bytes: Option<f64>,
+    /// Share of the machine's multiply-add peak that these instructions take.
     pub share_of_peak: Option<f64>,
 }
 
-/// Runs until half a second and three runs have passed; the shortest time of one. The first run is not counted.
+/// Name of the rows that all shares refer to.
+pub const PEAK: &str = "multiply-add peak";
+/// Name of a row that has a published counterpart.
+pub const LORENZ: &str = "Lorenz, 1000 Runge-Kutta steps";
+/// Name of a row that has a published counterpart.
+pub const DIFFUSION: &str = "three states, 256 Euler-Maruyama steps";
+/// Name of the rows of ensembles by the full path.
+pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";
+const MAP: &str = "Lyapunov map: orbit and tangent by Runge-Kutta";
+const STEPS: &str = "member-steps";
+
+impl Row {
+    fn counted(mut self, instructions: f64) -> Self {
+        self.instructions = Some(instructions);
+        self
+    }
+}
+
+/// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
+/// A short first run is not counted.
 fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
+    let begun = Instant::now();
     run()?;
+    let first = begun.elapsed().as_secs_f64();
+    if first > 3.0 {
+        return Ok(first);
+    }
     let (begun, mut shortest, mut runs) = (Instant::now(), f64::INFINITY, 0);
     while runs < 3 || begun.elapsed().as_secs_f64() < 0.5 {
         let one = Instant::now();
@@ -71,56 +110,82 @@ fn row(
         seconds,
         per_second: units / seconds,
         unit: unit.to_owned(),
+        instructions: None,
+        bytes: None,
         share_of_peak: None,
     })
 }
 
-const STEPS: &str = "member-steps";
+/// A row of work that cannot fail.
+fn timed<O>(work: &str, precision: &str, members: usize, units: f64, run: impl Fn() -> O) -> Result<Row> {
+    row(work, precision, members as u64, units, STEPS, || {
+        std::hint::black_box(run());
+        Ok(())
+    })
+}
 
-/// The machine's peak and the work unit that other tools are measured on, in one precision.
-///
-/// # Errors
-/// None; the signature is that of the others.
-fn ceiling<T: crate::numerics::elementary::Real>() -> Result<Vec<Row>> {
-    let peak = |done: &mut f64, work: fn() -> f64| {
-        row("multiply-add peak", T::NAME, 0, 1.0, "multiply-adds", || {
-            *done = work();
-            Ok(())
-        })
-    };
+/// Fills in the shares of the peak measured at the same place in the same precision.
+fn share(rows: &mut [Row]) {
+    let peaks: Vec<Row> = rows.iter().filter(|r| r.work == PEAK).cloned().collect();
+    for r in rows {
+        let peak = peaks.iter().find(|p| p.place == r.place && p.precision == r.precision);
+        r.share_of_peak = r.instructions.zip(peak).map(|(n, peak)| r.per_second * n / peak.per_second);
+    }
+}
+
+/// The machine's peak, and kernels alone: no members drawn, nothing summed up.
+fn kernels<T: Real>() -> Result<Vec<Row>> {
     let mut best: Option<Row> = None;
     for work in [peak::multiply_adds::<T, 1>, peak::multiply_adds::<T, 2>, peak::multiply_adds::<T, 3>] {
         let mut done = 0.0;
-        let mut measured = peak(&mut done, work)?;
+        let mut measured = row(PEAK, T::NAME, 0, 1.0, "multiply-adds", || {
+            done = work();
+            Ok(())
+        })?;
         measured.per_second = done / measured.seconds;
         if best.as_ref().is_none_or(|b| b.per_second < measured.per_second) {
             best = Some(measured);
         }
     }
-    let peak = best.as_ref().map_or(f64::NAN, |b| b.per_second);
     let mut rows: Vec<Row> = best.into_iter().collect();
-    let problem = duffing::Problem::<T>::new();
-    let steps = (duffing::MEMBERS * duffing::STEPS) as f64;
-    for (noise, name) in [(false, "Duffing, Runge-Kutta 4"), (true, "Duffing, Runge-Kutta 4, one normal number a step")]
-    {
-        let mut measured = row(name, T::NAME, duffing::MEMBERS as u64, steps, STEPS, || {
-            std::hint::black_box(problem.run(noise, Level::best()));
-            Ok(())
-        })?;
-        measured.share_of_peak = (!noise).then_some(measured.per_second * duffing::INSTRUCTIONS / peak);
-        rows.push(measured);
-    }
+    let (problem, level) = (duffing::Problem::<T>::new(), Level::best());
+    let (members, steps) = (duffing::MEMBERS, (duffing::MEMBERS * duffing::STEPS) as f64);
+    let quiet = timed("Duffing, Runge-Kutta 4", T::NAME, members, steps, || problem.run(false, level))?;
+    rows.push(quiet.counted(operations::DUFFING));
+    let name = "Duffing, Runge-Kutta 4, one normal number a step";
+    let noisy = timed(name, T::NAME, members, steps, || problem.run(true, level))?;
+    // Beside the step and its number: the force noise added thrice, and its deviation.
+    rows.push(noisy.counted(operations::DUFFING + 4.0 + operations::normal::<T>()));
+    let (members, steps) = (lorenz::MEMBERS, (lorenz::MEMBERS * lorenz::STEPS) as f64);
+    rows.push(timed(LORENZ, T::NAME, members, steps, || lorenz::run::<T>(level))?.counted(operations::LORENZ));
+    let (members, steps) = (diffusion::MEMBERS, (diffusion::MEMBERS * diffusion::STEPS) as f64);
+    let paths = timed(DIFFUSION, T::NAME, members, steps, || diffusion::run::<T>(level))?;
+    rows.push(paths.counted(operations::diffusion::<T>()));
     Ok(rows)
 }
 
-/// A job on a backend, drawing of members and sums included.
+/// A Lyapunov map, loading and reading of the points included.
+fn map(place: &str, device: Device<'_>, points: usize) -> Result<Row> {
+    let (points, plan) = work::orbits(points);
+    let steps = work::orbit_steps(points.len(), &plan);
+    let measured =
+        row(MAP, f32::NAME, points.len() as u64, steps, STEPS, || explore_on(device, &points, &plan).map(drop))?;
+    Ok(Row { place: place.to_owned(), ..measured.counted(operations::LYAPUNOV) })
+}
+
+/// A job on a backend from end to end: members drawn, integrated in batches, summed up.
 fn ensemble(name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Result<Row> {
-    let members = job.members.min(backend.batch_members(job)?);
-    let steps = members * job.clock.samples * u64::from(job.clock.steps_per_sample * job.integrator.substeps());
+    let size = backend.batch_members(job)?;
+    let steps = job.members * job.clock.samples * u64::from(job.clock.steps_per_sample * job.integrator.substeps());
     let precision = backend.machine(job).precision;
-    let mut measured = row(name, &precision, members, steps as f64, STEPS, || {
-        let batch = Batch { job, members: 0..members, bins: &[], progress: &|_| () };
-        backend.run(&batch).map(drop)
+    let mut measured = row(name, &precision, job.members, steps as f64, STEPS, || {
+        let mut from = 0;
+        while from < job.members && !progress::interrupted() {
+            let members = from..job.members.min(from + size);
+            from = members.end;
+            backend.run(&Batch { job, members, bins: &[], progress: &|_| () })?;
+        }
+        Ok(())
     })?;
     measured.place = place.to_owned();
     Ok(measured)
@@ -131,82 +196,71 @@ fn ensemble(name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Re
 /// # Errors
 /// Ctrl-C.
 pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    told("multiply-add peak and Duffing");
-    rows.extend(ceiling::<f32>()?);
-    rows.extend(ceiling::<f64>()?);
+    told("kernels");
+    let mut rows = kernels::<f32>()?;
+    rows.extend(kernels::<f64>()?);
     told("a plain loop");
-    rows.push(row(
-        "the noisy Duffing unit as a plain loop, one member at a time",
-        "f64",
-        512,
-        512.0 * 4096.0,
-        STEPS,
-        || {
-            std::hint::black_box(scalar::duffing(512));
-            Ok(())
-        },
-    )?);
+    let plain = "the noisy Duffing unit as a plain loop, one member at a time";
+    rows.push(timed(plain, f64::NAME, 512, (512 * duffing::STEPS) as f64, || scalar::duffing(512))?);
+    told(MAP);
+    rows.push(map("cpu", Device::Cpu, 8192)?);
     for precision in [Precision::F32, Precision::F64] {
         let mut cpu = Cpu { precision, ..Cpu::default() };
+        let (instructions, bytes) = match precision {
+            Precision::F32 => (operations::full::<f32>(), operations::full_bytes::<f32>(cpu.tile_samples)),
+            Precision::F64 => (operations::full::<f64>(), operations::full_bytes::<f64>(cpu.tile_samples)),
+        };
         for (name, job) in work::ensembles(8192) {
             told(name);
-            rows.push(ensemble(name, "cpu", &mut cpu, &job)?);
+            let mut measured = ensemble(name, "cpu", &mut cpu, &job)?;
+            if name == FULL {
+                (measured.instructions, measured.bytes) = (Some(instructions), Some(bytes));
+            }
+            rows.push(measured);
         }
     }
+    let mut cpu = Cpu::default();
     for members in work::SIZES {
-        told("sizes");
-        let job = work::full(members);
-        let mut cpu = Cpu { batch_members: members, ..Cpu::default() };
-        rows.push(ensemble(work::SIZED, "cpu", &mut cpu, &job)?);
+        told(&format!("{members} members"));
+        rows.push(ensemble(work::SIZED, "cpu", &mut cpu, &work::full(members))?);
     }
+    for samples in work::LENGTHS {
+        told(&format!("{samples} steps"));
+        let name = format!("{}: {samples} steps", work::SCALED);
+        rows.push(ensemble(&name, "cpu", &mut cpu, &work::long(8192, samples))?);
+    }
+    share(&mut rows);
     Ok(rows)
 }
 
-/// The ensembles on a device.
+/// The device's peak, a map and the ensembles.
 ///
 /// # Errors
 /// As the device; Ctrl-C.
-pub fn gpu(name: &str, hardware: bool, backend: &mut dyn Backend, mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
+pub fn gpu(device: &Gpu, backend: &mut dyn Backend, mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
+    let (name, hardware) = (&device.adapter.name, device.adapter.hardware);
+    told(PEAK);
+    let mut done = 0.0;
+    let mut peak = row(PEAK, f32::NAME, 0, 1.0, "multiply-adds", || {
+        done = multiply_adds(device)?;
+        Ok(())
+    })?;
+    (peak.per_second, peak.place) = (done / peak.seconds, name.clone());
     // A card is full at a million members; a software adapter at a few thousand.
     let many = if hardware { 1 << 20 } else { 8192 };
-    for (what, job) in work::ensembles(many) {
+    told(MAP);
+    let mut rows = vec![peak, map(name, Device::Gpu(device), many)?];
+    for (what, job) in work::ensembles(many as u64) {
         told(what);
-        rows.push(ensemble(what, name, backend, &job)?);
+        let mut measured = ensemble(what, name, backend, &job)?;
+        measured.instructions = (what == FULL).then_some(operations::FULL_GPU);
+        rows.push(measured);
     }
-    for members in work::SIZES {
-        told("sizes");
+    // Ten million on a software adapter would only take long.
+    for members in work::SIZES.into_iter().filter(|m| hardware || *m <= 1 << 20) {
+        told(&format!("{members} members"));
         rows.push(ensemble(work::SIZED, name, backend, &work::full(members))?);
     }
+    share(&mut rows);
     Ok(rows)
-}
-
-/// Rows `peer,config,dtype,work,seconds_per_run,others_cpu_fraction,x_check` of the work unit that other tools print too.
-pub fn peers() -> Vec<String> {
-    fn rows<T: crate::numerics::elementary::Real>(dtype: &str) -> Vec<String> {
-        let problem = duffing::Problem::<T>::new();
-        let one = |(noise, work): (bool, &str)| {
-            let (begun, mut runs) = (Instant::now(), 0);
-            let mut x = problem.run(noise, Level::best());
-            let warm = Instant::now();
-            while runs == 0 || begun.elapsed().as_secs_f64() < 0.5 {
-                x = problem.run(noise, Level::best());
-                runs += 1;
-            }
-            let seconds = warm.elapsed().as_secs_f64() / f64::from(runs);
-            format!("proofmass,64 lanes {},{dtype},{work},{seconds:.5},0.000,{x:.9e}", Level::best().name())
-        };
-        [(false, "rk4"), (true, "rk4+noise")].map(one).into()
-    }
-    let full = |(precision, dtype): (Precision, &str)| {
-        let mut cpu = Cpu { precision, ..Cpu::default() };
-        let job = work::full(8192);
-        let measured = ensemble("full", "cpu", &mut cpu, &job).map_or(f64::NAN, |r| r.seconds);
-        format!("proofmass,ensemble kernel {},{dtype},full,{measured:.5},0.000,nan", Level::best().name())
-    };
-    let mut all = rows::<f32>("float32");
-    all.extend(rows::<f64>("float64"));
-    all.extend([(Precision::F32, "float32"), (Precision::F64, "float64")].map(full));
-    all
 }

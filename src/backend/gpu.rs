@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 
 pub mod orbits;
+pub mod peak;
 pub mod simulate;
 
 /// An adapter of this machine.

@@ -17,8 +17,6 @@ pub const MEMBERS: usize = 8192;
 pub const STEPS: usize = 4096;
 /// Step, s.
 pub const STEP_S: f64 = 1e-3;
-/// Floating-point instructions per step with fused multiply-add: 16 for four accelerations, 14 for the stages.
-pub const INSTRUCTIONS: f64 = 30.0;
 
 /// Parameters and force of the work unit.
 pub struct Problem<T> {

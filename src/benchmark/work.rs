@@ -4,15 +4,20 @@ use std::sync::Arc;
 
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job, Member};
+use crate::kernel::orbit::{ALIGN_PERIODS, Plan, Point};
 use crate::sensor::{ProofMass, Sensor};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use crate::validation::jobs::{Sine, duffing};
 use crate::validation::parity::everything;
 
 /// Sizes at which the full path is timed: from one sensor to a fleet.
-pub const SIZES: [u64; 6] = [1, 64, 1024, 8192, 65_536, 1 << 20];
+pub const SIZES: [u64; 7] = [1, 64, 1024, 8192, 65_536, 1 << 20, 10_000_000];
 /// Name of these rows.
 pub const SIZED: &str = "full, by size of the ensemble";
+/// Name of the rows of 8192 members over ever longer runs.
+pub const SCALED: &str = "full, by length of the run";
+/// Samples of the runs of [`SCALED`].
+pub const LENGTHS: [u64; 4] = [1000, 10_000, 100_000, 1_000_000];
 
 fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Job {
     Job {
@@ -39,6 +44,41 @@ pub fn full(members: u64) -> Job {
     job(sensor, members, samples, Integrator::RungeKutta4 { substeps: 1 })
 }
 
+/// The full path over that many samples, one report at its end: what cost per member-step depends on if it is not constant.
+pub fn long(members: u64, samples: u64) -> Job {
+    let mut job = full(members);
+    (job.clock.samples, job.clock.report_samples) = (samples, vec![samples]);
+    job
+}
+
+/// Orbits of a map: forced Duffing oscillators over a range of amplitudes, without noise.
+pub fn orbits(points: usize) -> (Vec<Point>, Plan) {
+    let point = |i: usize| Point {
+        damping_per_s: 0.3,
+        stiffness_per_s2: -1.0,
+        cubic_per_m2_s2: 1.0,
+        amplitude_m_s2: 0.2 + 0.5 * i as f64 / points as f64,
+        omega_rad_s: 1.2,
+        noise_m_s2_rts: 0.0,
+        x_m: 1.0,
+        v_m_s: 0.0,
+    };
+    let plan = Plan {
+        seed: 1,
+        first_member: 0,
+        steps_per_period: 128,
+        transient_periods: 0,
+        periods: 64 - ALIGN_PERIODS,
+        strobes: 0,
+    };
+    ((0..points).map(point).collect(), plan)
+}
+
+/// Steps of orbit and tangent in that map.
+pub fn orbit_steps(points: usize, plan: &Plan) -> f64 {
+    points as f64 * f64::from(plan.steps_per_period) * f64::from(ALIGN_PERIODS + plan.periods)
+}
+
 /// What an ensemble is mostly asked for.
 pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
@@ -46,7 +86,7 @@ pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;
     let all = Sensor { proof_mass: Some(linear), ..everything() };
     vec![
-        ("full: Runge-Kutta 4, force noise, two integrations", Job { clock: full(1).clock, ..full(members) }),
+        (super::FULL, Job { clock: full(1).clock, ..full(members) }),
         ("linear: exact map, white noise, two integrations", job(plain, members, 4096, Integrator::ExactHold)),
         ("every error on: exact map, seven noises, tilt", job(all, members, 4096, Integrator::ExactHold)),
     ]

@@ -18,7 +18,7 @@ pub struct Arguments {
     /// Where: `auto` measures the CPU and, if there is one, a hardware GPU; `gpu` takes a software one too
     #[arg(long, value_enum, default_value_t)]
     backend: Choice,
-    /// Folder for report.html
+    /// Folder for report.html, summary.md and its figures
     #[arg(long)]
     out: Option<PathBuf>,
     /// Print rows of the work unit that other tools are measured on, as CSV
@@ -32,7 +32,7 @@ pub struct Arguments {
 /// An adapter that is not there; a folder that cannot be written; Ctrl-C.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.peers {
-        benchmark::peers().iter().for_each(|row| println!("{row}"));
+        benchmark::peers::rows().iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
     let bar = progress::bar("measuring", 0);
@@ -47,12 +47,17 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Choice::Gpu => Some(Gpu::open(false)?),
     };
     if let Some(gpu) = gpu {
-        let (name, hardware) = (gpu.adapter.name.clone(), gpu.adapter.hardware);
-        rows.extend(benchmark::gpu(&name, hardware, &mut Ensembles::on(Arc::new(gpu)), told)?);
+        let gpu = Arc::new(gpu);
+        rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told)?);
     }
     bar.finish_and_clear();
     if let Some(folder) = &arguments.out {
-        write_whole(&folder.join("report.html"), bench::page(&rows).as_bytes())?;
+        let (sizes, lengths) = (bench::sizes(&rows).file_svg(), bench::lengths(&rows).file_svg());
+        let (page, summary) = (bench::page(&rows), bench::summary(&rows));
+        let files = [("report.html", page), ("summary.md", summary), ("sizes.svg", sizes), ("lengths.svg", lengths)];
+        for (name, text) in files {
+            write_whole(&folder.join(name), text.as_bytes())?;
+        }
         eprintln!("wrote {}", folder.join("report.html").display());
     }
     if json {

@@ -7,6 +7,8 @@ use super::member::{COLUMNS, column};
 
 /// Invocations of a workgroup of `simulate`.
 pub const SIMULATE_WORKGROUP: u32 = 64;
+/// Invocations of a workgroup of `peak`.
+pub const PEAK_WORKGROUP: u32 = 64;
 /// Bindings of `simulate`.
 pub const SIMULATE_BINDINGS: u32 = 6;
 /// Entries of the uniform array of forces, 16 bytes each: 64 KB, which every adapter offers.

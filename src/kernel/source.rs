@@ -49,6 +49,11 @@ pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
 }
 
+/// Nothing but multiply-adds: the device's peak.
+pub fn peak() -> Shader {
+    Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
+}
+
 /// A check of the device: what sums keep of a small number beside a large one.
 pub fn compensation() -> Shader {
     Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
@@ -82,7 +87,7 @@ mod tests {
     #[test]
     fn shaders_parse_and_validate() {
         let orbits = [lyapunov(false), lyapunov(true), poincare(false), poincare(true)];
-        let others = [simulate(false), simulate(true), reduce(), compensation()];
+        let others = [simulate(false), simulate(true), reduce(), compensation(), peak()];
         others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
     }
 

@@ -1,61 +1,178 @@
-//! Measured speed as a table and a page.
+//! Measured speed as a table, a page, a summary in Markdown and figures.
 
-use super::figure::{Axis, Chart, Ink, Mark};
+use super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::html::Page;
 use super::number::significant;
 use super::table::Table;
 use crate::backend::cpu::processor_name;
-use crate::benchmark::{Row, work};
+use crate::benchmark::prediction::{CARDS, EXPECTED_SHARE};
+use crate::benchmark::published::PUBLISHED;
+use crate::benchmark::{FULL, Row, work};
+
+const LEAD: &str = "Units per second, the fastest of repeated runs in one process. Compare rows with each other, not with rows \
+                    of another day.";
+
+fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 3))
+}
+
+fn millions(per_second: f64) -> String {
+    significant(per_second / 1e6, 4)
+}
 
 /// All measurements.
 pub fn table(rows: &[Row]) -> Table {
-    let mut table = Table::new(&["work", "where", "precision", "members", "million per s", "of", "share of peak"]);
+    let headings = ["work", "where", "precision", "members", "million per s", "of", "instructions", "share of peak"];
+    let mut table = Table::new(&headings);
     for r in rows {
         table.row([
             r.work.clone(),
             r.place.clone(),
             r.precision.clone(),
             r.members.to_string(),
-            significant(r.per_second / 1e6, 4),
+            millions(r.per_second),
             r.unit.clone(),
-            r.share_of_peak.map_or_else(String::new, |s| format!("{} %", significant(100.0 * s, 3))),
+            r.instructions.map_or_else(String::new, |n| significant(n, 3)),
+            r.share_of_peak.map_or_else(String::new, percent),
         ]);
     }
     table
 }
 
-/// The page: what was measured and on what.
-pub fn page(rows: &[Row]) -> String {
-    let mut page = Page::new(
-        "How fast proofmass is here",
-        "Member-steps per second, the fastest of repeated runs in one process. Compare rows with each other, not with rows of \
-         another day.",
-    );
-    page.section("Measurements");
-    page.paragraph(&format!(
+/// Published speeds beside the rows of the same work.
+fn published(rows: &[Row]) -> Table {
+    let mut table = Table::new(&["work", "by", "on", "million steps per s", "source"]);
+    for p in &PUBLISHED {
+        for r in rows.iter().filter(|r| r.work == p.work) {
+            let place = if r.place == "cpu" { processor_name() } else { r.place.clone() };
+            let here = [format!("proofmass, {}", r.precision), place, millions(r.per_second), "this run".to_owned()];
+            table.row([p.work.to_owned()].into_iter().chain(here));
+        }
+        table.row([p.work, p.solver, p.machine, &millions(p.per_second), p.source]);
+    }
+    table
+}
+
+/// What the full path is predicted to reach on cards that are not here.
+fn predicted() -> Table {
+    let mut table = Table::new(&["card", "bound, million member-steps per s", "expected", "peak from"]);
+    for card in CARDS {
+        let bound = card.bound_per_s();
+        table.row([card.name.to_owned(), millions(bound), millions(EXPECTED_SHARE * bound), card.source.to_owned()]);
+    }
+    table
+}
+
+/// Words on how instructions and bytes were counted.
+fn counting(rows: &[Row]) -> String {
+    let bytes = rows.iter().find(|r| r.work == FULL).and_then(|r| r.bytes.zip(r.instructions));
+    let intensity = bytes.map_or_else(String::new, |(b, n)| {
+        format!(
+            " A member-step of the full path in f32 moves {} bytes to and from memory for {} instructions: no roofline \
+             but that of the arithmetic is near.",
+            significant(b, 2),
+            significant(n, 3)
+        )
+    });
+    format!(
         "Processor: {}, {} threads. A member-step is one integration step of one sensor. The share of peak counts the \
-         floating-point instructions of a step (fused multiply-adds, additions and multiplications alike) against the \
-         multiply-adds per second measured in the same run; additions may run beside them, so it is no strict bound.",
+         instructions of a unit (fused multiply-adds, additions, shifts alike, in lanes of the row's precision; by hand, in \
+         src/benchmark/operations.rs) against the multiply-adds per second measured in the same run; other instructions may \
+         run beside multiply-adds, so it is no strict bound.{intensity}",
         processor_name(),
         std::thread::available_parallelism().map_or(1, usize::from)
-    ));
-    page.table(&table(rows));
-    page.section("Small and large ensembles");
-    let mut chart =
-        Chart::new("Speed by size of the ensemble", Axis::log("members"), Axis::log("million member-steps per s"));
-    let inks = [Ink::Blue, Ink::Orange];
+    )
+}
+
+fn prediction_words() -> String {
+    format!(
+        "A prediction, not a measurement: the full path's counted instructions against the card's published rate, all slots \
+         used, and {} of that, which is what is expected of a kernel bound by arithmetic.",
+        percent(EXPECTED_SHARE)
+    )
+}
+
+fn places(rows: &[Row]) -> Vec<(&str, Ink)> {
     let mut places: Vec<&str> = rows.iter().map(|r| r.place.as_str()).collect();
     places.dedup();
-    for (place, ink) in places.into_iter().zip(inks) {
+    places.into_iter().zip([Ink::Blue, Ink::Orange]).collect()
+}
+
+/// Speed by size of the ensemble.
+pub fn sizes(rows: &[Row]) -> Figure {
+    let mut chart =
+        Chart::new("Speed by size of the ensemble", Axis::log("members"), Axis::log("million member-steps per s"));
+    for (place, ink) in places(rows) {
         let sized = rows.iter().filter(|r| r.work == work::SIZED && r.place == place);
         let points: Vec<(f64, f64)> = sized.map(|r| (r.members as f64, r.per_second / 1e6)).collect();
         chart.add(place, ink, Mark::Line, points.clone());
         chart.add("", ink, Mark::Dots(3), points);
     }
-    page.figure(
-        &chart.draw(),
-        "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to a million, drawing of members and \
-         sums included.",
-    );
+    chart.draw()
+}
+
+/// Time by length of the run, beside proportionality.
+pub fn lengths(rows: &[Row]) -> Figure {
+    let scaled: Vec<&Row> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).collect();
+    let units = |r: &Row| r.per_second * r.seconds;
+    let points: Vec<(f64, f64)> = scaled.iter().map(|r| (units(r), r.seconds)).collect();
+    let mut chart = Chart::new("Time by length of the run", Axis::log("member-steps"), Axis::log("seconds"));
+    // The law goes through the longest run, the least disturbed.
+    if let Some(last) = scaled.last() {
+        let law = points.iter().map(|p| (p.0, p.0 / last.per_second)).collect();
+        chart.add("proportional to the longest", Ink::Soft, Mark::Dashed, law);
+    }
+    chart.add("8192 members", Ink::Blue, Mark::Dots(4), points);
+    chart.draw()
+}
+
+/// How far the cost per member-step strays over three decades of length: least and greatest against the longest run.
+fn linearity(rows: &[Row]) -> Option<String> {
+    let scaled: Vec<f64> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).map(|r| r.per_second).collect();
+    let longest = scaled.last()?;
+    let (least, greatest) = scaled.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+    Some(format!(
+        "Over {} decades of length the cost per member-step is {} to {} of that of the longest run.",
+        scaled.len() - 1,
+        percent(longest / greatest),
+        percent(longest / least)
+    ))
+}
+
+const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to a fleet, drawing of \
+                           members and sums included. Sixty-four members share a group of lanes, so fewer cost the same.";
+
+/// The page: what was measured and on what.
+pub fn page(rows: &[Row]) -> String {
+    let mut page = Page::new("How fast proofmass is here", LEAD);
+    page.section("Measurements");
+    page.paragraph(&counting(rows));
+    page.table(&table(rows));
+    page.section("Small and large ensembles, short and long runs");
+    page.figure(&sizes(rows), SIZES_WORDS);
+    page.figure(&lengths(rows), &linearity(rows).unwrap_or_default());
+    page.section("Beside what others have published");
+    page.table(&published(rows));
+    page.section("On a card that is not here");
+    page.paragraph(&prediction_words());
+    page.table(&predicted());
     page.finish()
+}
+
+/// The same in Markdown.
+pub fn summary(rows: &[Row]) -> String {
+    [
+        "# How fast proofmass is".to_owned(),
+        format!("Generated by `proofmass bench --out`. {LEAD}"),
+        counting(rows),
+        table(rows).to_markdown(),
+        linearity(rows).unwrap_or_default(),
+        "## Beside what others have published".to_owned(),
+        published(rows).to_markdown(),
+        "## On a card that is not here".to_owned(),
+        prediction_words(),
+        predicted().to_markdown(),
+    ]
+    .join("\n\n")
+    .replace("\n\n\n", "\n\n")
 }

@@ -52,6 +52,14 @@ impl Table {
         }
         out + "</tbody></table></div>\n"
     }
+
+    /// The table in Markdown.
+    pub fn to_markdown(&self) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let escaped = |row: &[String]| row.iter().map(|c| c.replace('|', "\\|")).collect::<Vec<_>>();
+        let rule = vec!["---".to_owned(); self.headings.len()];
+        line(&self.headings) + &line(&rule) + &self.rows.iter().map(|r| line(&escaped(r))).collect::<String>()
+    }
 }
 
 /// The table for a terminal: aligned columns, a rule under the headings.

@@ -244,13 +244,6 @@ pub fn page(
     page.finish()
 }
 
-fn markdown(table: &Table) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let escaped = |row: &Vec<String>| row.iter().map(|c| c.replace('|', "\\|")).collect::<Vec<_>>();
-    let rule = vec!["---".to_owned(); table.headings.len()];
-    line(&table.headings) + &line(&rule) + &table.rows.iter().map(|r| line(&escaped(r))).collect::<String>()
-}
-
 /// The short summary that is committed.
 pub fn summary(plan: &Plan, outcome: &Outcome, command: &str, real: &[Found]) -> String {
     let blind: Vec<String> = Family::ALL
@@ -265,15 +258,15 @@ pub fn summary(plan: &Plan, outcome: &Outcome, command: &str, real: &[Found]) ->
          {}## Effects\n\n{}\n## What no candidate describes\n\n{}\n## Intervals\n\n{}\n![power](power.svg)\n\n![limits](limits.svg)\n",
         how(plan, outcome),
         outcome.truth_sha256,
-        markdown(&headline(outcome)),
-        markdown(&families(outcome)),
+        headline(outcome).to_markdown(),
+        families(outcome).to_markdown(),
         if real.is_empty() {
             String::new()
         } else {
-            format!("## Real recordings\n\n{}\n", markdown(&recordings(real)))
+            format!("## Real recordings\n\n{}\n", recordings(real).to_markdown())
         },
-        markdown(&effects(outcome)),
-        markdown(&unknown(outcome)),
-        markdown(&intervals(outcome)),
+        effects(outcome).to_markdown(),
+        unknown(outcome).to_markdown(),
+        intervals(outcome).to_markdown(),
     )
 }
