@@ -10,6 +10,7 @@ use crate::statistics::{Bins, Histogram, Machine, Moments};
 
 pub mod cpu;
 pub mod gpu;
+pub mod misfits;
 pub mod orbits;
 pub mod tile;
 

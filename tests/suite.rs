@@ -15,6 +15,7 @@ mod suite {
     pub mod dynamics;
     pub mod invariance;
     pub mod law;
+    pub mod misfit;
     pub mod noise_law;
     pub mod paper;
     pub mod parity;
@@ -45,6 +46,8 @@ fn main() {
         suite::convergence::tests(),
         // parity: CPU and GPU agree.
         suite::parity::tests(),
+        // misfit: the search engine simulates what the diagnosis fits.
+        suite::misfit::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),
         // allan: coefficients come back from a signal made of them, covered as claimed.

@@ -12,6 +12,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 
+pub mod misfits;
 pub mod orbits;
 pub mod peak;
 pub mod simulate;

@@ -10,6 +10,7 @@ pub mod flicker;
 pub mod lanes;
 pub mod lyapunov;
 pub mod members;
+pub mod misfit;
 pub mod noise;
 pub mod oscillator;
 pub mod poincare;

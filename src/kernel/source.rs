@@ -44,6 +44,11 @@ pub fn poincare(int64: bool) -> Shader {
     with_random_numbers("poincare", &[ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"), int64)
 }
 
+/// The kernel of misfits between models and a driven recording.
+pub fn misfit() -> Shader {
+    Shader { name: "misfit", text: include_str!("../../shaders/misfit.wgsl").to_owned() }
+}
+
 /// The reduction.
 pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
@@ -88,6 +93,7 @@ mod tests {
     fn shaders_parse_and_validate() {
         let orbits = [lyapunov(false), lyapunov(true), poincare(false), poincare(true)];
         let others = [simulate(false), simulate(true), reduce(), compensation(), peak()];
+        let others = [simulate(false), simulate(true), reduce(), compensation(), misfit()];
         others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
     }
 
@@ -114,6 +120,38 @@ mod tests {
             let found = module.global_variables.iter().filter(|(_, v)| v.binding.is_some()).count();
             assert_eq!(found, bindings, "{}", shader.name);
             assert_eq!(module.entry_points[0].workgroup_size, [layout::ORBIT_WORKGROUP, 1, 1]);
+        }
+    }
+
+    #[test]
+    fn the_misfit_kernel_agrees_with_its_mirror_columns_and_bindings() {
+        use crate::kernel::misfit as contract;
+        use std::mem::offset_of;
+        let (shader, tile) = (misfit(), |offset: usize| offset as u32);
+        let module = parsed(&shader);
+        let (span, members) = structure(&module, "MisfitTile");
+        assert_eq!(span as usize, size_of::<layout::MisfitTile>());
+        let expected = [
+            ("points", tile(offset_of!(layout::MisfitTile, points))),
+            ("run", tile(offset_of!(layout::MisfitTile, run))),
+            ("first", tile(offset_of!(layout::MisfitTile, first))),
+            ("samples", tile(offset_of!(layout::MisfitTile, samples))),
+            ("block", tile(offset_of!(layout::MisfitTile, block))),
+            ("blocks", tile(offset_of!(layout::MisfitTile, blocks))),
+            ("last", tile(offset_of!(layout::MisfitTile, last))),
+            ("grid_end", tile(offset_of!(layout::MisfitTile, grid_end))),
+        ];
+        assert_eq!(members, expected.map(|(n, o)| (n.to_owned(), o)));
+        assert_eq!(module.global_variables.iter().filter(|(_, v)| v.binding.is_some()).count(), 6);
+        assert_eq!(module.entry_points[0].workgroup_size, [layout::MISFIT_WORKGROUP, 1, 1]);
+        for (name, place) in contract::COLUMN_NAMES {
+            assert!(shader.text.contains(&format!("const {name} = {place}u;\n")), "{name}");
+        }
+        assert!(shader.text.contains(&format!("const MOST_DIRECTIONS = {}u;", contract::MOST_DIRECTIONS)));
+        assert!(shader.text.contains("const LOST = 1e6;") && contract::LOST == 1e6);
+        // Every part that the host switches on is an override of the shader.
+        for (name, _) in contract::Parts::default().constants() {
+            assert!(module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)), "{name}");
         }
     }
 

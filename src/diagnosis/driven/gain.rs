@@ -6,6 +6,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+pub use crate::kernel::misfit::transition;
+
 /// What the filter needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain {
@@ -31,25 +33,6 @@ pub struct Noisy {
     pub force: f64,
     /// Standard deviation of one sample's step of the bias, over that of readout noise.
     pub walk: f64,
-}
-
-/// exp(At) for A = [[0, 1], [−ω², −2ζω]], row by row; any ζ ≥ 0.
-pub fn transition(omega: f64, zeta: f64, t: f64) -> [f64; 4] {
-    let decay = (-zeta * omega * t).exp();
-    let d = 1.0 - zeta * zeta;
-    // C = cos(w t) and S = sin(w t)/w, continued analytically through critical damping.
-    let (c, s) = if d > 1e-8 {
-        let w = omega * d.sqrt();
-        ((w * t).cos() * decay, (w * t).sin() / w * decay)
-    } else if d < -1e-8 {
-        let w = omega * (-d).sqrt();
-        let (up, down) = (((w - zeta * omega) * t).exp(), ((-w - zeta * omega) * t).exp());
-        (0.5 * (up + down), 0.5 * (up - down) / w)
-    } else {
-        (decay, t * decay)
-    };
-    let a = zeta * omega;
-    [c + a * s, s, -omega * omega * s, c - a * s]
 }
 
 /// Solves the filter's Riccati equation by doubling.

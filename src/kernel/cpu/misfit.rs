@@ -1,0 +1,432 @@
+//! CPU twin of `misfit.wgsl`: models of a driven recording simulated freely, 64 at a time, their errors squared and summed.
+//!
+//! The oscillator's linear part is carried exactly (Lawson's Runge–Kutta of order 4), as in the diagnosis' own filter. Terms
+//! stand in loops of their own, so that one that no point of the job has costs nothing.
+
+#![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
+
+use std::ops::Range;
+
+use super::lanes::{Kernel, LANES, Lane};
+use crate::kernel::misfit::{COLUMNS, Job, LOST, MOST_DIRECTIONS, Parts, Point, STATE, column};
+use crate::numerics::elementary::{Real, fma};
+
+/// Samples whose squares are summed in the working precision before they go to f64.
+const PARTIAL: usize = 64;
+
+/// What all points of a job share.
+#[derive(Debug, Clone)]
+pub struct Shared<T> {
+    /// Which parts are on.
+    pub parts: Parts,
+    steps: usize,
+    run: Range<usize>,
+    grid_end: usize,
+    /// Readings of the run.
+    reading: Vec<T>,
+    /// Input of the whole recording.
+    grid: Vec<T>,
+    /// Directions, sample by sample of the run.
+    directions: Vec<T>,
+    count: usize,
+}
+
+impl<T: Real> Shared<T> {
+    /// Of a job, in its units.
+    pub fn of(job: &Job<'_>, parts: Parts) -> Self {
+        let count = job.directions.len().min(MOST_DIRECTIONS);
+        let row = |k: usize| job.directions[..count].iter().map(move |d| T::of(d[k]));
+        Self {
+            parts,
+            steps: job.steps,
+            run: job.run.clone(),
+            grid_end: job.grid_end,
+            reading: job.reading[job.run.clone()].iter().map(|y| T::of(y / job.units.output)).collect(),
+            grid: job.grid.iter().map(|u| T::of(u / job.units.input)).collect(),
+            directions: (0..job.run.len()).flat_map(row).collect(),
+            count,
+        }
+    }
+}
+
+/// Up to 64 points and where they stand.
+#[derive(Debug, Clone)]
+pub struct Group<T> {
+    columns: [Lane<T>; COLUMNS],
+    state: [Lane<T>; STATE],
+    /// Sum of squares of each block, then of products with each direction.
+    pub sums: Vec<Lane<f64>>,
+}
+
+impl<T: Real> Group<T> {
+    /// Loads points; spare lanes repeat the last one.
+    pub fn load(job: &Job<'_>, points: &[Point]) -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        let mut group = Self {
+            columns: [zero; COLUMNS],
+            state: [zero; STATE],
+            sums: vec![Lane::splat(0.0); job.blocks.len() + job.directions.len().min(MOST_DIRECTIONS)],
+        };
+        for l in 0..LANES {
+            let (columns, state) = points[l.min(points.len().saturating_sub(1))].columns(&job.units, job.steps);
+            columns.iter().enumerate().for_each(|(c, v)| group.columns[c][l] = T::of(*v));
+            state.iter().enumerate().for_each(|(s, v)| group.state[s][l] = T::of(*v));
+        }
+        group
+    }
+
+    /// Whether the simulation of a lane has left every bound.
+    pub fn lost(&self, lane: usize) -> bool {
+        self.state[7][lane].f64() != 0.0
+    }
+}
+
+/// One group through one stretch of samples.
+pub struct Misfit<'a, T> {
+    /// The recording.
+    pub shared: &'a Shared<T>,
+    /// The points.
+    pub group: &'a mut Group<T>,
+    /// Samples.
+    pub samples: Range<usize>,
+    /// The block they belong to, if any.
+    pub block: Option<usize>,
+    /// Blocks of the job.
+    pub blocks: usize,
+}
+
+impl<T: Real> Kernel for Misfit<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { shared, group, samples, block, blocks } = self;
+        let mut from = samples.start;
+        while from < samples.end {
+            let to = samples.end.min(from + PARTIAL);
+            let mut sums = [Lane::splat(T::of(0.0)); 1 + MOST_DIRECTIONS];
+            for k in from..to {
+                let error = error::<T, FMA>(shared, group, k);
+                if block.is_some() {
+                    for l in 0..LANES {
+                        sums[0][l] = fma::<T, FMA>(error[l], error[l], sums[0][l]);
+                    }
+                    let row = (k - shared.run.start) * shared.count;
+                    for d in 0..shared.count {
+                        let along = shared.directions[row + d];
+                        for l in 0..LANES {
+                            sums[1 + d][l] = fma::<T, FMA>(along, error[l], sums[1 + d][l]);
+                        }
+                    }
+                }
+                for step in 0..shared.steps {
+                    advance::<T, FMA>(shared, group, k, step);
+                }
+            }
+            if let Some(block) = block {
+                for l in 0..LANES {
+                    group.sums[block][l] += sums[0][l].f64();
+                    for d in 0..shared.count {
+                        group.sums[blocks + d][l] += sums[1 + d][l].f64();
+                    }
+                }
+            }
+            lose(group);
+            from = to;
+        }
+    }
+}
+
+/// Reading less simulation at sample k.
+#[inline(always)]
+fn error<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k: usize) -> Lane<T> {
+    let (c, s, parts) = (&group.columns, &mut group.state, &shared.parts);
+    let mut y = Lane::splat(T::of(0.0));
+    for l in 0..LANES {
+        y[l] = s[0][l] + c[column::OFFSET][l];
+    }
+    if parts.mode {
+        for l in 0..LANES {
+            y[l] = y[l] + s[3][l];
+        }
+    }
+    if parts.lag {
+        for l in 0..LANES {
+            y[l] = y[l] + (s[5][l] - s[0][l]);
+        }
+    }
+    if parts.feedthrough {
+        let u = input(shared, c, 2 * shared.steps * k);
+        for l in 0..LANES {
+            y[l] = fma::<T, FMA>(c[column::FEEDTHROUGH][l], u[l], y[l]);
+        }
+    }
+    if parts.bend {
+        for l in 0..LANES {
+            let bend = fma::<T, FMA>(c[column::BEND_3][l], s[0][l], c[column::BEND_2][l]);
+            y[l] = fma::<T, FMA>(s[0][l] * s[0][l], bend, y[l]);
+        }
+    }
+    if parts.bias {
+        let time = T::of((k - shared.run.start) as f64);
+        for l in 0..LANES {
+            y[l] = fma::<T, FMA>(c[column::RAMP][l], time, y[l] + s[6][l]);
+            s[6][l] = fma::<T, FMA>(s[6][l], c[column::FADE][l], s[6][l]);
+        }
+    }
+    if parts.rails {
+        for l in 0..LANES {
+            y[l] = y[l].max(c[column::LOW][l]).min(c[column::HIGH][l]);
+        }
+    }
+    let reading = shared.reading[k - shared.run.start];
+    for l in 0..LANES {
+        y[l] = reading - y[l];
+    }
+    y
+}
+
+/// Input of every lane at a point of the grid.
+#[inline(always)]
+fn input<T: Real>(shared: &Shared<T>, c: &[Lane<T>; COLUMNS], index: usize) -> Lane<T> {
+    let last = shared.grid.len().wrapping_sub(1);
+    if shared.grid.is_empty() {
+        return Lane::splat(T::of(0.0));
+    }
+    if !shared.parts.delay {
+        return Lane::splat(shared.grid[index.min(last)]);
+    }
+    let mut u = Lane::splat(T::of(0.0));
+    for l in 0..LANES {
+        let from = index as i64 - i64::from(c[column::SHIFT][l].to_i32()) - 1;
+        let at = |j: i64| shared.grid[(from + j).clamp(0, last as i64) as usize];
+        let w = |j: usize| c[column::WEIGHTS + j][l];
+        u[l] = w(0) * at(0) + w(1) * at(1) + w(2) * at(2) + w(3) * at(3);
+    }
+    u
+}
+
+/// One step of all lanes.
+#[inline(always)]
+fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k: usize, step: usize) {
+    let (c, parts) = (&group.columns, &shared.parts);
+    let h = T::of(1.0 / shared.steps as f64);
+    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
+    let index = 2 * (shared.steps * k + step);
+    let u = [
+        input(shared, c, index),
+        input(shared, c, index + 1),
+        input(shared, c, (index + 2).wrapping_sub(shared.grid_end)),
+    ];
+    let (x, v) = (group.state[0], group.state[1]);
+    let zero = Lane::splat(T::of(0.0));
+    let (mut fx, mut fv) = (zero, zero);
+    for l in 0..LANES {
+        fx[l] = fma::<T, FMA>(c[column::FULL][l], x[l], c[column::FULL + 1][l] * v[l]);
+        fv[l] = fma::<T, FMA>(c[column::FULL + 2][l], x[l], c[column::FULL + 3][l] * v[l]);
+    }
+    let (mut nx, mut nv) = (zero, zero);
+    if parts.moves() {
+        let (mut hx, mut hv) = (zero, zero);
+        for l in 0..LANES {
+            hx[l] = fma::<T, FMA>(c[column::HALF][l], x[l], c[column::HALF + 1][l] * v[l]);
+            hv[l] = fma::<T, FMA>(c[column::HALF + 2][l], x[l], c[column::HALF + 3][l] * v[l]);
+        }
+        let (z, x2, v2) = (group.state[2], group.state[3], group.state[4]);
+        // Sums of the stages with Runge–Kutta's weights; accelerations and rates are those per step.
+        let (mut a, mut rate) = (zero, [zero; 3]);
+        let (mut sum_x, mut sum_v, mut sums) = (zero, zero, [zero; 3]);
+        for stage in 0..4 {
+            let mut at = Stage { x, v, z, x2, v2 };
+            let lead = if stage == 3 { T::of(1.0) } else { half };
+            if stage == 1 {
+                for l in 0..LANES {
+                    let push = half * a[l];
+                    at.x[l] = fma::<T, FMA>(c[column::HALF + 1][l], push, hx[l]);
+                    at.v[l] = fma::<T, FMA>(c[column::HALF + 3][l], push, hv[l]);
+                }
+            } else if stage == 2 {
+                at.x = hx;
+                for l in 0..LANES {
+                    at.v[l] = fma::<T, FMA>(half, a[l], hv[l]);
+                }
+            } else if stage == 3 {
+                for l in 0..LANES {
+                    at.x[l] = fma::<T, FMA>(c[column::HALF + 1][l], a[l], fx[l]);
+                    at.v[l] = fma::<T, FMA>(c[column::HALF + 3][l], a[l], fv[l]);
+                }
+            }
+            if stage > 0 && parts.hysteresis {
+                for l in 0..LANES {
+                    at.z[l] = fma::<T, FMA>(lead, rate[0][l], z[l]);
+                }
+            }
+            if stage > 0 && parts.mode {
+                for l in 0..LANES {
+                    at.x2[l] = fma::<T, FMA>(lead, rate[1][l], x2[l]);
+                    at.v2[l] = fma::<T, FMA>(lead, rate[2][l], v2[l]);
+                }
+            }
+            let place = [0.0, 0.5, 0.5, 1.0][stage];
+            let since = (k - shared.run.start) as f64 + (step as f64 + place) / shared.steps as f64;
+            let u = &u[[0, 1, 1, 2][stage]];
+            forces::<T, FMA>(parts, c, &at, u, T::of(since), h, &mut a, &mut rate);
+            // What the stage adds by the end of the step, with its weight.
+            if stage == 3 {
+                for l in 0..LANES {
+                    sum_v[l] = sum_v[l] + a[l];
+                }
+            } else {
+                let (carried, weight) = if stage == 0 { (column::FULL, T::of(1.0)) } else { (column::HALF, two) };
+                for l in 0..LANES {
+                    let push = weight * a[l];
+                    sum_x[l] = fma::<T, FMA>(c[carried + 1][l], push, sum_x[l]);
+                    sum_v[l] = fma::<T, FMA>(c[carried + 3][l], push, sum_v[l]);
+                }
+            }
+            if parts.hysteresis || parts.mode {
+                let weight = if stage == 1 || stage == 2 { two } else { T::of(1.0) };
+                for s in 0..3 {
+                    for l in 0..LANES {
+                        sums[s][l] = fma::<T, FMA>(weight, rate[s][l], sums[s][l]);
+                    }
+                }
+            }
+        }
+        for l in 0..LANES {
+            nx[l] = fma::<T, FMA>(sixth, sum_x[l], fx[l]);
+            nv[l] = fma::<T, FMA>(sixth, sum_v[l], fv[l]);
+        }
+        if parts.hysteresis || parts.mode {
+            for s in 0..3 {
+                for l in 0..LANES {
+                    group.state[2 + s][l] = fma::<T, FMA>(sixth, sums[s][l], group.state[2 + s][l]);
+                }
+            }
+        }
+    } else {
+        let four = T::of(4.0);
+        for l in 0..LANES {
+            let gain = h * c[column::GAIN][l];
+            let (a0, a1, a2) = (gain * u[0][l], four * (gain * u[1][l]), gain * u[2][l]);
+            let rise = fma::<T, FMA>(c[column::FULL + 1][l], a0, c[column::HALF + 1][l] * a1);
+            let push = fma::<T, FMA>(c[column::FULL + 3][l], a0, fma::<T, FMA>(c[column::HALF + 3][l], a1, a2));
+            nx[l] = fma::<T, FMA>(sixth, rise, fx[l]);
+            nv[l] = fma::<T, FMA>(sixth, push, fv[l]);
+        }
+    }
+    if parts.lag {
+        for l in 0..LANES {
+            // The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
+            let ratio = c[column::LAG][l];
+            let (rise, a, b) = (nx[l] - x[l], h * v[l], h * nv[l]);
+            let c3 = a + b - two * rise;
+            let c2 = T::of(3.0) * rise - two * a - b - T::of(3.0) * ratio * c3;
+            let c1 = a - two * ratio * c2;
+            let c0 = x[l] - ratio * c1;
+            group.state[5][l] = c0 + c1 + c2 + c3 + (group.state[5][l] - c0) * c[column::KEEPS][l];
+        }
+    }
+    group.state[0] = nx;
+    group.state[1] = nv;
+}
+
+/// The state at one of the four stages.
+struct Stage<T> {
+    x: Lane<T>,
+    v: Lane<T>,
+    z: Lane<T>,
+    x2: Lane<T>,
+    v2: Lane<T>,
+}
+
+/// Acceleration less the base model's own, and rates of z, x₂ and v₂, all times the step.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inlined: a struct would only name what is passed on")]
+fn forces<T: Real, const FMA: bool>(
+    parts: &Parts,
+    c: &[Lane<T>; COLUMNS],
+    at: &Stage<T>,
+    u: &Lane<T>,
+    time: T,
+    h: T,
+    a: &mut Lane<T>,
+    rate: &mut [Lane<T>; 3],
+) {
+    let zero = T::of(0.0);
+    for l in 0..LANES {
+        a[l] = c[column::GAIN][l] * u[l];
+    }
+    if parts.friction {
+        // The sign averaged over one step, as in the diagnosis' own term.
+        for l in 0..LANES {
+            let friction = c[column::FRICTION][l];
+            let pull = fma::<T, FMA>(-c[column::STIFFNESS][l], at.x[l], a[l]);
+            let width = T::of(0.5) * h * pull.abs().max(friction.abs()).max(T::of(1e-30));
+            let sign = (at.v[l] / width).max(T::of(-1.0)).min(T::of(1.0));
+            a[l] = fma::<T, FMA>(-friction, sign, a[l]);
+        }
+    }
+    if parts.spring {
+        for l in 0..LANES {
+            let bend = fma::<T, FMA>(c[column::CUBIC][l], at.x[l], c[column::QUADRATIC][l]);
+            a[l] = fma::<T, FMA>(-(at.x[l] * at.x[l]), bend, a[l]);
+        }
+    }
+    if parts.damping {
+        for l in 0..LANES {
+            let square = c[column::SQUEEZE_FILM][l] * at.x[l] * at.x[l];
+            let damping = fma::<T, FMA>(c[column::SPEED_DAMPING][l], at.v[l].abs(), square);
+            a[l] = fma::<T, FMA>(-damping, at.v[l], a[l]);
+        }
+    }
+    if parts.drift {
+        for l in 0..LANES {
+            a[l] = fma::<T, FMA>(-(c[column::STIFFNESS_DRIFT][l] * time), at.x[l], a[l]);
+        }
+    }
+    if parts.drive {
+        for l in 0..LANES {
+            a[l] = fma::<T, FMA>(c[column::DRIVE_SQUARE][l] * u[l], u[l], a[l]);
+        }
+    }
+    if parts.stop {
+        for l in 0..LANES {
+            let above = (at.x[l] - c[column::GAP_ABOVE][l]).max(zero);
+            let below = (-at.x[l] - c[column::GAP_BELOW][l]).max(zero);
+            let stop = fma::<T, FMA>(-c[column::STOP_ABOVE][l], above, c[column::STOP_BELOW][l] * below);
+            a[l] = a[l] + stop;
+        }
+    }
+    if parts.hysteresis {
+        for l in 0..LANES {
+            let (z, v) = (at.z[l], at.v[l]);
+            a[l] = fma::<T, FMA>(-c[column::HYSTERESIS][l], z, a[l]);
+            let slip = fma::<T, FMA>(v.abs(), z, v * z.abs());
+            rate[0][l] = h * fma::<T, FMA>(-c[column::YIELD][l], slip, v);
+        }
+    }
+    if parts.mode {
+        for l in 0..LANES {
+            rate[1][l] = h * at.v2[l];
+            let pull = fma::<T, FMA>(c[column::MODE_DAMPING][l], at.v2[l], c[column::MODE_STIFFNESS][l] * at.x2[l]);
+            rate[2][l] = h * fma::<T, FMA>(c[column::MODE_GAIN][l], u[l], -pull);
+        }
+    }
+    for l in 0..LANES {
+        a[l] = h * a[l];
+    }
+}
+
+/// Marks lanes that left every bound and brings them to rest, so that they cost nothing and poison nothing.
+#[inline(always)]
+fn lose<T: Real>(group: &mut Group<T>) {
+    for l in 0..LANES {
+        let out = (0..5).any(|s| group.state[s][l].beyond(LOST));
+        if out {
+            for s in 0..6 {
+                group.state[s][l] = T::of(0.0);
+            }
+            group.state[7][l] = T::of(1.0);
+        }
+    }
+}

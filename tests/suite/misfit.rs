@@ -1,0 +1,272 @@
+//! The misfit kernel simulates what the diagnosis' own filter simulates, for every candidate, on every backend.
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::backend::gpu::Gpu;
+use proofmass::backend::misfits::{Device, evaluate, evaluate_on};
+use proofmass::diagnosis::driven::filter::Nothing;
+use proofmass::diagnosis::driven::fit::{Data, Run, Shape, innovations};
+use proofmass::diagnosis::driven::input::{Input, Interpolation};
+use proofmass::diagnosis::driven::term::Term;
+use proofmass::diagnosis::driven::{contact, damping, drift, drive, hysteresis, lag, mode, readout, spring};
+use proofmass::kernel::misfit::{Job, Point, Units};
+
+use super::world::{check, gpu_test, near, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("misfit: every column does what its term does in the diagnosis' own filter", columns_follow_terms),
+        test("misfit: f32 stays within rounding of f64", single_follows_double),
+        test("misfit: a held input and a ring-down are simulated as the filter does", other_inputs),
+        test("misfit: errors of integration fall with the fourth power of the step", fourth_order),
+        test("misfit: sums do not depend on grouping and add up over blocks", grouping),
+        test("misfit: projections are those of the filter's errors", projections),
+        test("misfit: a point that diverges is infinite and harms no neighbour", lost),
+        gpu_test("misfit: the GPU agrees with the CPU for every candidate", gpu_follows_cpu),
+    ]
+}
+
+const RATE_HZ: f64 = 1000.0;
+const OMEGA: f64 = 502.65;
+const STIFF: f64 = OMEGA * OMEGA;
+const UNITS: Units = Units { output: 0.014, input: 1500.0, interval_s: 1.0 / RATE_HZ };
+
+/// A recording: incommensurate tones below a third of Nyquist in, an arbitrary tone out.
+fn data(interpolation: Interpolation) -> Data {
+    let tone = |k: usize, f: f64, p: f64| (std::f64::consts::TAU * f * k as f64 / RATE_HZ + p).sin();
+    let push = |k: usize| 1e3 * (tone(k, 73.1, 0.3) + tone(k, 41.7, 1.1) + 0.7 * tone(k, 118.9, 2.0) + 0.1);
+    let samples = 1500;
+    Data {
+        reading: (0..samples).map(|k| 0.012 * tone(k, 61.3, 0.4)).collect(),
+        input: Some(Input::new((0..samples).map(push).collect(), interpolation)),
+        environment: Vec::new(),
+        environments: 0,
+        rate_hz: RATE_HZ,
+        hull: 24..samples - 24,
+        train: vec![24..700, 900..samples - 24],
+        validation: vec![700..900],
+        test: Vec::new(),
+    }
+}
+
+/// The base point as the kernel takes it; the filter's is [`FITTED`].
+fn base() -> Point {
+    let [gain, omega_rad_s, zeta, offset, x0, v0] = FITTED;
+    Point { gain, omega_rad_s, zeta, offset, x0, v0, ..Point::default() }
+}
+
+const FITTED: [f64; 6] = [0.9, OMEGA, 0.1, 0.001, 0.002, 0.3];
+
+/// Each candidate as a term with parameters, and as a point.
+fn cases() -> Vec<(&'static str, Term, Vec<f64>, Point)> {
+    use contact::{EndStop, Side};
+    let b = base();
+    let stop = |side| Term::EndStop(EndStop(side));
+    let steady = spring::Drift { environment: None };
+    vec![
+        ("cubic", Term::CubicStiffness(spring::Cubic), vec![2e3 * STIFF], Point { cubic: 2e3 * STIFF, ..b }),
+        (
+            "quadratic",
+            Term::QuadraticStiffness(spring::Quadratic),
+            vec![9.0 * STIFF],
+            Point { quadratic: 9.0 * STIFF, ..b },
+        ),
+        ("speed", Term::QuadraticDamping(damping::Quadratic), vec![20.0], Point { speed_damping: 20.0, ..b }),
+        ("squeeze", Term::SqueezeFilm(damping::SqueezeFilm), vec![1e5], Point { squeeze_film: 1e5, ..b }),
+        ("friction", Term::Coulomb(damping::Coulomb), vec![150.0], Point { friction: 150.0, ..b }),
+        ("drift", Term::StiffnessDrift(steady), vec![0.02], Point { stiffness_drift: 0.02, ..b }),
+        ("drive", Term::DriveNonlinearity(drive::Square), vec![1e-4], Point { drive_square: 1e-4, ..b }),
+        (
+            "stop above",
+            stop(Side::Upper),
+            vec![5.0 * STIFF, 0.005],
+            Point { stop_above: 5.0 * STIFF, gap_above: 0.005, ..b },
+        ),
+        (
+            "stop below",
+            stop(Side::Lower),
+            vec![3.0 * STIFF, 0.004],
+            Point { stop_below: 3.0 * STIFF, gap_below: 0.004, ..b },
+        ),
+        (
+            "hysteresis",
+            Term::Hysteresis(hysteresis::BoucWen),
+            vec![0.1 * STIFF, 0.003],
+            Point { hysteresis: 0.1 * STIFF, yield_displacement: 0.003, ..b },
+        ),
+        (
+            "mode",
+            Term::ParasiticMode(mode::Parasitic),
+            vec![0.2, 2.0 * OMEGA, 0.03],
+            Point { mode_gain: 0.2, mode_omega_rad_s: 2.0 * OMEGA, mode_zeta: 0.03, ..b },
+        ),
+        ("low-pass", Term::Lowpass(lag::Lowpass), vec![1e-3], Point { lowpass_s: 1e-3, ..b }),
+        ("delay", Term::Delay(lag::Delay), vec![1.3e-3], Point { delay_s: 1.3e-3, ..b }),
+        ("feedthrough", Term::Feedthrough(drive::Feedthrough), vec![1e-6], Point { feedthrough: 1e-6, ..b }),
+        (
+            "bend",
+            Term::ReadoutNonlinearity(readout::Polynomial),
+            vec![5.0, 300.0],
+            Point { bend_2: 5.0, bend_3: 300.0, ..b },
+        ),
+        ("ramp", Term::BiasDrift(drift::Ramp), vec![0.002], Point { ramp: 0.002, ..b }),
+        ("warm-up", Term::WarmUp(drift::WarmUp), vec![0.004, 0.3], Point { warm_up: 0.004, warm_up_s: 0.3, ..b }),
+        ("rails", Term::Saturation(readout::Saturation), vec![-0.008, 0.006], Point { low: -0.008, high: 0.006, ..b }),
+    ]
+}
+
+/// Errors of free simulation by the filter.
+fn filtered(data: &Data, terms: &[Term], own: &[f64], steps: usize) -> Vec<f64> {
+    let point: Vec<f64> = FITTED.iter().chain(own).copied().collect();
+    let run = Run { range: data.hull.clone(), steps, corrected: false };
+    innovations(data, &Shape::new(terms), &[point], &run, &mut Nothing).iter().map(|e| e[0]).collect()
+}
+
+fn squares(errors: &[f64]) -> f64 {
+    errors.iter().map(|e| e * e).sum()
+}
+
+/// A job over the whole hull as one block.
+fn job<'a>(data: &'a Data, steps: usize, directions: &'a [Vec<f64>]) -> Job<'a> {
+    Job {
+        reading: &data.reading,
+        grid: data.input.as_ref().map_or(&[], |i| i.grid(steps)),
+        grid_end: data.input.as_ref().map_or(0, Input::end),
+        steps,
+        run: data.hull.clone(),
+        blocks: vec![data.hull.clone()],
+        directions,
+        units: UNITS,
+    }
+}
+
+fn columns_follow_terms() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let job = job(&data, 4, &[]);
+    let plain = evaluate::<f64>(&job, &[base()])?[0].squares[0];
+    // Same operations in f64, 6000 steps of some 30: rounding of 1e-16 each, damped within 100 steps.
+    near("base", plain / squares(&filtered(&data, &[], &[], 4)), 1.0, 1e-12)?;
+    for (name, term, own, point) in cases() {
+        let expected = squares(&filtered(&data, &[term], &own, 4));
+        let got = evaluate::<f64>(&job, &[point])?[0].squares[0];
+        near(name, got / expected, 1.0, 1e-12)?;
+        // Control: without its column the same comparison fails by far.
+        check((plain / expected - 1.0).abs() > 1e-4, format!("{name} moves nothing: {plain:e} and {expected:e}"))?;
+    }
+    Ok(())
+}
+
+fn single_follows_double() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let job = job(&data, 4, &[]);
+    for (name, _, _, point) in cases() {
+        let exact = evaluate::<f64>(&job, &[point])?[0].squares[0];
+        // Rounding of 6e-8 per operation gathered over the memory of the resonance, some 200 steps; the sum averages it.
+        near(name, evaluate::<f32>(&job, &[point])?[0].squares[0] / exact, 1.0, 1e-5)?;
+    }
+    let moved = Point { gain: 1.0001 * FITTED[0], ..base() };
+    let control = evaluate::<f32>(&job, &[moved])?[0].squares[0] / evaluate::<f64>(&job, &[base()])?[0].squares[0];
+    check((control - 1.0).abs() > 1e-5, "the comparison does not see a gain wrong by 1e-4")
+}
+
+fn other_inputs() -> Result<(), Failed> {
+    let (term, own) = (Term::CubicStiffness(spring::Cubic), [2e3 * STIFF]);
+    let point = Point { cubic: own[0], ..base() };
+    let mut sums = Vec::new();
+    for interpolation in [Some(Interpolation::BandLimited), Some(Interpolation::Hold), None] {
+        let mut data = data(interpolation.unwrap_or(Interpolation::Hold));
+        if interpolation.is_none() {
+            data.input = None;
+        }
+        let got = evaluate::<f64>(&job(&data, 3, &[]), &[point])?[0].squares[0];
+        let expected = squares(&filtered(&data, &[term], &own, 3));
+        near(&format!("{interpolation:?}"), got / expected, 1.0, 1e-12)?;
+        sums.push(got);
+    }
+    check(sums[0] != sums[1] && sums[1] != sums[2], format!("the inputs do not differ: {sums:?}"))
+}
+
+fn fourth_order() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let point = Point { cubic: 2e3 * STIFF, ..base() };
+    let at = |steps| Ok::<f64, Failed>(evaluate::<f64>(&job(&data, steps, &[]), &[point])?[0].squares[0]);
+    let exact = at(32)?;
+    let ratio = (at(4)? - exact) / (at(8)? - exact);
+    // 2⁴ for a method of order four; of order three 8, of five 32.
+    check((12.0..22.0).contains(&ratio), format!("halving the step divides the error by {ratio}"))
+}
+
+fn grouping() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let whole = job(&data, 4, &[]);
+    let many: Vec<Point> = (0..150).map(|i| Point { cubic: f64::from(i + 1) * STIFF, ..base() }).collect();
+    let together = evaluate::<f32>(&whole, &many)?;
+    let apart = Job { blocks: vec![24..500, 500..501, 620..1476], ..whole.clone() };
+    let blocks = evaluate::<f32>(&apart, &many)?;
+    let gap = Job { blocks: vec![501..620], ..whole.clone() };
+    let gaps = evaluate::<f32>(&gap, &many)?;
+    for (i, point) in many.iter().enumerate() {
+        let alone = &evaluate::<f32>(&whole, &[*point])?[0];
+        check(*alone == together[i], format!("point {i} differs in company: {alone:?} and {:?}", together[i]))?;
+        let parts: f64 = blocks[i].squares.iter().chain(&gaps[i].squares).sum();
+        // Sums of 64 squares are rounded to f32 before they are added in f64.
+        near("blocks", parts / alone.squares[0], 1.0, 1e-6)?;
+        check(parts - gaps[i].squares[0] < 0.99 * alone.squares[0], "a block left out is not missed")?;
+    }
+    Ok(())
+}
+
+fn projections() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let wave = |p: f64| (0..data.hull.len()).map(|k| (0.37 * k as f64 + p).sin() / 30.0).collect::<Vec<f64>>();
+    let directions = [wave(0.0), wave(1.6)];
+    let errors = filtered(&data, &[Term::BiasDrift(drift::Ramp)], &[0.002], 4);
+    let point = Point { ramp: 0.002, ..base() };
+    for (name, got, tolerance) in [
+        ("f64", evaluate::<f64>(&job(&data, 4, &directions), &[point])?, 1e-12),
+        ("f32", evaluate::<f32>(&job(&data, 4, &directions), &[point])?, 1e-5),
+    ] {
+        for (d, along) in directions.iter().zip(&got[0].along) {
+            let expected: f64 = d.iter().zip(&errors).map(|(d, e)| d * e).sum();
+            near(name, *along, expected, tolerance * squares(&errors).sqrt())?;
+        }
+        check((got[0].along[0] - got[0].along[1]).abs() > 1e-3, "both directions give the same")?;
+    }
+    Ok(())
+}
+
+fn lost() -> Result<(), Failed> {
+    let data = data(Interpolation::BandLimited);
+    let whole = job(&data, 4, &[]);
+    let good = Point { cubic: STIFF, ..base() };
+    // A spring that softens until it pushes: every orbit leaves.
+    let bad = Point { cubic: -1e9 * STIFF, ..base() };
+    let both = evaluate::<f32>(&whole, &[good, bad, good])?;
+    check(both[1].squares[0] == f64::INFINITY, format!("a lost point is said to misfit by {:?}", both[1]))?;
+    check(both[0] == evaluate::<f32>(&whole, &[good])?[0] && both[0] == both[2], "a lost point harms its neighbours")
+}
+
+fn gpu_follows_cpu() -> Result<(), Failed> {
+    let gpu = Gpu::open(false)?;
+    let data = data(Interpolation::BandLimited);
+    let directions = [(0..data.hull.len()).map(|k| (0.37 * k as f64).sin() / 30.0).collect::<Vec<f64>>()];
+    let blocks = vec![24..700, 900..1476];
+    let job = Job { blocks, ..job(&data, 3, &directions) };
+    let mut control = 0.0f64;
+    // Two points of each candidate, so that a workgroup holds unequal ones.
+    for (name, _, _, point) in cases() {
+        let points = [point, Point { gain: 1.0001 * FITTED[0], ..point }];
+        let (on_gpu, on_cpu) = (evaluate_on(Device::Gpu(&gpu), &job, &points)?, evaluate::<f32>(&job, &points)?);
+        for (g, c) in on_gpu.iter().zip(&on_cpu) {
+            for (g, c) in g.squares.iter().zip(&c.squares) {
+                near(name, g / c, 1.0, 1e-5)?;
+            }
+            near(name, g.along[0], c.along[0], 1e-5)?;
+        }
+        control = control.max((on_gpu[1].squares[0] / on_cpu[0].squares[0] - 1.0).abs());
+    }
+    let bad = Point { cubic: -1e9 * STIFF, ..base() };
+    let found = evaluate_on(Device::Gpu(&gpu), &job, &[bad])?;
+    check(found[0].squares[0] == f64::INFINITY, format!("a lost point is said to misfit by {found:?}"))?;
+    check(control > 1e-5, "the comparison does not see a gain wrong by 1e-4")
+}
