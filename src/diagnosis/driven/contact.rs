@@ -1,6 +1,7 @@
 //! A stop that the mass runs into.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -70,6 +71,15 @@ impl Physics for EndStop {
         }
     }
     fn moves(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        if self.0 != Side::Lower {
+            (point.stop_above, point.gap_above) = (p[0], p[1]);
+        }
+        if self.0 != Side::Upper {
+            (point.stop_below, point.gap_below) = (p[0], p[1]);
+        }
         true
     }
 }

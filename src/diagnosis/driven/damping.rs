@@ -1,6 +1,7 @@
 //! Damping that is not proportional to velocity: quadratic, squeeze-film, and dry friction.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -40,6 +41,10 @@ impl Physics for Quadratic {
     fn moves(&self) -> bool {
         true
     }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.speed_damping = p[0];
+        true
+    }
 }
 
 /// c x²x′.
@@ -76,6 +81,10 @@ impl Physics for SqueezeFilm {
         }
     }
     fn moves(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.squeeze_film = p[0];
         true
     }
 }
@@ -118,6 +127,10 @@ impl Physics for Coulomb {
         }
     }
     fn moves(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.friction = p[0];
         true
     }
 }

@@ -1,6 +1,7 @@
 //! Offsets that change by law: a ramp, and a warm-up that dies away.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -39,6 +40,10 @@ impl Physics for Ramp {
     }
     fn reads(&self) -> Option<u8> {
         Some(4)
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.ramp = p[0];
+        true
     }
 }
 
@@ -80,5 +85,9 @@ impl Physics for WarmUp {
     }
     fn reads(&self) -> Option<u8> {
         Some(4)
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.warm_up, point.warm_up_s) = (p[0], p[1]);
+        true
     }
 }

@@ -1,6 +1,7 @@
 //! What the input does besides pushing in proportion: its square in the force, and a share that goes straight to the reading.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -43,6 +44,10 @@ impl Physics for Square {
     fn needs_input(&self) -> bool {
         true
     }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.drive_square = p[0];
+        true
+    }
 }
 
 /// y = x + d·u.
@@ -82,6 +87,10 @@ impl Physics for Feedthrough {
         Some(2)
     }
     fn needs_input(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.feedthrough = p[0];
         true
     }
 }

@@ -1,6 +1,7 @@
 //! A spring with memory: Bouc–Wen hysteresis.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -42,13 +43,19 @@ impl Physics for BoucWen {
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], acceleration: &mut Lanes) {
+        // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
+        let (stiffness, yields, own, rate) = (&p[0], &p[1], &own[0], &mut rates[0]);
         for l in 0..LANES {
-            let (z, v) = (own[0][l], at.v[l]);
-            acceleration[l] -= p[0][l] * z;
-            rates[0][l] = v - 0.5 * (v.abs() * z + v * z.abs()) / p[1][l];
+            let (z, v) = (own[l], at.v[l]);
+            acceleration[l] -= stiffness[l] * z;
+            rate[l] = v - 0.5 * (v.abs() * z + v * z.abs()) / yields[l];
         }
     }
     fn moves(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.hysteresis, point.yield_displacement) = (p[0], p[1]);
         true
     }
 }

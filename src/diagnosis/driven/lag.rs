@@ -1,6 +1,7 @@
 //! Readings that come late: a pure delay, or a first-order low-pass.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
 
@@ -40,6 +41,10 @@ impl Physics for Delay {
         true
     }
     fn needs_input(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.delay_s = p[0];
         true
     }
 }
@@ -103,5 +108,9 @@ impl Physics for Lowpass {
     }
     fn reads(&self) -> Option<u8> {
         Some(1)
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.lowpass_s = p[0];
+        true
     }
 }

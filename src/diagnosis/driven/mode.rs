@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -59,10 +60,13 @@ impl Physics for Parasitic {
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {
+        // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
+        let (gain, omega, zeta) = (&p[0], &p[1], &p[2]);
+        let (x, v) = (&own[0], &own[1]);
+        rates[0] = *v;
+        let rate = &mut rates[1];
         for l in 0..LANES {
-            let (x, v, omega) = (own[0][l], own[1][l], p[1][l]);
-            rates[0][l] = v;
-            rates[1][l] = p[0][l] * at.input[l] - 2.0 * p[2][l] * omega * v - omega * omega * x;
+            rate[l] = gain[l] * at.input[l] - 2.0 * zeta[l] * omega[l] * v[l] - omega[l] * omega[l] * x[l];
         }
     }
     #[inline(always)]
@@ -78,6 +82,10 @@ impl Physics for Parasitic {
         Some(0)
     }
     fn needs_input(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.mode_gain, point.mode_omega_rad_s, point.mode_zeta) = (p[0], p[1], p[2]);
         true
     }
 }

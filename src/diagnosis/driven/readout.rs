@@ -1,6 +1,7 @@
 //! What the readout does to the displacement: it clips, it rounds, it bends.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -47,6 +48,10 @@ impl Physics for Saturation {
     }
     fn reads(&self) -> Option<u8> {
         Some(9)
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.low, point.high) = (p[0], p[1]);
+        true
     }
 }
 
@@ -118,5 +123,9 @@ impl Physics for Polynomial {
     }
     fn reads(&self) -> Option<u8> {
         Some(3)
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.bend_2, point.bend_3) = (p[0], p[1]);
+        true
     }
 }

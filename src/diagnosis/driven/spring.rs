@@ -1,6 +1,7 @@
 //! Springs that are not straight lines, or not constant: cubic and quadratic stiffness, and stiffness that drifts.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::Point;
 
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
@@ -40,6 +41,10 @@ impl Physics for Cubic {
     fn moves(&self) -> bool {
         true
     }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.cubic = p[0];
+        true
+    }
 }
 
 /// αx².
@@ -76,6 +81,10 @@ impl Physics for Quadratic {
         }
     }
     fn moves(&self) -> bool {
+        true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.quadratic = p[0];
         true
     }
 }
@@ -119,5 +128,9 @@ impl Physics for Drift {
     }
     fn moves(&self) -> bool {
         true
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        point.stiffness_drift = p[0];
+        self.environment.is_none()
     }
 }

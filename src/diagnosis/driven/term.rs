@@ -4,6 +4,7 @@
 //! One file per family; the list of all terms is [`Term::tried`]. Not for fitting (`fit`) and not for choosing (`select`).
 
 use crate::diagnosis::candidate::Candidate;
+use crate::kernel::misfit::Point;
 
 use super::{contact, damping, drift, drive, hysteresis, lag, mode, noise, pickup, readout, spring};
 
@@ -149,6 +150,10 @@ pub trait Physics {
     }
     /// Whether parameter 0 is a delay of the input in s.
     fn delays(&self) -> bool {
+        false
+    }
+    /// Puts its parameters where the search kernel reads them; `false` where that kernel does not have the term.
+    fn place(&self, _p: &[f64], _point: &mut Point) -> bool {
         false
     }
     /// Which noise it is; parameter 0 is then its strength as in `gain`.
@@ -304,6 +309,11 @@ impl Term {
     /// As `Physics::delays`.
     pub fn delays(&self) -> bool {
         self.physics().delays()
+    }
+
+    /// As `Physics::place`.
+    pub fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        self.physics().place(p, point)
     }
 
     /// As `Physics::noise`.

@@ -231,39 +231,40 @@ fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k
             hx[l] = fma::<T, FMA>(c[column::HALF][l], x[l], c[column::HALF + 1][l] * v[l]);
             hv[l] = fma::<T, FMA>(c[column::HALF + 2][l], x[l], c[column::HALF + 3][l] * v[l]);
         }
-        let (z, x2, v2) = (group.state[2], group.state[3], group.state[4]);
+        let own = parts.hysteresis || parts.mode;
         // Sums of the stages with Runge–Kutta's weights; accelerations and rates are those per step.
-        let (mut a, mut rate) = (zero, [zero; 3]);
-        let (mut sum_x, mut sum_v, mut sums) = (zero, zero, [zero; 3]);
+        let (mut a, mut sum_x, mut sum_v) = (zero, zero, zero);
+        let (mut at, mut rate, mut sums) = ([zero; 5], [zero; 3], [zero; 3]);
         for stage in 0..4 {
-            let mut at = Stage { x, v, z, x2, v2 };
             let lead = if stage == 3 { T::of(1.0) } else { half };
-            if stage == 1 {
-                for l in 0..LANES {
-                    let push = half * a[l];
-                    at.x[l] = fma::<T, FMA>(c[column::HALF + 1][l], push, hx[l]);
-                    at.v[l] = fma::<T, FMA>(c[column::HALF + 3][l], push, hv[l]);
+            match stage {
+                0 => (at[0], at[1]) = (x, v),
+                1 => {
+                    for l in 0..LANES {
+                        let push = half * a[l];
+                        at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], push, hx[l]);
+                        at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], push, hv[l]);
+                    }
                 }
-            } else if stage == 2 {
-                at.x = hx;
-                for l in 0..LANES {
-                    at.v[l] = fma::<T, FMA>(half, a[l], hv[l]);
+                2 => {
+                    for l in 0..LANES {
+                        at[0][l] = hx[l];
+                        at[1][l] = fma::<T, FMA>(half, a[l], hv[l]);
+                    }
                 }
-            } else if stage == 3 {
-                for l in 0..LANES {
-                    at.x[l] = fma::<T, FMA>(c[column::HALF + 1][l], a[l], fx[l]);
-                    at.v[l] = fma::<T, FMA>(c[column::HALF + 3][l], a[l], fv[l]);
+                _ => {
+                    for l in 0..LANES {
+                        at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], a[l], fx[l]);
+                        at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], a[l], fv[l]);
+                    }
                 }
             }
-            if stage > 0 && parts.hysteresis {
-                for l in 0..LANES {
-                    at.z[l] = fma::<T, FMA>(lead, rate[0][l], z[l]);
-                }
-            }
-            if stage > 0 && parts.mode {
-                for l in 0..LANES {
-                    at.x2[l] = fma::<T, FMA>(lead, rate[1][l], x2[l]);
-                    at.v2[l] = fma::<T, FMA>(lead, rate[2][l], v2[l]);
+            if own {
+                for s in 0..3 {
+                    for l in 0..LANES {
+                        let step = if stage == 0 { T::of(0.0) } else { lead * rate[s][l] };
+                        at[2 + s][l] = group.state[2 + s][l] + step;
+                    }
                 }
             }
             let place = [0.0, 0.5, 0.5, 1.0][stage];
@@ -283,7 +284,7 @@ fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k
                     sum_v[l] = fma::<T, FMA>(c[carried + 3][l], push, sum_v[l]);
                 }
             }
-            if parts.hysteresis || parts.mode {
+            if own {
                 let weight = if stage == 1 || stage == 2 { two } else { T::of(1.0) };
                 for s in 0..3 {
                     for l in 0..LANES {
@@ -296,7 +297,7 @@ fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k
             nx[l] = fma::<T, FMA>(sixth, sum_x[l], fx[l]);
             nv[l] = fma::<T, FMA>(sixth, sum_v[l], fv[l]);
         }
-        if parts.hysteresis || parts.mode {
+        if own {
             for s in 0..3 {
                 for l in 0..LANES {
                     group.state[2 + s][l] = fma::<T, FMA>(sixth, sums[s][l], group.state[2 + s][l]);
@@ -330,22 +331,13 @@ fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k
     group.state[1] = nv;
 }
 
-/// The state at one of the four stages.
-struct Stage<T> {
-    x: Lane<T>,
-    v: Lane<T>,
-    z: Lane<T>,
-    x2: Lane<T>,
-    v2: Lane<T>,
-}
-
-/// Acceleration less the base model's own, and rates of z, x₂ and v₂, all times the step.
+/// Acceleration less the base model's own, and rates of z, x₂ and v₂, all times the step; `at` is x, v, z, x₂, v₂.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inlined: a struct would only name what is passed on")]
 fn forces<T: Real, const FMA: bool>(
     parts: &Parts,
     c: &[Lane<T>; COLUMNS],
-    at: &Stage<T>,
+    at: &[Lane<T>; 5],
     u: &Lane<T>,
     time: T,
     h: T,
@@ -360,28 +352,28 @@ fn forces<T: Real, const FMA: bool>(
         // The sign averaged over one step, as in the diagnosis' own term.
         for l in 0..LANES {
             let friction = c[column::FRICTION][l];
-            let pull = fma::<T, FMA>(-c[column::STIFFNESS][l], at.x[l], a[l]);
+            let pull = fma::<T, FMA>(-c[column::STIFFNESS][l], at[0][l], a[l]);
             let width = T::of(0.5) * h * pull.abs().max(friction.abs()).max(T::of(1e-30));
-            let sign = (at.v[l] / width).max(T::of(-1.0)).min(T::of(1.0));
+            let sign = (at[1][l] / width).max(T::of(-1.0)).min(T::of(1.0));
             a[l] = fma::<T, FMA>(-friction, sign, a[l]);
         }
     }
     if parts.spring {
         for l in 0..LANES {
-            let bend = fma::<T, FMA>(c[column::CUBIC][l], at.x[l], c[column::QUADRATIC][l]);
-            a[l] = fma::<T, FMA>(-(at.x[l] * at.x[l]), bend, a[l]);
+            let bend = fma::<T, FMA>(c[column::CUBIC][l], at[0][l], c[column::QUADRATIC][l]);
+            a[l] = fma::<T, FMA>(-(at[0][l] * at[0][l]), bend, a[l]);
         }
     }
     if parts.damping {
         for l in 0..LANES {
-            let square = c[column::SQUEEZE_FILM][l] * at.x[l] * at.x[l];
-            let damping = fma::<T, FMA>(c[column::SPEED_DAMPING][l], at.v[l].abs(), square);
-            a[l] = fma::<T, FMA>(-damping, at.v[l], a[l]);
+            let square = c[column::SQUEEZE_FILM][l] * at[0][l] * at[0][l];
+            let damping = fma::<T, FMA>(c[column::SPEED_DAMPING][l], at[1][l].abs(), square);
+            a[l] = fma::<T, FMA>(-damping, at[1][l], a[l]);
         }
     }
     if parts.drift {
         for l in 0..LANES {
-            a[l] = fma::<T, FMA>(-(c[column::STIFFNESS_DRIFT][l] * time), at.x[l], a[l]);
+            a[l] = fma::<T, FMA>(-(c[column::STIFFNESS_DRIFT][l] * time), at[0][l], a[l]);
         }
     }
     if parts.drive {
@@ -391,15 +383,15 @@ fn forces<T: Real, const FMA: bool>(
     }
     if parts.stop {
         for l in 0..LANES {
-            let above = (at.x[l] - c[column::GAP_ABOVE][l]).max(zero);
-            let below = (-at.x[l] - c[column::GAP_BELOW][l]).max(zero);
+            let above = (at[0][l] - c[column::GAP_ABOVE][l]).max(zero);
+            let below = (-at[0][l] - c[column::GAP_BELOW][l]).max(zero);
             let stop = fma::<T, FMA>(-c[column::STOP_ABOVE][l], above, c[column::STOP_BELOW][l] * below);
             a[l] = a[l] + stop;
         }
     }
     if parts.hysteresis {
         for l in 0..LANES {
-            let (z, v) = (at.z[l], at.v[l]);
+            let (z, v) = (at[2][l], at[1][l]);
             a[l] = fma::<T, FMA>(-c[column::HYSTERESIS][l], z, a[l]);
             let slip = fma::<T, FMA>(v.abs(), z, v * z.abs());
             rate[0][l] = h * fma::<T, FMA>(-c[column::YIELD][l], slip, v);
@@ -407,8 +399,8 @@ fn forces<T: Real, const FMA: bool>(
     }
     if parts.mode {
         for l in 0..LANES {
-            rate[1][l] = h * at.v2[l];
-            let pull = fma::<T, FMA>(c[column::MODE_DAMPING][l], at.v2[l], c[column::MODE_STIFFNESS][l] * at.x2[l]);
+            rate[1][l] = h * at[4][l];
+            let pull = fma::<T, FMA>(c[column::MODE_DAMPING][l], at[4][l], c[column::MODE_STIFFNESS][l] * at[3][l]);
             rate[2][l] = h * fma::<T, FMA>(c[column::MODE_GAIN][l], u[l], -pull);
         }
     }
