@@ -1,4 +1,4 @@
-//! Offsets that change by law: a ramp, and a warm-up that dies away.
+//! Offsets that change by law: a ramp, and a warm-up that dies away. Time counts from the recording's first sample.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;

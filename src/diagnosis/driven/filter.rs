@@ -30,8 +30,6 @@ pub struct Pass<'a> {
     pub steps: usize,
     /// Sampling interval.
     pub interval_s: f64,
-    /// Sample at which time is zero.
-    pub zero: usize,
     /// Environment, row by row.
     pub environment: &'a [f64],
     /// Columns in it.
@@ -144,7 +142,7 @@ impl Pass<'_> {
         for k in self.run.clone() {
             let environment = &self.environment[k * self.environments..(k + 1) * self.environments];
             let mut at = Instant {
-                time_s: (k as f64 - self.zero as f64) * self.interval_s,
+                time_s: k as f64 * self.interval_s,
                 step_s: h,
                 input: self.input(k * per_sample, delay.as_ref()),
                 x,

@@ -176,7 +176,6 @@ pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run
         grid_end: data.input.as_ref().map_or(0, Input::end),
         steps: run.steps,
         interval_s: data.interval_s(),
-        zero: data.hull.start,
         environment: &data.environment,
         environments: data.environments,
         terms: &shape.terms,

@@ -14,10 +14,11 @@ pub const BOUC_WEN: Candidate = Candidate {
     id: "hysteresis",
     kind: Kind::Driven,
     statement: "Part of the restoring force remembers the path: it yields and slips back (Bouc–Wen).",
-    equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − (|x′|z + x′|z|)/(2 z_y)",
+    equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − (s|x′|z + (1 − s)x′|z|)/z_y",
     parameters: &[
         Parameter { name: "k_h", unit: "1/s^2", range: (-1.0, 1.0) },
         Parameter { name: "z_y", unit: "y", range: (0.0, 10.0) },
+        Parameter { name: "s", unit: "1", range: (0.0, 1.0) },
     ],
     acts: "equation of motion",
     signature: "loops in force against displacement whose area does not depend on speed",
@@ -30,10 +31,14 @@ impl Physics for BoucWen {
         &BOUC_WEN
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)), Coordinate::Log(0.01 * s.output, 4.0 * s.output)]
+        vec![
+            Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)),
+            Coordinate::Log(0.01 * s.output, 4.0 * s.output),
+            Coordinate::Bounded(0.3, 0.0, 1.0),
+        ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output]).to_vec()
+        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output, 0.5]).to_vec()
     }
     fn states(&self) -> usize {
         1
@@ -44,11 +49,11 @@ impl Physics for BoucWen {
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], acceleration: &mut Lanes) {
         // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
-        let (stiffness, yields, own, rate) = (&p[0], &p[1], &own[0], &mut rates[0]);
+        let (stiffness, yields, share, own, rate) = (&p[0], &p[1], &p[2], &own[0], &mut rates[0]);
         for l in 0..LANES {
             let (z, v) = (own[l], at.v[l]);
             acceleration[l] -= stiffness[l] * z;
-            rate[l] = v - 0.5 * (v.abs() * z + v * z.abs()) / yields[l];
+            rate[l] = v - (share[l] * v.abs() * z + (1.0 - share[l]) * v * z.abs()) / yields[l];
         }
     }
     fn moves(&self) -> bool {

@@ -71,10 +71,10 @@ impl Physics for Lowpass {
         &LOWPASS
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Log(0.01 / s.omega_rad_s, 100.0 / s.omega_rad_s)]
+        vec![Coordinate::Log(1e-4 / s.omega_rad_s, 100.0 / s.omega_rad_s)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [0.04, 0.2, 1.0].map(|t| vec![t / s.omega_rad_s]).to_vec()
+        [0.005, 0.04, 0.2, 1.0].map(|t| vec![t / s.omega_rad_s]).to_vec()
     }
     fn states(&self) -> usize {
         1

@@ -69,7 +69,7 @@ pub struct BaseLanes {
 /// The state at one instant, in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Instant<'a> {
-    /// Time from the beginning of the fitted stretch.
+    /// Time from the first sample of the recording.
     pub time_s: f64,
     /// Integration step.
     pub step_s: f64,
