@@ -28,6 +28,7 @@ pub mod spring;
 pub mod start;
 pub mod term;
 pub mod words;
+pub mod work;
 
 use crate::error::{Error, Result};
 use crate::progress;
@@ -140,6 +141,9 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
         let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
         selection = select::search(&narrow, base, &scales, &candidates);
+    }
+    if selection.cut_short {
+        findings.push("the search for terms was cut short when its work was spent, with structure left".to_owned());
     }
     data.input = narrow.input.clone();
     if progress::interrupted() {

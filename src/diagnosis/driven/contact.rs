@@ -46,11 +46,11 @@ impl Physics for EndStop {
         vec![Coordinate::Log(0.3 * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        let (low, high) = s.output_range;
+        let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
         let reach = match self.0 {
-            Side::Both => high.max(-low),
-            Side::Upper => high,
-            Side::Lower => -low,
+            Side::Both => above.max(below),
+            Side::Upper => above,
+            Side::Lower => below,
         };
         let spring = s.omega_rad_s.powi(2);
         [0.55, 0.7, 0.8, 0.88, 0.95]
@@ -60,6 +60,9 @@ impl Physics for EndStop {
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(5.0 * s.omega_rad_s)
+    }
+    fn has_corner(&self) -> bool {
+        true
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {

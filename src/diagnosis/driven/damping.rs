@@ -116,6 +116,12 @@ impl Physics for Coulomb {
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
+    fn has_corner(&self) -> bool {
+        true
+    }
+    fn fastest_rad_s(&self, _: &[f64], s: &Scales) -> f64 {
+        1.3 * s.omega_rad_s
+    }
     /// The sign averaged over one step: its jump is spread over the velocity gained in a step, which trapezoid and
     /// midpoint sums (hence Runge–Kutta's weights) integrate exactly whenever the crossing falls; and it can hold still.
     #[inline(always)]

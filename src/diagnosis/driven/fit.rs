@@ -9,6 +9,7 @@ use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 use super::filter::{Keep, Nothing, Pass, States};
 use super::gain::{self, Noisy};
 use super::input::{Input, MOST_STEPS};
+use super::work::Work;
 use super::term::{BaseLanes, Coordinate, LANES, Lanes, Noise, Scales, Term};
 
 /// Base parameters: gain, ω₀, ζ, offset, displacement and velocity at the beginning.
@@ -47,6 +48,8 @@ pub struct Data {
     pub validation: Vec<Range<usize>>,
     /// Samples that judge the model chosen, inside or outside the hull.
     pub test: Vec<Range<usize>>,
+    /// What has been computed on it so far.
+    pub work: Work,
 }
 
 impl Data {
@@ -92,6 +95,15 @@ impl Shape {
         self.terms.iter().any(|t| t.noise().is_some())
     }
 
+    /// Places of what only says where the mass, and the states of terms, begin.
+    pub fn beginnings(&self) -> Vec<usize> {
+        let of_terms = self.terms.iter().zip(&self.first).flat_map(|(term, first)| {
+            let end = first + term.parameters();
+            end - term.unknown_beginnings()..end
+        });
+        [INITIAL, INITIAL + 1].into_iter().chain(of_terms).collect()
+    }
+
     /// Parameters of one term.
     pub fn of<'a>(&self, term: usize, point: &'a [f64]) -> &'a [f64] {
         &point[self.first[term]..self.first[term] + self.terms[term].parameters()]
@@ -125,7 +137,7 @@ impl Shape {
             .terms
             .iter()
             .enumerate()
-            .map(|(i, t)| t.fastest_rad_s(self.of(i, point), scales))
+            .map(|(i, t)| scales.fineness * t.fastest_rad_s(self.of(i, point), scales))
             .fold(point[OMEGA], f64::max);
         ((fastest * scales.interval_s / angle).ceil() as usize).clamp(2, MOST_STEPS)
     }
@@ -144,6 +156,7 @@ pub struct Run {
 
 /// Innovations at up to [`LANES`] points.
 pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run: &Run, keep: &mut K) -> Vec<Lanes> {
+    data.work.add(run.range.len() * run.steps);
     let lane = |index: usize| {
         let mut lanes = [0.0; LANES];
         for (l, value) in lanes.iter_mut().enumerate() {

@@ -112,15 +112,19 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
 pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
+    let mut free = fit.shape.beginnings();
+    free.iter().for_each(|i| point[*i] = 0.0);
     point[INITIAL] = data.reading[range.start] - point[OFFSET];
-    point[INITIAL + 1] = 0.0;
     let walks = fit.shape.terms.iter().any(|t| t.noise() == Some(Noise::Walk));
+    if walks {
+        free.insert(0, OFFSET);
+    }
     let rows = range.start..(range.start + lead).min(range.end);
     let search = Search {
         data,
         shape: &fit.shape,
         point: point.clone(),
-        free: if walks { vec![OFFSET, INITIAL, INITIAL + 1] } else { vec![INITIAL, INITIAL + 1] },
+        free,
         coordinates: coordinates(&fit.shape, scales),
         run: Run { range: rows.clone(), steps: fit.steps, corrected: false },
         rows: vec![rows],
@@ -135,13 +139,15 @@ pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
         return fit.point.clone();
     }
     let mut point = fit.point.clone();
+    let mut free = fit.shape.beginnings();
+    free.insert(0, OFFSET);
     point[INITIAL] = data.reading[data.hull.start] - point[OFFSET];
     point[INITIAL + 1] = 0.0;
     let search = Search {
         data,
         shape: &fit.shape,
         point,
-        free: vec![OFFSET, INITIAL, INITIAL + 1],
+        free,
         coordinates: coordinates(&fit.shape, scales),
         run: Run { range: data.hull.clone(), steps: fit.steps, corrected: false },
         rows: data.train.clone(),

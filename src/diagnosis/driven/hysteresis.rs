@@ -35,13 +35,23 @@ impl Physics for BoucWen {
             Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)),
             Coordinate::Log(0.01 * s.output, 4.0 * s.output),
             Coordinate::Bounded(0.3, 0.0, 1.0),
+            Coordinate::Linear(0.1 * s.output),
         ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output, 0.5]).to_vec()
+        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output, 0.5, 0.0]).to_vec()
     }
     fn states(&self) -> usize {
         1
+    }
+    fn has_corner(&self) -> bool {
+        true
+    }
+    fn unknown_beginnings(&self) -> usize {
+        1
+    }
+    fn begin(&self, _: &Lanes, _: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        own[0] = p[3];
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (s.velocity / p[1]).min(4.0 * s.omega_rad_s)

@@ -29,13 +29,8 @@ impl Physics for Delay {
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         vec![Coordinate::Linear(0.1 * s.interval_s)]
     }
-    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        let lag = s.lag_samples;
-        let mut starts = vec![vec![0.0]];
-        if lag.abs() >= 1.0 {
-            starts.push(vec![lag * s.interval_s]);
-        }
-        starts
+    fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
+        vec![vec![0.0]]
     }
     fn delays(&self) -> bool {
         true

@@ -41,6 +41,8 @@ impl Physics for Parasitic {
                 (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega),
             ),
             Coordinate::Log(1e-4, 0.6),
+            Coordinate::Linear(0.1 * s.output),
+            Coordinate::Linear(0.1 * s.output * omega),
         ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
@@ -48,12 +50,18 @@ impl Physics for Parasitic {
         let grid = [0.25, 0.4, 0.6, 0.8, 1.25, 1.6, 2.1, 2.8, 3.7, 5.0, 7.0].map(|r| r * s.omega_rad_s);
         let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
         let mut starts: Vec<Vec<f64>> =
-            grid.into_iter().filter(|w| *w < 0.9 * nyquist).map(|w| vec![0.0, w, 0.1]).collect();
-        starts.extend(peaks.filter(|w| *w < 0.95 * nyquist).map(|w| vec![0.0, w, 0.02]));
+            grid.into_iter().filter(|w| *w < 0.9 * nyquist).map(|w| vec![0.0, w, 0.1, 0.0, 0.0]).collect();
+        starts.extend(peaks.filter(|w| *w < 0.95 * nyquist).map(|w| vec![0.0, w, 0.02, 0.0, 0.0]));
         starts
     }
     fn states(&self) -> usize {
         2
+    }
+    fn unknown_beginnings(&self) -> usize {
+        2
+    }
+    fn begin(&self, _: &Lanes, _: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        own[..2].copy_from_slice(&p[3..5]);
     }
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
         0.6 * p[1]

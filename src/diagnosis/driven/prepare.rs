@@ -9,6 +9,7 @@ use crate::recording::Recording;
 use super::fit::{BASE, Data};
 use super::input::{Input, Interpolation, REACH};
 use super::start::spread;
+use super::work::Work;
 
 /// Half-open ranges of samples, ascending.
 type Stretches = Vec<Range<usize>>;
@@ -95,6 +96,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         train: fitted,
         validation,
         test,
+        work: Work::default(),
     };
     if data.train_len() < FEWEST / 2 {
         return Err(refuse(

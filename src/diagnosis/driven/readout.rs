@@ -37,7 +37,10 @@ impl Physics for Saturation {
         let far = 100.0 * s.output;
         [0.9999, 0.97, 0.88, 0.7]
             .into_iter()
-            .flat_map(|r| [vec![r * low, r * high], vec![low - far, r * high], vec![r * low, high + far]])
+            .flat_map(|r| {
+                let [inner_low, inner_high] = [low, high].map(|end| s.centre + r * (end - s.centre));
+                [vec![inner_low, inner_high], vec![low - far, inner_high], vec![inner_low, high + far]]
+            })
             .collect()
     }
     #[inline(always)]
@@ -45,6 +48,9 @@ impl Physics for Saturation {
         for l in 0..LANES {
             y[l] = y[l].max(p[0][l]).min(p[1][l]);
         }
+    }
+    fn has_corner(&self) -> bool {
+        true
     }
     fn reads(&self) -> Option<u8> {
         Some(9)

@@ -29,7 +29,7 @@ pub fn spread(values: &[f64]) -> (f64, f64) {
 /// Sizes before anything is fitted.
 pub fn first_scales(data: &Data) -> Scales {
     let reading = &data.reading[data.hull.clone()];
-    let (_, output) = spread(reading);
+    let (centre, output) = spread(reading);
     let range = reading.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     let input = data.input.as_ref().map_or(0.0, |i| spread(&i.samples()[data.hull.clone()]).1);
     let environment = (0..data.environments)
@@ -48,7 +48,8 @@ pub fn first_scales(data: &Data) -> Scales {
         residual: output.max(1e-300),
         lines_hz: Vec::new(),
         environment,
-        lag_samples: 0.0,
+        centre,
+        fineness: 1.0,
     }
 }
 

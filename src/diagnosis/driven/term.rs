@@ -51,8 +51,10 @@ pub struct Scales {
     pub lines_hz: Vec<f64>,
     /// Standard deviation of each environment column.
     pub environment: Vec<f64>,
-    /// Samples by which the output seems to lag the input beyond what the base model explains.
-    pub lag_samples: f64,
+    /// Mean of the output.
+    pub centre: f64,
+    /// How many times finer than for a search the terms are integrated.
+    pub fineness: f64,
 }
 
 /// The base model in every lane.
@@ -113,12 +115,16 @@ pub enum Noise {
 pub trait Physics {
     /// What the library says of it.
     fn words(&self) -> &'static Candidate;
-    /// One per parameter.
+    /// One per parameter, and one per unknown beginning.
     fn coordinates(&self, scales: &Scales) -> Vec<Coordinate>;
     /// Where to begin; several where the misfit has several valleys.
     fn starts(&self, scales: &Scales) -> Vec<Vec<f64>>;
     /// Own state variables.
     fn states(&self) -> usize {
+        0
+    }
+    /// Of its own states, how many begin somewhere that has to be fitted: as many values follow the parameters, in order.
+    fn unknown_beginnings(&self) -> usize {
         0
     }
     /// Fastest rate it brings in, so that steps stay short enough.
@@ -138,6 +144,10 @@ pub trait Physics {
     fn follow(&self, _stride: &Stride, _p: &[Lanes], _own: &mut [Lanes]) {}
     /// Whether `follow` does anything.
     fn follows(&self) -> bool {
+        false
+    }
+    /// Whether its law has a corner, near which the misfit is far from a parabola and integration needs short steps.
+    fn has_corner(&self) -> bool {
         false
     }
     /// Whether `force` does anything.
@@ -291,6 +301,11 @@ impl Term {
         self.physics().moves()
     }
 
+    /// As `Physics::has_corner`.
+    pub fn has_corner(&self) -> bool {
+        self.physics().has_corner()
+    }
+
     /// As `Physics::begin`.
     pub fn begin(&self, x: &Lanes, v: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
         self.physics().begin(x, v, p, own);
@@ -326,8 +341,13 @@ impl Term {
         self.physics().needs_input()
     }
 
-    /// Number of parameters.
+    /// Number of values fitted: the library's parameters, then the unknown beginnings of its states.
     pub fn parameters(&self) -> usize {
-        self.words().parameters.len()
+        self.words().parameters.len() + self.unknown_beginnings()
+    }
+
+    /// As `Physics::unknown_beginnings`.
+    pub fn unknown_beginnings(&self) -> usize {
+        self.physics().unknown_beginnings()
     }
 }
