@@ -22,6 +22,8 @@ pub mod pickup;
 pub mod prepare;
 pub mod quantisation;
 pub mod readout;
+pub mod remainder;
+pub mod rivals;
 pub mod select;
 pub mod sensor;
 pub mod spring;

@@ -9,7 +9,9 @@ use super::fit::{Data, Fit, fit};
 use super::held_out::{Comparison, compare, held_out};
 use super::interval::{self, Spread};
 use super::quantisation::{Lattice, lattice};
-use super::select::{Judged, Rival, SMALLEST_GAIN, Selection, alike, left, power_left, without};
+use super::remainder::{left, loudest_by_chance, power_left};
+use super::rivals::{Rival, alike};
+use super::select::{Judged, SMALLEST_GAIN, Selection, without};
 use super::term::{Scales, Term};
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
@@ -20,10 +22,17 @@ const FAINT: f64 = 0.05;
 const EVEN: f64 = 0.01;
 /// Level at which structure counts as found.
 const LEVEL: f64 = 1e-3;
+/// Level at which a stretch louder than the others counts as found.
+const LOUD: f64 = 1e-5;
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
 /// How far.
 const FAR_ABOVE: f64 = 30.0;
+/// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
+/// it does, and a tenth of a percent in power of it is no other effect.
+const LEAST_PART: f64 = 1e-3;
+/// How many times finer than for the search the terms of the final models are integrated.
+const FINENESS: f64 = 3.0;
 /// Part of the held-out error that must go before a coloured remainder may be called a detail.
 const NEARLY_ALL: f64 = 0.99;
 
@@ -69,6 +78,7 @@ pub struct Conclusion {
 
 /// Draws the conclusion. `judge` holds all train samples to fit and the test samples to judge.
 pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
+    let scales = &Scales { fineness: FINENESS, ..scales.clone() };
     let refit = |j: &Judged| -> Judged {
         let fit: Fit = fit(data, &j.fit.shape, &j.fit.point, scales, 20).unwrap_or_else(|| j.fit.clone());
         Judged { held_out: held_out(data, &fit, scales, &data.test), fit }
@@ -94,12 +104,23 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         after = left(data, &model.fit);
         named = weighed(data, selection, &model, scales, &rivals);
     }
-    // What is smaller than the remainder stays in the model, so that it does not bias the others, but is not named.
-    for n in named.iter().filter(|n| n.growth < need.max(SMALLEST_GAIN)) {
-        dropped
-            .push((model.fit.shape.terms[n.index], "smaller than what is still unexplained; carried along, not named"));
+    // What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
+    // the others, but is not named.
+    let need = need.max(SMALLEST_GAIN);
+    let trusted = LEAST_PART * (base.fit.variance / model.fit.variance.max(1e-300) - 1.0);
+    let (holds, carried): (Vec<Named>, Vec<Named>) = named.into_iter().partition(|n| {
+        let noise = model.fit.shape.terms[n.index].noise().is_some();
+        n.growth >= if noise { need } else { need.max(trusted) }
+    });
+    named = holds;
+    for n in carried {
+        let reason = if n.growth < need {
+            "smaller than what is still unexplained; carried along, not named"
+        } else {
+            "a thousandth of what the other terms explain; carried along, not named"
+        };
+        dropped.push((model.fit.shape.terms[n.index], reason));
     }
-    named.retain(|n| n.growth >= need.max(SMALLEST_GAIN));
     // Two terms that can be mistaken for each other, neither above the noise, are one thing that the library does not hold.
     let faint: Vec<usize> = named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
     let term = |i: usize| model.fit.shape.terms[i];
@@ -112,12 +133,13 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
-    let white = tidy && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
+    let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
+    let white = tidy && even && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
     let gone = 1.0 - model.held_out.free() / base.held_out.free().max(1e-300);
     let something = !named.is_empty() || lattice.is_some();
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
         Outcome::Undecidable
-    } else if something && (white || gone > NEARLY_ALL) {
+    } else if something && (white || even && gone > NEARLY_ALL && !selection.cut_short) {
         Outcome::Explained
     } else if white {
         Outcome::Adequate
@@ -137,19 +159,22 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
             named.clear();
         }
     }
-    let spread = interval::spread(&model.fit);
+    let mut spread = interval::spread(&model.fit);
+    interval::profiled(data, &model.fit, scales, named.iter().map(|n| n.index), &mut spread);
     Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
 }
 
 /// The same conclusion with base and final model fitted to more samples than it was drawn on.
 pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
+    let scales = &Scales { fineness: FINENESS, ..scales.clone() };
     let refit = |j: &Judged| -> Option<Judged> {
         let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
     let (Some(base), Some(model)) = rayon::join(|| refit(&c.base), || refit(&c.model)) else { return c };
     let (before, after) = rayon::join(|| left(data, &base.fit), || left(data, &model.fit));
-    let spread = interval::spread(&model.fit);
+    let mut spread = interval::spread(&model.fit);
+    interval::profiled(data, &model.fit, scales, c.named.iter().map(|n| n.index), &mut spread);
     Conclusion { base, model, before, after, spread, ..c }
 }
 
@@ -159,15 +184,19 @@ fn worse(named: &Named, model: &Judged) -> bool {
     term.noise().is_none() && model.held_out.free() > 1.02 * named.free_without
 }
 
+/// Whether the samples that chose the terms have been fitted since.
+fn validation_is_fitted(data: &Data) -> bool {
+    data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
+}
+
 fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, rivals: &[Vec<Rival>]) -> Vec<Named> {
     (0..model.fit.shape.terms.len())
         .into_par_iter()
         .filter_map(|index| {
             let poorer = without(data, model, index, scales)?;
-            let mut comparison = compare(
-                &held_out(data, &poorer.fit, scales, &data.validation),
-                &held_out(data, &model.fit, scales, &data.validation),
-            );
+            let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
+            let mut comparison =
+                compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
             comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
             let judged = held_out(data, &poorer.fit, scales, &data.test);
             Some(Named {

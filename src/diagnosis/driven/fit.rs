@@ -9,8 +9,8 @@ use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 use super::filter::{Keep, Nothing, Pass, States};
 use super::gain::{self, Noisy};
 use super::input::{Input, MOST_STEPS};
-use super::work::Work;
 use super::term::{BaseLanes, Coordinate, LANES, Lanes, Noise, Scales, Term};
+use super::work::Work;
 
 /// Base parameters: gain, ω₀, ζ, offset, displacement and velocity at the beginning.
 pub const BASE: usize = 6;

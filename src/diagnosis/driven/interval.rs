@@ -1,24 +1,34 @@
 //! How sure a fitted parameter is: its covariance from the innovations, and again from the scatter between blocks, which
-//! holds where the innovations are not quite white. The wider of the two is stated.
+//! holds where the innovations are not quite white; the wider of the two is stated. Where a law has a corner the misfit is no
+//! parabola, and the interval is that of the profile likelihood.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
+use crate::numerics::least_squares::Residuals;
 use crate::numerics::special;
 
-use super::fit::Fit;
+use super::fit::{Data, Fit, Search};
+use super::term::Scales;
 
 /// Blocks whose scores are summed apart.
 const BLOCKS: usize = 32;
+/// Places tried on one side of a profile.
+const PLACES: usize = 4;
+/// Iterations of the other parameters at one place.
+const ITERATIONS: usize = 4;
 
-/// Standard deviations of the coordinates of the free parameters, and the same for each block's own wish to move them.
+/// Uncertainty of the coordinates of the free parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
     /// Standard deviation of each free parameter's coordinate.
     pub deviation: Vec<f64>,
     /// Correlation of the free parameters' coordinates.
     pub correlation: DMatrix<f64>,
-    /// How much more the blocks disagree than their own noise explains, per free parameter: 1 when they agree.
-    pub overdispersion: Vec<f64>,
+    /// How far the 95 % interval reaches down and up from each coordinate.
+    pub reach: Vec<[f64; 2]>,
+    /// By what factor in variance blocks disagree more than their own noise explains, per free parameter; at least 1.
+    pub dispersion: Vec<f64>,
 }
 
 /// Both estimates of a fit's covariance (White 1980; Liang & Zeger 1986 for the blocks).
@@ -27,7 +37,8 @@ pub fn spread(fit: &Fit) -> Spread {
     let unknown = Spread {
         deviation: vec![f64::INFINITY; parameters],
         correlation: DMatrix::identity(parameters, parameters),
-        overdispersion: vec![1.0; parameters],
+        reach: vec![[f64::INFINITY; 2]; parameters],
+        dispersion: vec![1.0; parameters],
     };
     let normal = fit.linear.normal();
     let Some(inverse) = normal.inverse(0.0) else { return unknown };
@@ -49,18 +60,65 @@ pub fn spread(fit: &Fit) -> Spread {
     }
     let small = BLOCKS as f64 / (BLOCKS as f64 - 1.0);
     let clustered = &inverse * scores * &inverse * small;
-    let deviation: Vec<f64> =
-        (0..parameters).map(|i| (fit.variance * inverse[(i, i)]).max(clustered[(i, i)]).max(0.0).sqrt()).collect();
-    let overdispersion = (0..parameters)
-        .map(|i| (clustered[(i, i)] / (fit.variance * inverse[(i, i)]).max(1e-300)).max(0.0).sqrt())
-        .collect();
+    let plain: Vec<f64> = (0..parameters).map(|i| (fit.variance * inverse[(i, i)]).max(0.0)).collect();
+    let dispersion: Vec<f64> = (0..parameters).map(|i| (clustered[(i, i)] / plain[i].max(1e-300)).max(1.0)).collect();
+    let deviation: Vec<f64> = plain.iter().zip(&dispersion).map(|(v, d)| (v * d).sqrt()).collect();
     let correlation = DMatrix::from_fn(parameters, parameters, |i, j| {
         inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).max(1e-300).sqrt()
     });
-    Spread { deviation, correlation, overdispersion }
+    let reach = deviation.iter().map(|d| [reach() * d; 2]).collect();
+    Spread { deviation, correlation, reach, dispersion }
 }
 
 /// Half-width of a 95 % interval in standard deviations; Student's, as the blocks are few.
 pub fn reach() -> f64 {
     special::t_quantile(0.975, BLOCKS as f64 - 1.0)
+}
+
+/// Replaces the intervals of those of these terms whose law has a corner by those of their profile likelihood.
+pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: impl Iterator<Item = usize>, spread: &mut Spread) {
+    let places: Vec<(usize, usize)> = terms
+        .filter(|i| fit.shape.terms[*i].has_corner())
+        .flat_map(|i| (0..fit.shape.terms[i].words().parameters.len()).map(move |j| fit.shape.first[i] + j))
+        .filter_map(|place| Some((place, fit.free.iter().position(|f| *f == place)?)))
+        .filter(|(_, index)| spread.deviation[*index].is_finite())
+        .flat_map(|(_, index)| [(index, 0), (index, 1)])
+        .collect();
+    let found: Vec<f64> =
+        places.par_iter().map(|(index, side)| side_of_profile(data, fit, scales, spread, *index, *side)).collect();
+    for ((index, side), reach) in places.into_iter().zip(found) {
+        spread.reach[index][side] = reach;
+    }
+}
+
+/// How far from the best value a coordinate can be held before the others, fitted anew, leave a deviance of the 95 % level.
+fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, index: usize, side: usize) -> f64 {
+    let begin = || {
+        let mut search = Search::all(data, &fit.shape, &fit.point, scales);
+        search.run.steps = fit.steps;
+        search
+    };
+    let (all, mut others) = (begin(), begin());
+    others.free.remove(index);
+    let best = all.z(&fit.point);
+    let (least, sign) = (fit.variance * fit.linear.residual.len() as f64, if side == 0 { -1.0 } else { 1.0 });
+    let unit = fit.variance * spread.dispersion[index] * self::reach().powi(2);
+    let mut reach = spread.reach[index][side];
+    for _ in 0..PLACES {
+        // Along the ridge of the covariance, where the others would follow if the misfit were a parabola.
+        let slope =
+            |i: usize| spread.correlation[(i, index)] * spread.deviation[i] / spread.deviation[index].max(1e-300);
+        let mut z: Vec<f64> = best.iter().enumerate().map(|(i, z)| z + slope(i) * sign * reach).collect();
+        z[index] = best[index] + sign * reach;
+        all.confine(&mut z);
+        others.point = all.point(&z);
+        let Some(found) = others.minimise(ITERATIONS) else { break };
+        // How many times the level the deviance is, as a ratio of distances.
+        let ratio = ((found.sum - least).max(0.0) / unit).sqrt();
+        reach *= (1.0 / ratio.max(1e-3)).clamp(0.3, 3.0);
+        if (ratio - 1.0).abs() < 0.05 {
+            break;
+        }
+    }
+    reach
 }

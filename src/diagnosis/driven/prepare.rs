@@ -14,8 +14,9 @@ use super::work::Work;
 /// Half-open ranges of samples, ascending.
 type Stretches = Vec<Range<usize>>;
 
-/// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges.
-const BLOCKS: usize = 24;
+/// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges. Many, so that
+/// what happens once is seen by both kinds.
+const BLOCKS: usize = 72;
 /// Recordings longer than this are searched on a stretch only.
 const LONG: usize = 40_000;
 /// Samples of that stretch.
@@ -223,6 +224,24 @@ fn interleaved(train: &[Range<usize>]) -> (Vec<Range<usize>>, Vec<Range<usize>>)
         }
     }
     (merged(fitted), validation)
+}
+
+/// Two other ways to part the samples that are fitted and validated: halves of what is fitted judge in turn.
+pub fn turned(data: &Data) -> [(Stretches, Stretches); 2] {
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    for r in &data.train {
+        let middle = usize::midpoint(r.start, r.end);
+        first.push(r.start..middle);
+        second.push(middle..r.end);
+    }
+    let with_validation = |half: &Stretches| {
+        let mut all: Stretches = half.iter().chain(&data.validation).cloned().collect();
+        all.sort_by_key(|r| r.start);
+        merged(all)
+    };
+    let trains = [with_validation(&second), with_validation(&first)];
+    let [a, b] = trains;
+    [(a, first), (b, second)]
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::detection::{Structure, structure};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::spectrum;
 use crate::progress;
@@ -11,22 +10,23 @@ use crate::progress;
 use super::filter::Nothing;
 use super::fit::{Data, Fit, Run, Search, Shape, fit, innovations, trace};
 use super::held_out::{Comparison, HeldOut, compare, held_out};
+use super::prepare::turned;
+use super::remainder::left;
+use super::rivals::{self, Rival};
 use super::term::{LANES, Scales, Term};
 
 /// Candidates that are fitted in full in one round; the rest stop at the linear step.
 const FINALISTS: usize = 6;
 /// Starts of one candidate that are fitted in full.
 const STARTS: usize = 2;
+/// The same where its law has a corner, so that valleys are many.
+const CORNER_STARTS: usize = 4;
 /// Candidates that are fitted whatever the best one promises.
 const SURE: usize = 3;
 /// Log-likelihood that a candidate must promise to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
 /// Candidates that are fitted to the end in one round.
 const POLISHED: usize = 3;
-/// Times that a better stand-in may take a term's place.
-const SWAPS: usize = 1;
-/// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
-const TIE: f64 = 6.0;
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
 /// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
@@ -34,10 +34,16 @@ const MOST_TERMS: usize = 6;
 const LEVEL: f64 = 0.002;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
 pub const SMALLEST_GAIN: f64 = 0.005;
-/// Lags of their own past from which innovations are forecast.
-const OWN_LAGS: usize = 24;
 /// A term must gain at least this part of what is still unexplained with it: first things first.
 const LEAST_OF_REST: f64 = 0.03;
+/// The same for the third term and later ones: what takes so many terms and is not done is something else.
+const FAIR_PART_OF_REST: f64 = 0.2;
+/// Share of the variance that may still be foreseen in a model that is done.
+const DONE: f64 = 0.02;
+/// The same for a model of several terms that will not be.
+const FAR_FROM_DONE: f64 = 0.15;
+/// Lead on the fitted samples at which validation samples that show nothing are doubted: what is rare may have missed them.
+const DOUBT: f64 = 25.0;
 /// Iterations after which the laggards are left behind.
 const HEAT: usize = 3;
 /// Iterations of one fit.
@@ -91,17 +97,8 @@ pub struct Selection {
     pub tried: usize,
     /// For each term of the chosen model, the candidates that would do as well in its place.
     pub rivals: Vec<Vec<Rival>>,
-}
-
-/// A candidate that fits as well in a term's place.
-#[derive(Debug, Clone)]
-pub struct Rival {
-    /// The model with it.
-    pub judged: Judged,
-    /// Its id.
-    pub id: &'static str,
-    /// By how much the chosen model is more likely, in units of log-likelihood.
-    pub behind: f64,
+    /// Whether the search ended because its work was spent, with structure left.
+    pub cut_short: bool,
 }
 
 /// Judges a fit.
@@ -207,7 +204,8 @@ fn screen(data: &Data, model: &Fit, term: Term, scales: &Scales) -> Vec<(f64, Ve
 }
 
 /// Tries every candidate on top of a model: all by one linear step, the most promising in full. Best first.
-pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales) -> Vec<Trial> {
+/// At least `sure` of them are fitted, whatever the best promises.
+pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, sure: usize) -> Vec<Trial> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = candidates
         .par_iter()
@@ -215,7 +213,8 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales) 
         .map(|term| {
             let promises = screen(data, &model.fit, *term, scales);
             let best = promises.first().map_or(f64::INFINITY, |p| p.0 / sum);
-            (*term, best, promises.into_iter().take(STARTS).map(|p| p.1).collect())
+            let starts = if term.has_corner() { CORNER_STARTS } else { STARTS };
+            (*term, best, promises.into_iter().take(starts).map(|p| p.1).collect())
         })
         .collect();
     promised.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -223,7 +222,7 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales) 
     let rows = model.fit.linear.residual.len() as f64;
     let best = promised.first().map_or(1.0, |p| p.1);
     let worth = |rank: usize, promise: f64| {
-        0.5 * rows * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < SURE || promise < best.sqrt())
+        0.5 * rows * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < sure || promise < best.sqrt())
     };
     let mut trials: Vec<Trial> = promised
         .par_iter()
@@ -267,75 +266,31 @@ fn by_score(trials: &mut [Trial]) {
     });
 }
 
-/// How much can still be foreseen of a model's innovations, from their past, the input and the state.
-pub fn left(data: &Data, fit: &Fit) -> Structure {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
-    let (x, v) = (&states.x, &states.v);
-    let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
-    let scale = super::start::spread(v).1 / super::start::spread(x).1.max(1e-300);
-    let s = scale.max(1e-300);
-    let mut regressors: Vec<Vec<f64>> = vec![
-        product(&|x, _| x),
-        product(&|_, v| v),
-        product(&|x, _| x * x),
-        product(&|x, v| x * v / s),
-        product(&|_, v| v * v / s / s),
-        product(&|x, _| x * x * x),
-        product(&|x, v| x * x * v / s),
-        product(&|x, v| x * v * v / s / s),
-        product(&|_, v| v * v * v / s / s / s),
-        product(&|x, _| x.abs()),
-        product(&|_, v| v.abs()),
-        product(&|_, v| v.signum()),
-        product(&|x, _| x.signum()),
-        product(&|_, v| v.abs() * v / s / s),
-        product(&|x, _| x.abs() * x),
-        product(&|x, _| x * x * x * x),
-        product(&|x, _| x * x * x * x * x),
-    ];
-    regressors.push((0..x.len()).map(|k| k as f64).collect());
-    regressors.push((0..x.len()).map(|k| (k as f64 / x.len() as f64 - 0.5).powi(2)).collect());
-    if let Some(input) = &data.input {
-        let u = input.samples();
-        for lag in -3isize..=20 {
-            let at = |k: usize| u[(k as isize - lag).clamp(0, u.len() as isize - 1) as usize];
-            regressors.push(data.hull.clone().map(at).collect());
+/// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show
+/// less than the fitted ones, all samples in turn.
+pub fn earned(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales, tried: usize) -> Option<Comparison> {
+    let least = if richer.fit.shape.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
+    let lead = richer.score() - poorer.score() - (tried.max(1) as f64).ln();
+    let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
+    let plain = compare(&poorer.held_out, &richer.held_out);
+    if lead <= 3.0 || convinces(&plain) {
+        return (lead > 3.0).then_some(plain);
+    }
+    let in_turn = if lead > DOUBT { in_turn(data, poorer, richer, scales) } else { None };
+    in_turn.filter(convinces)
+}
+
+/// Compares two models on all samples, each third predicted from the others.
+fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Option<Comparison> {
+    let mut both = [poorer.held_out.clone(), richer.held_out.clone()];
+    for (train, validation) in turned(data) {
+        let data = Data { train, validation, ..data.clone() };
+        for (all, model) in both.iter_mut().zip([poorer, richer]) {
+            let here = fit(&data, &model.fit.shape, &model.fit.point, scales, ITERATIONS)?;
+            all.blocks.extend(held_out(&data, &here, scales, &data.validation).blocks);
         }
-        regressors.push(data.hull.clone().map(|k| u[k] * u[k]).collect());
     }
-    structure(&innovations, OWN_LAGS, &regressors)
-}
-
-/// How much of the innovations' *power* can be foreseen from the input, the state and time: noise that belongs to the sensor
-/// does not know what the sensor is doing.
-pub fn power_left(data: &Data, fit: &Fit) -> Structure {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
-    let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
-    // Limited, so that single outliers do not speak for the rest.
-    let power: Vec<f64> = innovations.iter().map(|e| (e * e / size.max(1e-300)).min(12.0)).collect();
-    let mut regressors = vec![
-        states.x.iter().map(|x| x * x).collect::<Vec<f64>>(),
-        states.v.iter().map(|v| v * v).collect(),
-        states.x.iter().map(|x| x.abs()).collect(),
-        states.x.clone(),
-        states.v.clone(),
-    ];
-    let n = power.len() as f64;
-    for k in 1..=4 {
-        regressors.push((0..power.len()).map(|i| (std::f64::consts::PI * k as f64 * i as f64 / n).cos()).collect());
-    }
-    if let Some(input) = &data.input {
-        regressors.push(data.hull.clone().map(|k| input.samples()[k].powi(2)).collect());
-    }
-    structure(&power, 4, &regressors)
-}
-
-/// Whether a richer model has earned its terms against a poorer one.
-pub fn earned(poorer: &Judged, richer: &Judged, comparison: &Comparison, tried: usize) -> bool {
-    let terms = richer.fit.shape.terms.len();
-    let least = if terms > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
-    let price = 3.0 + (tried.max(1) as f64).ln();
-    richer.score() > poorer.score() + price && comparison.gain >= least && comparison.p_value < LEVEL
+    Some(compare(&both[0], &both[1]))
 }
 
 /// Stepwise forward, with backward pruning after every step.
@@ -344,18 +299,21 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
     let tried = candidates.len();
     let mut chosen = base.clone();
     let mut alone = Vec::new();
+    let mut cut_short = false;
     for step in 0..=MOST_TERMS {
         let here = refined(data, &chosen.fit, scales);
         let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
-        let trials = round(data, &chosen, &open, &here);
+        let trials = round(data, &chosen, &open, &here, SURE);
+        let rest = if chosen.fit.shape.terms.len() < 2 { LEAST_OF_REST } else { FAIR_PART_OF_REST };
         let best = trials
             .iter()
-            .filter_map(|t| t.judged.as_ref().map(|j| (t, j)))
+            .filter_map(|t| t.judged.as_ref())
             .take(3)
-            .find(|(t, j)| {
-                earned(&chosen, j, &t.comparison, tried) && t.comparison.gain > left(data, &j.fit).share * LEAST_OF_REST
+            .find(|j| {
+                let comparison = earned(data, &chosen, j, scales, tried);
+                comparison.is_some_and(|c| c.gain > left(data, &j.fit).share * rest)
             })
-            .map(|(_, j)| j.clone());
+            .cloned();
         if step == 0 {
             alone = trials;
         }
@@ -365,75 +323,29 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
         if chosen.fit.shape.terms.len() >= MOST_TERMS || progress::interrupted() {
             break;
         }
-    }
-    let (chosen, rivals) = settled(data, chosen, &alone, scales, candidates, tried);
-    bar.finish_and_clear();
-    Selection { base, chosen, alone, tried, rivals }
-}
-
-/// Whether the library says that one can be mistaken for the other.
-pub fn alike(a: &Term, b: &Term) -> bool {
-    a.words().confusable_with.contains(&b.id()) || b.words().confusable_with.contains(&a.id())
-}
-
-/// Tries every other candidate in the place of each term: a better one takes it, an equal one is remembered.
-fn settled(
-    data: &Data,
-    mut chosen: Judged,
-    alone: &[Trial],
-    scales: &Scales,
-    candidates: &[Term],
-    tried: usize,
-) -> (Judged, Vec<Vec<Rival>>) {
-    let mut rivals = Vec::new();
-    for attempt in 0..=SWAPS {
-        let terms = chosen.fit.shape.terms.clone();
-        let here = refined(data, &chosen.fit, scales);
-        let mut better: Option<Judged> = None;
-        let in_place_of = |(i, term): (usize, &Term)| {
-            if terms.len() == 1 {
-                return alone.to_vec();
-            }
-            let Some(poorer) = without(data, &chosen, i, scales) else { return Vec::new() };
-            let open: Vec<Term> =
-                candidates.iter().copied().filter(|t| !poorer.has(t.id()) && alike(t, term)).collect();
-            round(data, &poorer, &open, &here)
-        };
-        let trials: Vec<Vec<Trial>> = terms.par_iter().enumerate().map(in_place_of).collect();
-        rivals = terms
-            .iter()
-            .zip(&trials)
-            .map(|(term, others)| {
-                let mut equal: Vec<Rival> = Vec::new();
-                for trial in others.iter().filter(|t| t.term.id() != term.id()) {
-                    let Some(judged) = trial.judged.as_ref().filter(|j| !j.fit.at_bound(&here)) else { continue };
-                    let behind = chosen.score() - judged.score();
-                    if behind < -1.0 && better.as_ref().is_none_or(|b| b.score() < judged.score()) {
-                        better = Some(judged.clone());
-                    }
-                    if behind < TIE && !equal.iter().any(|e| e.id == trial.term.id()) {
-                        equal.push(Rival { judged: judged.clone(), id: trial.term.id(), behind });
-                    }
-                }
-                equal
-            })
-            .collect();
-        match better {
-            Some(better) if attempt < SWAPS && !progress::interrupted() => chosen = pruned(data, better, scales, tried),
-            _ => break,
+        if data.work.is_spent(data.hull.len()) && left(data, &chosen.fit).share > DONE {
+            cut_short = true;
+            break;
         }
     }
-    (chosen, rivals)
+    // What is far from explained needs no rivals: it will not be named.
+    let hopeless = chosen.fit.shape.terms.len() > 2 && left(data, &chosen.fit).share > FAR_FROM_DONE;
+    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short };
+    if !cut_short && !hopeless {
+        rivals::settle(data, &mut selection, scales, candidates);
+    }
+    bar.finish_and_clear();
+    selection
 }
 
 /// Drops every term whose absence costs nothing, the cheapest first.
-fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
+pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
     while model.fit.shape.terms.len() > 1 {
         let poorer: Vec<Judged> =
             (0..model.fit.shape.terms.len()).into_par_iter().filter_map(|i| without(data, &model, i, scales)).collect();
         let cheapest = poorer
             .into_iter()
-            .filter(|p| !earned(p, &model, &compare(&p.held_out, &model.held_out), tried))
+            .filter(|p| earned(data, p, &model, scales, tried).is_none())
             .max_by(|a, b| a.score().total_cmp(&b.score()));
         match cheapest {
             Some(poorer) => model = poorer,

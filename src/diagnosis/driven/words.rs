@@ -77,15 +77,14 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
         .map(|(j, parameter)| {
             let place = fit.shape.first[index] + j;
             let value = fit.point[place];
-            let deviation = fit.free.iter().position(|f| *f == place).map_or(0.0, |f| c.spread.deviation[f]);
-            let reach = (reach * deviation).min(1e3);
+            let reach = fit.free.iter().position(|f| *f == place).map_or([0.0; 2], |f| c.spread.reach[f]);
+            let [down, up] = reach.map(|r| r.min(1e3));
             let ci95 = match coordinates[j] {
-                Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => {
-                    [value - reach * scale, value + reach * scale]
+                Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
+                Coordinate::Bounded(scale, low, high) => {
+                    [(value - down * scale).max(low), (value + up * scale).min(high)]
                 }
-                Coordinate::Log(low, high) => {
-                    [(value.ln() - reach).exp().max(low), (value.ln() + reach).exp().min(high)]
-                }
+                Coordinate::Log(low, high) => [(value.ln() - down).exp().max(low), (value.ln() + up).exp().min(high)],
             };
             Estimate { name: parameter.name.to_owned(), value, unit: unit(parameter.unit, channels), ci95 }
         })
