@@ -46,6 +46,7 @@ fn data(interpolation: Interpolation) -> Data {
         train: vec![24..700, 900..samples - 24],
         validation: vec![700..900],
         test: Vec::new(),
+        work: Default::default(),
     }
 }
 
