@@ -19,6 +19,7 @@ use super::refit::{self, Window};
 use super::said::Said;
 use super::standstill::{Slow, Still};
 use super::workers::side_by_side;
+use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::{self, Model};
 use crate::error::{Error, Result};
 use crate::progress;
@@ -37,6 +38,8 @@ pub const SIZES: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
 pub struct Tried {
     /// Visible rms over noise rms.
     pub effect_over_noise: f64,
+    /// Planted value of the effect's first parameter by the library's symbol, where the law has one.
+    pub strength: Option<(&'static str, f64)>,
     /// Whether a mismatch was noticed.
     pub noticed: bool,
     /// Whether the effect was named, alone or with one other.
@@ -69,6 +72,8 @@ pub struct Power {
     pub schema: &'static str,
     /// File as given.
     pub file: String,
+    /// Kind of recording, as in model.toml.
+    pub kind: &'static str,
     /// Rows used.
     pub samples: usize,
     /// Sampling rate.
@@ -111,6 +116,10 @@ pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subj
             return Err(Error::new(attempt(), cause, "use a driven or a static recording"));
         }
     };
+    let (kind, samples) = match &copy {
+        Copy::Driven(case) => (Kind::Driven.name(), case.samples),
+        Copy::Still(case) => (Kind::Static.name(), case.samples),
+    };
     let cases = planted(&copy, sizes);
     let bar = progress::bar("planted copies", cases.len() as u64);
     let said: Vec<Said> = side_by_side(&cases, |case| {
@@ -127,7 +136,8 @@ pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subj
     Ok(Power {
         schema: "proofmass.power/1",
         file: recording.display().to_string(),
-        samples: data.samples().min(ROWS),
+        kind,
+        samples,
         rate_hz: data.rate_hz,
         noise,
         base,
@@ -140,10 +150,14 @@ pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subj
 
 fn driven_copy(data: &Recording, model: &model::Driven, seed: u64) -> Option<(Copy, f64, String)> {
     let output = data.column(&model.columns.output)?;
-    let samples = output.len().min(ROWS);
-    let output = &output[..samples];
+    // The diagnosis learns from the fitted part only: the copies are of that.
+    let longest = model.split.train.iter().max_by_key(|r| r[1].saturating_sub(r[0]));
+    let [from, to] = longest.map_or([0, output.len()], |r| r.map(|n| n.min(output.len())));
+    let rows = from..to.min(from + ROWS);
+    let samples = rows.len();
+    let output = &output[rows.clone()];
     let excitation = match &model.columns.input {
-        Some(name) => Excitation::Recorded { samples: data.column(name)?[..samples].to_vec(), rate_hz: data.rate_hz },
+        Some(name) => Excitation::Recorded { samples: data.column(name)?[rows].to_vec(), rate_hz: data.rate_hz },
         None => Excitation::None,
     };
     let half_step_s = 0.5 / (data.rate_hz * SUBSTEPS as f64);
@@ -299,6 +313,7 @@ fn revealed(cases: &[Case], said: &[Said]) -> Vec<Revealed> {
         let groups: Vec<String> = said.groups.iter().map(|g| g.join(" | ")).collect();
         let tried = Tried {
             effect_over_noise: size,
+            strength: case.strength(),
             noticed: judge::is_detected(said),
             named: mark.is_named(),
             said: format!("{} {}", said.outcome, groups.join(" + ")).trim().to_owned(),

@@ -123,9 +123,7 @@ impl Term {
             QuadraticDamping => vec![("c2", a * c / s.v)],
             SqueezeFilmDamping => vec![("c", a * c / (s.x * s.x))],
             CoulombFriction => vec![("f_c", a * c * s.v)],
-            // The library's Bouc–Wen has β = γ; another share has no value in its symbols.
-            Hysteresis if q == 0.5 => vec![("k_h", a * k), ("z_y", p * s.x)],
-            Hysteresis => vec![("stiffness", a * k)],
+            Hysteresis => vec![("k_h", a * k), ("z_y", p * s.x), ("s", q)],
             StiffnessDrift if q == 0.0 => vec![("kappa", p * a / s.duration_s)],
             StiffnessDrift => vec![("kappa", p * a / DEGREES)],
             ParasiticMode => {
