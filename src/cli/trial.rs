@@ -173,8 +173,7 @@ fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
 
 /// Plants into copies of a user's recording.
 fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Result<()> {
-    let sizes: &[f64] = if arguments.quick { &[0.3, 3.0] } else { &like::SIZES };
-    let power = like::power(recording, model, sizes, arguments.seed, &blind::tool)?;
+    let power = like::power(recording, model, arguments.quick, arguments.seed, &blind::tool)?;
     let document = as_json(&power)?;
     if let Some(folder) = &arguments.out {
         write_whole(&folder.join("power.json"), document.as_bytes())?;

@@ -82,6 +82,33 @@ pub struct Scene<'a> {
 }
 
 impl Driven {
+    /// A proof mass at rest at its offset, with nothing planted and no noise; its scales are those of its motion.
+    pub fn linear(oscillator: Oscillator, excitation: Excitation, rate_hz: f64, samples: usize, seed: u64) -> Self {
+        let Oscillator { omega_rad_s, zeta, gain, start } = oscillator;
+        let duration_s = samples as f64 / rate_hz;
+        let damping_rad_s = 2.0 * zeta * omega_rad_s;
+        let unit = Scales { x: 1.0, peak: 1.0, v: 1.0, u: 1.0, duration_s, omega_rad_s, damping_rad_s, gain };
+        let mut case = Self {
+            seed,
+            rate_hz,
+            samples,
+            omega_rad_s,
+            zeta,
+            gain,
+            offset: 0.0,
+            start,
+            excitation,
+            noise: 0.0,
+            scales: unit,
+            output_rms: 1.0,
+            planted: Vec::new(),
+            hints: None,
+        };
+        case.scales = case.measure_scales();
+        case.output_rms = case.scales.x;
+        case
+    }
+
     /// Whether an effect follows the environment column.
     pub fn has_environment(&self) -> bool {
         self.planted.iter().any(|p| p.term.physics == Physics::StiffnessDrift && p.term.shape[1] != 0.0)

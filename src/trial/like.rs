@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::blind::{self, Subject};
 use super::case::{Body, Case, Family};
 use super::driven::Driven;
+use super::equation::Oscillator;
 use super::excitation::Excitation;
 use super::judge::{self, Mark};
-use super::physics::{Physics, Scales};
+use super::physics::Physics;
 use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::said::Said;
@@ -30,8 +31,10 @@ use crate::rng::{Philox, Stream};
 pub const ROWS: usize = 20_000;
 /// Sub-steps of the linear fit.
 const SUBSTEPS: usize = 8;
-/// Sizes planted, visible rms over noise rms.
-pub const SIZES: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
+/// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of a quick answer.
+const DRIVEN: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
+const STILL: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+const QUICK: [f64; 2] = [0.3, 3.0];
 
 /// What was tried with one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -98,11 +101,11 @@ enum Copy {
     Still(Box<Still>),
 }
 
-/// Plants every candidate at several sizes and asks `subject` about each.
+/// Plants every candidate at several sizes, at two where it shall be `quick`, and asks `subject` about each.
 ///
 /// # Errors
 /// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or Ctrl-C.
-pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subject: &Subject<'_>) -> Result<Power> {
+pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subject: &Subject<'_>) -> Result<Power> {
     let model = model::read(model_path)?;
     let data = model::read_recording(recording, &model)?;
     let attempt = || format!("could not make copies of {}", recording.display());
@@ -116,11 +119,11 @@ pub fn power(recording: &Path, model_path: &Path, sizes: &[f64], seed: u64, subj
             return Err(Error::new(attempt(), cause, "use a driven or a static recording"));
         }
     };
-    let (kind, samples) = match &copy {
-        Copy::Driven(case) => (Kind::Driven.name(), case.samples),
-        Copy::Still(case) => (Kind::Static.name(), case.samples),
+    let (kind, samples, sizes) = match &copy {
+        Copy::Driven(case) => (Kind::Driven.name(), case.samples, &DRIVEN[..]),
+        Copy::Still(case) => (Kind::Static.name(), case.samples, &STILL[..]),
     };
-    let cases = planted(&copy, sizes);
+    let cases = planted(&copy, if quick { &QUICK } else { sizes });
     let bar = progress::bar("planted copies", cases.len() as u64);
     let said: Vec<Said> = side_by_side(&cases, |case| {
         if progress::interrupted() {
@@ -177,34 +180,10 @@ fn driven_copy(data: &Recording, model: &model::Driven, seed: u64) -> Option<(Co
     let fourth: Vec<f64> =
         fit.residual.windows(5).map(|r| r[0] - 4.0 * r[1] + 6.0 * r[2] - 4.0 * r[3] + r[4]).collect();
     let noise = spread(&fourth) / 70f64.sqrt();
-    let duration_s = samples as f64 / data.rate_hz;
-    let mut case = Driven {
-        seed,
-        rate_hz: data.rate_hz,
-        samples,
-        omega_rad_s: fit.omega_rad_s,
-        zeta: fit.zeta,
-        gain: fit.gain,
-        offset: fit.offset,
-        start: fit.start,
-        excitation,
-        noise,
-        scales: Scales {
-            x: spread(output),
-            peak: 0.0,
-            v: 0.0,
-            u: 0.0,
-            duration_s,
-            omega_rad_s: fit.omega_rad_s,
-            damping_rad_s: 2.0 * fit.zeta * fit.omega_rad_s,
-            gain: fit.gain,
-        },
-        output_rms: 0.0,
-        planted: Vec::new(),
-        hints: None,
-    };
-    case.scales = case.measure_scales();
-    case.output_rms = case.scales.x;
+    let oscillator = Oscillator { omega_rad_s: fit.omega_rad_s, zeta: fit.zeta, gain: fit.gain, start: fit.start };
+    let mut case = Driven::linear(oscillator, excitation, data.rate_hz, samples, seed);
+    case.offset = fit.offset;
+    case.noise = noise;
     let base = format!(
         "resonance {:.4} Hz, damping ratio {:.4}, noise {:.3e} of an output of {:.3e} rms",
         fit.omega_rad_s / std::f64::consts::TAU,
@@ -223,9 +202,15 @@ fn still_copy(data: &Recording, model: &model::Static, seed: u64) -> (Copy, f64,
         let names = &model.columns.channels;
         let values = data.column(&names[channel % names.len()]).unwrap_or_default();
         let values = &values[..samples.min(values.len())];
-        // White noise alone survives a first difference undiminished: half its mean square.
-        let steps = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>();
-        white[channel] = (steps / (2 * samples.max(2) - 2) as f64).sqrt().max(f64::MIN_POSITIVE);
+        // White noise alone survives a first difference, whose median size is 0.6745 × √2 of its deviation; a few jumps
+        // and knocks do not move a median.
+        let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+        steps.sort_by(f64::total_cmp);
+        let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        // Coarse counts that mostly repeat have no median step, but a mean square.
+        let square = steps.iter().map(|s| s * s).sum::<f64>() / steps.len().max(1) as f64;
+        let step = if median > 0.0 { median / 0.6745 } else { square.sqrt() };
+        white[channel] = (step / 2f64.sqrt()).max(f64::MIN_POSITIVE);
         bias[channel] = values.iter().sum::<f64>() / samples as f64;
     }
     let still = Still {

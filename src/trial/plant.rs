@@ -3,8 +3,9 @@
 use rand::{Rng, RngExt};
 
 use super::driven::{Driven, Planted, Scene};
+use super::equation::Oscillator;
 use super::excitation::{Excitation, Lines};
-use super::physics::{Physics, Scales, Term};
+use super::physics::{Physics, Term};
 
 /// How a driven case is excited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,34 +63,10 @@ pub fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Dri
     let gain = omega * omega * log_uniform(rng, 0.1, 10.0);
     let hint = |rng: &mut _| log_uniform(rng, 0.55, 1.8);
     let hints = (rng.random::<f64>() < 0.5).then(|| [f0 * hint(rng), zeta * hint(rng)]);
-    let unknown = Scales {
-        x: 1.0,
-        peak: 1.0,
-        v: 1.0,
-        u: 1.0,
-        duration_s: 1.0,
-        omega_rad_s: omega,
-        damping_rad_s: 2.0 * zeta * omega,
-        gain,
-    };
-    let mut case = Driven {
-        seed: rng.random(),
-        rate_hz,
-        samples,
-        omega_rad_s: omega,
-        zeta,
-        gain,
-        offset: 0.0,
-        start: [if drive == Drive::RingDown { log_uniform(rng, 0.01, 1.0) } else { 0.0 }, 0.0],
-        excitation,
-        noise: 0.0,
-        scales: unknown,
-        output_rms: 1.0,
-        planted: Vec::new(),
-        hints,
-    };
-    case.scales = case.measure_scales();
-    case.output_rms = case.scales.x;
+    let start = [if drive == Drive::RingDown { log_uniform(rng, 0.01, 1.0) } else { 0.0 }, 0.0];
+    let oscillator = Oscillator { omega_rad_s: omega, zeta, gain, start };
+    let mut case = Driven::linear(oscillator, excitation, rate_hz, samples, rng.random());
+    case.hints = hints;
     case.offset = case.scales.x * uniform(rng, -1.0, 1.0);
     case.noise = case.scales.x * noise;
     case

@@ -12,7 +12,8 @@ use proofmass::diagnosis::{Diagnosis, driven};
 use proofmass::recording::{Column, Recording, Request, read};
 
 use super::world::{check, data_test, near, test};
-use plant::{Effect, Plan, plant};
+use plant::{Plan, plant};
+use proofmass::trial::physics::Physics;
 
 /// Listed by the suite.
 pub fn tests() -> Vec<Trial> {
@@ -35,9 +36,9 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-fn plan(effect: Effect, share: f64) -> Plan {
+fn plan(physics: Option<Physics>, share: f64) -> Plan {
     Plan {
-        effect,
+        physics,
         share,
         samples: 8000,
         rate_hz: 1000.0,
@@ -69,7 +70,7 @@ fn recording(columns: Vec<(&str, Vec<f64>)>) -> Recording {
 }
 
 fn diagnosed(plan: &Plan) -> Result<(Diagnosis, f64), Failed> {
-    let planted = plant(plan);
+    let planted = plant(plan)?;
     let found = if plan.driven {
         driven::diagnose(
             &recording(vec![("u", planted.input), ("y", planted.reading)]),
@@ -87,7 +88,7 @@ fn ids(verdict: &Verdict) -> Vec<&str> {
 
 fn nothing() -> Result<(), Failed> {
     for (zeta, seed) in [(0.02, 1), (0.3, 2)] {
-        let (found, _) = diagnosed(&Plan { zeta, seed, ..plan(Effect::Nothing, 0.0) })?;
+        let (found, _) = diagnosed(&Plan { zeta, seed, ..plan(None, 0.0) })?;
         let v = &found.verdict;
         check(v.verdict == Outcome::Adequate && v.effects.is_empty(), format!("{:?} {:?}", v.verdict, ids(v)))?;
         // Free simulation leaves what was planted: 0.2 % of the output.
@@ -97,7 +98,7 @@ fn nothing() -> Result<(), Failed> {
 }
 
 fn cubic() -> Result<(), Failed> {
-    let (found, strength) = diagnosed(&plan(Effect::Cubic, 0.05))?;
+    let (found, strength) = diagnosed(&plan(Some(Physics::CubicStiffness), 0.05))?;
     let v = &found.verdict;
     check(v.verdict == Outcome::Explained && ids(v) == ["cubic-stiffness"], format!("{:?} {:?}", v.verdict, ids(v)))?;
     let beta = &v.effects[0].parameters[0];
@@ -108,12 +109,12 @@ fn cubic() -> Result<(), Failed> {
 }
 
 fn several() -> Result<(), Failed> {
-    for effect in [Effect::Coulomb, Effect::Delay, Effect::ForceNoise] {
-        let (found, _) = diagnosed(&plan(effect, 0.05))?;
+    for effect in [Physics::CoulombFriction, Physics::ReadoutDelay, Physics::ForceNoise] {
+        let (found, _) = diagnosed(&plan(Some(effect), 0.05))?;
         let v = &found.verdict;
-        let id = effect.id().unwrap_or_default();
-        let alone = v.verdict == Outcome::Explained && ids(v) == [id];
-        let tied = v.verdict == Outcome::Undecidable && ids(v).contains(&id) && v.effects.len() <= 2;
+        let id = effect.id();
+        let alone = v.verdict == Outcome::Explained && ids(v) == [id.as_str()];
+        let tied = v.verdict == Outcome::Undecidable && ids(v).contains(&id.as_str()) && v.effects.len() <= 2;
         check(alone || tied, format!("planted {id}: {:?} {:?}", v.verdict, ids(v)))?;
     }
     Ok(())
@@ -121,13 +122,14 @@ fn several() -> Result<(), Failed> {
 
 fn library() -> Result<(), Failed> {
     let (mut right, mut wrong, mut missed) = (0, Vec::new(), Vec::new());
-    let all = Effect::library();
-    let count = all.len();
-    for effect in all {
-        let (found, _) = diagnosed(&Plan { samples: 4000, ..plan(effect, 0.05) })?;
+    let count = Physics::LIBRARY.len();
+    for &effect in Physics::LIBRARY {
+        let (found, _) = diagnosed(&Plan { samples: 4000, ..plan(Some(effect), 0.05) })?;
         let v = &found.verdict;
-        let id = effect.id().unwrap_or_default();
-        if ids(v).contains(&id) && (v.effects.len() == 1 || v.verdict == Outcome::Undecidable && v.effects.len() == 2) {
+        let id = effect.id();
+        if ids(v).contains(&id.as_str())
+            && (v.effects.len() == 1 || v.verdict == Outcome::Undecidable && v.effects.len() == 2)
+        {
             right += 1;
         } else if v.verdict == Outcome::Explained {
             wrong.push(format!("{id} → {:?}", ids(v)));
@@ -142,8 +144,8 @@ fn library() -> Result<(), Failed> {
 }
 
 fn foreign() -> Result<(), Failed> {
-    for effect in [Effect::FractionalDamper, Effect::SofteningAfterExcursion, Effect::HeatedDrive] {
-        let (found, _) = diagnosed(&plan(effect, 0.05))?;
+    for effect in [Physics::FractionalDamper, Physics::SofteningWithHistory, Physics::GainControl] {
+        let (found, _) = diagnosed(&plan(Some(effect), 0.05))?;
         let v = &found.verdict;
         let silent = v.effects.is_empty() && matches!(v.verdict, Outcome::Unexplained | Outcome::Undecidable);
         check(silent, format!("{effect:?}: {:?} {:?}", v.verdict, ids(v)))?;
@@ -152,10 +154,10 @@ fn foreign() -> Result<(), Failed> {
 }
 
 fn ring_down() -> Result<(), Failed> {
-    let base = Plan { driven: false, zeta: 0.004, samples: 6000, noise: 0.005, ..plan(Effect::Nothing, 0.0) };
+    let base = Plan { driven: false, zeta: 0.004, samples: 6000, noise: 0.005, ..plan(None, 0.0) };
     let (found, _) = diagnosed(&base)?;
     check(found.verdict.effects.is_empty(), format!("{:?}", ids(&found.verdict)))?;
-    let (found, _) = diagnosed(&Plan { effect: Effect::Coulomb, share: 0.3, ..base })?;
+    let (found, _) = diagnosed(&Plan { physics: Some(Physics::CoulombFriction), share: 0.3, ..base })?;
     check(
         ids(&found.verdict).contains(&"coulomb-friction"),
         format!("{:?} {:?}", found.verdict.verdict, ids(&found.verdict)),
@@ -163,7 +165,7 @@ fn ring_down() -> Result<(), Failed> {
 }
 
 fn refused() -> Result<(), Failed> {
-    let planted = plant(&Plan { samples: 600, ..plan(Effect::Nothing, 0.0) });
+    let planted = plant(&Plan { samples: 600, ..plan(None, 0.0) })?;
     let (u, y) = (planted.input, planted.reading);
     let says = |r: Recording, m: Driven, word: &str| match driven::diagnose(&r, &m) {
         Err(e) if e.to_string().contains(word) => Ok(()),

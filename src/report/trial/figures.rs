@@ -56,7 +56,8 @@ pub fn limits(outcome: &Outcome) -> Figure {
     let mut points = Vec::new();
     for (n, (id, limit, [low, high])) in found.iter().enumerate() {
         let rank = n as f64 + 1.0;
-        let right = high.min(most / 10.0);
+        // Room for the longest id.
+        let right = high.min(most / 40.0);
         chart.add("", Ink::Blue, Mark::Line, vec![(low.max(least), rank), (right, rank)]);
         chart.note((right.max(*limit) * 1.25, rank - 0.25), id);
         points.push((*limit, rank));

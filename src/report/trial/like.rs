@@ -53,8 +53,10 @@ fn effects(power: &Power) -> Table {
         ["effect", "noticed from (× noise)", "named from (× noise)", "that is", "smaller, taken for or tied with"];
     let mut table = Table::new(&headings);
     for effect in &power.effects {
-        let largest = effect.tried.iter().map(|t| t.effect_over_noise).fold(0.0, f64::max);
+        let sizes = || effect.tried.iter().map(|t| t.effect_over_noise);
+        let (least, largest) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
         let words = |from: Option<f64>| match from {
+            Some(size) if size == least => format!("≤ {}", significant(size, 2)),
             Some(size) => significant(size, 2),
             None => format!("> {}", significant(largest, 2)),
         };
