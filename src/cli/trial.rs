@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if let Some(number) = arguments.case {
         return one(&plan, number, folder);
     }
-    let (sealed, cases) = blind::prepare(plan, folder)?;
+    let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
     eprintln!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
     let state = folder.join("verdicts.jsonl");
     let done = if arguments.resume { blind::earlier(&state, &sealed) } else { Verdicts::new() };

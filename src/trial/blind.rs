@@ -35,13 +35,14 @@ pub fn tool(files: &Files) -> Result<Verdict> {
     Ok(diagnosis::diagnose(&recording, &model)?.verdict)
 }
 
-/// Draws the cases of a plan and seals them in `folder/truth.json`; a truth of the same plan that lies there is kept.
+/// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, a truth of the same plan that lies there is
+/// kept.
 ///
 /// # Errors
 /// When the folder cannot be written, or on Ctrl-C.
-pub fn prepare(plan: Plan, folder: &Path) -> Result<(Sealed, Vec<Case>)> {
+pub fn prepare(plan: Plan, folder: &Path, resume: bool) -> Result<(Sealed, Vec<Case>)> {
     let path = folder.join("truth.json");
-    if path.is_file() {
+    if resume && path.is_file() {
         let sealed = Sealed::of(&path)?;
         if let Ok(truth) = sealed.open()
             && truth.plan == plan

@@ -41,7 +41,7 @@ fn within(outcome: &Outcome) -> Result<(), Failed> {
 
 fn quick() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    let (sealed, cases) = blind::prepare(Plan::quick(20), folder.path())?;
+    let (sealed, cases) = blind::prepare(Plan::quick(20), folder.path(), false)?;
     let state = folder.path().join("verdicts.jsonl");
     let verdicts = blind::run(&cases, &sealed, &state, Verdicts::new(), &blind::tool)?;
     let outcome = Outcome::of(&sealed.open()?.cases, &verdicts, &sealed.sha256);

@@ -180,7 +180,7 @@ fn adequate(files: &Files) -> Verdict {
 fn resume() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let plan = Plan { seed: 8, cases: 17, samples: 500, campaign: Campaign::Concealed };
-    let (sealed, cases) = blind::prepare(plan, folder.path())?;
+    let (sealed, cases) = blind::prepare(plan, folder.path(), false)?;
     let state = folder.path().join("verdicts.jsonl");
     let asked = AtomicUsize::new(0);
     let subject = |files: &Files| {
@@ -191,7 +191,7 @@ fn resume() -> Result<(), Failed> {
     blind::run(half, &sealed, &state, Verdicts::new(), &subject)?;
     // A line that was being written when the power went.
     std::fs::write(&state, std::fs::read_to_string(&state)? + "{\"seal\":\"")?;
-    let (again, same) = blind::prepare(plan, folder.path())?;
+    let (again, same) = blind::prepare(plan, folder.path(), true)?;
     check(again == sealed && same == cases, "the truth was drawn anew")?;
     let done = blind::earlier(&state, &sealed);
     check(done.len() == half.len(), format!("{} of {} verdicts kept", done.len(), half.len()))?;
@@ -199,6 +199,6 @@ fn resume() -> Result<(), Failed> {
     check(all.len() == cases.len(), "not every case has a verdict")?;
     check(asked.load(Ordering::Relaxed) == cases.len(), "a verdict was asked for twice")?;
     check(blind::earlier(&state, &sealed).len() == cases.len(), "the state file lost a verdict")?;
-    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path())?;
+    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false)?;
     check(blind::earlier(&state, &other).is_empty(), "verdicts of another truth were taken")
 }
