@@ -37,7 +37,11 @@ pub fn headline(outcome: &Outcome) -> Table {
     rows.into_iter().for_each(|(a, b, c)| table.row([a.to_owned(), b, c.to_owned()]));
     table.row(["diagnoses that stopped with an error".to_owned(), percent(outcome.errors), "0 %".to_owned()]);
     let [median, largest] = outcome.seconds_per_case.map(duration);
-    table.row(["time per verdict, each on one core".to_owned(), format!("{median} (at most {largest})"), "≤ 10 s".to_owned()]);
+    table.row([
+        "time per verdict, each on one core".to_owned(),
+        format!("{median} (at most {largest})"),
+        "≤ 10 s".to_owned(),
+    ]);
     table
 }
 
