@@ -7,6 +7,7 @@ pub mod clock;
 pub mod format;
 pub mod health;
 pub mod noise;
+pub mod repeats;
 pub mod rows;
 pub mod stream;
 pub mod unit;
@@ -39,6 +40,8 @@ pub struct Recording {
     pub columns: Vec<Column>,
     /// What was found and survived, in words for the report: gaps filled, samples dropped, rails touched.
     pub findings: Vec<String>,
+    /// Samples that were not recorded but filled in some column, ascending; they may overlap.
+    pub filled: Vec<Range<usize>>,
 }
 
 impl Recording {
@@ -88,28 +91,38 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
             "a recording needs at least two rows under its header, and some thousands to be worth judging",
         ));
     }
+    let mut holes = Vec::new();
     let rate_hz = match &request.time {
         Some(_) => {
             let times = columns.remove(0);
-            let ticks = clock::ticks(path, &times, request.rate_hz)?;
+            let mut ticks = clock::ticks(path, &times, request.rate_hz)?;
+            ticks.settle(&columns);
             findings.extend(ticks.findings.iter().cloned());
             for values in &mut columns {
                 *values = ticks.resample(values);
             }
+            holes.extend(ticks.filled.iter().cloned());
             ticks.rate_hz
         }
-        None => checked_rate(path, request.rate_hz)?,
+        None => {
+            let mended = repeats::mend(&mut columns);
+            holes.extend(mended.filled);
+            findings.extend(mended.finding);
+            checked_rate(path, request.rate_hz)?
+        }
     };
     let names = if request.time.is_some() { &names[1..] } else { &names[..] };
     let mut filled = Vec::new();
     for (name, mut values) in names.iter().cloned().zip(columns) {
+        holes.extend(health::holes(&values));
         findings.extend(health::fill(path, &name, &mut values)?);
         filled.push(Column { name, values });
     }
     for column in &filled {
         findings.extend(health::Watch::of(&column.name, &column.values).findings());
     }
-    Ok(Recording { path: path.into(), sha256: source.sha256, rate_hz, columns: filled, findings })
+    holes.sort_by_key(|r| r.start);
+    Ok(Recording { path: path.into(), sha256: source.sha256, rate_hz, columns: filled, findings, filled: holes })
 }
 
 fn collect(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Vec<f64>>, rows::Source)> {

@@ -1,10 +1,12 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 
+pub mod alignment;
 pub mod answer;
 pub mod begin;
 pub mod conclude;
 pub mod contact;
 pub mod damping;
+pub mod defects;
 pub mod drift;
 pub mod drive;
 pub mod filter;
@@ -115,22 +117,26 @@ pub struct Shown {
 /// # Errors
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
-    let Prepared { mut data, own_test, mut findings } = prepare::prepare(recording, model)?;
+    let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(recording, model)?;
     let mut narrow = prepare::loudest(&data).unwrap_or_else(|| data.clone());
     if narrow.hull != data.hull {
-        findings.push(format!(
+        notes.findings.push(format!(
             "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",
             narrow.hull.len(),
             narrow.hull.start
         ));
     }
-    let Some((base, scales)) = begin::base(&narrow, &model.start, &mut findings) else {
-        return Err(Error::new(
+    let (base, scales) = begin::base(&narrow, &model.start, &mut notes).map_err(|cause| {
+        Error::new(
             format!("could not diagnose {}", recording.path.display()),
-            "no oscillator, at any resonance or damping, can be fitted to it",
+            cause,
             "check that input and output are the right columns and that the input moves the output",
-        ));
-    };
+        )
+    })?;
+    begin::bridge(&mut narrow, &base, &filled);
+    if narrow.hull == data.hull {
+        data.reading.clone_from(&narrow.reading);
+    }
     let scales = select::refined(&narrow, &base, &scales);
     let candidates: Vec<Term> = Term::tried(data.environments, data.input.is_some())
         .into_iter()
@@ -139,13 +145,15 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
     let base = select::judge(&narrow, base, &scales);
     let mut selection = select::search(&narrow, base, &scales, &candidates);
     if let Some(how) = begin::other_input(&mut narrow, &selection.chosen, &scales) {
-        findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
+        notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
         let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
         let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
         selection = select::search(&narrow, base, &scales, &candidates);
     }
     if selection.cut_short {
-        findings.push("the search for terms was cut short when its work was spent, with structure left".to_owned());
+        notes
+            .findings
+            .push("the search for terms was cut short when its work was spent, with structure left".to_owned());
     }
     data.input = narrow.input.clone();
     if progress::interrupted() {
@@ -161,5 +169,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         narrow.test = data.test.clone();
         conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
     };
-    Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, findings))
+    let mut answer = answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes.findings);
+    answer.verdict.sentence += &words::doubts(&notes.doubts);
+    Ok(answer)
 }

@@ -16,20 +16,60 @@ pub struct Ticks {
     pub rate_hz: f64,
     /// What was found and survived.
     pub findings: Vec<String>,
-    /// Row and share of the way to the following one, per tick; `None` where every row is a tick.
-    places: Option<Vec<(usize, f64)>>,
+    /// First row and weights of that one and the following, per tick; `None` where every row is a tick.
+    places: Option<Vec<Place>>,
     kept: Vec<usize>,
+    /// Ticks that have no row of their own.
+    pub filled: Vec<Range<usize>>,
+    /// Share of uneven steps, where there are too many to be ignored.
+    uneven: Option<f64>,
+    /// Whether every stamp lies within a tick of an even clock.
+    near_even: bool,
 }
 
+/// Rows from which a value between them is made.
+const REACH: usize = 6;
+
+/// First row, and the weights of it and those that follow.
+type Place = (usize, [f64; REACH]);
+
 impl Ticks {
-    /// Values on the uniform clock: rows as they are, straight lines between them where a tick has no row.
+    /// Values on the uniform clock: rows as they are, straight lines where a tick has no row, a polynomial through six rows
+    /// where the clock is uneven.
     pub fn resample(&self, values: &[f64]) -> Vec<f64> {
         let kept: Vec<f64> = self.kept.iter().map(|row| values[*row]).collect();
         let Some(places) = &self.places else { return kept };
-        let at = |&(row, share): &(usize, f64)| {
-            if share == 0.0 { kept[row] } else { kept[row] + share * (kept[row + 1] - kept[row]) }
+        let at = |(row, weights): &Place| {
+            weights.iter().enumerate().filter(|(_, w)| **w != 0.0).map(|(j, w)| w * kept[row + j]).sum()
         };
         places.iter().map(at).collect()
+    }
+
+    /// Where the stamps are uneven: whether the samples were, or only the stamps, as told by the columns. A signal that was
+    /// sampled evenly is smooth row by row, one that was not is smooth only after resampling.
+    pub fn settle(&mut self, columns: &[Vec<f64>]) {
+        let Some(share) = self.uneven else { return };
+        let roughness = |values: &[f64]| -> f64 {
+            let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
+            values.windows(5).map(|w| fourth(w).powi(2)).filter(|v| v.is_finite()).sum()
+        };
+        let ratio = |column: &Vec<f64>| {
+            let rows: Vec<f64> = self.kept.iter().map(|row| column[*row]).collect();
+            roughness(&self.resample(column)) / roughness(&rows).max(1e-300)
+        };
+        // Resampling smooths noise by itself, to about a third.
+        let smoothest = columns.iter().map(ratio).fold(f64::INFINITY, f64::min);
+        let words = format!("the clock is uneven ({:.1} % of the steps are off by more than a quarter)", 100.0 * share);
+        let rate = self.rate_hz;
+        if self.near_even && smoothest > 0.25 {
+            self.places = None;
+            self.findings.push(format!("{words}, but the samples are even: taken as {rate:.6} Hz throughout"));
+        } else {
+            self.findings.push(format!(
+                "{words}: resampled to {rate:.6} Hz by polynomials through six rows, which changes what lies near half that \
+                 rate"
+            ));
+        }
     }
 }
 
@@ -52,34 +92,37 @@ pub fn ticks(path: &Path, times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> 
     let tick_s = span_s / steps.iter().map(|s| advance(*s, median_s)).sum::<usize>() as f64;
     let uneven = steps.iter().filter(|s| (**s / tick_s - advance(**s, tick_s) as f64).abs() > UNEVEN).count();
     let mut places = None;
+    let mut gaps = Vec::new();
+    let (mut uneven_share, mut near_even) = (None, false);
     let mut rate = 1.0 / tick_s;
     if uneven as f64 > 0.01 * steps.len() as f64 {
         let grid_s = span_s / steps.len() as f64;
         rate = 1.0 / grid_s;
         places = Some(even_grid(times, kept, grid_s));
-        findings.push(format!(
-            "the clock is uneven ({:.1} % of the steps are off by more than a quarter): resampled by straight lines to \
-             {rate:.6} Hz, which dampens noise near half that rate",
-            100.0 * uneven as f64 / steps.len() as f64
-        ));
+        uneven_share = Some(uneven as f64 / steps.len() as f64);
+        let first = times[kept[0]];
+        near_even = kept.iter().enumerate().all(|(i, row)| (times[*row] - first - i as f64 * grid_s).abs() < grid_s);
     } else {
-        let mut filled: Vec<(usize, f64)> = Vec::with_capacity(kept.len());
-        let mut gaps = 0;
+        let mut filled: Vec<Place> = Vec::with_capacity(kept.len());
+        let straight = |row, share: f64| (row, [1.0 - share, share, 0.0, 0.0, 0.0, 0.0]);
         for (row, step) in steps.iter().enumerate() {
             let count = advance(*step, tick_s);
-            gaps += usize::from(count > 1);
-            filled.extend((0..count).map(|k| (row, k as f64 / count as f64)));
+            if count > 1 {
+                gaps.push(filled.len() + 1..filled.len() + count);
+            }
+            filled.extend((0..count).map(|k| straight(row, k as f64 / count as f64)));
         }
-        filled.push((kept.len() - 1, 0.0));
+        filled.push(straight(kept.len() - 1, 0.0));
         let missing = filled.len() - kept.len();
         if missing as f64 > FILL_LIMIT * filled.len() as f64 {
             return Err(fail(
-                format!("{missing} of {} samples are missing, in {gaps} gaps", filled.len()),
+                format!("{missing} of {} samples are missing, in {} gaps", filled.len(), gaps.len()),
                 "cut the recording to a stretch without gaps",
             ));
         }
         if missing > 0 {
-            findings.push(format!("{missing} missing samples in {gaps} short gaps were filled by straight lines"));
+            findings
+                .push(format!("{missing} missing samples in {} short gaps were filled by straight lines", gaps.len()));
             places = Some(filled);
         }
     }
@@ -95,7 +138,7 @@ pub fn ticks(path: &Path, times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> 
             return Err(fail(format!("the time column says {rate:.6} Hz, the rate given is {stated} Hz"), &hint));
         }
     }
-    Ok(Ticks { rate_hz: rate, findings, places, kept: kept.to_vec() })
+    Ok(Ticks { rate_hz: rate, findings, places, kept: kept.to_vec(), filled: gaps, uneven: uneven_share, near_even })
 }
 
 /// Rows whose time is known and later than the one before.
@@ -157,7 +200,7 @@ fn longest_part(
     longest
 }
 
-fn even_grid(times: &[f64], kept: &[usize], grid_s: f64) -> Vec<(usize, f64)> {
+fn even_grid(times: &[f64], kept: &[usize], grid_s: f64) -> Vec<Place> {
     let start = times[kept[0]];
     let mut row = 0;
     let at = |tick: usize| {
@@ -165,8 +208,16 @@ fn even_grid(times: &[f64], kept: &[usize], grid_s: f64) -> Vec<(usize, f64)> {
         while row + 2 < kept.len() && times[kept[row + 1]] <= time {
             row += 1;
         }
-        let (left, right) = (times[kept[row]], times[kept[row + 1]]);
-        (row, ((time - left) / (right - left)).clamp(0.0, 1.0))
+        let reach = REACH.min(kept.len());
+        let first = row.saturating_sub(REACH / 2 - 1).min(kept.len() - reach);
+        let mut weights = [0.0; REACH];
+        for (j, weight) in weights.iter_mut().take(reach).enumerate() {
+            // Lagrange's polynomial.
+            let here = times[kept[first + j]];
+            let others = (0..reach).filter(|m| *m != j).map(|m| times[kept[first + m]]);
+            *weight = others.map(|other| (time - other) / (here - other)).product();
+        }
+        (first, weights)
     };
     (0..kept.len()).map(at).collect()
 }
@@ -231,9 +282,15 @@ mod tests {
     #[test]
     fn an_uneven_clock_is_resampled_and_said() {
         let times: Vec<f64> = (0..1000).map(|i| i as f64 + if i % 3 == 1 { 0.4 } else { 0.0 }).collect();
-        let ticks = judge(&times, None).expect("survivable");
+        let mut ticks = judge(&times, None).expect("survivable");
+        ticks.settle(std::slice::from_ref(&times));
         let line = ticks.resample(&times);
         assert!(line.windows(2).all(|w| (w[1] - w[0] - 1.0).abs() < 2e-3), "a straight line stays straight");
-        assert!(ticks.findings[0].contains("uneven"));
+        assert!(ticks.findings[0].contains("resampled"));
+        // Stamps that a busy logger wrote late, of samples that were not.
+        let wave: Vec<f64> = (0..1000).map(|i| (0.4 * i as f64).sin()).collect();
+        let mut ticks = judge(&times, None).expect("survivable");
+        ticks.settle(std::slice::from_ref(&wave));
+        assert!(ticks.findings[0].contains("samples are even") && ticks.resample(&wave) == wave);
     }
 }

@@ -1,6 +1,7 @@
 //! What is wrong with a column before any physics: missing values, a dead channel, touched rails, a stuck stretch, and the
 //! step its numbers are rounded to.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::FILL_LIMIT;
@@ -42,6 +43,18 @@ pub fn fill(path: &Path, name: &str, values: &mut [f64]) -> Result<Option<String
         row = end;
     }
     Ok(Some(format!("`{name}`: {missing} missing values were filled by straight lines, at most {longest} in a row")))
+}
+
+/// Runs of missing values.
+pub fn holes(values: &[f64]) -> Vec<Range<usize>> {
+    let mut all: Vec<Range<usize>> = Vec::new();
+    for row in (0..values.len()).filter(|row| values[*row].is_nan()) {
+        match all.last_mut() {
+            Some(last) if last.end == row => last.end += 1,
+            _ => all.push(row..row + 1),
+        }
+    }
+    all
 }
 
 /// Looks at the values of a channel as they pass.

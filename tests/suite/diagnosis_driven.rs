@@ -66,6 +66,7 @@ fn recording(columns: Vec<(&str, Vec<f64>)>) -> Recording {
         rate_hz: 1000.0,
         columns: columns.into_iter().map(|(name, values)| Column { name: name.into(), values }).collect(),
         findings: Vec::new(),
+        filled: Vec::new(),
     }
 }
 

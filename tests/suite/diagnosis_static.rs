@@ -46,6 +46,7 @@ fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Fail
         rate_hz: RATE_HZ,
         columns,
         findings: Vec::new(),
+        filled: Vec::new(),
     };
     let noise = density.map(|density| Noise { density, bias_instability: 0.0, random_walk: 0.0 });
     let model = Static {

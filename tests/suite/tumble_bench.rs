@@ -113,6 +113,7 @@ impl Imu {
             rate_hz: RATE_HZ,
             columns,
             findings: Vec::new(),
+            filled: Vec::new(),
         };
         (recording, ranges)
     }

@@ -29,8 +29,12 @@ impl Physics for Delay {
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         vec![Coordinate::Linear(0.1 * s.interval_s)]
     }
-    fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
-        vec![vec![0.0]]
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        let mut starts = vec![vec![0.0]];
+        if s.lag_samples != 0.0 {
+            starts.push(vec![s.lag_samples * s.interval_s]);
+        }
+        starts
     }
     fn delays(&self) -> bool {
         true

@@ -6,13 +6,16 @@ use crate::diagnosis::model;
 use crate::error::{Error, Result, nearest};
 use crate::recording::Recording;
 
+use super::alignment::{self, align};
+use super::defects;
 use super::fit::{BASE, Data};
 use super::input::{Input, Interpolation, REACH};
 use super::start::spread;
+use super::words::short;
 use super::work::Work;
 
 /// Half-open ranges of samples, ascending.
-type Stretches = Vec<Range<usize>>;
+pub type Stretches = Vec<Range<usize>>;
 
 /// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges. Many, so that
 /// what happens once is seen by both kinds.
@@ -24,6 +27,11 @@ const STRETCH: usize = 12_288;
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
+/// Fewest samples in a row that are worth judging on.
+const PIECE: usize = 20;
+/// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.
+const LARGEST: f64 = 1e100;
+
 /// What can be fitted, and what was noticed on the way.
 #[derive(Debug)]
 pub struct Prepared {
@@ -31,18 +39,38 @@ pub struct Prepared {
     pub data: Data,
     /// Whether the model file named its own test samples.
     pub own_test: bool,
+    /// Samples that were not recorded.
+    pub filled: Stretches,
+    /// What was noticed.
+    pub notes: Notes,
+}
+
+/// What was noticed besides the physics.
+#[derive(Debug, Clone, Default)]
+pub struct Notes {
     /// In words.
     pub findings: Vec<String>,
+    /// What a reader of the verdict must know, as clauses.
+    pub doubts: Vec<String>,
+}
+
+impl Notes {
+    /// Something that a reader of the verdict must know: as a clause, and with what follows from it.
+    pub fn doubt(&mut self, clause: String, more: &str) {
+        self.findings.push(format!("{clause}{more}"));
+        self.doubts.push(clause);
+    }
 }
 
 /// Checks and arranges.
 ///
 /// # Errors
 /// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
-/// the recording.
+/// the recording or in both train and test, hints that no oscillator in this recording can have.
 pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
-    let mut findings = recording.findings.clone();
-    let reading = column(recording, &model.columns.output)?.to_vec();
+    let mut notes = Notes { findings: recording.findings.clone(), doubts: Vec::new() };
+    hints(recording, &model.start)?;
+    let mut reading = column(recording, &model.columns.output)?.to_vec();
     let samples = reading.len();
     if samples < FEWEST + 2 * REACH {
         return Err(refuse(
@@ -58,18 +86,28 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
             "check the wiring and the name of the column",
         ));
     }
-    let input = match &model.columns.input {
-        Some(name) => {
-            let values = column(recording, name)?.to_vec();
-            if spread(&values).1 <= 1e-12 * spread(&values).0.abs() {
-                findings.push(format!("the input {name} never changes, so the recording is read as a free ring-down"));
-                None
-            } else {
-                Some(Input::new(values, Interpolation::BandLimited))
-            }
+    let mut filled = recording.filled.clone();
+    let stray = defects::glitches(&mut reading);
+    if let Some(first) = stray.first() {
+        let clause = format!("{} stray readings of {}, the first in row {first}", stray.len(), model.columns.output);
+        notes.doubt(clause, ", lie far off their neighbours: replaced by straight lines and not fitted");
+        filled.extend(stray.iter().map(|k| *k..k + 1));
+        filled.sort_by_key(|r| r.start);
+    }
+    let mut ends = REACH..samples - REACH;
+    let mut input = None;
+    if let Some(name) = &model.columns.input {
+        let mut values = column(recording, name)?.to_vec();
+        if spread(&values).1 <= 1e-12 * spread(&values).0.abs() {
+            notes.doubt(
+                format!("the input {name} never changes"),
+                ": a dead channel? The recording is read as a free ring-down",
+            );
+        } else {
+            together(model, &mut values, &reading, &mut ends, &mut notes);
+            input = Some(Input::new(values, Interpolation::BandLimited));
         }
-        None => None,
-    };
+    }
     let mut environment = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for name in &model.columns.environment {
@@ -81,12 +119,16 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     for k in 0..samples {
         environment.extend(columns.iter().map(|c| c[k]));
     }
-    let ends = REACH..samples - REACH;
-    let (train, test) = ranges(recording, &model.split, &ends, &mut findings)?;
+    let (train, test) = ranges(recording, &model.split, &ends, &mut notes.findings)?;
     let own_test = !test.is_empty();
     let hull = train.first().map_or(0, |r| r.start)..train.last().map_or(0, |r| r.end);
+    jumps(input.as_ref(), &reading, &hull, &filled, &mut notes);
     let (fitted, validation) = interleaved(&train);
-    let test = if own_test { test } else { validation.clone() };
+    let recorded = |ranges: &[Range<usize>]| -> Stretches {
+        minus(ranges, &filled).into_iter().filter(|r| r.len() >= PIECE).collect()
+    };
+    let (fitted, validation) = (minus(&fitted, &filled), recorded(&validation));
+    let test = if own_test { recorded(&test) } else { validation.clone() };
     let data = Data {
         reading,
         input,
@@ -106,7 +148,86 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
             "widen [split] train",
         ));
     }
-    Ok(Prepared { data, own_test, findings })
+    Ok(Prepared { data, own_test, filled, notes })
+}
+
+/// Hints must be such that this recording could show them.
+fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
+    let half_hz = 0.5 * recording.rate_hz;
+    let refuse = |cause: String, hint: &str| {
+        let attempt = format!("could not use [start] for {}", recording.path.display());
+        Err(Error::new(attempt, cause, hint))
+    };
+    match start.resonance_hz {
+        Some(hz) if !(hz > 0.0 && hz.is_finite()) => {
+            return refuse(format!("a resonance of {hz} Hz"), "a frequency in Hz, e.g. 68.0, or no hint at all");
+        }
+        Some(hz) if hz >= half_hz => {
+            return refuse(
+                format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)),
+                "such a resonance cannot be seen in this recording: record faster than twice the resonance, or correct the \
+                 hint or the rate",
+            );
+        }
+        _ => {}
+    }
+    match start.damping_ratio {
+        Some(zeta) if !(zeta > 0.0 && zeta.is_finite()) => {
+            refuse(format!("a damping ratio of {zeta}"), "a positive number: 0.05 is lively, 0.7 well damped")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether input and output belong together as they stand; an input that is far early or late is moved.
+fn together(model: &model::Driven, input: &mut [f64], reading: &[f64], ends: &mut Range<usize>, notes: &mut Notes) {
+    let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
+    if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
+        let clause = format!(
+            "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
+            short(factor)
+        );
+        notes
+            .doubt(clause, ": a column that changed its unit or range? Cut the recording there, or correct the column");
+    }
+    let Some(forward) = align(input, reading, ends) else { return };
+    if forward.left > 0.2
+        && let Some(backward) = align(reading, input, ends)
+        && alignment::exchanged(&forward, &backward)
+    {
+        let clause =
+            format!("the columns look swapped: {name} follows from {output} as an oscillator's reading from its force");
+        notes.doubt(clause, ", not the other way round; exchange input and output in the model file");
+        return;
+    }
+    let shift = forward.lag;
+    if !forward.is_misaligned() {
+        return;
+    }
+    let n = input.len() as isize;
+    let moved: Vec<f64> = (0..n).map(|k| input[(k - shift).clamp(0, n - 1) as usize]).collect();
+    input.copy_from_slice(&moved);
+    *ends = ends.start + shift.max(0) as usize..ends.end - (-shift).max(0) as usize;
+    let side = if shift > 0 { "late" } else { "early" };
+    notes.doubt(
+        format!("{output} is misaligned with {name}: it comes {} samples {side}", shift.abs()),
+        "; the input was moved by as many before anything was fitted",
+    );
+}
+
+/// Says where samples seem to be missing or doubled, apart from gaps that are known.
+fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>], notes: &mut Notes) {
+    let mut places = defects::jumps(input.map(Input::samples), reading, hull);
+    places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));
+    let where_ = match places.as_slice() {
+        [] => return,
+        [only] => format!("in row {only}"),
+        [first, ..] => format!("{} times, first in row {first}", places.len()),
+    };
+    notes.doubt(
+        format!("the reading jumps {where_}"),
+        ", as neither its past nor the input foretells: samples lost or written twice, or a knock? A time column would tell",
+    );
 }
 
 fn refuse(recording: &Recording, cause: String, hint: &str) -> Error {
@@ -120,6 +241,14 @@ fn column<'a>(recording: &'a Recording, name: &str) -> Result<&'a [f64]> {
             .map_or_else(|| "name a column of the file".to_owned(), |known| format!("did you mean \"{known}\"?"));
         return Err(refuse(recording, format!("there is no column \"{name}\""), &hint));
     };
+    let largest = values.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+    if largest.is_finite() && (largest > LARGEST || (largest > 0.0 && largest < 1.0 / LARGEST)) {
+        return Err(refuse(
+            recording,
+            format!("values of {name} reach {largest:e}: their squares leave the range of double precision"),
+            "give the column in another unit",
+        ));
+    }
     match values.iter().position(|v| !v.is_finite()) {
         Some(row) => Err(refuse(
             recording,
@@ -160,7 +289,11 @@ fn ranges(
     let apart = minus(&test, &train);
     let lost = test.iter().map(Range::len).sum::<usize>() - apart.iter().map(Range::len).sum::<usize>();
     if lost > 0 {
-        findings.push(format!("{lost} samples stand in both train and test; they are fitted and do not judge"));
+        return Err(refuse(
+            recording,
+            format!("[split] train and test overlap in {lost} samples"),
+            "what is fitted cannot judge: make the ranges disjoint",
+        ));
     }
     let apart: Vec<Range<usize>> = apart.into_iter().filter(|r| r.len() >= 200).collect();
     if !split.test.is_empty() && apart.is_empty() {
@@ -201,7 +334,14 @@ pub fn loudest(data: &Data) -> Option<Data> {
     let power = |r: &Range<usize>| spread(&data.reading[r.clone()]).1;
     let windows = (0..=8).map(|i| data.hull.start + (data.hull.len() - STRETCH) * i / 8).map(|a| a..a + STRETCH);
     let hull = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    let known = merged({
+        let mut all: Vec<Range<usize>> = data.train.iter().chain(&data.validation).cloned().collect();
+        all.sort_by_key(|r| r.start);
+        all
+    });
+    let missing = minus(std::slice::from_ref(&hull), &known);
     let (fitted, validation) = interleaved(std::slice::from_ref(&hull));
+    let (fitted, validation) = (minus(&fitted, &missing), minus(&validation, &missing));
     Some(Data { hull, train: fitted, test: validation.clone(), validation, ..data.clone() })
 }
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::diagnosis::model;
 use crate::numerics::spectrum;
 
+use super::alignment::{Alignment, align};
 use super::fit::{BASE, Data, Fit, Shape, fit};
 use super::term::Scales;
 
@@ -32,6 +33,7 @@ pub fn first_scales(data: &Data) -> Scales {
     let (centre, output) = spread(reading);
     let range = reading.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     let input = data.input.as_ref().map_or(0.0, |i| spread(&i.samples()[data.hull.clone()]).1);
+    let lag = data.input.as_ref().and_then(|i| align(i.samples(), &data.reading, &data.hull));
     let environment = (0..data.environments)
         .map(|e| spread(&data.environment.iter().skip(e).step_by(data.environments).copied().collect::<Vec<_>>()).1)
         .collect();
@@ -50,6 +52,7 @@ pub fn first_scales(data: &Data) -> Scales {
         environment,
         centre,
         fineness: 1.0,
+        lag_samples: lag.filter(Alignment::is_clear).map_or(0.0, |a| a.lag as f64),
     }
 }
 

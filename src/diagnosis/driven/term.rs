@@ -55,6 +55,8 @@ pub struct Scales {
     pub centre: f64,
     /// How many times finer than for a search the terms are integrated.
     pub fineness: f64,
+    /// Samples by which the output clearly lags the input; 0 where it does not.
+    pub lag_samples: f64,
 }
 
 /// The base model in every lane.

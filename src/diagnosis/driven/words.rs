@@ -308,6 +308,11 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
     }
 }
 
+/// What else a reader of the verdict must know of the recording, as a sentence.
+pub fn doubts(clauses: &[String]) -> String {
+    if clauses.is_empty() { String::new() } else { format!(" But mind: {}.", clauses.join("; ")) }
+}
+
 /// What would decide or confirm.
 pub fn next_experiment(c: &Conclusion, effects: &[Effect], input: bool) -> String {
     let source = if input { "drive" } else { "release" };
