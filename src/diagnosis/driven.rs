@@ -30,6 +30,7 @@ pub mod select;
 pub mod sensor;
 pub mod spring;
 pub mod start;
+pub mod surface;
 pub mod term;
 pub mod words;
 pub mod work;
@@ -43,6 +44,7 @@ use super::candidate::Candidate;
 use super::model;
 
 use prepare::Prepared;
+use surface::Surface;
 use term::Term;
 
 /// What can be named in this kind of recording.
@@ -93,6 +95,8 @@ pub struct Detail {
     pub innovations: Vec<f64>,
     /// Sample at which that stretch begins.
     pub from: usize,
+    /// The force that the base model leaves unexplained over displacement and velocity, and the repaired one.
+    pub surfaces: [Surface; 2],
     /// Whether anything was named.
     pub named: bool,
     /// Candidates: id, gain, interval, named.
@@ -169,6 +173,11 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         narrow.test = data.test.clone();
         conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
     };
+    let contact = |n: &conclude::Named| matches!(conclusion.model.fit.shape.terms[n.index], Term::EndStop(_));
+    if let Some(jumps) = notes.jumps.take().filter(|_| !conclusion.named.iter().any(contact)) {
+        let more = ", as neither its past nor the input foretells: samples lost or written twice, or a knock?";
+        notes.doubt(jumps, &format!("{more} A time column would tell"));
+    }
     let mut answer = answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes.findings);
     answer.verdict.sentence += &words::doubts(&notes.doubts);
     Ok(answer)

@@ -104,6 +104,22 @@ pub struct Where {
     pub frequency_hz: Vec<Stretch>,
     /// In state (amplitude), output unit; for static logs averaging time in s.
     pub state: Vec<Stretch>,
+    /// In the plane of displacement and velocity, strongest first; driven recordings only.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub state_cells: Vec<StateCell>,
+}
+
+/// A cell of displacement and velocity where a force is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StateCell {
+    /// Displacements from, to; output unit.
+    pub displacement: [f64; 2],
+    /// Velocities from, to; output unit per s.
+    pub velocity: [f64; 2],
+    /// Mean missing force over ω₀², output unit.
+    pub force: f64,
+    /// That force over its standard error.
+    pub excess: f64,
 }
 
 /// Fit on one part of the recording: root-mean-square error of free simulation.

@@ -4,10 +4,11 @@
 //! the error in frequency, over the state (the restoring force that is missing) and in time, and the candidates' standing.
 
 use crate::diagnosis::driven::Detail;
+use crate::diagnosis::driven::surface::{CELLS, Surface};
 use crate::numerics::spectrum;
 
 use super::diagnosis::{Exhibit, Part};
-use super::figure::{Axis, Chart, Ink, Mark};
+use super::figure::{Axis, Chart, Ink, Mark, Raster};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;
@@ -17,6 +18,7 @@ const ZOOM: usize = 120;
 /// Its figures; one of them is the opening.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let mut all = vec![zoom(detail), errors(detail), spectra(detail), states(detail)];
+    all.extend(surfaces(detail));
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
     }
@@ -162,6 +164,50 @@ fn states(detail: &Detail) -> Exhibit {
                   at the ends only; noise is the same everywhere."
             .into(),
     }
+}
+
+/// The missing force over displacement and velocity, before and after, in the same colours.
+fn surfaces(detail: &Detail) -> Vec<Exhibit> {
+    let [before, after] = &detail.surfaces;
+    let forces = || before.cells.iter().filter(|c| c.force.is_finite());
+    let most = forces().map(|c| c.force.abs()).fold(0.0, f64::max);
+    if most == 0.0 {
+        return Vec::new();
+    }
+    let draw = |surface: &Surface, name: &str, title: &str| {
+        let values: Vec<f64> = surface.cells.iter().map(|c| c.force).collect();
+        let label = format!("missing force over ω₀² / {}", detail.unit);
+        let mut raster = Raster::heat_map(&values, CELLS, surface.x, surface.v, (-most, most), &label);
+        // Cells that noise alone may make stand back. Pixels go from the top, cells from the bottom.
+        for (i, cell) in surface.cells.iter().enumerate() {
+            let pixel = (CELLS - 1 - i / CELLS) * CELLS + i % CELLS;
+            if !cell.found && cell.force.is_finite() {
+                raster.pixels[4 * pixel + 3] = 70;
+            }
+        }
+        let mut chart = Chart::new(
+            title,
+            Axis::linear(&format!("displacement / {}", detail.unit)).within(surface.x.0, surface.x.1),
+            Axis::linear(&format!("velocity / {}/s", detail.unit)).within(surface.v.0, surface.v.1),
+        );
+        chart.raster = Some(raster);
+        let (found, judged) = surface.found();
+        Exhibit {
+            part: Part::Isolation,
+            name: name.into(),
+            figure: chart.draw(),
+            caption: format!(
+                "Mean force that the model lacks where the mass is at this displacement and velocity. Full colour: more than \
+                 noise ({found} of {judged} cells; at most one in twenty of them by chance); pale: may be noise; empty: seldom \
+                 visited. Bands upright are a spring's, level ones a damper's."
+            ),
+        }
+    };
+    let mut all = vec![draw(before, "missing-force-before", "Force that the base model lacks")];
+    if detail.named && !after.cells.is_empty() {
+        all.push(draw(after, "missing-force-after", "Force that the repaired model lacks"));
+    }
+    all
 }
 
 fn candidates(detail: &Detail) -> Exhibit {

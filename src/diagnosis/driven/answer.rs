@@ -8,17 +8,22 @@ use crate::numerics::special;
 use crate::recording::Recording;
 
 use super::conclude::Conclusion;
-use super::fit::{Data, Fit, Run, trace};
+use super::filter::States;
+use super::fit::{Data, Fit, OMEGA, Run, ZETA, trace};
 use super::held_out::{HeldOut, at_rest, settled};
 use super::isolation::{Compared, locate};
 use super::select::Selection;
 use super::sensor::repair;
+use super::surface::{Motion, surface};
 use super::term::Scales;
 use super::words::{self, Channels};
 use super::{Detail, Shown};
 
 /// Samples of the held-out stretch that are kept for figures.
 const SHOWN: usize = 20_000;
+
+/// Cells of the restoring-force surface that the verdict lists.
+const CELLS_SHOWN: usize = 32;
 
 /// Everything a diagnosis gives away.
 pub fn answer(
@@ -38,12 +43,21 @@ pub fn answer(
     let ranking = words::ranking(c, selection, &channels);
     let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
-    let (after, _) = free(&c.model.fit);
+    let (after, repaired) = free(&c.model.fit);
+    let missing = |fit: &Fit, error: &[f64], states: &States| {
+        let (omega_rad_s, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
+        surface(&Motion { error, x: &states.x, v: &states.v, omega_rad_s, zeta, rate_hz: data.rate_hz })
+    };
+    let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
     let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
-    let location = locate(
+    let mut location = locate(
         &Compared { error: &before, noise: &after, state: &states.x, rate_hz: data.rate_hz, unit: &output_unit },
         data.hull.start,
     );
+    location.state_cells = surfaces[0].strongest(CELLS_SHOWN);
+    if let Some(words) = surfaces[0].words() {
+        location.summary += &format!("; {words}");
+    }
     for (term, reason) in &c.dropped {
         findings.push(format!("{} was tried and dropped: {reason}", term.id()));
     }
@@ -95,6 +109,7 @@ pub fn answer(
         after,
         innovations,
         from: data.hull.start,
+        surfaces,
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.held_out_gain, r.ci95, r.named)).collect(),
     };

@@ -76,7 +76,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> Where {
     } else {
         summary(mean, &frequency_hz, &state, &time_s, c.unit)
     };
-    Where { summary, time_s, frequency_hz, state }
+    Where { summary, time_s, frequency_hz, state, ..Where::default() }
 }
 
 fn summary(mean: f64, frequency: &[Stretch], state: &[Stretch], time: &[Stretch], unit: &str) -> String {

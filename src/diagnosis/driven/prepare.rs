@@ -52,6 +52,8 @@ pub struct Notes {
     pub findings: Vec<String>,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
+    /// Where the reading jumps, as a clause; only worth a word where no contact explains it.
+    pub jumps: Option<String>,
 }
 
 impl Notes {
@@ -68,7 +70,7 @@ impl Notes {
 /// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
 /// the recording or in both train and test, hints that no oscillator in this recording can have.
 pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
-    let mut notes = Notes { findings: recording.findings.clone(), doubts: Vec::new() };
+    let mut notes = Notes { findings: recording.findings.clone(), ..Notes::default() };
     hints(recording, &model.start)?;
     let mut reading = column(recording, &model.columns.output)?.to_vec();
     let samples = reading.len();
@@ -122,7 +124,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     let (train, test) = ranges(recording, &model.split, &ends, &mut notes.findings)?;
     let own_test = !test.is_empty();
     let hull = train.first().map_or(0, |r| r.start)..train.last().map_or(0, |r| r.end);
-    jumps(input.as_ref(), &reading, &hull, &filled, &mut notes);
+    notes.jumps = jumps(input.as_ref(), &reading, &hull, &filled);
     let (fitted, validation) = interleaved(&train);
     let recorded = |ranges: &[Range<usize>]| -> Stretches {
         minus(ranges, &filled).into_iter().filter(|r| r.len() >= PIECE).collect()
@@ -215,19 +217,15 @@ fn together(model: &model::Driven, input: &mut [f64], reading: &[f64], ends: &mu
     );
 }
 
-/// Says where samples seem to be missing or doubled, apart from gaps that are known.
-fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>], notes: &mut Notes) {
+/// Where the reading jumps, apart from gaps that are known.
+fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Option<String> {
     let mut places = defects::jumps(input.map(Input::samples), reading, hull);
     places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));
-    let where_ = match places.as_slice() {
-        [] => return,
-        [only] => format!("in row {only}"),
-        [first, ..] => format!("{} times, first in row {first}", places.len()),
-    };
-    notes.doubt(
-        format!("the reading jumps {where_}"),
-        ", as neither its past nor the input foretells: samples lost or written twice, or a knock? A time column would tell",
-    );
+    match places.as_slice() {
+        [] => None,
+        [only] => Some(format!("the reading jumps in row {only}")),
+        [first, ..] => Some(format!("the reading jumps {} times, first in row {first}", places.len())),
+    }
 }
 
 fn refuse(recording: &Recording, cause: String, hint: &str) -> Error {

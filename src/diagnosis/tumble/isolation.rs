@@ -98,7 +98,7 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> W
             format!("{n} of {} poses stand out, most by the share of gravity along {axis}", observed.poses.len())
         }
     };
-    Where { summary: format!("{}; {place}", kinds.join("; ")), time_s, frequency_hz: Vec::new(), state }
+    Where { summary: format!("{}; {place}", kinds.join("; ")), time_s, state, ..Where::default() }
 }
 
 fn short(value: f64) -> String {
