@@ -127,7 +127,11 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     notes.jumps = jumps(input.as_ref(), &reading, &hull, &filled);
     let (fitted, validation) = interleaved(&train);
     let recorded = |ranges: &[Range<usize>]| -> Stretches {
-        minus(ranges, &filled).into_iter().filter(|r| r.len() >= PIECE).collect()
+        let whole = |r: &Range<usize>| filled.iter().all(|f| f.end <= r.start || f.start >= r.end);
+        let (mut all, torn): (Stretches, Stretches) = ranges.iter().cloned().partition(whole);
+        all.extend(minus(&torn, &filled).into_iter().filter(|r| r.len() >= PIECE));
+        all.sort_by_key(|r| r.start);
+        all
     };
     let (fitted, validation) = (minus(&fitted, &filled), recorded(&validation));
     let test = if own_test { recorded(&test) } else { validation.clone() };
