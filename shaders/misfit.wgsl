@@ -72,13 +72,14 @@ const RAMP = 32u;
 const FADE = 33u;
 const LOW = 34u;
 const HIGH = 35u;
-const SHIFT = 36u;
-const WEIGHTS = 37u;
+const SHARE = 36u;
+const SHIFT = 37u;
+const WEIGHTS = 38u;
 
 const LOST = 1e6;
 // Samples whose squares are summed before they go to the block's sum.
 const PARTIAL = 64u;
-const MOST_DIRECTIONS = 8u;
+const MOST_DIRECTIONS = 16u;
 
 var<private> point: u32;
 
@@ -151,7 +152,8 @@ fn forces(at: Stage, u: f32, time: f32, h: f32) -> Push {
     if HAS_HYSTERESIS {
         let z = at.own.x;
         a = fma(-column(HYSTERESIS), z, a);
-        own.x = h * fma(-column(YIELD), fma(abs(v), z, v * abs(z)), v);
+        let share = column(SHARE);
+        own.x = h * fma(-column(YIELD), fma(share * abs(v), z, (1.0 - share) * v * abs(z)), v);
     }
     if HAS_MODE {
         own.y = h * at.own.z;
@@ -232,7 +234,8 @@ fn misfit(@builtin(global_invocation_id) id: vec3<u32>) {
         let stop = min(begin + PARTIAL, tile.samples);
         for (var i = begin; i < stop; i++) {
             let k = tile.first + i;
-            let since = k - tile.run;
+            let row = (k - tile.run) * width;
+            let since = f32(k);
             var y = now.s.x + column(OFFSET);
             if HAS_MODE {
                 y = y + now.own.y;
@@ -247,23 +250,23 @@ fn misfit(@builtin(global_invocation_id) id: vec3<u32>) {
                 y = fma(now.s.x * now.s.x, fma(column(BEND_3), now.s.x, column(BEND_2)), y);
             }
             if HAS_BIAS {
-                y = fma(column(RAMP), f32(since), y + warm);
+                y = fma(column(RAMP), since, y + warm);
                 warm = fma(warm, column(FADE), warm);
             }
             if HAS_RAILS {
                 y = min(max(y, column(LOW)), column(HIGH));
             }
-            let error = rows[since * width] - y;
+            let error = rows[row] - y;
             partial[0] = fma(error, error, partial[0]);
             for (var d = 1u; d < width; d++) {
-                partial[d] = fma(rows[since * width + d], error, partial[d]);
+                partial[d] = fma(rows[row + d], error, partial[d]);
             }
             for (var step = 0u; step < STEPS; step++) {
                 let index = 2u * (STEPS * k + step);
                 let u = vec3<f32>(input_at(index), input_at(index + 1u), input_at(index + 2u - tile.grid_end));
                 let before = now.s;
                 if MOVES {
-                    now = moved(full, half, now, u, f32(since) + f32(step) * h, h);
+                    now = moved(full, half, now, u, since + f32(step) * h, h);
                 } else {
                     now.s = pushed(full, half, now.s, u, h);
                 }

@@ -92,8 +92,7 @@ mod tests {
     #[test]
     fn shaders_parse_and_validate() {
         let orbits = [lyapunov(false), lyapunov(true), poincare(false), poincare(true)];
-        let others = [simulate(false), simulate(true), reduce(), compensation(), peak()];
-        let others = [simulate(false), simulate(true), reduce(), compensation(), misfit()];
+        let others = [simulate(false), simulate(true), reduce(), compensation(), peak(), misfit()];
         others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
     }
 

@@ -40,7 +40,7 @@ fn evaluate_part(gpu: &Gpu, job: &Job<'_>, parts: &Parts, points: &[Point]) -> R
     let mut constants = parts.constants();
     constants.extend([("STEPS", job.steps as f64), ("DIRECTIONS", directions as f64)]);
     let kernel = gpu.kernel(&source::misfit(), &constants)?;
-    let drawn: Vec<_> = points.iter().map(|p| p.columns(&job.units, job.steps)).collect();
+    let drawn: Vec<_> = points.iter().map(|p| p.columns(job)).collect();
     let columns: Vec<f32> = (0..COLUMNS).flat_map(|c| drawn.iter().map(move |d| d.0[c] as f32)).collect();
     let begin: Vec<f32> = (0..STATE).flat_map(|s| drawn.iter().map(move |d| d.1[s] as f32)).collect();
     let row = |k: usize| {
