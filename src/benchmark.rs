@@ -20,6 +20,7 @@ use crate::progress;
 pub mod diffusion;
 pub mod duffing;
 pub mod lorenz;
+pub mod misfit;
 pub mod operations;
 pub mod peak;
 pub mod peers;
@@ -219,6 +220,8 @@ pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
             rows.push(measured);
         }
     }
+    told("misfit");
+    rows.extend(misfit::cpu()?);
     let mut cpu = Cpu::default();
     for members in work::SIZES {
         told(&format!("{members} members"));

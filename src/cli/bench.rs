@@ -48,6 +48,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     if let Some(gpu) = gpu {
         let gpu = Arc::new(gpu);
+        rows.push(benchmark::misfit::gpu(&gpu)?);
         rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told)?);
     }
     bar.finish_and_clear();
