@@ -6,6 +6,7 @@ pub mod allan;
 pub mod bench;
 pub mod diagnosis;
 pub mod diagnosis_driven;
+pub mod diagnosis_profile;
 pub mod diagnosis_static;
 pub mod diagnosis_tumble;
 pub mod figure;

@@ -9,6 +9,7 @@ pub mod damping;
 pub mod defects;
 pub mod drift;
 pub mod drive;
+pub mod ensemble;
 pub mod filter;
 pub mod fit;
 pub mod gain;
@@ -22,6 +23,7 @@ pub mod mode;
 pub mod noise;
 pub mod pickup;
 pub mod prepare;
+pub mod profile;
 pub mod quantisation;
 pub mod readout;
 pub mod remainder;
@@ -99,6 +101,8 @@ pub struct Detail {
     pub surfaces: [Surface; 2],
     /// Whether anything was named.
     pub named: bool,
+    /// How the misfit rises around each named parameter.
+    pub profiles: Vec<profile::Profile>,
     /// Candidates: id, gain, interval, named.
     pub candidates: Vec<(String, f64, [f64; 2], bool)>,
 }

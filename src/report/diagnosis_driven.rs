@@ -22,6 +22,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
     }
+    all.extend(super::diagnosis_profile::exhibit(&detail.profiles));
     all
 }
 

@@ -3,12 +3,20 @@
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::misfits::{Device, evaluate, evaluate_on};
+use proofmass::diagnosis::driven::ensemble::Ensemble;
 use proofmass::diagnosis::driven::filter::Nothing;
-use proofmass::diagnosis::driven::fit::{Data, Run, Shape, innovations};
+use proofmass::diagnosis::driven::fit::{BASE, Data, Run, Search, Shape, fit, innovations};
 use proofmass::diagnosis::driven::input::{Input, Interpolation};
-use proofmass::diagnosis::driven::term::Term;
+use proofmass::diagnosis::driven::interval::spread;
+use proofmass::diagnosis::driven::profile::profiles;
+use proofmass::diagnosis::driven::select::refined;
+use proofmass::diagnosis::driven::start::first_scales;
+use proofmass::diagnosis::driven::term::{Scales, Term};
 use proofmass::diagnosis::driven::{contact, damping, drift, drive, hysteresis, lag, mode, readout, spring};
+use proofmass::diagnosis::verdict::{Effect, Estimate, Evidence};
 use proofmass::kernel::misfit::{Job, Point, Units};
+
+use proofmass::numerics::least_squares::Residuals;
 
 use super::world::{check, gpu_test, near, test};
 
@@ -21,6 +29,8 @@ pub fn tests() -> Vec<Trial> {
         test("misfit: errors of integration fall with the fourth power of the step", fourth_order),
         test("misfit: sums do not depend on grouping and add up over blocks", grouping),
         test("misfit: projections are those of the filter's errors", projections),
+        test("misfit: a profile is what refits with the parameter held give", profile_is_refits),
+        test("misfit: from where the cloud says, a rarely touched stop is found", cloud_finds_gap),
         test("misfit: a point that diverges is infinite and harms no neighbour", lost),
         gpu_test("misfit: the GPU agrees with the CPU for every candidate", gpu_follows_cpu),
     ]
@@ -92,14 +102,14 @@ fn cases() -> Vec<(&'static str, Term, Vec<f64>, Point)> {
         (
             "hysteresis",
             Term::Hysteresis(hysteresis::BoucWen),
-            vec![0.1 * STIFF, 0.003],
-            Point { hysteresis: 0.1 * STIFF, yield_displacement: 0.003, ..b },
+            vec![0.1 * STIFF, 0.003, 0.7, 0.001],
+            Point { hysteresis: 0.1 * STIFF, yield_displacement: 0.003, slip_share: 0.7, hysteresis_z0: 0.001, ..b },
         ),
         (
             "mode",
             Term::ParasiticMode(mode::Parasitic),
-            vec![0.2, 2.0 * OMEGA, 0.03],
-            Point { mode_gain: 0.2, mode_omega_rad_s: 2.0 * OMEGA, mode_zeta: 0.03, ..b },
+            vec![0.2, 2.0 * OMEGA, 0.03, 0.001, 0.2],
+            Point { mode_gain: 0.2, mode_omega_rad_s: 2.0 * OMEGA, mode_zeta: 0.03, mode_x0: 0.001, mode_v0: 0.2, ..b },
         ),
         ("low-pass", Term::Lowpass(lag::Lowpass), vec![1e-3], Point { lowpass_s: 1e-3, ..b }),
         ("delay", Term::Delay(lag::Delay), vec![1.3e-3], Point { delay_s: 1.3e-3, ..b }),
@@ -234,6 +244,77 @@ fn projections() -> Result<(), Failed> {
         check((got[0].along[0] - got[0].along[1]).abs() > 1e-3, "both directions give the same")?;
     }
     Ok(())
+}
+
+/// A recording made by the filter at a known point, with noise of 0.2 % that no two samples share.
+fn planted(terms: &[Term], own: &[f64]) -> Data {
+    let mut data = data(Interpolation::BandLimited);
+    let errors = filtered(&data, terms, own, 8);
+    for (k, e) in data.hull.clone().zip(errors) {
+        let noise = (f64::from((k as u32).wrapping_mul(2_654_435_769) >> 8) / f64::from(1u32 << 24) - 0.5) * 1e-4;
+        data.reading[k] += noise - e;
+    }
+    data
+}
+
+fn profile_is_refits() -> Result<(), Failed> {
+    let (terms, own) = ([Term::CubicStiffness(spring::Cubic)], [300.0 * STIFF]);
+    let data = planted(&terms, &own);
+    let scales = first_scales(&data);
+    let start: Vec<f64> = FITTED.iter().chain(&own).copied().collect();
+    let shape = Shape::new(&terms);
+    let fitted = fit(&data, &shape, &start, &scales, 20).ok_or("no fit")?;
+    let spread = spread(&fitted);
+    let free = fitted.free.iter().position(|f| *f == BASE).ok_or("the spring does not move")?;
+    let reach = 2.0 * spread.deviation[free] * fitted.slopes[free];
+    let value = fitted.point[BASE];
+    near("the planted spring", value / own[0], 1.0, 3.0 * reach / own[0])?;
+    let estimate = Estimate { name: "beta".into(), value, unit: String::new(), ci95: [value - reach, value + reach] };
+    let effect = Effect {
+        id: "cubic-stiffness".into(),
+        statement: String::new(),
+        equation: String::new(),
+        parameters: vec![estimate],
+        channels: Vec::new(),
+        evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+        confusable_with: Vec::new(),
+    };
+    let profiles = profiles(&data, &fitted, &scales, &[effect], &spread);
+    let profile = profiles.first().ok_or("no profile")?;
+    let least = fitted.variance * data.train_len() as f64;
+    let rows = data.train_len() as f64 / spread.dispersion[free];
+    let loss = |sum: f64| 0.5 * rows * (sum / least).ln();
+    for (at, lost) in profile.points.iter().step_by(8) {
+        let mut search = Search::all(&data, &shape, &fitted.point, &scales);
+        search.run.steps = fitted.steps;
+        search.point[BASE] = *at;
+        let alone = loss(search.sums(&[search.z(&search.point)])[0]);
+        search.free.retain(|f| *f != BASE);
+        let refitted = loss(search.minimise(10).ok_or("no refit")?.sum);
+        // Single precision leaves 1e-6 of the sum of squares: 1e-6 · ½n = 5e-4.
+        near("loss", *lost, refitted, 0.02 * refitted + 0.01)?;
+        let far = (at - value).abs() > 0.9 * reach;
+        check(!far || alone > 1.5 * refitted, format!("others need not follow: {alone} and {refitted}"))?;
+    }
+    Ok(())
+}
+
+fn cloud_finds_gap() -> Result<(), Failed> {
+    let term = Term::EndStop(contact::EndStop(contact::Side::Upper));
+    let own = [20.0 * STIFF, 0.0205];
+    let data = planted(&[term], &own);
+    let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };
+    let base = fit(&data, &Shape::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
+    let scales = refined(&data, &base, &scales);
+    let ensemble = Ensemble::around(&data, &base, &scales).ok_or("no ensemble")?;
+    let starts = ensemble.starts(term, &scales, 1).ok_or("no starts")?;
+    let (shape, point) = base.with(term, &starts[0]);
+    let found = fit(&data, &shape, &point, &scales, 20).ok_or("no fit with the stop")?;
+    near("the gap", found.point[BASE + 1] / own[1], 1.0, 0.01)?;
+    // The noise is spread evenly over 1e-4.
+    let noise = 1e-8 / 12.0;
+    check(found.variance < 1.3 * noise, format!("{:e} is left of {noise:e}", found.variance))?;
+    check(base.variance > 4.0 * noise, format!("the base model alone leaves {:e}", base.variance))
 }
 
 fn lost() -> Result<(), Failed> {

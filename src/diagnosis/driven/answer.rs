@@ -12,6 +12,7 @@ use super::filter::States;
 use super::fit::{Data, Fit, OMEGA, Run, ZETA, trace};
 use super::held_out::{HeldOut, at_rest, settled};
 use super::isolation::{Compared, locate};
+use super::profile;
 use super::select::Selection;
 use super::sensor::repair;
 use super::surface::{Motion, surface};
@@ -66,7 +67,7 @@ pub fn answer(
         let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
         (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
     };
-    let verdict = Verdict {
+    let mut verdict = Verdict {
         schema: SCHEMA,
         kind: Kind::Driven,
         verdict: c.outcome,
@@ -98,7 +99,10 @@ pub fn answer(
         residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
         findings,
     };
+    let profiles = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread);
+    verdict.findings.extend(profiles.iter().filter_map(profile::Profile::finding));
     let detail = Detail {
+        profiles,
         output,
         unit: output_unit,
         rate_hz: data.rate_hz,

@@ -3,6 +3,7 @@
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;
 
+use super::ensemble::Cloud;
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
 /// Which side has a stop.
@@ -75,6 +76,19 @@ impl Physics for EndStop {
     }
     fn moves(&self) -> bool {
         true
+    }
+    /// Gaps from where the mass often is to where it hardly ever gets; stops from a bend to a wall.
+    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+        let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
+        let reach = match self.0 {
+            Side::Both => above.max(below),
+            Side::Upper => above,
+            Side::Lower => below,
+        };
+        let (spring, reach) = (s.omega_rad_s.powi(2), reach.max(0.5 * s.output));
+        let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
+        let stops = [0.6, 2.0, 6.0, 18.0];
+        Some(Cloud::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
     }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {
         if self.0 != Side::Lower {

@@ -202,16 +202,13 @@ impl Pass<'_> {
                 let (hx, hv) = half.apply(&x, &v);
                 let (fx, fv) = full.apply(&x, &v);
                 let mut a = [[0.0; LANES]; 4];
-                let mut rates = [[[0.0; LANES]; MOST_STATES]; 4];
+                let mut rate = [[0.0; LANES]; MOST_STATES];
+                let mut sums = [[0.0; LANES]; MOST_STATES];
+                let mut here = own;
                 for stage in 0..4 {
-                    let mut here = own;
                     let lead = if stage == 3 { h } else { 0.5 * h };
                     if stage > 0 {
-                        for s in 0..states {
-                            for l in 0..LANES {
-                                here[s][l] += lead * rates[stage - 1][s][l];
-                            }
-                        }
+                        add(states, &mut here, &own, lead, &rate);
                     }
                     match stage {
                         0 => (at.x, at.v, at.time_s, at.input) = (x, v, from, u[0]),
@@ -241,9 +238,12 @@ impl Pass<'_> {
                         acceleration[l] = self.base.gain[l] * at.input[l];
                     }
                     for m in &moving {
-                        let (p, rates) = (&self.parameters[m.first..], &mut rates[stage][m.state..]);
-                        m.term.force(&at, p, &here[m.state..], rates, &mut acceleration);
+                        let p = &self.parameters[m.first..];
+                        m.term.force(&at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
                     }
+                    let weight = if stage == 0 || stage == 3 { h / 6.0 } else { h / 3.0 };
+                    let before = sums;
+                    add(states, &mut sums, &before, weight, &rate);
                     a[stage] = acceleration;
                 }
                 let (x0, v0) = (x, v);
@@ -251,12 +251,8 @@ impl Pass<'_> {
                     x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
                     v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
                 }
-                for s in 0..states {
-                    for l in 0..LANES {
-                        let r = [rates[0][s][l], rates[1][s][l], rates[2][s][l], rates[3][s][l]];
-                        own[s][l] += h / 6.0 * (r[0] + 2.0 * (r[1] + r[2]) + r[3]);
-                    }
-                }
+                let before = own;
+                add(states, &mut own, &before, 1.0, &sums);
                 if !followers.is_empty() {
                     let stride = Stride { step_s: h, x0, v0, x1: x, v1: v };
                     for m in &followers {
@@ -287,6 +283,25 @@ impl Pass<'_> {
                 u
             }
         }
+    }
+}
+
+/// a + k·b for as many states as there are. The loops have known lengths: of an unknown one the compiler makes gathers and
+/// scatters over the states, six times slower.
+#[inline(always)]
+fn add(states: usize, sum: &mut [Lanes; MOST_STATES], a: &[Lanes; MOST_STATES], k: f64, b: &[Lanes; MOST_STATES]) {
+    let mut part = |from: usize, to: usize| {
+        for s in from..to {
+            for l in 0..LANES {
+                sum[s][l] = a[s][l] + k * b[s][l];
+            }
+        }
+    };
+    if states > 0 {
+        part(0, 2);
+    }
+    if states > 2 {
+        part(2, MOST_STATES);
     }
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;
 
+use super::ensemble::Cloud;
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
 /// A parallel mode.
@@ -92,8 +93,18 @@ impl Physics for Parasitic {
     fn needs_input(&self) -> bool {
         true
     }
+    /// Frequencies 14 % apart and where the residual stands out, at three dampings.
+    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+        let nyquist = std::f64::consts::PI / s.interval_s;
+        let grid = (0..30).map(|i| 0.2 * s.omega_rad_s * 1.14f64.powi(i));
+        let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
+        let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
+        let shapes = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
+        Some(Cloud::Shapes { strength: 0.1 * s.gain.abs(), shapes })
+    }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {
         (point.mode_gain, point.mode_omega_rad_s, point.mode_zeta) = (p[0], p[1], p[2]);
+        (point.mode_x0, point.mode_v0) = (p[3], p[4]);
         true
     }
 }

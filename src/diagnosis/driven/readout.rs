@@ -3,6 +3,7 @@
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;
 
+use super::ensemble::Cloud;
 use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
 
 /// Rails.
@@ -54,6 +55,14 @@ impl Physics for Saturation {
     }
     fn reads(&self) -> Option<u8> {
         Some(9)
+    }
+    /// Rails from just inside the extremes to halfway, on either side or both.
+    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+        let (c, far) = (s.centre, 100.0 * s.output);
+        let (low, high) = (s.output_range.0 - c, s.output_range.1 - c);
+        let levels = [0.9999, 0.995, 0.985, 0.97, 0.94, 0.9, 0.86, 0.81, 0.75, 0.68, 0.6, 0.5];
+        let rails = |r: f64| [vec![c + r * low, c + r * high], vec![c - far, c + r * high], vec![c + r * low, c + far]];
+        Some(Cloud::Points(levels.into_iter().flat_map(rails).collect()))
     }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {
         (point.low, point.high) = (p[0], p[1]);

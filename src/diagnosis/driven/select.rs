@@ -7,6 +7,7 @@ use crate::numerics::least_squares::Linear;
 use crate::numerics::spectrum;
 use crate::progress;
 
+use super::ensemble::Ensemble;
 use super::filter::Nothing;
 use super::fit::{Data, Fit, Run, Search, Shape, fit, innovations, trace};
 use super::held_out::{Comparison, HeldOut, compare, held_out};
@@ -154,8 +155,15 @@ fn lines(values: &[f64], rate_hz: f64) -> Vec<f64> {
 }
 
 /// The start of a term from which one linear step promises most, and what it promises.
-fn screen(data: &Data, model: &Fit, term: Term, scales: &Scales) -> Vec<(f64, Vec<f64>)> {
-    let starts = term.starts(scales);
+fn screen(
+    data: &Data,
+    model: &Fit,
+    ensemble: Option<&Ensemble<'_>>,
+    term: Term,
+    scales: &Scales,
+) -> Vec<(f64, Vec<f64>)> {
+    let found = ensemble.and_then(|e| e.starts(term, scales, CORNER_STARTS)).filter(|s| !s.is_empty());
+    let starts = found.unwrap_or_else(|| term.starts(scales));
     // The strength of a noise is only looked at from its starts: it bends every derivative of the base.
     let own = if term.noise().is_some() { 0 } else { term.parameters() };
     let Some(first) = starts.first() else { return Vec::new() };
@@ -207,11 +215,12 @@ fn screen(data: &Data, model: &Fit, term: Term, scales: &Scales) -> Vec<(f64, Ve
 /// At least `sure` of them are fitted, whatever the best promises.
 pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, sure: usize) -> Vec<Trial> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
+    let ensemble = Ensemble::around(data, &model.fit, scales);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = candidates
         .par_iter()
         .filter(|t| !progress::interrupted() && t.parameters() > 0)
         .map(|term| {
-            let promises = screen(data, &model.fit, *term, scales);
+            let promises = screen(data, &model.fit, ensemble.as_ref(), *term, scales);
             let best = promises.first().map_or(f64::INFINITY, |p| p.0 / sum);
             let starts = if term.has_corner() { CORNER_STARTS } else { STARTS };
             (*term, best, promises.into_iter().take(starts).map(|p| p.1).collect())

@@ -6,6 +6,7 @@
 use crate::diagnosis::candidate::Candidate;
 use crate::kernel::misfit::Point;
 
+use super::ensemble::Cloud;
 use super::{contact, damping, drift, drive, hysteresis, lag, mode, noise, pickup, readout, spring};
 
 /// Parameter sets simulated side by side.
@@ -121,6 +122,10 @@ pub trait Physics {
     fn coordinates(&self, scales: &Scales) -> Vec<Coordinate>;
     /// Where to begin; several where the misfit has several valleys.
     fn starts(&self, scales: &Scales) -> Vec<Vec<f64>>;
+    /// Where to look before a fit, many points at a time; `None` where the few starts are enough.
+    fn cloud(&self, _scales: &Scales) -> Option<Cloud> {
+        None
+    }
     /// Own state variables.
     fn states(&self) -> usize {
         0
@@ -286,6 +291,11 @@ impl Term {
     /// As `Physics::starts`.
     pub fn starts(&self, scales: &Scales) -> Vec<Vec<f64>> {
         self.physics().starts(scales)
+    }
+
+    /// As `Physics::cloud`.
+    pub fn cloud(&self, scales: &Scales) -> Option<Cloud> {
+        self.physics().cloud(scales)
     }
 
     /// As `Physics::states`.
