@@ -10,6 +10,7 @@ pub mod blind;
 pub mod campaign;
 pub mod case;
 pub mod catalogue;
+pub mod copy;
 pub mod driven;
 pub mod equation;
 pub mod excitation;

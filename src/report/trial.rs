@@ -6,6 +6,7 @@ pub mod like;
 use crate::report::html::Page;
 use crate::report::number::{duration, significant};
 use crate::report::table::Table;
+use crate::trial::campaign::Campaign;
 use crate::trial::case::{Case, Family};
 use crate::trial::interval::Share;
 use crate::trial::judge::Covered;
@@ -176,11 +177,16 @@ pub fn terminal(outcome: &Outcome) -> String {
 }
 
 fn how(plan: &Plan, outcome: &Outcome) -> String {
+    let noise = match plan.campaign {
+        Campaign::Concealed => "nulls 0.2 to 2 %; at rest and when turned, sizes are over the white noise per sample",
+        Campaign::Planted => "nulls 0.2 to 2 %",
+    };
     format!(
-        "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output (nulls 0.2 to 2 %). Sizes are the rms \
-         that the best refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was \
-         planted, or says “undecidable” and lists it with at most one other. An effect without a detection limit in range \
-         counts as above it from {FALLBACK_LIMIT} × noise.",
+        "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output ({noise}). Sizes are the rms that the best \
+         refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was planted, or \
+         says “undecidable” and lists it with at most one other. The detection limit of an effect is the size noticed in nine \
+         of ten cases; without one in range, cases count as above it from {FALLBACK_LIMIT} × noise. Intervals are compared \
+         where exactly what was planted was named.",
         outcome.cases, plan.seed, plan.samples
     )
 }

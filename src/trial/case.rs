@@ -214,12 +214,12 @@ impl Case {
         }
     }
 
-    /// Symbol and value of the first planted effect's first parameter, in the channel that shows it most.
+    /// Symbol and value of the last planted effect's first parameter, in the channel that shows it most.
     pub fn strength(&self) -> Option<(&'static str, f64)> {
         match &self.body {
-            Body::Driven(d) => d.planted.first()?.term.parameters(&d.scales).first().copied(),
+            Body::Driven(d) => d.planted.last()?.term.parameters(&d.scales).first().copied(),
             Body::Still(s) => {
-                let process = s.planted.first()?;
+                let process = s.planted.last()?;
                 let most = (0..3).max_by(|a, b| process.channels[*a].abs().total_cmp(&process.channels[*b].abs()))?;
                 s.parameters(process, most).first().copied()
             }

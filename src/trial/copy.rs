@@ -1,0 +1,151 @@
+//! Copies of a user's recording: their excitation, rate, length and noise, without the physics, ready to be planted into.
+
+use super::case::{Body, Family};
+use super::driven::{Driven, Planted};
+use super::equation::Oscillator;
+use super::excitation::Excitation;
+use super::physics::{Physics, Term};
+use super::plant::{self, Size};
+use super::refit::{self, Window};
+use super::standstill::{Slow, Still};
+use crate::diagnosis::model;
+use crate::recording::Recording;
+use crate::rng::{Philox, Stream};
+
+/// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the original.
+pub const ROWS: usize = 20_000;
+/// Sub-steps of the linear fit.
+const SUBSTEPS: usize = 8;
+
+/// A proof mass as the base model finds it, with the recorded input. None where no linear one fits at all.
+pub fn driven(data: &Recording, model: &model::Driven, seed: u64) -> Option<(Driven, String)> {
+    let output = data.column(&model.columns.output)?;
+    // The diagnosis learns from the fitted part only: the copies are of that.
+    let longest = model.split.train.iter().max_by_key(|r| r[1].saturating_sub(r[0]));
+    let [from, to] = longest.map_or([0, output.len()], |r| r.map(|n| n.min(output.len())));
+    let rows = from..to.min(from + ROWS);
+    let samples = rows.len();
+    let output = &output[rows.clone()];
+    let excitation = match &model.columns.input {
+        Some(name) => Excitation::Recorded { samples: data.column(name)?[rows].to_vec(), rate_hz: data.rate_hz },
+        None => Excitation::None,
+    };
+    let half_step_s = 0.5 / (data.rate_hz * SUBSTEPS as f64);
+    let input = match excitation {
+        Excitation::None => Vec::new(),
+        _ => excitation.tabulate(0.0, half_step_s, 2 * SUBSTEPS * (samples - 1) + 1),
+    };
+    let window = Window { input: &input, output, substeps: SUBSTEPS, rate_hz: data.rate_hz };
+    let hint = model.start.resonance_hz.map(|f| f * std::f64::consts::TAU).zip(model.start.damping_ratio);
+    let fit = refit::search(&window, hint.map(|(omega, zeta)| [omega, zeta]))?;
+    let spread = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+    };
+    // The readout's noise is what remains at the highest frequencies of the residual, where no resonator reaches: its fourth
+    // difference, whose gain on white noise is √(1 + 16 + 36 + 16 + 1).
+    let fourth: Vec<f64> =
+        fit.residual.windows(5).map(|r| r[0] - 4.0 * r[1] + 6.0 * r[2] - 4.0 * r[3] + r[4]).collect();
+    let noise = spread(&fourth) / 70f64.sqrt();
+    let oscillator = Oscillator { omega_rad_s: fit.omega_rad_s, zeta: fit.zeta, gain: fit.gain, start: fit.start };
+    let mut case = Driven::linear(oscillator, excitation, data.rate_hz, samples, seed);
+    case.offset = fit.offset;
+    case.noise = noise;
+    // What else the base model leaves is taken for noise that enters as a force, though part of it may be the very effect
+    // that is asked for: the sizes found are rather too large than too small.
+    let rest = (fit.rms().powi(2) - noise * noise).max(0.0).sqrt();
+    let mut base = format!(
+        "resonance {:.4} Hz, damping ratio {:.4}, an output of {:.3e} rms with readout noise of {noise:.3e}",
+        fit.omega_rad_s / std::f64::consts::TAU,
+        fit.zeta,
+        case.output_rms
+    );
+    if rest > noise {
+        let share = rest / case.output_rms;
+        let term = Term { physics: Physics::ForceNoise, amplitude: rest / case.scales.x, shape: [0.0; 2] };
+        case.planted.push(Planted { term, visible: share, raw: share });
+        base += &format!(" and force noise that moves it by {rest:.3e} rms");
+    }
+    Some((case, base))
+}
+
+/// A sensor at rest with the white part of the recorded noise.
+pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, String) {
+    let samples = data.samples().min(ROWS);
+    let mut white = [0.0; 3];
+    let mut bias = [0.0; 3];
+    for channel in 0..3 {
+        let names = &model.columns.channels;
+        let values = data.column(&names[channel % names.len()]).unwrap_or_default();
+        let values = &values[..samples.min(values.len())];
+        // White noise alone survives a first difference, whose median size is 0.6745 × √2 of its deviation; a few jumps
+        // and knocks do not move a median.
+        let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+        steps.sort_by(f64::total_cmp);
+        let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        // Coarse counts that mostly repeat have no median step, but a mean square.
+        let square = steps.iter().map(|s| s * s).sum::<f64>() / steps.len().max(1) as f64;
+        let step = if median > 0.0 { median / 0.6745 } else { square.sqrt() };
+        white[channel] = (step / 2f64.sqrt()).max(f64::MIN_POSITIVE);
+        bias[channel] = values.iter().sum::<f64>() / samples as f64;
+    }
+    let still = Still {
+        seed,
+        rate_hz: data.rate_hz,
+        samples,
+        white,
+        bias,
+        planted: Vec::new(),
+        promised: false,
+        temperature_given: !model.columns.environment.is_empty(),
+    };
+    let base = format!(
+        "white noise of {:.3e}, {:.3e}, {:.3e} per sample (slower noise of the original is not in the copies and would hide more)",
+        white[0], white[1], white[2]
+    );
+    (still, base)
+}
+
+/// The nth copy, with an effect of a size over its noise planted, or with nothing. None where the effect cannot be planted.
+pub fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
+    let mut case = bare.clone();
+    case.seed = bare.seed.wrapping_add(n);
+    let Some((physics, size)) = job else {
+        return Some((Family::Null, Body::Driven(Box::new(case))));
+    };
+    // What the copy has already cannot be told from more of it.
+    if case.planted.iter().any(|p| p.term.physics == physics) {
+        return None;
+    }
+    let noise = case.planted.iter().map(|p| p.visible.powi(2)).sum::<f64>() + (case.noise / case.output_rms).powi(2);
+    let needs_input = matches!(physics, Physics::DriveNonlinearity | Physics::Feedthrough | Physics::ParasiticMode);
+    if needs_input && case.excitation == Excitation::None {
+        return None;
+    }
+    // A shape may not reach the size; another may.
+    (0..4).find_map(|attempt| {
+        let mut rng = Philox::new(bare.seed, physics as u64 * 16 + attempt, Stream::Host);
+        let shape = plant::shape(&mut rng, physics, &case);
+        let mut trial = case.clone();
+        let visible = Size::Visible(size * noise.sqrt());
+        plant::plant(&mut trial, physics, shape, visible)
+            .then(|| (Family::AroundTheLimit, Body::Driven(Box::new(trial))))
+    })
+}
+
+/// The same at rest.
+pub fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Family, Body) {
+    let mut case = bare.clone();
+    case.seed = bare.seed.wrapping_add(n);
+    let Some((slow, size)) = job else {
+        return (Family::StillNull, Body::Still(Box::new(case)));
+    };
+    let mut rng = Philox::new(bare.seed, slow as u64, Stream::Host);
+    let size = match slow {
+        Slow::WhiteNoise => 1.0 + size,
+        Slow::QuantisationNoise => size * 12f64.sqrt(),
+        _ => size,
+    };
+    case.plant(&mut rng, slow, size);
+    (Family::StillPlanted, Body::Still(Box::new(case)))
+}
