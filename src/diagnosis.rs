@@ -10,6 +10,7 @@ pub mod detection;
 pub mod driven;
 pub mod fixed;
 pub mod model;
+pub mod rectification;
 pub mod repair;
 pub mod tumble;
 pub mod verdict;

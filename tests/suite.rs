@@ -8,6 +8,7 @@ mod suite {
     pub mod closed_form;
     pub mod convergence;
     pub mod diagnose_cli;
+    pub mod diagnose_static_cli;
     pub mod diagnosis_driven;
     pub mod diagnosis_static;
     pub mod diagnosis_tumble;
@@ -56,6 +57,8 @@ fn main() {
         suite::recording::tests(),
         // static: each effect at rest is found alone, nothing where nothing is.
         suite::diagnosis_static::tests(),
+        // diagnose_static_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.
+        suite::diagnose_static_cli::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // paper: twenty figures, every check holds and can fail.

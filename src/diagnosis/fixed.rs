@@ -1,17 +1,25 @@
 //! A sensor at rest: its noise and its drift: which physics its model leaves out.
 //!
 //! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is judged alone (`selection`),
-//! then all together for drift that they share (`common`), then what is left (`check`). Not for coefficients alone: those
+//! then by what its neighbours bear (`agreement`) and all together for drift that they share (`common`), then what is left
+//! (`check`). Not for coefficients alone: those
 //! come faster, and with the classical curve, from `recording::noise`.
 
+mod agreement;
 mod candidate;
 mod channel;
 mod check;
 mod common;
 mod conclusion;
 mod describe;
+mod effects;
+mod location;
+mod plausible;
+mod rounding;
 mod selection;
+mod sensor;
 mod spectrum;
+mod words;
 
 use rayon::prelude::*;
 
@@ -25,7 +33,7 @@ use crate::recording::health::Watch;
 use channel::{Channel, Curve};
 
 /// Longer recordings are averaged over neighbouring samples to at most this many.
-const LONGEST: usize = 1 << 18;
+const LONGEST: usize = 1 << 19;
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
 
@@ -88,14 +96,14 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosi
     let rate_hz = recording.rate_hz / together as f64;
     if together > 1 {
         findings.push(format!(
-            "{together} neighbouring samples were averaged: nothing faster than {:.4} Hz is judged",
-            rate_hz / 2.0
+            "{together} neighbouring samples were averaged: nothing faster than {} Hz is judged, and a disturbance faster \
+             than that folds into what is",
+            words::short(rate_hz / 2.0)
         ));
     }
     let reduce = |values: &[f64]| -> Vec<f64> {
         values.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
     };
-    let steps: Vec<Option<f64>> = names.iter().zip(&live).map(|(n, v)| Watch::of(n, v).step()).collect();
     let environment: Vec<(String, Curve)> = model
         .columns
         .environment
@@ -108,19 +116,22 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosi
         .map(|(name, values)| {
             let mut channel = Channel::new(name, &reduce(values), rate_hz);
             channel.promised = describe::promised(&channel, model.noise.as_ref());
+            channel.step = Watch::of(name, values).step().map(|q| q / channel.scale);
+            channel.together = together;
             channel
         })
         .collect();
+    let means: Vec<f64> = live.iter().map(|v| v.iter().sum::<f64>() / v.len() as f64).collect();
+    findings.extend(plausible::gravity(&means, &model.unit));
     let mut selected: Vec<_> =
         channels.par_iter().map(|c| selection::select(c, &environment, channels.len())).collect();
+    agreement::agree(&channels, &mut selected, &environment);
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,
         model,
         channels: &channels,
-        steps: &steps,
-        together,
-        selected: &mut selected,
+        selected: &selected,
         common,
         findings,
     }))

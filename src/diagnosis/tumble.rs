@@ -104,6 +104,9 @@ pub fn diagnose_in(
     }
     check::enough(&recording.path, ranges.len())?;
     let mut observed = imu.observe(&ranges);
+    if !poses_found {
+        check::still(&recording.path, &observed, &mut findings)?;
+    }
     check::moving(&recording.path, &observed)?;
     let guess = start::guess(&mut observed);
     check::axes(&recording.path, &observed, &guess, model)?;

@@ -1,5 +1,7 @@
 //! One channel and its model: laws of noise plus curves of known shape, fitted together.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::spectrum::{self, Bin, Law, Part, Strengths};
@@ -14,7 +16,11 @@ pub(super) struct Channel {
     /// File units per unit here.
     pub(super) scale: f64,
     pub(super) rate_hz: f64,
-    pub(super) coefficients: Vec<f64>,
+    pub(super) coefficients: Arc<[f64]>,
+    /// Step that the readings were rounded to before any averaging, where they were; in this scale.
+    pub(super) step: Option<f64>,
+    /// Readings averaged into one value.
+    pub(super) together: usize,
     /// Variance that the datasheet promises to every bin, beyond white noise; empty for none.
     pub(super) promised: Vec<f64>,
 }
@@ -22,18 +28,21 @@ pub(super) struct Channel {
 /// A curve of known shape in the mean: its samples and their cosine coefficients.
 #[derive(Debug, Clone)]
 pub(super) struct Curve {
-    pub(super) values: Vec<f64>,
-    coefficients: Vec<f64>,
+    pub(super) values: Arc<[f64]>,
+    coefficients: Arc<[f64]>,
 }
 
 impl Curve {
     pub(super) fn new(mut values: Vec<f64>) -> Self {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         values.iter_mut().for_each(|v| *v -= mean);
-        let coefficients = cosine::transform(&values);
-        Self { values, coefficients }
+        let coefficients = cosine::transform(&values).into();
+        Self { values: values.into(), coefficients }
     }
 }
+
+/// The term that is no physics left out: a filter in the sensor that takes the top of its band away.
+pub(super) const BAND_LIMIT: &str = "band-limit";
 
 /// Something a candidate adds: a law, or one or two curves.
 #[derive(Debug, Clone)]
@@ -61,7 +70,7 @@ pub(super) struct Fitted {
     /// Per curve, in order of terms: value and standard error.
     pub(super) amplitudes: Vec<(f64, f64)>,
     /// Cosine coefficients without the curves.
-    pub(super) residual: Vec<f64>,
+    pub(super) residual: Arc<[f64]>,
     pub(super) bins: Vec<Bin>,
     pub(super) variances: Vec<f64>,
 }
@@ -86,6 +95,33 @@ impl Fitted {
         &self.amplitudes[start..start + curves(&self.terms[term])]
     }
 
+    /// Variance and standard error of the white noise at frequencies that no filter in the sensor reaches.
+    pub(super) fn white(&self) -> (f64, f64) {
+        let (value, error) = (self.strengths.values[0], self.strengths.errors[0]);
+        match self.terms.iter().position(|t| t.id == BAND_LIMIT) {
+            Some(index) => {
+                let (more, own) = self.strength_of(index);
+                (value + more, error.hypot(own))
+            }
+            None => (value, error),
+        }
+    }
+
+    /// Variance of what is white within the sensor's band, as a mean over all frequencies.
+    pub(super) fn floor(&self) -> f64 {
+        let power = self.terms.iter().find_map(|t| match t.addition {
+            Addition::Law(law @ Law::Smoothed(_)) => Some(law),
+            _ => None,
+        });
+        let white = self.strengths.values[0];
+        let Some(law) = power else { return white };
+        let (sum, count) = self.bins.iter().fold((0.0, 0.0), |(sum, count), b| {
+            let width = (b.to - b.from) as f64;
+            (sum + width * law.variance(b.theta), count + width)
+        });
+        white + (self.white().0 - white) * sum / count
+    }
+
     /// Strength and standard error of a term that is a law.
     pub(super) fn strength_of(&self, term: usize) -> (f64, f64) {
         let law = self.terms[..term].iter().filter(|t| matches!(t.addition, Addition::Law(_))).count() + 1;
@@ -96,7 +132,7 @@ impl Fitted {
     pub(super) fn mean_curve(&self, count: usize) -> Vec<f64> {
         let mut out = vec![0.0; count];
         for (curve, (amplitude, _)) in curves(&self.terms).zip(&self.amplitudes) {
-            out.iter_mut().zip(&curve.values).for_each(|(o, v)| *o += amplitude * v);
+            out.iter_mut().zip(curve.values.iter()).for_each(|(o, v)| *o += amplitude * v);
         }
         out
     }
@@ -130,32 +166,39 @@ impl Channel {
         let power = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * (values.len() - 1)) as f64;
         let scale = if power > 0.0 { power.sqrt() } else { 1.0 };
         let values: Vec<f64> = values.iter().map(|v| (v - mean) / scale).collect();
-        let coefficients = cosine::transform(&values);
-        Self { name: name.into(), values, scale, rate_hz, coefficients, promised: Vec::new() }
+        let coefficients = cosine::transform(&values).into();
+        Self { name: name.into(), values, scale, rate_hz, coefficients, step: None, together: 1, promised: Vec::new() }
+    }
+
+    /// Variance that rounding adds to a value.
+    pub(super) fn rounding(&self) -> f64 {
+        self.step.map_or(0.0, |q| q * q / 12.0 / self.together as f64)
     }
 
     /// Fits laws and curves together: curves by generalised least squares under the laws, in turn.
     pub(super) fn fit(&self, terms: Vec<Term>) -> Fitted {
         let laws = laws(&terms);
         let curves: Vec<&Curve> = curves(&terms).collect();
-        let mut residual = self.coefficients.clone();
+        let mut own: Vec<f64> = Vec::new();
         let mut amplitudes = vec![(0.0, f64::INFINITY); curves.len()];
         let rounds = if curves.is_empty() { 1 } else { 4 };
-        let mut bins = spectrum::bins(&residual);
+        let mut bins = spectrum::bins(&self.coefficients);
         let mut variances: Vec<f64> = vec![1.0; bins.len()];
         let mut strengths = Strengths { values: Vec::new(), errors: Vec::new(), log_likelihood: 0.0 };
         for _ in 0..rounds {
             if !curves.is_empty() {
                 amplitudes = self.amplitudes(&curves, &bins, &variances);
-                residual.clone_from(&self.coefficients);
+                own.clear();
+                own.extend_from_slice(&self.coefficients);
                 for (curve, (amplitude, _)) in curves.iter().zip(&amplitudes) {
-                    residual.iter_mut().zip(&curve.coefficients).for_each(|(r, c)| *r -= amplitude * c);
+                    own.iter_mut().zip(curve.coefficients.iter()).for_each(|(r, c)| *r -= amplitude * c);
                 }
-                bins = spectrum::bins(&residual);
+                bins = spectrum::bins(&own);
             }
             strengths = spectrum::fit(&bins, &laws, &self.promised, Part::All);
             variances = spectrum::variances(&bins, &laws, &strengths.values, &self.promised);
         }
+        let residual = if own.is_empty() { self.coefficients.clone() } else { own.into() };
         Fitted { terms, strengths, amplitudes, residual, bins, variances }
     }
 

@@ -22,32 +22,49 @@ pub(super) struct Remainder {
     pub(super) failing: Vec<f64>,
     pub(super) time_s: Vec<Stretch>,
     pub(super) frequency_hz: Vec<Stretch>,
+    /// Least and most power over that modelled among the stretches of time.
+    pub(super) power: [f64; 2],
+    /// Time and size (in standard deviations) of a single reading that no noise of this law would bring.
+    pub(super) outlier: Option<(f64, f64)>,
+    /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
+    pub(super) only_there: bool,
 }
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
 pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Remainder {
     let (of_bands, centres, frequency_hz) = bands(channel, fitted, tolerance);
-    let mut white = fitted.residual.clone();
+    let mut white = fitted.residual.to_vec();
     white[0] = 0.0;
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
         white[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance.sqrt());
     }
     let innovations = cosine::invert(&white);
-    let (of_time, time_s) = stretches(channel, &innovations, tolerance);
     let count = innovations.len() as f64;
-    let largest = innovations.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    // A step in standard deviations: readings coarser than their noise are not normal, and may lie half a step off.
+    let unaveraged = channel.step.filter(|_| channel.together == 1);
+    let step = unaveraged.map_or(0.0, |q| q / fitted.white().0.max(f64::MIN_POSITIVE).sqrt());
+    let fourth = if step > 1.0 { innovations.iter().map(|v| v.powi(4)).sum::<f64>() / count } else { 3.0 };
+    let (of_time, means, time_s) = stretches(channel, &innovations, fourth, tolerance);
+    let (at, largest) =
+        innovations.iter().enumerate().fold((0, 0.0f64), |m, (n, v)| if v.abs() > m.1 { (n, v.abs()) } else { m });
     let tests = (of_bands.len() + of_time.len() + 1) as f64;
     // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
-    let outlier = (count * 2.0 * normal_cdf(-largest / (1.0 + tolerance))).min(1.0);
-    let in_time = of_time.iter().copied().fold(outlier, f64::min);
+    let excursion = (largest - 0.5 * step) / (1.0 + tolerance);
+    let p_outlier = (count * 2.0 * normal_cdf(-excursion)).min(1.0);
+    let in_time = of_time.iter().copied().fold(p_outlier, f64::min);
     let smallest = of_bands.iter().copied().fold(in_time, f64::min);
-    let failing = centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
+    let failing: Vec<f64> =
+        centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
+    let amiss = of_time.iter().filter(|p| **p * tests < ALPHA).count();
     Remainder {
         p_value: (smallest * tests).min(1.0),
         p_value_in_time: (in_time * tests).min(1.0),
+        only_there: failing.is_empty() && p_outlier * tests >= ALPHA && 4 * amiss <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
+        power: means.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(*m), high.max(*m)]),
+        outlier: (p_outlier * tests < ALPHA).then_some((at as f64 / channel.rate_hz, largest)),
     }
 }
 
@@ -100,15 +117,23 @@ fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f
     (p_values, centres, named)
 }
 
-fn stretches(channel: &Channel, innovations: &[f64], tolerance: f64) -> (Vec<f64>, Vec<Stretch>) {
+/// Probability, mean square and the stretches named; `fourth` is the fourth moment of the innovations.
+fn stretches(
+    channel: &Channel,
+    innovations: &[f64],
+    fourth: f64,
+    tolerance: f64,
+) -> (Vec<f64>, Vec<f64>, Vec<Stretch>) {
     let count = innovations.len();
     let parts = (count / 64).clamp(1, 64);
     let edges: Vec<usize> = (0..=parts).map(|i| i * count / parts).collect();
+    // A mean square of n values scatters as that of fewer normal ones where tails are heavy.
+    let worth = 2.0 / (fourth - 1.0).max(0.05);
     let means: Vec<(f64, f64)> = edges
         .windows(2)
         .map(|w| {
             let part = &innovations[w[0]..w[1]];
-            (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64)
+            (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64 * worth)
         })
         .collect();
     let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
@@ -117,5 +142,5 @@ fn stretches(channel: &Channel, innovations: &[f64], tolerance: f64) -> (Vec<f64
         to: edges[i + 1] as f64 / channel.rate_hz,
         excess: means[i].0,
     });
-    (p_values, named)
+    (p_values, means.into_iter().map(|m| m.0).collect(), named)
 }

@@ -54,7 +54,10 @@ fn own_noise(channel: &Channel, selected: &Selected) -> Vec<Term> {
     let term = |id, law| Term { id, addition: Addition::Law(law), searched: 0.0, column: None };
     let mut terms: Vec<Term> = selected.fitted.terms.iter().filter(|t| !is_slow(t, channel)).cloned().collect();
     terms.push(term("random-walk", Law::Walk));
-    terms.push(term("flicker-noise", Law::Flicker));
+    // Five laws are all that one spectrum can tell apart.
+    if terms.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count() < 4 {
+        terms.push(term("flicker-noise", Law::Flicker));
+    }
     terms
 }
 
@@ -65,38 +68,44 @@ pub(super) fn find(channels: &[Channel], selected: &[Selected]) -> Option<Common
         return None;
     }
     let own: Vec<Fitted> = channels.iter().zip(selected).map(|(c, s)| c.fit(own_noise(c, s))).collect();
-    let leader = drifting.iter().copied().max_by(|a, b| slow_power(&own[*a]).total_cmp(&slow_power(&own[*b])))?;
+    let slow: Vec<Curve> = drifting.iter().map(|i| Curve::new(slow_part(&own[*i]))).collect();
     let correction = (channels.len() * (channels.len() - 1)) as f64;
-    let following = |channel: usize, of: usize| {
+    let following = |channel: usize, curve: &Curve| {
         let mut terms = own_noise(&channels[channel], &selected[channel]);
         terms.push(Term {
             id: "temperature-sensitivity",
-            addition: Addition::Curves(vec![Curve::new(slow_part(&own[of]))]),
+            addition: Addition::Curves(vec![curve.clone()]),
             searched: 0.0,
             column: None,
         });
         channels[channel].fit(terms)
     };
-    let followers: Vec<Follower> = drifting
-        .iter()
-        .copied()
-        .filter(|i| *i != leader)
-        .filter_map(|i| {
-            let fitted = following(i, leader);
-            let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
-            let p_value = (chi_squared_above(gain.max(0.0), 1.0) * correction).min(1.0);
-            let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
-            (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
-        })
-        .collect();
-    // Who leads is arbitrary: the leader in turn is described by the channel that follows it best.
+    let followers = |leader: usize| -> Vec<Follower> {
+        let others = drifting.iter().copied().filter(|i| *i != drifting[leader]);
+        others
+            .filter_map(|i| {
+                let fitted = following(i, &slow[leader]);
+                let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
+                let p_value = (chi_squared_above(gain.max(0.0), 1.0) * correction).min(1.0);
+                let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
+                (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
+            })
+            .collect()
+    };
+    // Who leads is arbitrary: the one whom most follow, and most closely.
+    let led = (0..drifting.len()).map(|l| (l, followers(l)));
+    let closeness = |f: &[Follower]| f.iter().map(|f| f.share).sum::<f64>();
+    let (leader, followers) = led.max_by(|a, b| closeness(&a.1).total_cmp(&closeness(&b.1)))?;
+    // The leader in turn is described by the channel that follows it best.
     let best = followers.iter().max_by(|a, b| a.share.total_cmp(&b.share))?.channel;
-    Some(Common { leader, leader_fit: following(leader, best), followers })
+    let best = drifting.iter().position(|i| *i == best)?;
+    let leader_fit = following(drifting[leader], &slow[best]);
+    Some(Common { leader: drifting[leader], leader_fit, followers })
 }
 
 /// Power of the coefficients beyond white noise.
 fn slow_power(fitted: &Fitted) -> f64 {
-    let white = fitted.strengths.values[0];
+    let white = fitted.white().0;
     let of = |(bin, variance): (&super::spectrum::Bin, &f64)| {
         let share = 1.0 - white / variance;
         if share > 0.5 { share * (bin.sum[0] + bin.sum[1]) } else { 0.0 }
@@ -106,7 +115,7 @@ fn slow_power(fitted: &Fitted) -> f64 {
 
 /// The slow part in time: every coefficient weighted by the share that is not white (Wiener's filter).
 fn slow_part(fitted: &Fitted) -> Vec<f64> {
-    let white = fitted.strengths.values[0];
+    let white = fitted.white().0;
     let mut coefficients = vec![0.0; fitted.residual.len()];
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
         let share = (1.0 - white / variance).max(0.0);

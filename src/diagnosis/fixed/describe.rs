@@ -55,7 +55,7 @@ pub(super) fn parameters(channel: &Channel, fitted: &Fitted, index: usize, unit:
         Addition::Law(law) => {
             let strength = fitted.strength_of(index);
             match law {
-                Law::White => Vec::new(),
+                Law::White | Law::Smoothed(_) => Vec::new(),
                 Law::Differenced => vec![root("Q", format!("{unit}·s"), scale * step_s, strength)],
                 Law::Flicker => vec![root("B", unit.into(), scale, strength)],
                 Law::Walk => vec![root("K", format!("{unit}/√s"), scale * channel.rate_hz.sqrt(), strength)],

@@ -2,15 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
 use super::spectrum::Law;
 use crate::numerics::special::chi_squared_above;
 
-/// A candidate tried against a model.
-#[derive(Debug, Clone)]
+/// Every candidate tried against a model, and the model with the best of those wanted.
 pub(super) struct Tried {
+    pub(super) standings: Vec<Standing>,
+    pub(super) best: Option<(Standing, Fitted)>,
+}
+
+/// How well a candidate did.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Standing {
     pub(super) id: &'static str,
-    pub(super) fitted: Fitted,
     /// Twice the gain in log-likelihood.
     pub(super) gain: f64,
     /// Of that gain by chance, the search for its time constant or frequency included; not yet corrected for the number
@@ -22,10 +27,23 @@ pub(super) struct Tried {
     parameters: f64,
 }
 
+impl Standing {
+    /// Akaike's criterion, turned so that more is better.
+    pub(super) fn merit(&self) -> f64 {
+        self.gain - 2.0 * self.parameters
+    }
+
+    pub(super) fn counts(&self, correction: f64) -> bool {
+        self.p_value * correction < ALPHA && self.held_out > 0.0
+    }
+}
+
 /// Corrected probability below which a candidate counts.
 pub(super) const ALPHA: f64 = 0.004;
 /// Candidates tried per channel.
-const TRIED: f64 = 8.0;
+const TRIED: f64 = 9.0;
+/// Candidates whose merits differ by less are tied: so much chance does to a difference of likelihoods.
+pub(super) const CLOSE: f64 = 4.0;
 /// At most this many effects per channel.
 const MOST: usize = 6;
 
@@ -33,7 +51,7 @@ const MOST: usize = 6;
 pub(super) struct Selected {
     pub(super) base: Fitted,
     pub(super) fitted: Fitted,
-    pub(super) alone: Vec<Tried>,
+    pub(super) alone: Vec<Standing>,
     /// Per term: corrected probability, share of the held-out gain, candidates that do as well.
     pub(super) evidence: Vec<(f64, f64, Vec<&'static str>)>,
 }
@@ -41,48 +59,64 @@ pub(super) struct Selected {
 /// Environment columns by name.
 pub(super) type Environment = [(String, Curve)];
 
+/// Candidates that did as well as the one chosen, by its id.
+type Rivals = Vec<(&'static str, Vec<&'static str>)>;
+
+/// What every probability of a channel is multiplied by when `channels` are judged.
+pub(super) fn correction(channels: usize) -> f64 {
+    TRIED * channels as f64
+}
+
 /// Selects; `channels` corrects for their number.
 pub(super) fn select(channel: &Channel, environment: &Environment, channels: usize) -> Selected {
-    let correction = TRIED * channels as f64;
+    let correction = correction(channels);
     let base = channel.fit(Vec::new());
     let mut current = base.clone();
     let mut alone = Vec::new();
-    let mut rivals: Vec<(&'static str, Vec<&'static str>)> = Vec::new();
+    let mut rivals: Rivals = Vec::new();
     for round in 0..MOST {
-        let tried = try_all(channel, &current, environment);
-        let good = |t: &&Tried| t.p_value * correction < ALPHA && t.held_out > 0.0;
-        let merit = |t: &Tried| t.gain - 2.0 * t.parameters;
-        let best = tried.iter().filter(good).max_by(|a, b| merit(a).total_cmp(&merit(b))).cloned();
+        let Tried { standings, best } = try_all(channel, &current, environment, |t| t.counts(correction));
         if round == 0 {
-            alone = tried.clone();
+            alone.clone_from(&standings);
         }
-        let Some(best) = best else { break };
-        // As good within what chance does to a difference of likelihoods.
-        let mut close: Vec<&Tried> = tried
-            .iter()
-            .filter(|t| t.id != best.id && !contains(t.id, best.id) && merit(&best) - merit(t) < 4.0)
+        let Some((best, fitted)) = best else { break };
+        let mut close: Vec<Standing> = standings
+            .into_iter()
+            .filter(|t| t.id != best.id && t.id != BAND_LIMIT && !contains(t.id, best.id))
+            .filter(|t| best.merit() - t.merit() < CLOSE)
             .collect();
-        close.sort_by(|a, b| merit(b).total_cmp(&merit(a)));
+        close.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
         rivals.push((best.id, close.iter().map(|t| t.id).collect()));
-        current = prune(channel, best.fitted, correction);
+        current = prune(channel, fitted, correction);
     }
+    let evidence = evidence(channel, &base, &current, correction, &rivals);
+    Selected { base, fitted: current, alone, evidence }
+}
+
+/// Per term of a model: corrected probability, share of the held-out gain, rivals.
+pub(super) fn evidence(
+    channel: &Channel,
+    base: &Fitted,
+    current: &Fitted,
+    correction: f64,
+    rivals: &Rivals,
+) -> Vec<(f64, f64, Vec<&'static str>)> {
     let full = current.held_out(&channel.promised);
     let possible = (full - base.held_out(&channel.promised)).max(f64::MIN_POSITIVE);
-    let evidence = (0..current.terms.len())
+    (0..current.terms.len())
         .map(|index| {
-            let without = channel.fit(others(&current, index));
+            let without = channel.fit(others(current, index));
             let gain = 2.0 * (current.log_likelihood() - without.log_likelihood());
             let p_value = (probability(&current.terms[index], gain, channel) * correction).min(1.0);
             let share = match current.terms[index].addition {
                 Addition::Law(_) => ((full - without.held_out(&channel.promised)) / possible).clamp(0.0, 1.0),
-                Addition::Curves(_) => channel.held_out_share(&current, index),
+                Addition::Curves(_) => channel.held_out_share(current, index),
             };
             let id = current.terms[index].id;
             let close = rivals.iter().rev().find(|r| r.0 == id).map(|r| r.1.clone()).unwrap_or_default();
             (p_value, share, close)
         })
-        .collect();
-    Selected { base, fitted: current, alone, evidence }
+        .collect()
 }
 
 /// Whether the richer candidate imitates the simpler one at the edge of its range: then the simpler one is preferred.
@@ -90,7 +124,8 @@ fn contains(richer: &str, simpler: &str) -> bool {
     matches!((richer, simpler), ("warm-up", "rate-ramp") | ("gauss-markov", "random-walk"))
 }
 
-fn others(fitted: &Fitted, index: usize) -> Vec<Term> {
+/// The terms of a model without one.
+pub(super) fn others(fitted: &Fitted, index: usize) -> Vec<Term> {
     fitted.terms.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, t)| t.clone()).collect()
 }
 
@@ -117,51 +152,79 @@ fn probability(term: &Term, gain: f64, channel: &Channel) -> f64 {
         ("gauss-markov", _) => 4.0 * chi_squared_above(gain, 2.0),
         ("sinusoid", _) => 2.0 * channel.values.len() as f64 * chi_squared_above(gain, 2.0),
         ("warm-up", _) => 5.0 * chi_squared_above(gain, 1.0),
+        (BAND_LIMIT, _) => 1.5 * chi_squared_above(gain, 1.0),
         (_, Addition::Law(_)) => 0.5 * chi_squared_above(gain, 1.0),
         (_, Addition::Curves(curves)) => chi_squared_above(gain, curves.len() as f64),
     };
     p.min(1.0)
 }
 
-/// Every candidate that the model does not hold yet, each added to it.
-pub(super) fn try_all(channel: &Channel, current: &Fitted, environment: &Environment) -> Vec<Tried> {
+/// Every candidate that the model does not hold yet, each added to it. Only the best model `wanted` is kept: curves of a
+/// long recording are large.
+pub(super) fn try_all(
+    channel: &Channel,
+    current: &Fitted,
+    environment: &Environment,
+    wanted: impl Fn(&Standing) -> bool,
+) -> Tried {
     let count = channel.values.len();
     let add = |term: Term| {
         let mut terms = current.terms.clone();
         terms.push(term);
         channel.fit(terms)
     };
+    let before = current.log_likelihood();
+    let held_out_before = current.held_out(&channel.promised);
+    let mut tried = Tried { standings: Vec::new(), best: None };
+    let mut found = |fitted: Fitted, parameters: f64| {
+        let last = fitted.terms.len() - 1;
+        let gain = 2.0 * (fitted.log_likelihood() - before);
+        let held_out = match fitted.terms[last].addition {
+            Addition::Law(_) => fitted.held_out(&channel.promised) - held_out_before,
+            Addition::Curves(_) => channel.held_out_share(&fitted, last),
+        };
+        let p_value = probability(&fitted.terms[last], gain, channel);
+        let standing = Standing { id: fitted.terms[last].id, gain, p_value, held_out, parameters };
+        tried.standings.push(standing);
+        if wanted(&standing) && tried.best.as_ref().is_none_or(|(best, _)| standing.merit() > best.merit()) {
+            tried.best = Some((standing, fitted));
+        }
+    };
     let law = |id, law, searched| Term { id, addition: Addition::Law(law), searched, column: None };
-    let mut found: Vec<(Fitted, f64)> = Vec::new();
     // Four laws beside white noise are all that one spectrum can tell apart.
     if current.laws().len() < 5 {
         for (id, of) in
             [("quantisation-noise", Law::Differenced), ("flicker-noise", Law::Flicker), ("random-walk", Law::Walk)]
         {
             if !current.has(id) {
-                found.push((add(law(id, of, 0.0)), 1.0));
+                found(add(law(id, of, 0.0)), 1.0);
             }
         }
         if !current.has("gauss-markov") {
             let best = searched(1.5f64.ln(), (count as f64 / 4.0).ln(), 14, |m| {
                 add(law("gauss-markov", Law::Markov(m.exp()), m.exp()))
             });
-            found.push((best, 2.0));
+            found(best, 2.0);
+        }
+        if !current.has(BAND_LIMIT) {
+            let powers = [1, 2, 4].map(|p| add(law(BAND_LIMIT, Law::Smoothed(p), f64::from(p))));
+            let best = powers.into_iter().max_by(|a, b| a.log_likelihood().total_cmp(&b.log_likelihood()));
+            if let Some(best) = best {
+                found(best, 1.0);
+            }
         }
     }
     let curve = |id, curves, searched| Term { id, addition: Addition::Curves(curves), searched, column: None };
     if !current.has("rate-ramp") {
-        found.push((
-            add(curve("rate-ramp", vec![Curve::new((0..count).map(|n| n as f64 / count as f64).collect())], 0.0)),
-            1.0,
-        ));
+        let ramp = Curve::new((0..count).map(|n| n as f64 / count as f64).collect());
+        found(add(curve("rate-ramp", vec![ramp], 0.0)), 1.0);
     }
     if !current.has("warm-up") {
         let settle = |m: f64| (0..count).map(|n| (-(n as f64) / m).exp()).collect();
         let best = searched((0.01 * count as f64).ln(), (0.5 * count as f64).ln(), 9, |m| {
             add(curve("warm-up", vec![Curve::new(settle(m.exp()))], m.exp()))
         });
-        found.push((best, 2.0));
+        found(best, 2.0);
     }
     if let Some(frequency) = strongest_line(channel, current) {
         let wave = |f: f64| {
@@ -170,30 +233,16 @@ pub(super) fn try_all(channel: &Channel, current: &Fitted, environment: &Environ
         };
         let half = 0.6 / count as f64;
         let best = searched(frequency - half, frequency + half, 7, |f| add(curve("sinusoid", wave(f), f)));
-        found.push((best, 3.0));
+        found(best, 3.0);
     }
     for (name, column) in environment {
         if !current.terms.iter().any(|t| t.column.as_ref() == Some(name)) {
             let mut term = curve("temperature-sensitivity", vec![column.clone()], 0.0);
             term.column = Some(name.clone());
-            found.push((add(term), 1.0));
+            found(add(term), 1.0);
         }
     }
-    let before = current.log_likelihood();
-    let held_out_before = current.held_out(&channel.promised);
-    found
-        .into_iter()
-        .map(|(fitted, parameters)| {
-            let last = fitted.terms.len() - 1;
-            let gain = 2.0 * (fitted.log_likelihood() - before);
-            let held_out = match fitted.terms[last].addition {
-                Addition::Law(_) => fitted.held_out(&channel.promised) - held_out_before,
-                Addition::Curves(_) => channel.held_out_share(&fitted, last),
-            };
-            let p_value = probability(&fitted.terms[last], gain, channel);
-            Tried { id: fitted.terms[last].id, gain, p_value, held_out, parameters, fitted }
-        })
-        .collect()
+    tried
 }
 
 /// The best of a grid, refined once between its neighbours.

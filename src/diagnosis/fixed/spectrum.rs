@@ -19,6 +19,8 @@ pub(super) enum Law {
     Walk,
     /// First-order memory of this many samples, unit variance.
     Markov(f64),
+    /// White noise behind a smoothing filter, cos²ᵖθ: one at low frequencies, zero at the highest.
+    Smoothed(u8),
 }
 
 impl Law {
@@ -34,6 +36,7 @@ impl Law {
                 let keep = (-1.0 / memory).exp();
                 (1.0 - keep * keep) / ((1.0 - keep).powi(2) + keep * s * s)
             }
+            Law::Smoothed(power) => theta.cos().powi(2 * i32::from(power)),
         }
     }
 }

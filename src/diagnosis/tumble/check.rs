@@ -14,6 +14,8 @@ use crate::recording::Recording;
 
 /// Fewer poses than this leave no more equations than the base model and one candidate have unknowns.
 const FEWEST_POSES: usize = 8;
+/// Variance within a pose over that of a quiet one from which it was moved: a tenfold standard deviation.
+const RESTLESS: f64 = 100.0;
 
 fn fail(path: &Path, cause: impl Into<String>, hint: &str) -> Error {
     Error::new(format!("could not diagnose {}", path.display()), cause, hint)
@@ -59,6 +61,39 @@ pub fn enough(path: &Path, poses: usize) -> Result<()> {
         format!("{poses} still poses; the base model and one candidate need at least {FEWEST_POSES}"),
         "lay the sensor still on each of its faces and in slanted attitudes, two seconds or more each; 20 to 40 poses are good",
     ))
+}
+
+/// Whether the poses that were given lie where the recording is still: rows counted from another start, or at another
+/// rate, put them into the moves.
+pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -> Result<()> {
+    let imu = &observed.imu;
+    let scatter = |of: &[f64]| {
+        let mean = of.iter().sum::<f64>() / of.len().max(1) as f64;
+        of.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / of.len().max(1) as f64
+    };
+    let mut moved = vec![false; observed.poses.len()];
+    for column in imu.gyro.iter().chain(&imu.accelerometer) {
+        let within: Vec<f64> = observed.poses.iter().map(|p| scatter(&column[p.samples.clone()])).collect();
+        let mut sorted = within.clone();
+        sorted.sort_by(f64::total_cmp);
+        // The quietest quarter lies still if any does; what rounding alone adds may be all that the quietest shows.
+        let step = column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
+        let quiet = sorted[sorted.len() / 4].max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
+        moved.iter_mut().zip(&within).for_each(|(m, w)| *m |= *w > RESTLESS * quiet);
+    }
+    let count = moved.iter().filter(|m| **m).count();
+    if 3 * count > moved.len() {
+        return Err(fail(
+            path,
+            format!("{count} of the {} poses given are not still", moved.len()),
+            "rows are counted from zero after the header, the end exclusive; without `poses` the tool finds them itself",
+        ));
+    }
+    if count > 0 {
+        findings
+            .push(format!("{count} of the {} poses given are not still throughout; they count for less", moved.len()));
+    }
+    Ok(())
 }
 
 /// The accelerometer moves from pose to pose more than the gyro does: otherwise the two are swapped, or nothing was turned.

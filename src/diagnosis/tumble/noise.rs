@@ -2,7 +2,8 @@
 //!
 //! Measured inside the poses only, so that no mismatch between poses can pass for noise: the pooled Allan deviation of all
 //! poses (by the median, so that a pose that slipped does not count) is split into white noise and flicker,
-//! σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C.
+//! σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C. A reading whose noise is finer than its step errs by up to half a
+//! step in the whole of a pose, however long: see `rounding`.
 
 use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
@@ -16,6 +17,8 @@ pub struct AxisNoise {
     pub bias_instability: f64,
     /// Length of the whole recording: flicker between poses grows with it.
     pub record_s: f64,
+    /// Variance of a pose's mean about the truth that rounding leaves at any length, u².
+    pub rounding: f64,
 }
 
 impl AxisNoise {
@@ -43,19 +46,27 @@ impl AxisNoise {
             m *= 2;
         }
         let (white, flicker) = split(&points);
-        Self { random_walk: white.sqrt(), bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(), record_s }
+        let Rounding { of_mean, per_sample } = Rounding::inside(values, poses);
+        Self {
+            // The median of steps between rounded values may be zero; what rounding adds to a sample is not.
+            random_walk: white.max(per_sample / rate_hz).sqrt(),
+            bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(),
+            record_s,
+            rounding: of_mean,
+        }
     }
 
     /// Variance of a mean over `length_s` about the recording's mean: white noise, and flicker from the record's length
     /// down to that of the pose.
     pub fn mean_variance(&self, length_s: f64) -> f64 {
         let octaves = (self.record_s / length_s).max(1.0).ln();
-        self.random_walk.powi(2) / length_s + self.bias_instability.powi(2) / PI * octaves
+        self.random_walk.powi(2) / length_s + self.bias_instability.powi(2) / PI * octaves + self.rounding
     }
 
     /// Variance of an integral over `length_s`, in (u·s)².
     pub fn integral_variance(&self, length_s: f64) -> f64 {
-        self.mean_variance(length_s) * length_s * length_s
+        // In motion the reading sweeps over many steps, so that rounding averages out as the white noise does.
+        (self.mean_variance(length_s) - self.rounding) * length_s * length_s
     }
 }
 
@@ -84,6 +95,59 @@ fn split(points: &[(f64, f64, f64)]) -> (f64, f64) {
     if aa > 0.0 { (ay / aa, 0.0) } else { (0.0, 0.0) }
 }
 
+/// What rounding to a step does to a reading at rest.
+struct Rounding {
+    /// Variance of a long mean about the truth, over all places between two steps.
+    of_mean: f64,
+    /// q²/12; zero where no step is seen.
+    per_sample: f64,
+}
+
+impl Rounding {
+    /// From the values inside the poses, where a coarse reading repeats itself.
+    fn inside(values: &[f64], poses: &[Range<usize>]) -> Self {
+        let none = Self { of_mean: 0.0, per_sample: 0.0 };
+        let inside = || poses.iter().map(|p| &values[p.clone()]);
+        let changes = || inside().flat_map(|v| v.windows(2).map(|w| (w[1] - w[0]).abs()));
+        let q = changes().filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
+        let (count, repeats) = changes().fold((0usize, 0usize), |(n, r), c| (n + 1, r + usize::from(c == 0.0)));
+        let on_grid = || changes().all(|c| (c / q - (c / q).round()).abs() < 0.05);
+        if !q.is_finite() || 20 * repeats < count || !on_grid() {
+            return none;
+        }
+        let scatter = |v: &[f64]| {
+            let mean = v.iter().sum::<f64>() / v.len().max(1) as f64;
+            v.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / v.len().max(1) as f64
+        };
+        // By the median, as a pose may have slipped.
+        let mut within: Vec<f64> = inside().map(scatter).collect();
+        within.sort_by(f64::total_cmp);
+        let mean_of_middle = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
+        let within = mean_of_middle(&within[within.len() / 4..within.len() - within.len() / 4]) / (q * q);
+        Self { of_mean: q * q * of_mean(noise_before_rounding(within)), per_sample: q * q / 12.0 }
+    }
+}
+
+/// Variance of the mean of rounded values about the truth, in squared steps, when noise of standard deviation `sigma`
+/// (steps) precedes the rounding: Σ exp(−4π²k²σ²)/(2π²k²), which is 1/12 without noise. Source: the Fourier series of the
+/// rounding error; Widrow & Kollár, Quantization Noise, Cambridge 2008, chapter 5.
+fn of_mean(sigma: f64) -> f64 {
+    if sigma <= 0.0 {
+        return 1.0 / 12.0;
+    }
+    (1..=2000).map(|k| (PI * f64::from(k)).powi(2)).map(|k| (-4.0 * k * sigma * sigma).exp() / (2.0 * k)).sum()
+}
+
+/// The noise (steps) that leaves this variance within a pose, σ² + 1/12 − `of_mean(σ)`, by bisection.
+fn noise_before_rounding(within: f64) -> f64 {
+    let (mut low, mut high) = (0.0, within.sqrt() + 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if middle * middle + 1.0 / 12.0 - of_mean(middle) < within { low = middle } else { high = middle }
+    }
+    low
+}
+
 /// Standard error of a pose's mean from the scatter of eight batches: shows a pose that was not still.
 pub fn batch_error(values: &[f64]) -> f64 {
     const BATCHES: usize = 8;
@@ -99,10 +163,34 @@ pub fn batch_error(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_distr::{Distribution, StandardNormal, Uniform};
 
     use super::*;
     use crate::rng::{Philox, Stream};
+
+    /// The mean of a rounded pose errs as the series says, from no noise at all to noise of a step, and the finder of the
+    /// noise gets it from the rounded values alone.
+    #[test]
+    fn the_mean_of_a_rounded_pose_errs_as_the_series_says() {
+        let places = Uniform::new(-500.0, 500.0).expect("a range");
+        for sigma in [0.0, 0.1, 0.2, 0.3, 0.5] {
+            let mut rng = Philox::new(8, (sigma * 100.0) as u64, Stream::Host);
+            let (mut values, mut poses, mut errors) = (Vec::new(), Vec::new(), 0.0);
+            for _ in 0..400 {
+                let place: f64 = places.sample(&mut rng);
+                let start = values.len();
+                let draw = |rng: &mut Philox| -> f64 { StandardNormal.sample(rng) };
+                values.extend((0..400).map(|_| (place + sigma * draw(&mut rng)).round() * 7.0));
+                poses.push(start..values.len());
+                errors += (values[start..].iter().sum::<f64>() / 400.0 - 7.0 * place).powi(2) / 400.0;
+            }
+            let noise = AxisNoise::inside(&values, &poses, 100.0);
+            let expected = 49.0 * (of_mean(sigma) + sigma * sigma / 400.0);
+            assert!((errors / expected - 1.0).abs() < 0.25, "law at {sigma}: {errors} {expected}");
+            let claimed = noise.mean_variance(4.0);
+            assert!((claimed / errors).ln().abs() < 0.5, "claimed at {sigma}: {errors} {claimed}");
+        }
+    }
 
     #[test]
     fn white_noise_is_measured_in_spite_of_steps_between_poses_and_one_pose_that_slips() {

@@ -83,7 +83,12 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
     let mut total = vec![0.0; samples - window];
     for sensor in [&imu.accelerometer, &imu.gyro] {
         let mut sum = vec![0.0; total.len()];
+        let mut finest = 0.0;
         for values in sensor {
+            // Rounding hides motion below its own variance, so no quiet level lies below it.
+            let step =
+                values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
+            finest += if step.is_finite() { step * step / 12.0 } else { 0.0 };
             let centre = values.iter().sum::<f64>() / samples as f64;
             let (mut first, mut second) = (0.0, 0.0);
             for (k, value) in values.iter().enumerate() {
@@ -101,7 +106,7 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
         }
         let mut sorted = sum.clone();
         sorted.sort_by(f64::total_cmp);
-        let level = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
+        let level = sorted[sorted.len() / 100].max(finest).max(f64::MIN_POSITIVE);
         total.iter_mut().zip(&sum).for_each(|(t, s)| *t += s / level);
     }
     total

@@ -1,0 +1,56 @@
+//! Channels of one sensor share their physics: a name that only some need is given up where another channel's serves.
+//!
+//! Each channel is judged alone first (`selection`). A weak effect is then sometimes taken for a look-alike in one channel
+//! of three; that look-alike has to be better by the price of a name of its own. Not a joint fit: strengths differ freely.
+
+use super::channel::Channel;
+use super::selection::{self, Environment, Selected, Standing, Tried, others, try_all};
+
+/// Twice the log-likelihood that a name must gain over one that another channel bears. Before any data each of the nine
+/// candidates is as likely as another, and one that is at work in a neighbour is the likelier by far: 2 ln 9 and a factor
+/// of ten for the latter.
+const PRICE: f64 = 9.0;
+
+/// Goes through the channels once; `selected` are theirs.
+pub(super) fn agree(channels: &[Channel], selected: &mut [Selected], environment: &Environment) {
+    for i in 0..channels.len() {
+        for index in 0..selected[i].fitted.terms.len() {
+            settle(channels, selected, environment, i, index);
+        }
+    }
+}
+
+/// In how many channels an id stands.
+fn bearers(selected: &[Selected], id: &str) -> usize {
+    selected.iter().filter(|s| s.fitted.has(id)).count()
+}
+
+/// Judges one term of one channel by what its neighbours bear.
+fn settle(channels: &[Channel], selected: &mut [Selected], environment: &Environment, i: usize, index: usize) {
+    let id = selected[i].fitted.terms[index].id;
+    let own = bearers(selected, id);
+    let common = |other: &str| other != id && bearers(selected, other) > own && !selected[i].fitted.has(other);
+    if !selected.iter().any(|s| s.fitted.terms.iter().any(|t| common(t.id))) {
+        // Where neighbours bear the name and not its rival, they have decided between the two.
+        let decided: Vec<&str> =
+            selected[i].evidence[index].2.iter().copied().filter(|r| bearers(selected, r) == 0).collect();
+        if own > 1 {
+            selected[i].evidence[index].2.retain(|r| !decided.contains(r));
+        }
+        return;
+    }
+    let channel = &channels[i];
+    let correction = selection::correction(channels.len());
+    let without = channel.fit(others(&selected[i].fitted, index));
+    let shared = |t: &Standing| common(t.id) && t.counts(correction);
+    let Tried { standings, best } = try_all(channel, &without, environment, shared);
+    let Some(mine) = standings.iter().find(|t| t.id == id).map(Standing::merit) else { return };
+    let Some((theirs, fitted)) = best else { return };
+    let better_by = mine - theirs.merit() - PRICE;
+    if better_by < 0.0 {
+        let evidence = selection::evidence(channel, &selected[i].base, &fitted, correction, &Vec::new());
+        (selected[i].fitted, selected[i].evidence) = (fitted, evidence);
+    } else if better_by < selection::CLOSE && !selected[i].evidence[index].2.contains(&theirs.id) {
+        selected[i].evidence[index].2.insert(0, theirs.id);
+    }
+}

@@ -1,0 +1,81 @@
+//! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by channel.
+
+use super::channel::Channel;
+use super::check::{self, Remainder};
+use super::selection::{ALPHA, Selected};
+use super::words::{short, time};
+use crate::diagnosis::verdict::{Stretch, Where};
+
+/// Channels spoken of in the summary; the page shows all.
+const SPOKEN_OF: usize = 3;
+
+/// Of the mismatch that repair removed where all is `described`, else of what is left.
+pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[Remainder], described: bool) -> Where {
+    let base: Vec<Remainder>;
+    let shown: &[Remainder] = if described {
+        base = channels.iter().zip(selected).map(|(c, s)| check::remainder(c, &s.base, 0.0)).collect();
+        &base
+    } else {
+        remainders
+    };
+    let mut order: Vec<usize> = (0..shown.len()).collect();
+    // Probabilities below the smallest number are all the same; then the excess decides.
+    let excess = |i: usize| shown[i].frequency_hz.iter().chain(&shown[i].time_s).map(|s| s.excess).fold(0.0, f64::max);
+    order.sort_by(|a, b| shown[*a].p_value.total_cmp(&shown[*b].p_value).then(excess(*b).total_cmp(&excess(*a))));
+    let Some(worst) = order.first().copied() else { return Where::default() };
+    let frequency_hz = shown[worst].frequency_hz.clone();
+    // Averaging times that a band of frequency shows in: a third to a half of its period.
+    let state =
+        frequency_hz.iter().map(|s| Stretch { from: 0.37 / s.to, to: 0.37 / s.from, excess: s.excess }).collect();
+    let off: Vec<usize> = order.into_iter().filter(|i| shown[*i].p_value * (channels.len() as f64) < ALPHA).collect();
+    let mut spoken: Vec<String> =
+        off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)).collect();
+    if off.len() > SPOKEN_OF {
+        let names: Vec<&str> = off[SPOKEN_OF..].iter().map(|i| channels[*i].name.as_str()).collect();
+        spoken.push(format!("Also in {}.", names.join(", ")));
+    }
+    if spoken.is_empty() {
+        spoken.push("Nowhere: no band of frequency and no stretch of time stands out.".into());
+    }
+    Where { summary: spoken.join(" "), time_s: shown[worst].time_s.clone(), frequency_hz, state }
+}
+
+/// One channel's remainder in a sentence.
+fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
+    let by = if described { "of white noise" } else { "that the best model explains" };
+    let strongest = remainder.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
+    if let Some(s) = strongest {
+        // A law of drift or noise reaches over a decade at least.
+        let narrow = s.to < 1.6 * s.from && s.excess > 1.3;
+        return format!(
+            "{name}: most between {} and {} Hz (averaging times {} to {}), with {} times the power {by}.{}",
+            short(s.from),
+            short(s.to),
+            time(0.37 / s.to),
+            time(0.37 / s.from),
+            short(s.excess),
+            if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
+        );
+    }
+    let single = remainder
+        .outlier
+        .map(|(at, size)| format!(" A single reading at {} lies {} standard deviations off.", time(at), short(size)));
+    let [low, high] = remainder.power.map(short);
+    let unsteady = match remainder.time_s.as_slice() {
+        [] if single.is_some() => return format!("{name}:{}", single.unwrap_or_default()),
+        [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
+        [first, more @ ..] => format!(
+            "{name}: its noise is not steady. From {} to {}{} it has up to {high} times the power modelled, at its quietest \
+             {low} times{}.",
+            time(first.from),
+            time(first.to),
+            match more.len() {
+                0 => String::new(),
+                1 => " and in one more stretch".into(),
+                n => format!(" and in {n} more stretches"),
+            },
+            if remainder.only_there { "; outside that what is left is noise" } else { "" }
+        ),
+    };
+    unsteady + &single.unwrap_or_default()
+}

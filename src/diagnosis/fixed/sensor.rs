@@ -1,0 +1,69 @@
+//! The still sensor as a study runs it: the noise of the channel with most to gain, before and after.
+
+use super::channel::{Channel, Fitted};
+use super::describe;
+use crate::diagnosis::repair::{Cost, Repair, Vibration};
+use crate::diagnosis::verdict::{Effect, Verdict};
+use crate::recording::unit::{Quantity, Unit};
+use crate::sensor::{Accelerometer, Gyro, Sensor};
+use crate::units::DENSITY_TO_RANDOM_WALK;
+
+/// What a study can run of the first channel, where its unit is one of acceleration or rate.
+pub(super) fn repair(channels: &[Channel], finals: &[Fitted], verdict: &Verdict, unit: &str) -> Option<Repair> {
+    let unit = Unit::parse(unit, Quantity::Accelerometer).or_else(|_| Unit::parse(unit, Quantity::Gyro)).ok()?;
+    // The channel with most to gain stands for the sensor.
+    let worst = channels.iter().position(|c| verdict.effects.iter().any(|e| e.channels.contains(&c.name))).unwrap_or(0);
+    let (channel, fitted) = (&channels[worst], &finals[worst]);
+    let strength = |id: &str| {
+        let index = fitted.terms.iter().position(|t| t.id == id)?;
+        verdict.effects.iter().any(|e| e.id == id).then(|| fitted.strength_of(index).0.sqrt() * channel.scale * unit.si)
+    };
+    let white = describe::density_of_white(channel, fitted.white().0) * DENSITY_TO_RANDOM_WALK * unit.si;
+    let flicker = strength("flicker-noise").unwrap_or(0.0);
+    let walk = strength("random-walk").map_or(0.0, |k| k * channel.rate_hz.sqrt());
+    let sensor = |flicker: f64, walk: f64| {
+        let accelerometer = unit.quantity == Quantity::Accelerometer;
+        let of = |is: bool, value: f64| if is { value } else { 0.0 };
+        Sensor {
+            proof_mass: None,
+            accelerometer: Accelerometer {
+                bias_m_s2: 0.0,
+                scale_factor: 0.0,
+                k2_per_m_s2: 0.0,
+                velocity_random_walk_m_s_rts: of(accelerometer, white),
+                bias_instability_m_s2: of(accelerometer, flicker),
+                acceleration_random_walk_m_s2_rts: of(accelerometer, walk),
+                quantisation_m_s2: 0.0,
+                range_m_s2: f64::INFINITY,
+            },
+            gyro: Gyro {
+                bias_rad_s: 0.0,
+                angle_random_walk_rad_rts: of(!accelerometer, white),
+                bias_instability_rad_s: of(!accelerometer, flicker),
+                rate_random_walk_rad_s_rts: of(!accelerometer, walk),
+            },
+            excitation_gain: 1.0,
+        }
+    };
+    let outside = |e: &&Effect| !matches!(e.id.as_str(), "flicker-noise" | "random-walk" | "white-noise");
+    let own_cost = verdict.effects.iter().filter(|e| e.id == "rate-ramp" && unit.quantity == Quantity::Accelerometer);
+    Some(Repair {
+        before: sensor(0.0, 0.0),
+        after: sensor(flicker, walk),
+        relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
+        not_expressible: verdict.effects.iter().filter(outside).map(|e| format!("{}: {}", e.id, e.statement)).collect(),
+        vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
+        own_cost: own_cost
+            .map(|e| {
+                let rate = e.parameters[0].value.abs() * unit.si;
+                Cost {
+                    of: format!("{} ({})", e.id, e.channels.join(", ")),
+                    under: "at rest".into(),
+                    position_10_s_m: rate * 1e3 / 6.0,
+                    position_60_s_m: rate * 216e3 / 6.0,
+                    basis: "R t³/6".into(),
+                }
+            })
+            .collect(),
+    })
+}

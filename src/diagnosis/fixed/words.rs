@@ -1,0 +1,124 @@
+//! The verdict on a still sensor in words.
+
+use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
+use crate::diagnosis::model;
+use crate::diagnosis::verdict::{Effect, Outcome};
+
+/// Three digits, without an exponent where a person would not write one.
+pub(super) fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size == 0.0 { 0 } else { (2 - size.log10().floor() as i32).max(0) as usize };
+    format!("{value:.digits$}")
+}
+
+/// A time in the unit that a person would use.
+pub(super) fn time(seconds: f64) -> String {
+    match seconds {
+        s if s >= 7200.0 => format!("{} h", short(s / 3600.0)),
+        s if s >= 300.0 => format!("{} min", short(s / 60.0)),
+        s => format!("{} s", short(s)),
+    }
+}
+
+/// The verdict in a sentence; `well` says of every channel whether its own model leaves noise.
+pub(super) fn sentence(
+    outcome: Outcome,
+    effects: &[Effect],
+    location: &str,
+    channels: &[Channel],
+    well: &[bool],
+) -> String {
+    let named: Vec<String> = effects.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
+    let named = named.join("; ");
+    match outcome {
+        Outcome::Adequate => {
+            "A constant and white noise describe every channel: nothing is missing that this recording could show."
+                .into()
+        }
+        Outcome::Explained => format!("The model leaves out {named}. With that, what is left is noise."),
+        Outcome::Undecidable => {
+            let (ties, sure): (Vec<&Effect>, Vec<&Effect>) =
+                effects.iter().partition(|e| !e.confusable_with.is_empty());
+            let tie =
+                |e: &&Effect| format!("{} or {} in {}", e.id, e.confusable_with.join(" or "), e.channels.join(", "));
+            let ties = ties.iter().map(tie).collect::<Vec<_>>().join("; ");
+            if sure.is_empty() {
+                format!("The model leaves something out, and the recording cannot tell which: {ties}.")
+            } else {
+                let sure: Vec<String> = sure.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
+                format!(
+                    "The model leaves out {}; and something else, of which the recording cannot tell which: {ties}.",
+                    sure.join("; ")
+                )
+            }
+        }
+        Outcome::Unexplained => {
+            let of = |is: bool| -> String {
+                let names = channels.iter().zip(well).filter(|(_, w)| **w == is).map(|(c, _)| c.name.as_str());
+                names.collect::<Vec<_>>().join(", ")
+            };
+            let left_out = if effects.is_empty() {
+                "The mismatch is real and nothing in the library accounts for it".to_owned()
+            } else {
+                format!("The model leaves out {named}; and more that nothing in the library accounts for")
+            };
+            let others = match of(true) {
+                fine if fine.is_empty() => String::new(),
+                fine => format!(" What is left of {fine} is noise."),
+            };
+            if channels.len() == 1 {
+                format!("{left_out}. {location}")
+            } else {
+                format!("{left_out} in {}. {location}{others}", of(false))
+            }
+        }
+    }
+}
+
+/// What would decide or confirm.
+pub(super) fn next_experiment(outcome: Outcome, effects: &[Effect], model: &model::Static) -> String {
+    let temperature = effects.iter().any(|e| e.id == "temperature-sensitivity");
+    match outcome {
+        _ if temperature && model.columns.environment.is_empty() => {
+            "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
+             the slopes."
+        }
+        Outcome::Adequate => "A longer log: slow terms show only at averaging times that it holds several of.",
+        Outcome::Explained => "A second log on another day: the same coefficients should come out.",
+        Outcome::Undecidable => "A log four times as long: the candidates part at longer averaging times.",
+        Outcome::Unexplained => {
+            "Log again on a quiet foundation, at another sampling rate and with temperature beside it: what moves with which \
+             tells vibration, aliasing and environment apart."
+        }
+    }
+    .into()
+}
+
+/// What a filter in the sensor takes away, as a finding: it is no error that drifts.
+pub(super) fn band_limit(channel: &Channel, fitted: &Fitted) -> Option<String> {
+    let term = fitted.terms.iter().find(|t| t.id == BAND_LIMIT)?;
+    let Addition::Law(law) = term.addition else { return None };
+    let (total, rest) = (fitted.white().0, fitted.strengths.values[0]);
+    let share = 1.0 - (rest + (total - rest) * law.variance(std::f64::consts::FRAC_PI_2)) / total;
+    Some(format!(
+        "`{}`: the noise loses {:.0} % of its power towards {} Hz, as behind a filter or averaging in the sensor; the white \
+         level stated is that of lower frequencies",
+        channel.name,
+        100.0 * share,
+        short(channel.rate_hz / 2.0)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_times_read_as_a_person_writes_them() {
+        assert_eq!([0.0, 11.17, 0.5641, 12345.0, 2.5e-7].map(short), ["0", "11.2", "0.564", "12345", "2.50e-7"]);
+        assert_eq!([0.02, 450.0, 192_200.0].map(time), ["0.0200 s", "7.50 min", "53.4 h"]);
+    }
+}

@@ -1,0 +1,218 @@
+//! How far a proof mass alone carries the position off under a sine: what a nonlinear spring or damper rectifies.
+//!
+//! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The equation of motion is
+//! integrated in f64 (Runge–Kutta 4) until the motion repeats from one period of the vibration to the next. Then a period
+//! adds the same velocity and the same displacement every time, so that the rest of the minute is a sum in closed form:
+//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
+
+use super::repair::Vibration;
+use crate::error::{Error, Result};
+use crate::progress;
+use crate::sensor::ProofMass;
+
+/// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 of the amplitude per period.
+const STEPS_PER_RADIAN: f64 = 12.0;
+/// The motion repeats when neither position nor velocity changes by more than this share of its size in a period.
+const REPEATS: f64 = 1e-10;
+/// More steps than this no user waits for: then the last period stands for all others.
+const MOST_STEPS: usize = 30_000_000;
+
+/// x, x′, velocity error, position error.
+type State = [f64; 4];
+
+/// One sensor under one vibration, a whole number of steps per period.
+struct Motion<'a> {
+    mass: &'a ProofMass,
+    vibration: &'a Vibration,
+    omega_rad_s: f64,
+    period_s: f64,
+    steps_per_period: usize,
+}
+
+/// Position error (m, with its sign) at the stated times, in ascending order. Infinite where the mass runs away, as behind
+/// the hill of a softening spring; zero where nothing vibrates.
+///
+/// # Errors
+/// When stopped by Ctrl-C.
+pub fn position_error_m(mass: &ProofMass, vibration: &Vibration, times_s: [f64; 2]) -> Result<[f64; 2]> {
+    let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
+    let fastest = mass.natural_frequency_rad_s.max(omega_rad_s);
+    let period_s = 1.0 / vibration.frequency_hz;
+    let steps = (period_s.min(times_s[1]) * fastest * STEPS_PER_RADIAN).ceil();
+    if !(1.0..1e15).contains(&steps) || vibration.amplitude_m_s2 == 0.0 {
+        return Ok([0.0; 2]);
+    }
+    let steps_per_period = (period_s * fastest * STEPS_PER_RADIAN).ceil() as usize;
+    let motion = Motion { mass, vibration, omega_rad_s, period_s, steps_per_period };
+    let mut out = [0.0; 2];
+    let mut state = [0.0; 4];
+    let mut periods = 0.0;
+    let mut taken = 0;
+    let bar = progress::bar("cost in metres", MOST_STEPS as u64);
+    for (time_s, out) in times_s.into_iter().zip(&mut out) {
+        let whole = (time_s * vibration.frequency_hz).floor();
+        while periods < whole {
+            // Velocity and position are counted from the period's own start, so that two periods can be compared.
+            let [x, v, velocity, position] = state;
+            let [next_x, next_v, gained, moved] =
+                motion.advance([x, v, 0.0, 0.0], 0.0, steps_per_period, &mut taken)?;
+            let rest = whole - periods;
+            let size = |a: f64, b: f64| (a - b).abs() <= REPEATS * (next_x.abs() + next_v.abs() / fastest);
+            let repeats = size(next_x, x) && size(next_v / fastest, v / fastest);
+            let count = if repeats || taken > MOST_STEPS { rest } else { 1.0 };
+            state = [
+                next_x,
+                next_v,
+                velocity + count * gained,
+                position + count * (velocity * period_s + moved) + 0.5 * count * (count - 1.0) * gained * period_s,
+            ];
+            periods += count;
+            bar.set_position(taken.min(MOST_STEPS) as u64);
+            if !state.iter().all(|v| v.is_finite()) {
+                bar.finish_and_clear();
+                return Ok([f64::INFINITY; 2]);
+            }
+        }
+        // The rest of a period; the state at its start is kept for the next time.
+        let left_s = time_s - whole * period_s;
+        let steps = (left_s / period_s * steps_per_period as f64).ceil() as usize;
+        *out = if steps == 0 { state[3] } else { motion.span(state, left_s, steps, &mut taken)?[3] };
+    }
+    bar.finish_and_clear();
+    Ok(if out.iter().all(|v| v.is_finite()) { out } else { [f64::INFINITY; 2] })
+}
+
+impl Motion<'_> {
+    /// A whole period from phase zero.
+    fn advance(&self, state: State, from_s: f64, steps: usize, taken: &mut usize) -> Result<State> {
+        self.integrate(state, from_s, self.period_s / self.steps_per_period as f64, steps, taken)
+    }
+
+    /// Part of a period from phase zero.
+    fn span(&self, state: State, length_s: f64, steps: usize, taken: &mut usize) -> Result<State> {
+        self.integrate(state, 0.0, length_s / steps as f64, steps, taken)
+    }
+
+    fn integrate(&self, mut state: State, from_s: f64, h: f64, steps: usize, taken: &mut usize) -> Result<State> {
+        let slope = |t: f64, s: State| {
+            let f = self.vibration.amplitude_m_s2 * (self.omega_rad_s * t).sin();
+            [s[1], self.acceleration(s[0], s[1], f), self.mass.natural_frequency_rad_s.powi(2) * s[0] - f, s[2]]
+        };
+        let add = |s: State, k: State, by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
+        for n in 0..steps {
+            let t = from_s + n as f64 * h;
+            let k1 = slope(t, state);
+            let k2 = slope(t + h / 2.0, add(state, k1, h / 2.0));
+            let k3 = slope(t + h / 2.0, add(state, k2, h / 2.0));
+            let k4 = slope(t + h, add(state, k3, h));
+            state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+            *taken += 1;
+            if taken.is_multiple_of(100_000) && progress::interrupted() {
+                return Err(Error::interrupted("could not state the cost in metres", "start it again"));
+            }
+        }
+        Ok(state)
+    }
+
+    fn acceleration(&self, x: f64, v: f64, force: f64) -> f64 {
+        let mass = self.mass;
+        let omega = mass.natural_frequency_rad_s;
+        let friction = if v == 0.0 { 0.0 } else { mass.coulomb_m_s2 * v.signum() };
+        force
+            - 2.0 * mass.damping_ratio * omega * v
+            - omega * omega * x
+            - mass.quadratic_per_m_s2 * x * x
+            - mass.cubic_per_m2_s2 * x.powi(3)
+            - mass.quadratic_damping_per_m * v.abs() * v
+            - mass.squeeze_film_per_m2_s * x * x * v
+            - friction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIMES_S: [f64; 2] = [10.0, 60.0];
+
+    fn mass(natural_frequency_rad_s: f64, damping_ratio: f64) -> ProofMass {
+        ProofMass {
+            natural_frequency_rad_s,
+            damping_ratio,
+            cubic_per_m2_s2: 0.0,
+            quadratic_per_m_s2: 0.0,
+            quadratic_damping_per_m: 0.0,
+            squeeze_film_per_m2_s: 0.0,
+            coulomb_m_s2: 0.0,
+            force_noise_m_s_rts: 0.0,
+        }
+    }
+
+    /// Steady displacement x = X sin(ωt − φ) and its rate.
+    fn steady(mass: &ProofMass, vibration: &Vibration, time_s: f64) -> (f64, f64, f64) {
+        let omega = std::f64::consts::TAU * vibration.frequency_hz;
+        let natural = mass.natural_frequency_rad_s;
+        let (real, imaginary) = (natural * natural - omega * omega, 2.0 * mass.damping_ratio * natural * omega);
+        let (size, lag) = (vibration.amplitude_m_s2 / real.hypot(imaginary), imaginary.atan2(real));
+        let phase = omega * time_s - lag;
+        (size * phase.sin(), size * omega * phase.cos(), size)
+    }
+
+    /// From the equation of motion: ω₀²x − f = −x″ − 2ζω₀x′, so the position error is −x − 2ζω₀∫x, and
+    /// ω₀²∫x = ∫f − x′ − 2ζω₀x. The time is no whole number of periods.
+    #[test]
+    fn a_linear_sensor_errs_by_its_closed_form() {
+        for (natural, zeta) in [(400.0, 0.5), (2e4, 0.7), (60.0, 0.1)] {
+            let mass = mass(natural, zeta);
+            let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 3.37 };
+            let got = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+            for (got, t) in got.into_iter().zip(TIMES_S) {
+                let (x, v, _) = steady(&mass, &vibration, t);
+                let omega = std::f64::consts::TAU * vibration.frequency_hz;
+                let impulse = vibration.amplitude_m_s2 * (1.0 - (omega * t).cos()) / omega;
+                let expected = -x - 2.0 * zeta / natural * (impulse - v - 2.0 * zeta * natural * x);
+                assert!((got - expected).abs() < 1e-6 * expected.abs(), "{natural} at {t}: {got:e} {expected:e}");
+            }
+        }
+    }
+
+    /// A quadratic spring rectifies: the mean of αx² is αX²/2, a bias that drifts as ½ b t² = −αX²t²/4.
+    #[test]
+    fn a_quadratic_spring_drifts_as_the_bias_that_it_rectifies() {
+        let mut mass = mass(400.0, 0.5);
+        let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
+        let straight = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let size = steady(&mass, &vibration, 0.0).2;
+        mass.quadratic_per_m_s2 = 1e4;
+        let bent = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let expected = -mass.quadratic_per_m_s2 * size * size * 3600.0 / 4.0;
+        // To first order in α, and up to the velocity that the first period leaves: 1/(ωt) = 5e-4.
+        assert!(((bent[1] - straight[1]) / expected - 1.0).abs() < 2e-3, "{bent:?} {straight:?} {expected}");
+    }
+
+    /// A cubic spring is odd: under a sine it shifts no mean, and leaves no drift that grows with t².
+    #[test]
+    fn a_cubic_spring_rectifies_nothing() {
+        let mut mass = mass(400.0, 0.5);
+        let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
+        mass.cubic_per_m2_s2 = 1e11;
+        let [ten, sixty] = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        assert!(sixty.abs() < 7.0 * ten.abs(), "no faster than t: {ten:e} {sixty:e}");
+    }
+
+    /// Periods summed in closed form and periods integrated one by one give the same metres.
+    #[test]
+    fn the_sum_of_periods_is_what_integration_to_the_end_gives() {
+        let mut mass = mass(300.0, 0.4);
+        mass.quadratic_per_m_s2 = 2e6;
+        mass.quadratic_damping_per_m = 20.0;
+        let vibration = Vibration { amplitude_m_s2: 8.0, frequency_hz: 7.3 };
+        let fast = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let steps_per_period = 4000;
+        let period_s = 1.0 / vibration.frequency_hz;
+        let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
+        let motion = Motion { mass: &mass, vibration: &vibration, omega_rad_s, period_s, steps_per_period };
+        let slow = motion.span([0.0; 4], 10.0, 73 * steps_per_period, &mut 0).expect("not interrupted")[3];
+        assert!((fast[0] / slow - 1.0).abs() < 1e-5, "{} {slow}", fast[0]);
+    }
+}
