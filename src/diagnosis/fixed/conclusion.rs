@@ -57,7 +57,8 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     // has a witness of its own stays, and so does a law that holds wherever it rules.
     effects.retain(|e| {
         let at: Vec<usize> = (0..channels.len()).filter(|i| e.channels.contains(&channels[*i].name)).collect();
-        at.iter().all(|i| well[*i]) || at.iter().any(|i| effects::stands(e, &finals[*i], &remainders[*i]))
+        at.iter().all(|i| well[*i])
+            || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i]))
     });
     effects.sort_by(|a, b| b.evidence.held_out_gain.total_cmp(&a.evidence.held_out_gain));
     let tied = effects.iter().any(|e| !e.confusable_with.is_empty());

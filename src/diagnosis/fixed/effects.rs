@@ -45,14 +45,25 @@ pub(super) fn of_terms(channel: &Channel, selected: &Selected, shared: bool, uni
 }
 
 /// Whether an effect stands though more is left: it has a witness of its own, or it holds wherever it rules.
-pub(super) fn stands(effect: &Effect, fitted: &Fitted, remainder: &Remainder) -> bool {
-    witnessed(effect) || holds_where_it_rules(&effect.id, fitted, remainder)
+pub(super) fn stands(effect: &Effect, channel: &Channel, fitted: &Fitted, remainder: &Remainder) -> bool {
+    match effect.id.as_str() {
+        "sinusoid" => is_a_line(effect, channel, remainder),
+        id => witnessed(effect) || holds_where_it_rules(id, fitted, remainder),
+    }
 }
 
-/// Whether an effect rests on more than the shape of a spectrum: a common cause, a line, a grid, a promise.
+/// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and is still not described.
+fn is_a_line(effect: &Effect, channel: &Channel, remainder: &Remainder) -> bool {
+    let frequency_hz = effect.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
+    let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
+    // Bands are a third wide: this one and its neighbours.
+    !remainder.failing.iter().any(|centre| (theta / centre).ln().abs() < 0.5)
+}
+
+/// Whether an effect rests on more than the shape of a spectrum: a common cause, a grid, a promise.
 fn witnessed(effect: &Effect) -> bool {
     match effect.id.as_str() {
-        "temperature-sensitivity" | "sinusoid" | "white-noise" => true,
+        "temperature-sensitivity" | "white-noise" => true,
         "quantisation-noise" => effect.parameters.iter().any(|p| p.name == "step"),
         _ => false,
     }
