@@ -37,7 +37,8 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
     if spoken.is_empty() {
         spoken.push("Nowhere: no band of frequency and no stretch of time stands out.".into());
     }
-    Where { summary: spoken.join(" "), time_s: shown[worst].time_s.clone(), frequency_hz, state }
+    let time_s = shown[worst].time_s.clone();
+    Where { summary: spoken.join(" "), time_s, frequency_hz, state, state_cells: Vec::new() }
 }
 
 /// One channel's remainder in a sentence.
