@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use crate::kernel::job::Clock;
 
+/// Tiles of one submission: what their tables of forces take of the device's memory is bounded.
+pub const MOST_TILES: usize = 256;
+
 /// A tile in time, and the report it ends with, if any.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tile {
@@ -29,7 +32,20 @@ pub fn next(clock: &Clock, from: u64, most: u64) -> Option<Tile> {
     Some(Tile { samples: from..stop, report })
 }
 
-/// The number of samples that brings a tile to `target_s`, from how long the last one took: at most doubled or halved.
+/// The tiles of one submission: from sample `from` on, each of at most `most` samples, `budget` samples in all and at most
+/// [`MOST_TILES`]. So what a submission costs does not depend on how many report times it passes.
+pub fn submission(clock: &Clock, from: u64, budget: u64, most: u64) -> Vec<Tile> {
+    let (mut at, end) = (from, from.saturating_add(budget));
+    let mut tiles: Vec<Tile> = Vec::new();
+    while at < end && tiles.len() < MOST_TILES {
+        let Some(tile) = next(clock, at, most.min((end - at).max(4))) else { break };
+        at = tile.samples.end;
+        tiles.push(tile);
+    }
+    tiles
+}
+
+/// The number of samples that brings a submission to `target_s`, from how long the last one took: at most doubled or halved.
 pub fn adapt(samples: u64, took_s: f64, target_s: f64) -> u64 {
     let ratio = (target_s / took_s.max(1e-6)).clamp(0.5, 2.0);
     ((samples as f64 * ratio) as u64 & !3).max(4)
@@ -52,6 +68,29 @@ mod tests {
             }
             assert_eq!((from, reports), (1003, vec![5, 6, 500, 1003]), "{most}");
         }
+    }
+
+    #[test]
+    fn submissions_are_as_many_whatever_the_report_times() {
+        let submissions = |every: u64| {
+            let report_samples: Vec<u64> = (1..=100_000 / every).map(|i| i * every).collect();
+            let clock = Clock { step_s: 1e-3, steps_per_sample: 1, samples: 100_000, report_samples };
+            let (mut from, mut count, mut reports) = (0, 0, 0);
+            while from < clock.samples {
+                let tiles = submission(&clock, from, 4000, 3000);
+                assert_eq!(tiles.first().map(|t| t.samples.start), Some(from));
+                assert!(tiles.windows(2).all(|w| w[0].samples.end == w[1].samples.start));
+                assert!(tiles.iter().all(|t| t.samples.end - t.samples.start <= 3000));
+                reports += tiles.iter().filter(|t| t.report.is_some()).count() as u64;
+                from = tiles.last().map_or(u64::MAX, |t| t.samples.end);
+                count += 1;
+            }
+            assert_eq!((from, reports), (100_000, 100_000 / every));
+            count
+        };
+        assert_eq!([100_000, 1000, 100, 16].map(submissions), [25; 4]);
+        // Control: beyond the most tiles of a submission there are more.
+        assert!(submissions(10) > 25);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::time::Instant;
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use rayon::prelude::*;
 
-use super::{Buffer, Dispatch, Gpu, Kernel};
+use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::cpu::column;
 use crate::backend::{Backend, Batch, Partial, tile};
 use crate::error::{Error, Result};
@@ -29,6 +29,8 @@ const ASKED: u64 = 256;
 const TARGET_S: f64 = 0.08;
 /// Substeps tabulated at a time; the entry before the first holds where it begins.
 const MOST_SUBSTEPS: u64 = layout::FORCES as u64 - 1;
+/// Most samples per submission, so that Ctrl-C is heard whatever a clock said.
+const MOST_SAMPLES: u64 = 1 << 20;
 /// Members of a batch on hardware: enough to fill the largest cards several times over.
 const MOST_MEMBERS: u64 = 1 << 20;
 /// Members of a batch on a software adapter, so that its state stays in the cache.
@@ -171,53 +173,68 @@ impl Plan {
     /// All tiles; `false` when the user asked to stop.
     fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
         let (job, mut from) = (batch.job, 0);
-        let ceiling = most.min(MOST_SUBSTEPS / substeps(job));
-        let mut samples = 16.min(ceiling);
+        let most = most.min(MOST_SUBSTEPS / substeps(job));
+        let mut samples = 16;
         let (mut under_way, mut begun) = (None, Instant::now());
-        while let Some(next) = tile::next(&job.clock, from, samples) {
+        loop {
+            let tiles = tile::submission(&job.clock, from, samples, most);
+            let Some(last) = tiles.last() else { break };
             if progress::interrupted() {
                 return Ok(false);
             }
-            let count = next.samples.end - from;
-            let force = gpu.uniform(cast_slice(&forces(job, from, count)))?;
-            let tile = layout::Tile { first_sample: from as u32, samples: count as u32, ..self.tile };
-            let tile = gpu.uniform(bytes_of(&tile))?;
-            let report = gpu.uniform(bytes_of(&layout::Report {
-                members: self.members,
-                stride: self.stride,
-                number: next.report.unwrap_or(0) as u32,
-                blocks: self.stride / BLOCK,
-                counts: u32::from(!batch.bins.is_empty()),
-                padding: [0; 3],
-            }))?;
-            let simulated = [&tile, &self.columns, &self.turns, &self.state, &force, &self.errors];
-            let reduced = [&report, &self.errors, &self.bins, &self.partials, &self.counts];
-            let mut work = vec![Dispatch {
-                kernel: &self.simulate,
-                buffers: &simulated,
-                workgroups: self.stride / SIMULATE_WORKGROUP,
-            }];
-            if next.report.is_some() {
-                work.push(Dispatch { kernel: &self.reduce, buffers: &reduced, workgroups: self.stride / BLOCK });
-            }
-            let submitted = gpu.submit(&work)?;
-            // Wait for the tile before this one; its time sizes the next.
+            let count = last.samples.end - from;
+            from = last.samples.end;
+            let submitted = self.submit(gpu, batch, &tiles)?;
+            // Wait for the submission before this one; its time sizes the next.
             if let Some((before, length)) = under_way.replace((submitted, count)) {
                 gpu.wait(&before)?;
                 let took_s = begun.elapsed().as_secs_f64();
-                // A tile cut short by a report says little about how long a full one takes.
-                if length == samples {
-                    samples = tile::adapt(samples, took_s, TARGET_S).min(ceiling);
-                }
+                samples = tile::adapt(length, took_s, TARGET_S).min(MOST_SAMPLES);
                 begun = Instant::now();
             }
-            from = next.samples.end;
             (batch.progress)(count * u64::from(self.members));
         }
         if let Some((last, _)) = under_way {
             gpu.wait(&last)?;
         }
         Ok(true)
+    }
+
+    /// Hands tiles to the device, each followed by the sums of the report it ends with.
+    fn submit(&self, gpu: &Gpu, batch: &Batch<'_>, tiles: &[tile::Tile]) -> Result<Submission> {
+        let uniforms = |next: &tile::Tile| -> Result<[Buffer; 3]> {
+            let count = next.samples.end - next.samples.start;
+            let tile = layout::Tile { first_sample: next.samples.start as u32, samples: count as u32, ..self.tile };
+            let report = layout::Report {
+                members: self.members,
+                stride: self.stride,
+                number: next.report.unwrap_or(0) as u32,
+                blocks: self.stride / BLOCK,
+                counts: u32::from(!batch.bins.is_empty()),
+                padding: [0; 3],
+            };
+            let force = forces(batch.job, next.samples.start, count);
+            Ok([gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?, gpu.uniform(bytes_of(&report))?])
+        };
+        let uniforms = tiles.iter().map(uniforms).collect::<Result<Vec<_>>>()?;
+        let simulated: Vec<[&Buffer; 6]> = uniforms
+            .iter()
+            .map(|[tile, force, _]| [tile, &self.columns, &self.turns, &self.state, force, &self.errors])
+            .collect();
+        let reduced: Vec<[&Buffer; 5]> = uniforms
+            .iter()
+            .map(|[_, _, report]| [report, &self.errors, &self.bins, &self.partials, &self.counts])
+            .collect();
+        let mut work = Vec::with_capacity(2 * tiles.len());
+        for (i, tile) in tiles.iter().enumerate() {
+            let workgroups = self.stride / SIMULATE_WORKGROUP;
+            work.push(Dispatch { kernel: &self.simulate, buffers: &simulated[i], workgroups });
+            if tile.report.is_some() {
+                let workgroups = self.stride / BLOCK;
+                work.push(Dispatch { kernel: &self.reduce, buffers: &reduced[i], workgroups });
+            }
+        }
+        gpu.submit(&work)
     }
 
     fn partials(&self, gpu: &Gpu, batch: &Batch<'_>) -> Result<Vec<Partial>> {
