@@ -4,39 +4,23 @@
 //! order, and counts are integers.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
 use crate::backend::cpu::{Cpu, Precision};
-use crate::backend::gpu::Gpu;
-use crate::backend::gpu::simulate::Ensembles;
 use crate::backend::{Backend, Batch, Partial};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::progress;
 use crate::statistics::{Bins, Statistics, Summary};
 
+mod backends;
 mod state;
 
+pub use backends::{Backends, Choice};
 use state::State;
 
 /// Members that set the bins of the histograms: always the same first ones.
 const PILOT: u64 = 1024;
-
-/// Members below which `auto` takes the CPU: a GPU needs thousands of members to hide its latency.
-const WORTH_A_GPU: u64 = 4096;
-
-/// Where to integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-pub enum Choice {
-    /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
-    #[default]
-    Auto,
-    /// Any GPU adapter, software ones included.
-    Gpu,
-    /// The CPU.
-    Cpu,
-}
 
 /// How to run.
 #[derive(Debug, Clone, Default)]
@@ -60,29 +44,7 @@ pub struct Options {
 /// # Errors
 /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
 pub fn run(job: &Job, options: &Options) -> Result<Statistics> {
-    check(job)?;
-    let mut backend = open(job, options)?;
-    run_on(job, backend.as_mut(), options)
-}
-
-/// The backend that the options ask for. `Auto` looks for a GPU only where the ensemble is large enough to feed one.
-///
-/// # Errors
-/// There is none of that kind.
-pub fn open(job: &Job, options: &Options) -> Result<Box<dyn Backend>> {
-    let cpu = Cpu { precision: options.precision, ..Cpu::default() };
-    let attempt = "could not use a GPU";
-    match (options.backend, options.precision) {
-        (Choice::Gpu, Precision::F64) => {
-            Err(Error::new(attempt, "the kernels on it are written in f32", "use --backend cpu for f64"))
-        }
-        (Choice::Gpu, Precision::F32) => Ok(Box::new(Ensembles::on(Arc::new(Gpu::open(false)?)))),
-        (Choice::Auto, Precision::F32) if job.members >= WORTH_A_GPU => match Gpu::open(true) {
-            Ok(gpu) => Ok(Box::new(Ensembles::on(Arc::new(gpu)))),
-            Err(_) => Ok(Box::new(cpu)),
-        },
-        _ => Ok(Box::new(cpu)),
-    }
+    Backends::default().run(job, options)
 }
 
 /// Integrates an ensemble on a given backend.

@@ -22,6 +22,7 @@ mod suite {
     pub mod parity;
     pub mod planted;
     pub mod recording;
+    pub mod scale;
     pub mod study;
     pub mod study_cli;
     pub mod trial;
@@ -51,6 +52,8 @@ fn main() {
         suite::misfit::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),
+        // scale: fleets begin in bounded memory.
+        suite::scale::tests(),
         // allan: coefficients come back from a signal made of them, covered as claimed.
         suite::allan::tests(),
         // recording: files are read as they are, or refused with a reason.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::document::write_whole;
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
-use crate::ensemble::{self, Choice, Options};
+use crate::ensemble::{Backends, Choice, Options};
 use crate::error::{Error, Result};
 use crate::report::study as page;
 use crate::study::{self, Overrides, Study};
@@ -46,10 +46,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     writable(&folder)?;
     let states = States { folder: &folder, resume: arguments.resume };
     states.check()?;
-    let mut part = 0;
+    let (mut part, mut backends) = (0, Backends::default());
     let drift = drift::answer(&study, |job, _| {
         part += 1;
-        ensemble::run(job, &Options { backend: arguments.backend, ..states.options(part) })
+        backends.run(job, &Options { backend: arguments.backend, ..states.options(part) })
     })?;
     write(&folder, &study, &drift)?;
     if json {

@@ -1,12 +1,17 @@
 //! CPU and GPU agree, and both follow the closed forms.
 
-use libtest_mimic::Trial;
+use libtest_mimic::{Failed, Trial};
+use proofmass::backend::cpu::Cpu;
 use proofmass::backend::gpu::Gpu;
-use proofmass::validation::jobs::Place;
+use proofmass::ensemble::{Options, run_on};
+use proofmass::kernel::cpu::lanes::Level;
+use proofmass::kernel::job::Job;
+use proofmass::sensor::Sensor;
+use proofmass::validation::jobs::{Place, Sine, job, masses};
 use proofmass::validation::{closed_form, parity};
 
 use super::law::all_hold;
-use super::world::{check, gpu_test};
+use super::world::{check, gpu_test, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -17,10 +22,33 @@ pub fn tests() -> Vec<Trial> {
         gpu_test("parity: every error source grows by its closed form on the GPU", || {
             all_hold(&closed_form::rows(&mut Place::gpu()?)?)
         }),
+        test("parity: every instruction set gives the same percentiles, the baseline included", levels),
         gpu_test("parity: compensated sums are alive on this adapter", || {
             let got = Gpu::open(false)?.compensation()?;
             check(got[0] == 0.0, format!("a plain sum kept what f32 must lose: {got:?}"))?;
             check(got[1] == 1.0, format!("the compensated sum lost it: {got:?}"))
         }),
     ]
+}
+
+/// Without fused multiply-add the last bits differ, percentiles do not: every integrator, every error on.
+fn levels() -> Result<(), Failed> {
+    let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: 0.0 };
+    let options = Options { quiet: true, ..Options::default() };
+    let run = |level: Level, job: &Job| run_on(job, &mut Cpu { level, ..Cpu::default() }, &options);
+    for (mass, integrator) in masses() {
+        let job = job(Sensor { proof_mass: Some(mass), ..parity::everything() }, 1024, &[0.5, 5.0], force, integrator);
+        let best = run(Level::best(), &job)?;
+        for level in Level::available() {
+            let apart = parity::difference(&best, &run(level, &job)?);
+            check(apart < 2e-3, format!("{integrator} on {}: percentiles {apart} sd apart", level.name()))?;
+        }
+        // Control: another seed is another ensemble.
+        let other = run(Level::Baseline, &Job { seed: job.seed + 1, ..job.clone() })?;
+        check(
+            parity::difference(&best, &other) > 2e-3,
+            "another seed gave the same percentiles: the comparison is blind",
+        )?;
+    }
+    Ok(())
 }

@@ -1,0 +1,108 @@
+//! Which backend a job gets. A GPU is looked for only where it could pay, and opened once however many jobs follow.
+
+use std::sync::Arc;
+
+use super::{Options, run_on};
+use crate::backend::Backend;
+use crate::backend::cpu::{Cpu, Precision};
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::simulate::Ensembles;
+use crate::error::{Error, Result};
+use crate::kernel::job::Job;
+use crate::statistics::Statistics;
+
+/// Where to integrate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Choice {
+    /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
+    #[default]
+    Auto,
+    /// Any GPU adapter, software ones included.
+    Gpu,
+    /// The CPU.
+    Cpu,
+}
+
+/// Member-steps per second and thread of the full path on the CPU: what `proofmass bench` finds on a Zen 5, rounded down.
+const CPU_PER_THREAD_PER_S: f64 = 1e9;
+/// Seconds to find and open an adapter and to compile a kernel for it: on Mesa's lavapipe 0.04 and about 0.1.
+const START_S: f64 = 0.2;
+/// Seconds that a step takes on a GPU however few members there are: some sixty instructions that wait for each other, at
+/// four to six cycles each and 1.5 GHz. Computed, not measured.
+const STEP_S: f64 = 2e-7;
+
+/// Whether the CPU would take longer than a GPU must at the least.
+fn worth_a_gpu(job: &Job, threads: usize) -> bool {
+    let steps = job.clock.samples as f64 * f64::from(job.clock.steps_per_sample) * f64::from(job.integrator.substeps());
+    let cpu_s = job.members as f64 * steps / (CPU_PER_THREAD_PER_S * threads as f64);
+    cpu_s > START_S + steps * STEP_S
+}
+
+/// Backends for one job after the other.
+#[derive(Default)]
+pub struct Backends {
+    /// What looking for a GPU has found, once it was looked for.
+    gpu: Option<Option<Arc<Gpu>>>,
+}
+
+impl Backends {
+    /// Integrates an ensemble and sums it up.
+    ///
+    /// # Errors
+    /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
+    pub fn run(&mut self, job: &Job, options: &Options) -> Result<Statistics> {
+        super::check(job)?;
+        let mut backend = self.open(job, options)?;
+        run_on(job, backend.as_mut(), options)
+    }
+
+    /// The backend that the options ask for.
+    fn open(&mut self, job: &Job, options: &Options) -> Result<Box<dyn Backend>> {
+        let found = match (options.backend, options.precision) {
+            (Choice::Gpu, Precision::F64) => {
+                let cause = "the kernels on it are written in f32";
+                return Err(Error::new("could not use a GPU", cause, "use --backend cpu for f64"));
+            }
+            (Choice::Gpu, Precision::F32) => {
+                if self.gpu.as_ref().is_none_or(Option::is_none) {
+                    self.gpu = Some(Some(Arc::new(Gpu::open(false)?)));
+                }
+                self.gpu.clone().flatten()
+            }
+            (Choice::Auto, Precision::F32) if worth_a_gpu(job, rayon::current_num_threads()) => {
+                self.gpu.get_or_insert_with(|| Gpu::open(true).ok().map(Arc::new)).clone()
+            }
+            _ => None,
+        };
+        Ok(match found {
+            Some(gpu) => Box::new(Ensembles::on(gpu)),
+            None => Box::new(Cpu { precision: options.precision, ..Cpu::default() }),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::integrator::Integrator;
+    use crate::sensor::Sensor;
+    use crate::validation::jobs::{Sine, job};
+
+    fn worth(members: u64, samples: u64, threads: usize) -> bool {
+        let still = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
+        let mut job = job(Sensor::ideal(), members, &[1.0], still, Integrator::Ideal);
+        job.clock.samples = samples;
+        worth_a_gpu(&job, threads)
+    }
+
+    #[test]
+    fn few_members_or_little_work_stay_on_the_cpu() {
+        // One sensor, however long: a GPU steps it no faster than a CPU does.
+        assert!(!worth(1, 1_000_000_000, 2));
+        // Many members, few steps: done before an adapter is open.
+        assert!(!worth(100_000, 1000, 2));
+        assert!(worth(100_000, 10_000, 2) && worth(10_000_000, 1_000_000, 64));
+        // What is worth it beside two threads need not be beside sixty-four.
+        assert!(worth(2000, 10_000_000, 2) && !worth(2000, 10_000_000, 64));
+    }
+}
