@@ -3,6 +3,7 @@
 pub mod figures;
 pub mod like;
 
+use crate::diagnosis::candidate::Kind;
 use crate::report::html::Page;
 use crate::report::number::{duration, significant};
 use crate::report::table::Table;
@@ -90,10 +91,11 @@ fn limit_words(limit: &Limit) -> String {
 
 /// Per effect: from which size it is noticed, how often it is named, what it is taken for.
 pub fn effects(outcome: &Outcome) -> Table {
-    let headings = ["planted alone", "cases", "noticed from (× noise)", "named", "otherwise said"];
+    let headings = ["kind", "planted alone", "cases", "noticed from (× noise)", "named", "otherwise said"];
     let mut table = Table::new(&headings);
     for limit in &outcome.detection_limit {
-        let mut said: Vec<_> = outcome.confusion.iter().filter(|c| c.planted == limit.id).collect();
+        let of = |c: &&Confusion| c.kind == limit.kind && c.planted == limit.id;
+        let mut said: Vec<_> = outcome.confusion.iter().filter(of).collect();
         said.sort_by_key(|c| std::cmp::Reverse(c.cases));
         let is_right = |said: &str| said == limit.id || tie_of_two_with(said, &limit.id);
         let right: usize = said.iter().filter(|c| is_right(&c.said)).map(|c| c.cases).sum();
@@ -101,6 +103,7 @@ pub fn effects(outcome: &Outcome) -> Table {
             said.iter().filter(|c| !is_right(&c.said)).map(|c| format!("{} {}×", c.said, c.cases)).collect();
         let total: usize = said.iter().map(|c| c.cases).sum();
         table.row([
+            limit.kind.name().to_owned(),
             limit.id.clone(),
             total.to_string(),
             limit_words(limit),
@@ -122,17 +125,19 @@ pub fn unknown(outcome: &Outcome) -> Table {
     table
 }
 
-/// Planted alone against said, as a matrix: a row per effect, columns by the rows' numbers; a tie counts in each of its
-/// columns.
-pub fn matrix(outcome: &Outcome) -> Table {
-    let ids: Vec<&str> = outcome.detection_limit.iter().map(|l| l.id.as_str()).collect();
+/// Planted alone against said in one kind of recording, as a matrix: a row per effect, columns by the rows' numbers; a tie
+/// counts in each of its columns.
+pub fn matrix(outcome: &Outcome, kind: Kind) -> Table {
+    let limits = outcome.detection_limit.iter().filter(|l| l.kind == kind);
+    let ids: Vec<&str> = limits.map(|l| l.id.as_str()).collect();
     let numbers: Vec<String> = (1..=ids.len()).map(|n| n.to_string()).collect();
+    // Said without a name.
     let outcomes = ["adequate", "unexplained", "undecidable"];
     let headings: Vec<&str> =
         ["planted"].into_iter().chain(numbers.iter().map(String::as_str)).chain(outcomes).collect();
     let mut table = Table::new(&headings);
     for (id, number) in ids.iter().zip(&numbers) {
-        let said = || outcome.confusion.iter().filter(|c| c.planted == *id);
+        let said = || outcome.confusion.iter().filter(|c| c.kind == kind && c.planted == *id);
         let names = |c: &Confusion, column: &str| c.said.split([' ', '+', '|']).any(|word| word == column);
         let cell = |column: &&str| {
             let count: usize = said().filter(|c| names(c, column)).map(|c| c.cases).sum();
@@ -232,11 +237,16 @@ pub fn page(
     ]);
     page.section("What was taken for what");
     page.table(&effects(outcome));
-    page.subsection("As a matrix");
     page.paragraph(
-        "Rows: planted alone. Columns: named, by the number of the row; a tie counts in both of its columns.",
+        "As matrices: rows planted alone, columns named, by the number of the row; a tie counts in both columns.",
     );
-    page.table(&matrix(outcome));
+    for kind in [Kind::Driven, Kind::Static, Kind::Tumble] {
+        let matrix = matrix(outcome, kind);
+        if !matrix.rows.is_empty() {
+            page.subsection(kind.name());
+            page.table(&matrix);
+        }
+    }
     page.section("What no candidate describes");
     page.table(&unknown(outcome));
     page.section("Do the intervals hold the truth?");

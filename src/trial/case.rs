@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::driven::Driven;
 use super::standstill::Still;
 use super::turning::{GRAVITY_M_S2, Turned};
+use crate::diagnosis::candidate::Kind;
 use crate::document::write_whole;
 use crate::error::Result;
 
@@ -158,6 +159,15 @@ fn table(headings: &[&str], columns: &[&[f64]]) -> String {
 }
 
 impl Case {
+    /// Kind of recording, as in model.toml.
+    pub fn kind(&self) -> Kind {
+        match self.body {
+            Body::Driven(_) => Kind::Driven,
+            Body::Still(_) => Kind::Static,
+            Body::Turned(_) => Kind::Tumble,
+        }
+    }
+
     /// Ids of what is planted, sorted; foreign physics by its own name.
     pub fn planted(&self) -> Vec<String> {
         let mut ids: Vec<String> = match &self.body {

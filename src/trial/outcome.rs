@@ -1,6 +1,6 @@
 //! What a trial found: rates, families, confusion, detection limits, coverage; the public document of `trial --json`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -9,6 +9,7 @@ use super::case::{Case, Family};
 use super::interval::{Power, Share};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
+use crate::diagnosis::candidate::Kind;
 
 /// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
 pub const FALLBACK_LIMIT: f64 = 3.0;
@@ -33,6 +34,8 @@ pub struct Row {
 /// What was planted and what was said.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confusion {
+    /// Kind of recording.
+    pub kind: Kind,
     /// Planted effects, joined by " + "; "nothing" for a null.
     pub planted: String,
     /// Named effects, a tie joined by " | ", or the outcome where nothing was named.
@@ -70,6 +73,8 @@ pub struct Unknown {
 /// Where an effect begins to be noticed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
+    /// Kind of recording: an id may stand in several.
+    pub kind: Kind,
     /// Library id.
     pub id: String,
     /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was never, or always, noticed.
@@ -163,10 +168,12 @@ impl Outcome {
         let foreign = || judged.iter().filter(|j| !j.library);
         let planted = || judged.iter().filter(|j| j.library && !j.case.planted().is_empty());
         let limits = limits(&judged);
-        let limit_of: BTreeMap<&str, f64> = limits.iter().map(|l| (l.id.as_str(), l.threshold())).collect();
+        let limit_of = |kind: Kind, id: &str| {
+            limits.iter().find(|l| l.kind == kind && l.id == id).map_or(FALLBACK_LIMIT, Limit::threshold)
+        };
         let above = |j: &Judged<'_>| {
             let sizes = j.case.sizes_over_noise();
-            sizes.iter().all(|(id, size)| *size >= limit_of.get(id.as_str()).copied().unwrap_or(FALLBACK_LIMIT))
+            sizes.iter().all(|(id, size)| *size >= limit_of(j.case.kind(), id))
         };
         let covered: Vec<Covered> = planted().flat_map(|j| judge::coverage(j.case, j.said)).collect();
         let gain = |j: &Judged<'_>| {
@@ -241,26 +248,29 @@ fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
 }
 
 fn confusion(judged: &[Judged<'_>]) -> Vec<Confusion> {
-    let mut counts: BTreeMap<(String, String), usize> = BTreeMap::new();
+    let mut counts: BTreeMap<(&str, String, String), (Kind, usize)> = BTreeMap::new();
     for j in judged {
         let planted = j.case.planted();
         let planted = if planted.is_empty() { "nothing".into() } else { planted.join(" + ") };
         let groups: Vec<String> = j.said.groups.iter().map(|g| g.join(" | ")).collect();
         let said = if groups.is_empty() { j.said.outcome.clone() } else { groups.join(" + ") };
-        *counts.entry((planted, said)).or_default() += 1;
+        let kind = j.case.kind();
+        counts.entry((kind.name(), planted, said)).or_insert((kind, 0)).1 += 1;
     }
-    counts.into_iter().map(|((planted, said), cases)| Confusion { planted, said, cases }).collect()
+    counts.into_iter().map(|((_, planted, said), (kind, cases))| Confusion { kind, planted, said, cases }).collect()
 }
 
 fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
     let single = |j: &&Judged<'_>| j.library && j.case.planted().len() == 1;
-    let ids: BTreeSet<String> = judged.iter().filter(single).flat_map(|j| j.case.planted()).collect();
-    ids.into_iter()
-        .map(|id| {
+    let of = |j: &Judged<'_>| (j.case.kind().name(), j.case.planted().swap_remove(0));
+    let kinds: BTreeMap<(&str, String), Kind> = judged.iter().filter(single).map(|j| (of(j), j.case.kind())).collect();
+    kinds
+        .into_iter()
+        .map(|(key, kind)| {
             let cases: Vec<Planted> = judged
                 .iter()
                 .filter(single)
-                .filter(|j| j.case.planted()[0] == id)
+                .filter(|j| of(j) == key)
                 .map(|j| Planted {
                     size: j.case.sizes_over_noise()[0].1,
                     noticed: judge::is_detected(j.said),
@@ -272,7 +282,8 @@ fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
             let power = Power::fit(&cases.iter().map(|c| (c.size, c.noticed)).collect::<Vec<_>>());
             let sizes = || cases.iter().map(|c| c.size);
             Limit {
-                id,
+                kind,
+                id: key.1,
                 effect_over_noise: power.as_ref().map(|p| p.best.size_at(0.9)),
                 ci95: power.as_ref().map(|p| p.size_ci95(0.9)),
                 tried: [sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max)],

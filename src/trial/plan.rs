@@ -73,7 +73,7 @@ const RING_DOWN: [Physics; 5] = [
 impl Plan {
     /// The short trial.
     pub fn quick(seed: u64) -> Self {
-        Self { seed, cases: 200, samples: 4000, campaign: Campaign::Concealed }
+        Self { seed, cases: 150, samples: 4000, campaign: Campaign::Concealed }
     }
 
     /// The families of all cases, interleaved so that any first part of a trial holds some of each.

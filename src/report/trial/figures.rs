@@ -2,7 +2,7 @@
 
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
 use crate::trial::interval::{Power, Share};
-use crate::trial::outcome::{Outcome, Planted};
+use crate::trial::outcome::{Limit, Outcome, Planted};
 
 /// Edges of the size bins, visible rms over noise rms.
 const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
@@ -46,10 +46,10 @@ pub fn power(outcome: &Outcome) -> Figure {
 
 /// The size that is noticed in nine of ten recordings, per effect with its interval, smallest at the bottom.
 pub fn limits(outcome: &Outcome) -> Figure {
-    let mut found: Vec<(&str, f64, [f64; 2])> =
-        outcome.detection_limit.iter().filter_map(|l| Some((l.id.as_str(), l.effect_over_noise?, l.ci95?))).collect();
+    let of = |l: &Limit| Some((format!("{} ({})", l.id, l.kind.name()), l.effect_over_noise?, l.ci95?));
+    let mut found: Vec<(String, f64, [f64; 2])> = outcome.detection_limit.iter().filter_map(of).collect();
     found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (least, most) = (0.003, 1000.0);
+    let (least, most) = (0.003, 2000.0);
     let x = Axis::log("size noticed in 9 of 10 / noise (rms)").within(least, most);
     let y = Axis::linear("rank, most visible first").within(0.0, found.len() as f64 + 1.0);
     let mut chart = Chart::new("Detection limit of each effect", x, y);
@@ -57,7 +57,7 @@ pub fn limits(outcome: &Outcome) -> Figure {
     for (n, (id, limit, [low, high])) in found.iter().enumerate() {
         let rank = n as f64 + 1.0;
         // Room for the longest id.
-        let right = high.min(most / 40.0);
+        let right = high.min(most / 100.0);
         chart.add("", Ink::Blue, Mark::Line, vec![(low.max(least), rank), (right, rank)]);
         chart.note((right.max(*limit) * 1.25, rank - 0.25), id);
         points.push((*limit, rank));
