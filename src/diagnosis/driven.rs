@@ -12,6 +12,7 @@ pub mod drive;
 pub mod ensemble;
 pub mod filter;
 pub mod fit;
+pub mod folds;
 pub mod gain;
 pub mod held_out;
 pub mod hysteresis;
@@ -30,6 +31,7 @@ pub mod remainder;
 pub mod rivals;
 pub mod select;
 pub mod sensor;
+pub mod shape;
 pub mod spring;
 pub mod start;
 pub mod surface;
@@ -150,6 +152,21 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         .into_iter()
         .filter(|t| !t.starts(&scales).is_empty())
         .collect();
+    let base = match folds::for_the_rare(&narrow, &base) {
+        Some(fold) => {
+            findings
+                .push("what stands out lies in samples that were to judge: they are fitted, and others judge".into());
+            if narrow.hull == data.hull {
+                (data.train, data.validation) = (fold.train.clone(), fold.validation.clone());
+                if !own_test {
+                    data.test = fold.validation.clone();
+                }
+            }
+            (narrow.train, narrow.validation) = (fold.train, fold.validation);
+            fit::fit(&narrow, &base.shape, &base.point, &scales, 25).unwrap_or(base)
+        }
+        None => base,
+    };
     let base = select::judge(&narrow, base, &scales);
     let mut selection = select::search(&narrow, base, &scales, &candidates);
     if let Some(how) = begin::other_input(&mut narrow, &selection.chosen, &scales) {

@@ -62,6 +62,12 @@ pub fn answer(
     for (term, reason) in &c.dropped {
         findings.push(format!("{} was tried and dropped: {reason}", term.id()));
     }
+    for named in c.named.iter().filter(|n| n.comparison.p_value > 0.05) {
+        let id = c.model.fit.shape.terms[named.index].id();
+        findings.push(format!(
+            "{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it"
+        ));
+    }
     let noisy = c.model.fit.shape.is_noisy();
     let rmse = |errors: &[f64]| {
         let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));

@@ -31,8 +31,10 @@ const FAR_ABOVE: f64 = 30.0;
 /// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
 /// it does, and a tenth of a percent in power of it is no other effect.
 const LEAST_PART: f64 = 1e-3;
-/// How many times finer than for the search the terms of the final models are integrated.
-const FINENESS: f64 = 3.0;
+/// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
+const LEAST_PART_OF_NOISE: f64 = 1e-5;
+/// How finely the terms of the final models are integrated.
+const FINENESS: f64 = 2.0;
 /// Part of the held-out error that must go before a coloured remainder may be called a detail.
 const NEARLY_ALL: f64 = 0.99;
 
@@ -107,17 +109,17 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     // What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
     // the others, but is not named.
     let need = need.max(SMALLEST_GAIN);
-    let trusted = LEAST_PART * (base.fit.variance / model.fit.variance.max(1e-300) - 1.0);
+    let removed = base.fit.variance / model.fit.variance.max(1e-300) - 1.0;
     let (holds, carried): (Vec<Named>, Vec<Named>) = named.into_iter().partition(|n| {
         let noise = model.fit.shape.terms[n.index].noise().is_some();
-        n.growth >= if noise { need } else { need.max(trusted) }
+        n.growth >= need.max(removed * if noise { LEAST_PART_OF_NOISE } else { LEAST_PART })
     });
     named = holds;
     for n in carried {
         let reason = if n.growth < need {
             "smaller than what is still unexplained; carried along, not named"
         } else {
-            "a thousandth of what the other terms explain; carried along, not named"
+            "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
         };
         dropped.push((model.fit.shape.terms[n.index], reason));
     }

@@ -60,7 +60,7 @@ impl Physics for EndStop {
             .collect()
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
-        (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(5.0 * s.omega_rad_s)
+        (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(7.0 * s.omega_rad_s)
     }
     fn has_corner(&self) -> bool {
         true

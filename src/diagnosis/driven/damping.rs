@@ -120,7 +120,7 @@ impl Physics for Coulomb {
         true
     }
     fn fastest_rad_s(&self, _: &[f64], s: &Scales) -> f64 {
-        1.3 * s.omega_rad_s
+        2.0 * s.omega_rad_s
     }
     /// The sign averaged over one step: its jump is spread over the velocity gained in a step, which trapezoid and
     /// midpoint sums (hence Runge–Kutta's weights) integrate exactly whenever the crossing falls; and it can hold still.

@@ -17,7 +17,7 @@ pub const BOUC_WEN: Candidate = Candidate {
     statement: "Part of the restoring force remembers the path: it yields and slips back (Bouc–Wen).",
     equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − (s|x′|z + (1 − s)x′|z|)/z_y",
     parameters: &[
-        Parameter { name: "k_h", unit: "1/s^2", range: (-1.0, 1.0) },
+        Parameter { name: "k_h", unit: "1/s^2", range: (0.0, 1.0) },
         Parameter { name: "z_y", unit: "y", range: (0.0, 10.0) },
         Parameter { name: "s", unit: "1", range: (0.0, 1.0) },
     ],
@@ -33,7 +33,8 @@ impl Physics for BoucWen {
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
         vec![
-            Coordinate::Linear(0.1 * s.omega_rad_s.powi(2)),
+            // A negative one would feed the motion instead of damping it.
+            Coordinate::Bounded(0.1 * s.omega_rad_s.powi(2), 0.0, 1e3 * s.omega_rad_s.powi(2)),
             Coordinate::Log(0.01 * s.output, 4.0 * s.output),
             Coordinate::Bounded(0.3, 0.0, 1.0),
             Coordinate::Linear(0.1 * s.output),

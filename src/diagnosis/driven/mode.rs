@@ -65,7 +65,7 @@ impl Physics for Parasitic {
         own[..2].copy_from_slice(&p[3..5]);
     }
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
-        0.6 * p[1]
+        1.2 * p[1]
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {

@@ -304,7 +304,8 @@ fn ranges(
     Ok((train, apart))
 }
 
-fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
+/// Ascending ranges, those that touch joined.
+pub fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = Vec::new();
     for r in sorted {
         match all.last_mut() {
@@ -366,24 +367,6 @@ fn interleaved(train: &[Range<usize>]) -> (Vec<Range<usize>>, Vec<Range<usize>>)
         }
     }
     (merged(fitted), validation)
-}
-
-/// Two other ways to part the samples that are fitted and validated: halves of what is fitted judge in turn.
-pub fn turned(data: &Data) -> [(Stretches, Stretches); 2] {
-    let (mut first, mut second) = (Vec::new(), Vec::new());
-    for r in &data.train {
-        let middle = usize::midpoint(r.start, r.end);
-        first.push(r.start..middle);
-        second.push(middle..r.end);
-    }
-    let with_validation = |half: &Stretches| {
-        let mut all: Stretches = half.iter().chain(&data.validation).cloned().collect();
-        all.sort_by_key(|r| r.start);
-        merged(all)
-    };
-    let trains = [with_validation(&second), with_validation(&first)];
-    let [a, b] = trains;
-    [(a, first), (b, second)]
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use crate::progress;
 use super::ensemble::Ensemble;
 use super::filter::Nothing;
 use super::fit::{Data, Fit, Run, Search, Shape, fit, innovations, trace};
+use super::folds::{Fold, turned};
 use super::held_out::{Comparison, HeldOut, compare, held_out};
-use super::prepare::turned;
 use super::remainder::left;
 use super::rivals::{self, Rival};
 use super::term::{LANES, Scales, Term};
@@ -292,7 +292,7 @@ pub fn earned(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales, tr
 /// Compares two models on all samples, each third predicted from the others.
 fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Option<Comparison> {
     let mut both = [poorer.held_out.clone(), richer.held_out.clone()];
-    for (train, validation) in turned(data) {
+    for Fold { train, validation } in turned(data) {
         let data = Data { train, validation, ..data.clone() };
         for (all, model) in both.iter_mut().zip([poorer, richer]) {
             let here = fit(&data, &model.fit.shape, &model.fit.point, scales, ITERATIONS)?;

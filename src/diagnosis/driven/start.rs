@@ -17,6 +17,8 @@ use super::term::Scales;
 const ZETAS: [f64; 7] = [0.01, 0.03, 0.08, 0.2, 0.45, 0.8, 1.5];
 /// Natural frequencies on the grid, from the rate over this number to half the rate.
 const SLOWEST: f64 = 3000.0;
+/// How finely terms are integrated while they are being chosen; the models chosen are fitted again, more finely.
+const SEARCHING: f64 = 0.5;
 /// Fitted from this many of the best places.
 const POLISHED: usize = 4;
 
@@ -51,7 +53,7 @@ pub fn first_scales(data: &Data) -> Scales {
         lines_hz: Vec::new(),
         environment,
         centre,
-        fineness: 1.0,
+        fineness: SEARCHING,
         lag_samples: lag.filter(Alignment::is_clear).map_or(0.0, |a| a.lag as f64),
     }
 }
