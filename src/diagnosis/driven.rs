@@ -154,8 +154,8 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         .collect();
     let base = match folds::for_the_rare(&narrow, &base) {
         Some(fold) => {
-            findings
-                .push("what stands out lies in samples that were to judge: they are fitted, and others judge".into());
+            let said = "what stands out lies in samples that were to judge: they are fitted, and others judge";
+            notes.findings.push(said.to_owned());
             if narrow.hull == data.hull {
                 (data.train, data.validation) = (fold.train.clone(), fold.validation.clone());
                 if !own_test {

@@ -55,7 +55,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, candidate
             selection.rivals.push(equal);
         }
         match better {
-            Some(better) if attempt < SWAPS && !progress::interrupted() => {
+            Some(better) if attempt < SWAPS && !data.work.is_spent(data.hull.len()) && !progress::interrupted() => {
                 selection.chosen = pruned(data, better, scales, selection.tried);
             }
             _ => break,
