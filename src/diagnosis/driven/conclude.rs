@@ -162,7 +162,9 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         }
     }
     let mut spread = interval::spread(&model.fit);
-    interval::profiled(data, &model.fit, scales, named.iter().map(|n| n.index), &mut spread);
+    if outcome != Outcome::Unexplained {
+        interval::profiled(data, &model.fit, scales, named.iter().map(|n| n.index), &mut spread);
+    }
     Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
 }
 
@@ -176,7 +178,9 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
     let (Some(base), Some(model)) = rayon::join(|| refit(&c.base), || refit(&c.model)) else { return c };
     let (before, after) = rayon::join(|| left(data, &base.fit), || left(data, &model.fit));
     let mut spread = interval::spread(&model.fit);
-    interval::profiled(data, &model.fit, scales, c.named.iter().map(|n| n.index), &mut spread);
+    if c.outcome != Outcome::Unexplained {
+        interval::profiled(data, &model.fit, scales, c.named.iter().map(|n| n.index), &mut spread);
+    }
     Conclusion { base, model, before, after, spread, ..c }
 }
 
