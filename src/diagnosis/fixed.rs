@@ -13,6 +13,7 @@ mod common;
 mod conclusion;
 mod describe;
 mod effects;
+mod jump;
 mod location;
 mod plausible;
 mod rounding;

@@ -1,6 +1,7 @@
 //! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where it does not.
 
 use super::channel::{Channel, Fitted};
+use super::jump;
 use super::selection::ALPHA;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
@@ -26,6 +27,8 @@ pub(super) struct Remainder {
     pub(super) power: [f64; 2],
     /// Time and size (in standard deviations) of a single reading that no noise of this law would bring.
     pub(super) outlier: Option<(f64, f64)>,
+    /// Time of a step that no noise of this law would take.
+    pub(super) jump: Option<f64>,
     /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
     pub(super) only_there: bool,
 }
@@ -47,11 +50,16 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     let (of_time, means, time_s) = stretches(channel, &innovations, fourth, tolerance);
     let (at, largest) =
         innovations.iter().enumerate().fold((0, 0.0f64), |m, (n, v)| if v.abs() > m.1 { (n, v.abs()) } else { m });
-    let tests = (of_bands.len() + of_time.len() + 1) as f64;
+    // Coarse readings leap by whole steps anyway.
+    let jump = (step < 1.0 && channel.values.len() >= 1024).then(|| jump::strongest(channel, fitted, tolerance));
+    let p_jump = jump.map_or(1.0, |j| j.p_value);
+    let tests = (of_bands.len() + of_time.len() + 2) as f64;
     // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
     let excursion = (largest - 0.5 * step) / (1.0 + tolerance);
-    let p_outlier = (count * 2.0 * normal_cdf(-excursion)).min(1.0);
-    let in_time = of_time.iter().copied().fold(p_outlier, f64::min);
+    // A reading that is seldom one step off is rounded, not foreign.
+    let one_step = step > 1.0 && largest < 1.5 * step;
+    let p_outlier = if one_step { 1.0 } else { (count * 2.0 * normal_cdf(-excursion)).min(1.0) };
+    let in_time = of_time.iter().copied().fold(p_outlier.min(p_jump), f64::min);
     let smallest = of_bands.iter().copied().fold(in_time, f64::min);
     let failing: Vec<f64> =
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
@@ -59,7 +67,8 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     Remainder {
         p_value: (smallest * tests).min(1.0),
         p_value_in_time: (in_time * tests).min(1.0),
-        only_there: failing.is_empty() && p_outlier * tests >= ALPHA && 4 * amiss <= of_time.len(),
+        jump: jump.filter(|_| p_jump * tests < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
+        only_there: failing.is_empty() && p_outlier.min(p_jump) * tests >= ALPHA && 4 * amiss <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
@@ -124,23 +133,34 @@ fn stretches(
     fourth: f64,
     tolerance: f64,
 ) -> (Vec<f64>, Vec<f64>, Vec<Stretch>) {
-    let count = innovations.len();
-    let parts = (count / 64).clamp(1, 64);
-    let edges: Vec<usize> = (0..=parts).map(|i| i * count / parts).collect();
     // A mean square of n values scatters as that of fewer normal ones where tails are heavy.
     let worth = 2.0 / (fourth - 1.0).max(0.05);
-    let means: Vec<(f64, f64)> = edges
-        .windows(2)
-        .map(|w| {
-            let part = &innovations[w[0]..w[1]];
-            (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64 * worth)
-        })
-        .collect();
-    let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
-    let named = named(&p_values, |i| Stretch {
-        from: edges[i] as f64 / channel.rate_hz,
-        to: edges[i + 1] as f64 / channel.rate_hz,
-        excess: means[i].0,
-    });
-    (p_values, means.into_iter().map(|m| m.0).collect(), named)
+    let (mut all, mut powers, mut shown) = (Vec::new(), Vec::new(), Vec::new());
+    // Short stretches show a burst, long ones a level that creeps.
+    for parts in [64, 16, 4] {
+        let count = innovations.len();
+        let parts = (count / 64).clamp(1, parts);
+        let edges: Vec<usize> = (0..=parts).map(|i| i * count / parts).collect();
+        let means: Vec<(f64, f64)> = edges
+            .windows(2)
+            .map(|w| {
+                let part = &innovations[w[0]..w[1]];
+                (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64 * worth)
+            })
+            .collect();
+        let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
+        let silent = shown.is_empty();
+        if silent {
+            shown = named(&p_values, |i| Stretch {
+                from: edges[i] as f64 / channel.rate_hz,
+                to: edges[i + 1] as f64 / channel.rate_hz,
+                excess: means[i].0,
+            });
+        }
+        all.extend(p_values);
+        if powers.is_empty() || silent && !shown.is_empty() {
+            powers = means.into_iter().map(|m| m.0).collect();
+        }
+    }
+    (all, powers, shown)
 }

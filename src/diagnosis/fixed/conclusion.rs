@@ -3,6 +3,7 @@
 use super::channel::{BAND_LIMIT, Channel, Fitted};
 use super::check::{self, TOLERANCE};
 use super::common::Common;
+use super::jump::{self, Jump};
 use super::selection::{ALPHA, Selected, correction};
 use super::spectrum::{self, Law, Part};
 use super::{Detail, describe, effects, location, plausible, sensor, words};
@@ -40,8 +41,16 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     let count = channels.len() as f64;
     let before: Vec<Vec<f64>> =
         (0..channels.len()).map(|i| base_variances(&channels[i], &selected[i], model)).collect();
-    let remainders: Vec<_> = channels.iter().zip(&finals).map(|(c, f)| check::remainder(c, f, TOLERANCE)).collect();
-    let well: Vec<bool> = remainders.iter().map(|r| r.p_value * count >= ALPHA).collect();
+    let mut remainders: Vec<_> = channels.iter().zip(&finals).map(|(c, f)| check::remainder(c, f, TOLERANCE)).collect();
+    let leaps: Vec<Option<Jump>> = channels.iter().zip(selected).map(|(c, s)| jump::alone(c, &s.fitted)).collect();
+    for ((remainder, leap), channel) in remainders.iter_mut().zip(&leaps).zip(channels) {
+        if let Some(leap) = leap {
+            remainder.jump = Some(leap.at as f64 / channel.rate_hz);
+            remainder.p_value = remainder.p_value.min(leap.p_value);
+        }
+    }
+    let well: Vec<bool> =
+        remainders.iter().zip(&leaps).map(|(r, l)| l.is_none() && r.p_value * count >= ALPHA).collect();
     let left = remainders.iter().map(|r| r.p_value).fold(1.0, f64::min) * count;
     let described = well.iter().all(|w| *w);
     let strict =
@@ -57,8 +66,11 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     // has a witness of its own stays, and so does a law that holds wherever it rules.
     effects.retain(|e| {
         let at: Vec<usize> = (0..channels.len()).filter(|i| e.channels.contains(&channels[*i].name)).collect();
-        at.iter().all(|i| well[*i])
-            || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i]))
+        // What one jump describes better is no drift.
+        let leaps = effects::is_drift(&e.id) && at.iter().any(|i| leaps[*i].is_some());
+        !leaps
+            && (at.iter().all(|i| well[*i])
+                || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i])))
     });
     effects.sort_by(|a, b| b.evidence.held_out_gain.total_cmp(&a.evidence.held_out_gain));
     let tied = effects.iter().any(|e| !e.confusable_with.is_empty());

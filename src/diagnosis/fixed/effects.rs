@@ -44,6 +44,11 @@ pub(super) fn of_terms(channel: &Channel, selected: &Selected, shared: bool, uni
         .collect()
 }
 
+/// Whether an effect moves the bias slowly.
+pub(super) fn is_drift(id: &str) -> bool {
+    !matches!(id, "white-noise" | "quantisation-noise" | "sinusoid")
+}
+
 /// Whether an effect stands though more is left: it has a witness of its own, or it holds wherever it rules.
 pub(super) fn stands(effect: &Effect, channel: &Channel, fitted: &Fitted, remainder: &Remainder) -> bool {
     match effect.id.as_str() {

@@ -44,6 +44,12 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
 /// One channel's remainder in a sentence.
 fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
     let by = if described { "of white noise" } else { "that the best model explains" };
+    if let Some(at) = remainder.jump.filter(|_| !described) {
+        return format!(
+            "{name}: its bias jumps, most at {}; no law of noise or drift in the library does that.",
+            time(at)
+        );
+    }
     let strongest = remainder.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
     if let Some(s) = strongest {
         // A law of drift or noise reaches over a decade at least.

@@ -1,0 +1,171 @@
+//! Drift that comes in jumps: a bias that leaps once, or between two levels, has the spectrum of a walk or of a memory.
+//!
+//! A law of noise is Gaussian at every time, a jump is not: the best-placed step is far larger than the law allows, or one
+//! step alone describes what a law was named for. Nothing here has an entry in the library; it keeps laws from being named
+//! for what they are not.
+
+use std::f64::consts::PI;
+
+use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::common::is_slow;
+use super::selection::CLOSE;
+use crate::numerics::cosine;
+use crate::numerics::special::normal_cdf;
+
+/// Places at which the variance of a step's size is worked out; between them it is smooth.
+const PLACES: usize = 512;
+/// Coefficients that are summed one by one; beyond, a step's ripples average out.
+const EXACT: usize = 1024;
+
+/// The step that stands out most from a fitted model.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Jump {
+    /// First sample after it.
+    pub(super) at: usize,
+    /// That steps so large, or so many large ones, come by chance under the model.
+    pub(super) p_value: f64,
+}
+
+/// Sizes of steps at every place over their standard errors, by generalised least squares under the model.
+fn sizes(channel: &Channel, fitted: &Fitted) -> Vec<f64> {
+    let count = channel.values.len();
+    let mut weighted = fitted.residual.to_vec();
+    weighted[0] = 0.0;
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        weighted[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance);
+    }
+    let weighted = cosine::invert(&weighted);
+    // Squared cosine coefficients of a step at n: sin²(πkn/N)/(2N sin²θ), θ = πk/2N.
+    let information = |place: usize| -> f64 {
+        let mut sum = 0.0;
+        for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+            let ripple = |k: usize| (PI * (k * place) as f64 / count as f64).sin().powi(2);
+            let each = |theta: f64| 1.0 / (2.0 * count as f64 * theta.sin().powi(2) * variance);
+            let theta_of = |k: usize| PI * k as f64 / (2 * count) as f64;
+            sum += if bin.to <= EXACT {
+                (bin.from..bin.to).map(|k| ripple(k) * each(theta_of(k))).sum::<f64>()
+            } else {
+                0.5 * (bin.to - bin.from) as f64 * each(bin.theta)
+            };
+        }
+        sum
+    };
+    let margin = count / 64;
+    let places: Vec<usize> = (0..=PLACES).map(|i| margin + i * (count - 2 * margin) / PLACES).collect();
+    let known: Vec<f64> = places.iter().map(|p| information(*p)).collect();
+    let mut after: f64 = weighted[margin..].iter().sum();
+    let mut out = Vec::with_capacity(count - 2 * margin);
+    for (span, ends) in places.windows(2).zip(known.windows(2)) {
+        for n in span[0]..span[1] {
+            let share = (n - span[0]) as f64 / (span[1] - span[0]) as f64;
+            let information = ends[0] + share * (ends[1] - ends[0]);
+            out.push(after / information.max(f64::MIN_POSITIVE).sqrt());
+            after -= weighted[n];
+        }
+    }
+    out
+}
+
+/// Looks for the step that stands out most; power may exceed the model's by `tolerance`.
+pub(super) fn strongest(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Jump {
+    let sizes = sizes(channel, fitted);
+    let margin = channel.values.len() / 64;
+    let (at, largest) =
+        sizes.iter().enumerate().fold((0, 0.0f64), |m, (n, z)| if z.abs() > m.1 { (n, z.abs()) } else { m });
+    let places = sizes.len() as f64;
+    let single = 2.0 * places * normal_cdf(-largest / (1.0 + tolerance).sqrt());
+    Jump { at: at + margin, p_value: (2.0 * single.min(many(&sizes))).min(1.0) }
+}
+
+/// Probability of tails so heavy among steps that are apart enough to be independent.
+fn many(sizes: &[f64]) -> f64 {
+    let power = |lag: usize| sizes.iter().zip(&sizes[lag..]).map(|(a, b)| a * b).sum::<f64>();
+    let total = power(0).max(f64::MIN_POSITIVE);
+    let Some(apart) =
+        (0..31).map(|j| 1usize << j).take_while(|l| 30 * l < sizes.len()).find(|l| power(*l) < 0.1 * total)
+    else {
+        return 1.0;
+    };
+    let (mut second, mut fourth, mut n) = (0.0, 0.0, 0.0);
+    for z in sizes.iter().step_by(apart) {
+        (second, fourth, n) = (second + z * z, fourth + z.powi(4), n + 1.0);
+    }
+    heavy_tails(n * fourth / (second * second).max(f64::MIN_POSITIVE), n)
+}
+
+/// Probability of a kurtosis at least this large among `n` normal values: Anscombe & Glynn, Biometrika 70, 1983.
+fn heavy_tails(kurtosis: f64, n: f64) -> f64 {
+    let mean = 3.0 * (n - 1.0) / (n + 1.0);
+    let variance = 24.0 * n * (n - 2.0) * (n - 3.0) / ((n + 1.0).powi(2) * (n + 3.0) * (n + 5.0));
+    let x = (kurtosis - mean) / variance.sqrt();
+    let skewness = 6.0 * (n * n - 5.0 * n + 2.0) / ((n + 7.0) * (n + 9.0))
+        * (6.0 * (n + 3.0) * (n + 5.0) / (n * (n - 2.0) * (n - 3.0))).sqrt();
+    let a = 6.0 + 8.0 / skewness * (2.0 / skewness + (1.0 + 4.0 / (skewness * skewness)).sqrt());
+    let root = ((1.0 - 2.0 / a) / (1.0 + x * (2.0 / (a - 4.0)).sqrt()).max(f64::MIN_POSITIVE)).cbrt();
+    let z = (1.0 - 2.0 / (9.0 * a) - root) / (2.0 / (9.0 * a)).sqrt();
+    normal_cdf(-z)
+}
+
+/// The single step that describes a channel better than its own slow terms do; `None` where none does.
+pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
+    let (slow, mut terms): (Vec<Term>, Vec<Term>) = fitted.terms.iter().cloned().partition(|t| is_slow(t, channel));
+    if slow.is_empty() || channel.values.len() < 1024 {
+        return None;
+    }
+    let jump = strongest(channel, &channel.fit(terms.clone()), 0.0);
+    let at = jump.at;
+    let step = (0..channel.values.len()).map(|n| if n < at { 0.0 } else { 1.0 }).collect();
+    terms.push(Term {
+        id: "step",
+        addition: Addition::Curves(vec![Curve::new(step)]),
+        searched: at as f64,
+        column: None,
+    });
+    // A step has a size and a place; a slow term has one or two numbers of its own.
+    let numbers = |t: &Term| if matches!(t.id, "gauss-markov" | "warm-up") { 2.0 } else { 1.0 };
+    let price = 2.0 * (2.0 - slow.iter().map(numbers).sum::<f64>());
+    let gain = 2.0 * (channel.fit(terms).log_likelihood() - fitted.log_likelihood());
+    (gain - price > CLOSE).then_some(jump)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::fixed::spectrum::Law;
+    use crate::rng::{Philox, Stream};
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn walk_fit(values: &[f64]) -> (Channel, Fitted) {
+        let channel = Channel::new("x", values, 1.0);
+        let walk = Term { id: "random-walk", addition: Addition::Law(Law::Walk), searched: 0.0, column: None };
+        let fitted = channel.fit(vec![walk]);
+        (channel, fitted)
+    }
+
+    #[test]
+    fn a_jump_stands_out_from_a_walk_fitted_to_it_and_a_walk_does_not() {
+        let (mut found, mut preferred, mut alarms) = (0, 0, 0);
+        for member in 0..20 {
+            let mut rng = Philox::new(9, member, Stream::Host);
+            let draw = |rng: &mut Philox| -> f64 { StandardNormal.sample(rng) };
+            let jump: Vec<f64> =
+                (0..6000).map(|n| draw(&mut rng) + if n > 2000 + 100 * member { 1.4 } else { 0.0 }).collect();
+            let (channel, fitted) = walk_fit(&jump);
+            found += usize::from(strongest(&channel, &fitted, 0.0).p_value < 1e-3);
+            preferred +=
+                usize::from(alone(&channel, &fitted).is_some_and(|j| j.at.abs_diff(2001 + 100 * member as usize) < 20));
+            let mut state = 0.0;
+            let walk: Vec<f64> = (0..6000)
+                .map(|_| {
+                    state += 0.02 * draw(&mut rng);
+                    state + draw(&mut rng)
+                })
+                .collect();
+            let (channel, fitted) = walk_fit(&walk);
+            alarms += usize::from(strongest(&channel, &fitted, 0.0).p_value < 0.01);
+            alarms += usize::from(alone(&channel, &fitted).is_some());
+        }
+        assert!(found >= 18 && preferred >= 18, "{found} and {preferred} of 20 jumps");
+        assert!(alarms <= 1, "{alarms} alarms");
+    }
+}
