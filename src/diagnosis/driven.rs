@@ -20,6 +20,7 @@ pub mod input;
 pub mod interval;
 pub mod isolation;
 pub mod lag;
+pub mod limits;
 pub mod mode;
 pub mod noise;
 pub mod pickup;
@@ -101,6 +102,10 @@ pub struct Detail {
     pub from: usize,
     /// The force that the base model leaves unexplained over displacement and velocity, and the repaired one.
     pub surfaces: [Surface; 2],
+    /// Where nothing is named: root-mean-square, over the noise, from which on something would have been.
+    pub least_over_noise: f64,
+    /// Candidates whose signatures could then not have been told apart.
+    pub alike: Vec<[&'static str; 2]>,
     /// Whether anything was named.
     pub named: bool,
     /// How the misfit rises around each named parameter.

@@ -134,6 +134,19 @@ pub struct Score {
     pub ratio_ci95: Option<[f64; 2]>,
 }
 
+/// Root-mean-square error of free simulation on one range of samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RangeScore {
+    /// First sample.
+    pub from: usize,
+    /// The one after the last.
+    pub to: usize,
+    /// Base model.
+    pub rmse_before: f64,
+    /// With the named effects.
+    pub rmse_after: f64,
+}
+
 /// Mean log-likelihood per sample on the test part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogScore {
@@ -154,6 +167,9 @@ pub struct Fit {
     pub train: Score,
     /// On the data held out.
     pub test: Score,
+    /// The same on each range of it, where the model file names several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub test_ranges: Vec<RangeScore>,
     /// Where noise terms are judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log_score: Option<LogScore>,
@@ -169,6 +185,23 @@ pub struct Whiteness {
     pub white: bool,
     /// Of the portmanteau test.
     pub p_value: f64,
+}
+
+/// The smallest strength of a candidate that would have been named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Detectable {
+    /// Library id.
+    pub id: String,
+    /// Its strength's symbol.
+    pub parameter: String,
+    /// The smallest strength; absent where no strength would show.
+    pub strength: Option<f64>,
+    /// Its unit.
+    pub unit: String,
+    /// Root-mean-square of what that strength does to the reading, over the noise.
+    pub effect_over_noise: Option<f64>,
+    /// Share of that power which refitted base parameters hide.
+    pub hidden_share: f64,
 }
 
 /// The whole document.
@@ -193,6 +226,9 @@ pub struct Verdict {
     pub fit: Fit,
     /// Whether anything is left.
     pub residual_after: Whiteness,
+    /// Where nothing is named: what would have been.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
     /// What would decide or confirm.
     pub next_experiment: String,
     /// Found in the file and survived; said so that nothing is silent.

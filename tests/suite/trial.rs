@@ -168,10 +168,12 @@ fn adequate(files: &Files) -> Verdict {
             noise_floor: 1.0,
             train: score,
             test: score,
+            test_ranges: Vec::new(),
             log_score: None,
             one_step_rmse: None,
         },
         residual_after: verdict::Whiteness { white: true, p_value: 0.5 },
+        detectable: Vec::new(),
         next_experiment: String::new(),
         findings: Vec::new(),
     }

@@ -3,7 +3,9 @@
 use crate::diagnosis::Diagnosis;
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
-use crate::diagnosis::verdict::{Fit as Fitted, LogScore, SCHEMA, Score, Source, Verdict, Whiteness};
+use crate::diagnosis::verdict::{
+    Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Whiteness,
+};
 use crate::numerics::special;
 use crate::recording::Recording;
 
@@ -12,11 +14,12 @@ use super::filter::States;
 use super::fit::{Data, Fit, OMEGA, Run, ZETA, trace};
 use super::held_out::{HeldOut, at_rest, settled};
 use super::isolation::{Compared, locate};
+use super::limits::{Limits, limits};
 use super::profile;
 use super::select::Selection;
 use super::sensor::repair;
 use super::surface::{Motion, surface};
-use super::term::Scales;
+use super::term::{Scales, Term};
 use super::words::{self, Channels};
 use super::{Detail, Shown};
 
@@ -73,6 +76,14 @@ pub fn answer(
         let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
         (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
     };
+    // What would have been seen is only known where what is left is noise.
+    let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
+    let limits = if silent {
+        let candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
+        limits(data, &c.base.fit, scales, &candidates, &channels)
+    } else {
+        Limits::default()
+    };
     let mut verdict = Verdict {
         schema: SCHEMA,
         kind: Kind::Driven,
@@ -96,6 +107,7 @@ pub fn answer(
                 rmse_after: c.model.held_out.free().sqrt(),
                 ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
             },
+            test_ranges: range_scores(&model.split.test, &c.base.held_out, &c.model.held_out),
             log_score: noisy.then(|| LogScore {
                 before: c.base.held_out.log_score(c.base.fit.variance),
                 after: c.model.held_out.log_score(c.model.fit.variance),
@@ -104,6 +116,7 @@ pub fn answer(
         },
         residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
         findings,
+        detectable: limits.candidates,
     };
     let profiles = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread);
     verdict.findings.extend(profiles.iter().filter_map(profile::Profile::finding));
@@ -120,11 +133,30 @@ pub fn answer(
         innovations,
         from: data.hull.start,
         surfaces,
+        least_over_noise: limits.least_over_noise,
+        alike: limits.alike,
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.held_out_gain, r.ci95, r.named)).collect(),
     };
     let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
     Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }
+}
+
+/// Errors on each range that judges, where there are several.
+fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec<RangeScore> {
+    if ranges.len() < 2 {
+        return Vec::new();
+    }
+    let rmse = |held: &HeldOut, from: usize, to: usize| {
+        let inside = held.blocks.iter().filter(|b| from <= b.range.start && b.range.end <= to);
+        let (sum, count) = inside.fold((0.0, 0), |(s, n), b| (s + b.free, n + b.range.len()));
+        (count > 0).then(|| (sum / count as f64).sqrt())
+    };
+    let score = |&[from, to]: &[usize; 2]| {
+        let (rmse_before, rmse_after) = rmse(before, from, to).zip(rmse(after, from, to))?;
+        Some(RangeScore { from, to, rmse_before, rmse_after })
+    };
+    ranges.iter().filter_map(score).collect()
 }
 
 /// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.

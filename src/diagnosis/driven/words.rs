@@ -339,7 +339,9 @@ pub fn next_experiment(c: &Conclusion, effects: &[Effect], input: bool) -> Strin
             if input { "Drive" } else { "Release" }
         ),
         Outcome::Adequate => format!(
-            "{} harder or longer: smaller effects then rise above the noise.",
+            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING --model \
+             MODEL.toml` plants each candidate into copies of this recording and says from which size on it would have been \
+             named.",
             if input { "Drive" } else { "Release" }
         ),
     }

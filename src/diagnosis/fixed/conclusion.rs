@@ -101,6 +101,7 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
         fit: fit(channels, selected, &finals, &before, unit),
         residual_after: Whiteness { white: described, p_value: left.min(1.0) },
         next_experiment: words::next_experiment(outcome, &effects, model),
+        detectable: Vec::new(),
         location,
         effects,
         findings,
@@ -145,6 +146,7 @@ fn fit(channels: &[Channel], selected: &[Selected], finals: &[Fitted], before: &
         noise_floor,
         train: part(0),
         test: part(1),
+        test_ranges: Vec::new(),
         log_score: Some(LogScore { before: score(before), after: score(after) }),
         one_step_rmse: None,
     }

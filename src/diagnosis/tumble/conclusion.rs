@@ -65,6 +65,7 @@ impl Case<'_> {
             train: score(
                 [&selection.base, repaired].map(|f| (f.rows.residual.norm_squared() / f.rows.pose.len() as f64).sqrt()),
             ),
+            test_ranges: Vec::new(),
             test: Score {
                 ratio_ci95: Some(ratio_ci95),
                 ..score([&selection.base, repaired].map(|f| self.held_out_rms(f)))
@@ -88,6 +89,7 @@ impl Case<'_> {
             fit,
             residual_after: Whiteness { white: remainder.p_value >= 0.05, p_value: remainder.p_value },
             next_experiment: next_experiment(outcome, &selection, &remainder),
+            detectable: Vec::new(),
             findings: self.findings.clone(),
         };
         Diagnosis {
