@@ -89,7 +89,15 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         "Every candidate that was tried, best first. The gain is the share of the held-out error above the noise that goes \
          away (1 is all of it), with its 95 % interval; p is corrected for the number of candidates tried.",
     );
-    page.table(&ranking_table(&diagnosis.ranking));
+    let (tried, passed_over): (Vec<&Ranked>, Vec<&Ranked>) =
+        diagnosis.ranking.iter().partition(|r| !r.note.starts_with("promised too little"));
+    if !tried.is_empty() {
+        page.table(&ranking_table(&tried));
+    }
+    if !passed_over.is_empty() {
+        let ids: Vec<&str> = passed_over.iter().map(|r| r.id).collect();
+        page.paragraph(&format!("Not fitted in full, because a first step promised too little: {}.", ids.join(", ")));
+    }
     if !verdict.detectable.is_empty() {
         page.section("What this recording could have shown");
         page.paragraph(&detectable_words(diagnosis));
@@ -224,7 +232,7 @@ fn effects_table(effects: &[Effect]) -> Table {
     table
 }
 
-fn ranking_table(ranking: &[Ranked]) -> Table {
+fn ranking_table(ranking: &[&Ranked]) -> Table {
     let mut table = Table::new(&["candidate", "channels", "held-out gain", "95 %", "p", "named", "note"]);
     for r in ranking {
         table.row([

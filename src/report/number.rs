@@ -32,7 +32,8 @@ pub fn with_uncertainty(value: f64, deviation: f64) -> String {
         return significant(value, 4);
     }
     let scale = value.abs().max(deviation).log10().floor() as i32;
-    let power = if (-3..6).contains(&scale) { 0 } else { scale };
+    // Digits that the deviation does not vouch for are not printed.
+    let power = if (-3..6).contains(&scale) && deviation < 99.5 { 0 } else { scale };
     let shrink = 10f64.powi(power);
     let decimals = (1 - (deviation / shrink).log10().floor() as i32).max(0) as usize;
     let body = format!("{:.*} ± {:.*}", decimals, value / shrink, decimals, deviation / shrink).replacen('-', "−", 1);

@@ -269,7 +269,7 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
             let p = e.parameters.first();
             let number = p.map_or(String::new(), |p| {
                 let half = 0.5 * (p.ci95[1] - p.ci95[0]);
-                format!(" ({} = {} ± {} {})", p.name, short(p.value), short(half), p.unit)
+                format!(" ({} = {} {})", p.name, measured(p.value, half), p.unit)
             });
             format!("{}{number}", e.id)
         })
@@ -353,6 +353,19 @@ fn listed(items: &[String], last: &str) -> String {
         [one] => one.clone(),
         [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
     }
+}
+
+/// A value and its uncertainty, to two digits of the latter.
+fn measured(value: f64, half: f64) -> String {
+    if !(half > 0.0 && half.is_finite() && value.is_finite()) {
+        return short(value);
+    }
+    let scale = value.abs().max(half).log10().floor() as i32;
+    let power = if (-3..4).contains(&scale) && half < 99.5 { 0 } else { scale };
+    let shrink = 10f64.powi(power);
+    let decimals = (1 - (half / shrink).log10().floor() as i32).clamp(0, 9) as usize;
+    let body = format!("{:.decimals$} ± {:.decimals$}", value / shrink, half / shrink);
+    if power == 0 { body } else { format!("({body})e{power}") }
 }
 
 /// Three significant digits.
