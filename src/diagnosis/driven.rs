@@ -155,7 +155,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
     let scales = select::refined(&narrow, &base, &scales);
     let candidates: Vec<Term> = Term::tried(data.environments, data.input.is_some())
         .into_iter()
-        .filter(|t| !t.starts(&scales).is_empty())
+        .filter(|t| !notes.broken && !t.starts(&scales).is_empty())
         .collect();
     let base = match folds::for_the_rare(&narrow, &base) {
         Some(fold) => {

@@ -35,12 +35,19 @@ pub struct Alignment {
     pub left: f64,
     /// The same without any lag.
     pub left_unshifted: f64,
+    /// Share explained at a lag where nothing belongs together, by chance: exceeded at one lag in twenty.
+    pub chance: f64,
 }
 
 impl Alignment {
     /// Whether the lag explains more than the columns as they stand, by far.
     pub fn is_clear(&self) -> bool {
         self.lag != 0 && self.left < 0.5 * self.left_unshifted
+    }
+
+    /// Whether the two have nothing to do with each other: what little is explained would be at any other lag too.
+    pub fn is_chance(&self) -> bool {
+        self.left > 0.7 && 1.0 - self.left < 2.0 * self.chance
     }
 
     /// Whether the columns are out of step by more than a late readout explains.
@@ -71,7 +78,7 @@ pub fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alig
     let rest = length - coarse.lag.unsigned_abs();
     let (late, early) = (coarse.lag.max(0) as usize, (-coarse.lag).max(0) as usize);
     let fine = look(&cause[from + early..][..rest], &effect[from + late..][..rest], 3)?;
-    Some(Alignment { lag: coarse.lag + fine.lag, left: fine.left, left_unshifted: coarse.left_unshifted })
+    Some(Alignment { lag: coarse.lag + fine.lag, left: fine.left, ..coarse })
 }
 
 /// Both columns in frequency, without mean and of unit size.
@@ -196,7 +203,14 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
         let place = places.iter().zip(&shares).max_by(|a, b| a.1[index].total_cmp(&b.1[index])).map(|(p, _)| *p);
         place.map_or(1.0, |p| (1.0 - pair.polished(p, index as isize - most)).max(0.0))
     };
-    Some(Alignment { lag: index as isize - most, left: left(index), left_unshifted: left(most as usize) })
+    let mut sorted = best.clone();
+    sorted.sort_by(f64::total_cmp);
+    Some(Alignment {
+        lag: index as isize - most,
+        left: left(index),
+        left_unshifted: left(most as usize),
+        chance: sorted[lags - 1 - lags / 20],
+    })
 }
 
 #[cfg(test)]
@@ -238,5 +252,15 @@ mod tests {
             forward.zip(backward).is_some_and(|(f, b)| exchanged(&f, &b))
         };
         assert!(looks(&y, &u) && !looks(&u, &y));
+    }
+
+    #[test]
+    fn strangers_are_told_from_a_pair_drowned_in_noise() {
+        let (u, y) = pair(3000);
+        let other: Vec<f64> = StandardNormal.sample_iter(Philox::new(6, 0, Stream::Host)).take(3000).collect();
+        let stranger = |u: &[f64], y: &[f64]| align(u, y, &(0..3000)).is_some_and(|a| a.is_chance());
+        let size = spread(&y).1;
+        let drowned: Vec<f64> = y.iter().zip(&other).map(|(y, e)| y + 3.0 * size * e).collect();
+        assert!(stranger(&other, &y) && !stranger(&u, &y) && !stranger(&u, &drowned));
     }
 }

@@ -52,6 +52,8 @@ pub struct Notes {
     pub findings: Vec<String>,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
+    /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
+    pub broken: bool,
     /// Where the reading jumps, as a clause; only worth a word where no contact explains it.
     pub jumps: Option<String>,
 }
@@ -106,7 +108,10 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
                 ": a dead channel? The recording is read as a free ring-down",
             );
         } else {
-            together(model, &mut values, &reading, &mut ends, &mut notes);
+            together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
+                let hint = "check that input and output are the right columns and that the input moves the output";
+                refuse(recording, cause, hint)
+            })?;
             input = Some(Input::new(values, Interpolation::BandLimited));
         }
     }
@@ -186,29 +191,53 @@ fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
 }
 
 /// Whether input and output belong together as they stand; an input that is far early or late is moved.
-fn together(model: &model::Driven, input: &mut [f64], reading: &[f64], ends: &mut Range<usize>, notes: &mut Notes) {
+///
+/// # Errors
+/// Where the two have nothing to do with each other; in words.
+fn together(
+    model: &model::Driven,
+    input: &mut [f64],
+    reading: &[f64],
+    ends: &mut Range<usize>,
+    notes: &mut Notes,
+) -> Result<(), String> {
     let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
     if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
         let clause = format!(
             "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
             short(factor)
         );
-        notes
-            .doubt(clause, ": a column that changed its unit or range? Cut the recording there, or correct the column");
+        notes.doubt(
+            clause,
+            ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct the column",
+        );
+        notes.broken = true;
     }
-    let Some(forward) = align(input, reading, ends) else { return };
+    let Some(forward) = align(input, reading, ends) else { return Ok(()) };
     if forward.left > 0.2
         && let Some(backward) = align(reading, input, ends)
         && alignment::exchanged(&forward, &backward)
     {
         let clause =
             format!("the columns look swapped: {name} follows from {output} as an oscillator's reading from its force");
-        notes.doubt(clause, ", not the other way round; exchange input and output in the model file");
-        return;
+        notes.doubt(
+            clause,
+            ", not the other way round; no candidate was tried: exchange input and output in the model file",
+        );
+        notes.broken = true;
+        return Ok(());
+    }
+    if forward.is_chance() && !notes.broken {
+        let cause = format!(
+            "no oscillator can be identified: the best one explains {} % of the power of {output} by {name}, as it would at any \
+             other shift in time",
+            short(100.0 * (1.0 - forward.left))
+        );
+        return Err(cause);
     }
     let shift = forward.lag;
     if !forward.is_misaligned() {
-        return;
+        return Ok(());
     }
     let n = input.len() as isize;
     let moved: Vec<f64> = (0..n).map(|k| input[(k - shift).clamp(0, n - 1) as usize]).collect();
@@ -219,6 +248,7 @@ fn together(model: &model::Driven, input: &mut [f64], reading: &[f64], ends: &mu
         format!("{output} is misaligned with {name}: it comes {} samples {side}", shift.abs()),
         "; the input was moved by as many before anything was fitted",
     );
+    Ok(())
 }
 
 /// Where the reading jumps, apart from gaps that are known.
