@@ -4,7 +4,7 @@
 //! the error in frequency, over the state (the restoring force that is missing) and in time, and the candidates' standing.
 
 use crate::diagnosis::driven::Detail;
-use crate::diagnosis::driven::surface::{CELLS, Surface};
+use crate::diagnosis::driven::surface::Surface;
 use crate::numerics::spectrum;
 
 use super::diagnosis::{Exhibit, Part};
@@ -178,10 +178,10 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
     let draw = |surface: &Surface, name: &str, title: &str| {
         let values: Vec<f64> = surface.cells.iter().map(|c| c.force).collect();
         let label = format!("missing force over ω₀² / {}", detail.unit);
-        let mut raster = Raster::heat_map(&values, CELLS, surface.x, surface.v, (-most, most), &label);
+        let mut raster = Raster::heat_map(&values, surface.side, surface.x, surface.v, (-most, most), &label);
         // Cells that noise alone may make stand back. Pixels go from the top, cells from the bottom.
         for (i, cell) in surface.cells.iter().enumerate() {
-            let pixel = (CELLS - 1 - i / CELLS) * CELLS + i % CELLS;
+            let pixel = (surface.side - 1 - i / surface.side) * surface.side + i % surface.side;
             if !cell.found && cell.force.is_finite() {
                 raster.pixels[4 * pixel + 3] = 70;
             }

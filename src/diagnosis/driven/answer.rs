@@ -21,7 +21,7 @@ use super::sensor::repair;
 use super::surface::{Motion, surface};
 use super::term::{Scales, Term};
 use super::words::{self, Channels};
-use super::{Detail, Shown};
+use super::{CANDIDATES, Detail, Shown};
 
 /// Samples of the held-out stretch that are kept for figures.
 const SHOWN: usize = 20_000;
@@ -79,7 +79,8 @@ pub fn answer(
     // What would have been seen is only known where what is left is noise.
     let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent {
-        let candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
+        let mut candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
+        candidates.sort_by_key(|t| CANDIDATES.iter().position(|c| c.id == t.id()));
         limits(data, &c.base.fit, scales, &candidates, &channels)
     } else {
         Limits::default()

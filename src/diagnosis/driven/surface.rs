@@ -14,8 +14,10 @@ use realfft::num_complex::Complex64;
 use crate::diagnosis::verdict::StateCell;
 use crate::numerics::special;
 
-/// Cells along either axis.
-pub const CELLS: usize = 16;
+/// Cells along either axis: as many as leave this many samples to one, between the fewest and the most worth drawing.
+const SAMPLES: f64 = 80.0;
+const FEWEST: usize = 8;
+const MOST: usize = 16;
 /// Share of the cells named that may be chance, whatever their dependence (Benjamini & Yekutieli 2001).
 const FALSE_DISCOVERY: f64 = 0.05;
 /// Visits of a cell that say anything of it.
@@ -58,6 +60,8 @@ pub struct Cell {
 /// The surface: rows of equal velocity from the lowest up, cells of a row by displacement.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Surface {
+    /// Cells along either axis.
+    pub side: usize,
     /// Displacements from, to.
     pub x: (f64, f64),
     /// Velocities from, to.
@@ -69,8 +73,8 @@ pub struct Surface {
 impl Surface {
     /// Displacements from, to and velocities from, to of one cell.
     pub fn place(&self, index: usize) -> [f64; 4] {
-        let edge = |(from, to): (f64, f64), i: usize| from + (to - from) * i as f64 / CELLS as f64;
-        let (column, row) = (index % CELLS, index / CELLS);
+        let edge = |(from, to): (f64, f64), i: usize| from + (to - from) * i as f64 / self.side as f64;
+        let (column, row) = (index % self.side, index / self.side);
         [edge(self.x, column), edge(self.x, column + 1), edge(self.v, row), edge(self.v, row + 1)]
     }
 
@@ -113,7 +117,7 @@ impl Surface {
             sums.iter().filter(|s| s.1 > 0.0).map(|s| s.0 * s.0 / s.1).sum()
         };
         let all = power(&|i| i).max(1e-300);
-        let (by_x, by_v) = (power(&|i| i % CELLS) / all, power(&|i| i / CELLS) / all);
+        let (by_x, by_v) = (power(&|i| i % self.side) / all, power(&|i| i / self.side) / all);
         Some(match (by_x > 0.5, by_v > 0.5) {
             (true, false) => "as a force it follows the displacement, like a spring",
             (false, true) => "as a force it follows the velocity, like a damper",
@@ -127,7 +131,7 @@ pub fn surface(m: &Motion<'_>) -> Surface {
     let n = m.error.len().min(m.x.len()).min(m.v.len());
     // The ends of a stretch ring in the transform.
     let edge = (3.0 * m.rate_hz * TAU / m.omega_rad_s).ceil() as usize;
-    if n < 40 * CELLS || n < 8 * edge || !m.error.iter().chain(m.x).chain(m.v).all(|v| v.is_finite()) {
+    if n < 10 * FEWEST * FEWEST || n < 8 * edge || !m.error.iter().chain(m.x).chain(m.v).all(|v| v.is_finite()) {
         return Surface::default();
     }
     let Some(force) = force(m, n) else { return Surface::default() };
@@ -142,15 +146,16 @@ pub fn surface(m: &Motion<'_>) -> Surface {
     if x.1 <= x.0 || v.1 <= v.0 {
         return Surface::default();
     }
+    let side = ((n as f64 / SAMPLES).sqrt() as usize).clamp(FEWEST, MOST);
     let index = |value: f64, (from, to): (f64, f64)| {
-        let at = (value - from) / (to - from) * CELLS as f64;
-        (at >= 0.0 && at < CELLS as f64).then_some(at as usize)
+        let at = (value - from) / (to - from) * side as f64;
+        (at >= 0.0 && at < side as f64).then_some(at as usize)
     };
     // Samples of one visit know of each other: a visit counts once.
-    let mut visits: Vec<Vec<(f64, usize)>> = vec![Vec::new(); CELLS * CELLS];
+    let mut visits: Vec<Vec<(f64, usize)>> = vec![Vec::new(); side * side];
     let mut here = None;
     for k in rows {
-        let cell = index(m.x[k], x).zip(index(m.v[k], v)).map(|(i, j)| j * CELLS + i);
+        let cell = index(m.x[k], x).zip(index(m.v[k], v)).map(|(i, j)| j * side + i);
         if let Some(cell) = cell {
             match visits[cell].last_mut().filter(|_| here == Some(cell)) {
                 Some(visit) => *visit = (visit.0 + force[k], visit.1 + 1),
@@ -177,7 +182,7 @@ pub fn surface(m: &Motion<'_>) -> Surface {
     for (cell, found) in cells.iter_mut().zip(special::discoveries(&p, FALSE_DISCOVERY / dependence)) {
         cell.found = found;
     }
-    Surface { x, v, cells }
+    Surface { side, x, v, cells }
 }
 
 /// Mean over all samples of a cell, and its error from the scatter between visits.
@@ -259,7 +264,7 @@ mod tests {
         let (found, judged) = s.found();
         assert!(found > 10 && judged > 60, "{found} of {judged}");
         // The missing force is −0.03·x³ of the true displacement (over ω₀²), whatever the velocity.
-        let worst = (0..CELLS * CELLS).filter(|i| s.cells[*i].found).map(|i| {
+        let worst = (0..s.cells.len()).filter(|i| s.cells[*i].found).map(|i| {
             let x = 0.5 * (s.place(i)[0] + s.place(i)[1]);
             (s.cells[i].force + 0.03 * x.powi(3)).abs() / (0.03 * s.x.1.powi(3))
         });
@@ -275,15 +280,15 @@ mod tests {
         let error: Vec<f64> = rubbed.iter().zip(&x).map(|(b, x)| b - x).collect();
         let s = seen(&error, &rubbed, &v);
         let mean = |row: usize| {
-            let cells = s.cells[row * CELLS..(row + 1) * CELLS].iter().filter(|c| c.force.is_finite());
+            let cells = s.cells[row * s.side..(row + 1) * s.side].iter().filter(|c| c.force.is_finite());
             let (sum, count) = cells.fold((0.0, 0.0), |(a, n), c| (a + c.force, n + 1.0));
             sum / count
         };
         assert!(
-            mean(CELLS / 2 + 3) < 0.0 && mean(CELLS / 2 - 4) > 0.0,
+            mean(s.side / 2 + 2) < 0.0 && mean(s.side / 2 - 3) > 0.0,
             "{} {}",
-            mean(CELLS / 2 + 3),
-            mean(CELLS / 2 - 4)
+            mean(s.side / 2 + 2),
+            mean(s.side / 2 - 3)
         );
     }
 }
