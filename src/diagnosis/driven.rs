@@ -40,6 +40,8 @@ pub mod term;
 pub mod words;
 pub mod work;
 
+use std::ops::Range;
+
 use crate::error::{Error, Result};
 use crate::progress;
 use crate::recording::Recording;
@@ -114,11 +116,13 @@ pub struct Detail {
     pub candidates: Vec<(String, f64, [f64; 2], bool)>,
 }
 
-/// Recording and both models, sample by sample.
+/// Recording and both models where they differ most, sample by sample.
 #[derive(Debug, Clone, Default)]
 pub struct Shown {
     /// First sample.
     pub from: usize,
+    /// Samples of it that were not fitted.
+    pub held_out: Vec<Range<usize>>,
     /// Recording.
     pub reading: Vec<f64>,
     /// Base model, freely simulated.

@@ -85,13 +85,13 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         }
     }
     page.section("What fits better, and what does not");
-    page.paragraph(
-        "Every candidate that was tried, best first. The gain is the share of the held-out error above the noise that goes \
-         away (1 is all of it), with its 95 % interval; p is corrected for the number of candidates tried.",
-    );
     let (tried, passed_over): (Vec<&Ranked>, Vec<&Ranked>) =
         diagnosis.ranking.iter().partition(|r| !r.note.starts_with("promised too little"));
     if !tried.is_empty() {
+        page.paragraph(
+            "Every candidate that was tried, best first. The gain is the share of the held-out error above the noise that \
+             goes away (1 is all of it), with its 95 % interval; p is corrected for the number of candidates tried.",
+        );
         page.table(&ranking_table(&tried));
     }
     if !passed_over.is_empty() {
@@ -214,6 +214,11 @@ fn estimate(e: &Estimate) -> String {
     }
 }
 
+/// A unit as it is set in print.
+fn formula(unit: &str) -> String {
+    unit.replace("^2", "²").replace("^3", "³").replace("sqrt(s)", "√s")
+}
+
 fn effects_table(effects: &[Effect]) -> Table {
     let mut table = Table::new(&["effect", "channels", "parameter", "value ± 95 %", "unit", "held-out gain"]);
     for effect in effects {
@@ -224,7 +229,7 @@ fn effects_table(effects: &[Effect]) -> Table {
                 once(effect.channels.join(", ")),
                 p.name.clone(),
                 estimate(p),
-                p.unit.clone(),
+                formula(&p.unit),
                 once(significant(effect.evidence.held_out_gain, 3)),
             ]);
         }
@@ -287,7 +292,7 @@ fn detectable_table(all: &[Detectable]) -> Table {
             d.id.clone(),
             d.parameter.clone(),
             or_never(d.strength),
-            d.unit.clone(),
+            formula(&d.unit),
             or_never(d.effect_over_noise),
             format!("{:.0}", 100.0 * d.hidden_share),
         ]);

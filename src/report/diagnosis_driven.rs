@@ -12,12 +12,10 @@ use super::figure::{Axis, Chart, Ink, Mark, Raster};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;
-/// Samples in the zoom.
-const ZOOM: usize = 120;
 
 /// Its figures; one of them is the opening.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
-    let mut all = vec![zoom(detail), errors(detail), spectra(detail), states(detail)];
+    let mut all = vec![zoom(detail), zoomed_errors(detail), errors(detail), spectra(detail), states(detail)];
     all.extend(surfaces(detail));
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
@@ -26,48 +24,69 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     all
 }
 
-/// Begins where the two models differ most.
-fn most_different(detail: &Detail) -> usize {
-    let s = &detail.shown;
-    let gaps: Vec<f64> = s
-        .base
-        .iter()
-        .zip(&s.repaired)
-        .zip(&s.reading)
-        .map(|((b, r), y)| if detail.named { (b - r).abs() } else { (b - y).abs() })
-        .collect();
-    let worst = gaps.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
-    worst.saturating_sub(ZOOM / 2).min(s.reading.len().saturating_sub(ZOOM))
-}
-
 fn zoom(detail: &Detail) -> Exhibit {
     let s = &detail.shown;
-    let from = most_different(detail);
-    let to = (from + ZOOM).min(s.reading.len());
-    let second = |k: usize| (s.from + k) as f64 / detail.rate_hz;
-    let points = |values: &[f64]| (from..to).map(|k| (second(k), values[k])).collect::<Vec<_>>();
+    let held = |k: usize| s.held_out.iter().any(|r| r.contains(&(s.from + k)));
+    let place = |k: usize, value: f64| ((s.from + k) as f64 / detail.rate_hz, value);
+    let points = |values: &[f64]| values.iter().enumerate().map(|(k, v)| place(k, *v)).collect::<Vec<_>>();
+    let dots = |wanted: bool| {
+        let all = s.reading.iter().enumerate().filter(|(k, _)| held(*k) == wanted);
+        all.map(|(k, v)| place(k, *v)).collect::<Vec<_>>()
+    };
     let mut chart = Chart::new(
-        "Held-out samples where the models differ most",
+        "Recording and models where they differ most",
         Axis::linear("time / s"),
         Axis::linear(&format!("{} / {}", detail.output, detail.unit)),
-    )
-    .with("recorded", Ink::Blue, Mark::Dots(3), points(&s.reading))
-    .with("base model", Ink::Soft, Mark::Dashed, points(&s.base));
+    );
+    let size = if s.reading.len() > 250 { 2 } else { 3 };
+    for (name, ink, wanted) in [("recorded, held out", Ink::Blue, true), ("recorded, fitted", Ink::Soft, false)] {
+        let dots = dots(wanted);
+        if !dots.is_empty() {
+            chart.add(name, ink, Mark::Dots(size), dots);
+        }
+    }
+    chart.add("base model", Ink::Black, Mark::Dashed, points(&s.base));
     if detail.named {
         chart.add("repaired model", Ink::Red, Mark::Line, points(&s.repaired));
     }
-    chart.size = (860, 360);
+    chart.size = (620, 400);
     Exhibit {
         part: Part::Opening,
         name: "held-out-zoom".into(),
         figure: chart.draw(),
         caption: if detail.named {
-            "Free simulation on samples that were not fitted: no reading corrects either model. Where the dashed line leaves \
-             the dots is what was left out; the red line has it."
+            "Free simulation: no reading corrects either model. Where the dashed line leaves the dots is what was left out; \
+             the red line has it."
                 .into()
         } else {
-            "Free simulation on samples that were not fitted; nothing is named, so there is only the base model to draw.".into()
+            "Free simulation: no reading corrects the model. Nothing is named, so there is only the base model to draw."
+                .into()
         },
+    }
+}
+
+/// What either model gets wrong on the samples of the zoom.
+fn zoomed_errors(detail: &Detail) -> Exhibit {
+    let s = &detail.shown;
+    let errors = |model: &[f64]| -> Vec<(f64, f64)> {
+        let rows = s.reading.iter().zip(model).enumerate();
+        rows.map(|(k, (y, m))| ((s.from + k) as f64 / detail.rate_hz, y - m)).collect()
+    };
+    let mut chart = Chart::new(
+        "Its error there",
+        Axis::linear("time / s"),
+        Axis::linear(&format!("recorded − simulated / {}", detail.unit)),
+    )
+    .with("base model", Ink::Soft, Mark::Line, errors(&s.base));
+    if detail.named {
+        chart.add("repaired model", Ink::Red, Mark::Line, errors(&s.repaired));
+    }
+    chart.size = (620, 400);
+    Exhibit {
+        part: Part::Opening,
+        name: "held-out-error".into(),
+        figure: chart.draw(),
+        caption: "The same samples, recording less simulation: what is left should look like noise.".into(),
     }
 }
 
@@ -218,7 +237,7 @@ fn candidates(detail: &Detail) -> Exhibit {
     let mut chart = Chart::new(
         "Share of the held-out one-step error that each candidate removes",
         Axis::linear("gain on validation samples").within(-0.2, 1.35),
-        Axis::linear("rank").within(0.3, shown.len() as f64 + 0.7),
+        Axis::linear("best first").unmarked().within(0.3, shown.len() as f64 + 0.7),
     );
     for (ink, named, words) in [(Ink::Red, true, "named"), (Ink::Soft, false, "not named")] {
         let dots: Vec<(f64, f64)> =

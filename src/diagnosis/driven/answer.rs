@@ -1,5 +1,7 @@
 //! The public answer: verdict, ranking, repair and the numbers behind the figures.
 
+use std::ops::Range;
+
 use crate::diagnosis::Diagnosis;
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
@@ -12,7 +14,7 @@ use crate::recording::Recording;
 use super::conclude::Conclusion;
 use super::filter::States;
 use super::fit::{Data, Fit, OMEGA, Run, ZETA, trace};
-use super::held_out::{HeldOut, at_rest, settled};
+use super::held_out::{Block, HeldOut, at_rest, settled};
 use super::isolation::{Compared, locate};
 use super::limits::{Limits, limits};
 use super::profile;
@@ -23,9 +25,10 @@ use super::term::{Scales, Term};
 use super::words::{self, Channels};
 use super::{CANDIDATES, Detail, Shown};
 
-/// Samples of the held-out stretch that are kept for figures.
-const SHOWN: usize = 20_000;
-
+/// Periods of the resonance that a look at both models spans, and the samples that it has at least and at most.
+const PERIODS: f64 = 8.0;
+const LEAST_SHOWN: usize = 100;
+const MOST_SHOWN: usize = 600;
 /// Cells of the restoring-force surface that the verdict lists.
 const CELLS_SHOWN: usize = 32;
 
@@ -126,7 +129,7 @@ pub fn answer(
         output,
         unit: output_unit,
         rate_hz: data.rate_hz,
-        shown: shown(data, c, scales),
+        shown: shown(data, c, scales, [&before, &after]),
         state: states.x,
         velocity: states.v,
         before,
@@ -180,25 +183,48 @@ fn ratio(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
     [(centre - reach).exp(), (centre + reach).exp().min(1e6)]
 }
 
-/// Recording and both models on the first stretch of test samples.
-fn shown(data: &Data, c: &Conclusion, scales: &Scales) -> Shown {
-    let Some(range) = data.test.first() else { return Shown::default() };
-    let range = range.start..range.end.min(range.start + SHOWN);
-    let simulated = |fit: &Fit| -> Vec<f64> {
-        let inside = range.start >= data.hull.start && range.end <= data.hull.end;
-        let (run, point) = if inside {
-            (data.hull.start..range.end, at_rest(data, fit, scales))
-        } else {
-            (range.clone(), settled(data, fit, scales, &range))
-        };
-        let skip = range.start - run.start;
-        let (errors, _) = trace(data, &fit.shape, &point, &Run { range: run, steps: fit.steps, corrected: false });
-        errors[skip..].iter().zip(&data.reading[range.clone()]).map(|(e, y)| y - e).collect()
+/// Recording and both models around the held-out block on which they differ most (the base errs most, where nothing is
+/// named).
+fn shown(data: &Data, c: &Conclusion, scales: &Scales, [before, after]: [&[f64]; 2]) -> Shown {
+    let named = !c.named.is_empty();
+    let gap = |(b, a): (&Block, &Block)| (b.free - if named { a.free } else { 0.0 }) / b.range.len().max(1) as f64;
+    let pairs = c.base.held_out.blocks.iter().zip(&c.model.held_out.blocks);
+    let Some((block, _)) = pairs.max_by(|x, y| gap(*x).total_cmp(&gap(*y))) else { return Shown::default() };
+    let block = block.range.clone();
+    let periods = PERIODS * std::f64::consts::TAU / (c.base.fit.point[OMEGA] * data.interval_s());
+    let length = (periods as usize).clamp(LEAST_SHOWN, MOST_SHOWN);
+    let window = |within: &Range<usize>| {
+        let from = ((block.start + block.end) / 2).saturating_sub(length / 2);
+        let from = from.min(within.end.saturating_sub(length)).max(within.start);
+        from..(from + length).min(within.end)
     };
+    let inside = block.start >= data.hull.start && block.end <= data.hull.end;
+    let (range, errors) = if inside {
+        let range = window(&data.hull);
+        let cut = |e: &[f64]| e[range.start - data.hull.start..range.end - data.hull.start].to_vec();
+        let errors = [cut(before), cut(after)];
+        (range, errors)
+    } else {
+        let Some(test) = data.test.iter().find(|r| r.start <= block.start && block.end <= r.end) else {
+            return Shown::default();
+        };
+        let range = window(test);
+        let simulated = |fit: &Fit| {
+            let run = Run { range: test.start..range.end, steps: fit.steps, corrected: false };
+            let (errors, _) = trace(data, &fit.shape, &settled(data, fit, scales, test), &run);
+            errors[range.start - test.start..].to_vec()
+        };
+        let errors = [simulated(&c.base.fit), simulated(&c.model.fit)];
+        (range, errors)
+    };
+    let overlap = |r: &Range<usize>| r.start.max(range.start)..r.end.min(range.end);
+    let reading = &data.reading[range.clone()];
+    let [base, repaired] = errors.map(|e| reading.iter().zip(e).map(|(y, e)| y - e).collect());
     Shown {
         from: range.start,
-        reading: data.reading[range.clone()].to_vec(),
-        base: simulated(&c.base.fit),
-        repaired: simulated(&c.model.fit),
+        held_out: data.test.iter().map(overlap).filter(|r| r.start < r.end).collect(),
+        reading: reading.to_vec(),
+        base,
+        repaired,
     }
 }

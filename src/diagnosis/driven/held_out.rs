@@ -88,13 +88,29 @@ pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
     let deviation = (logs.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt().max(1e-12);
     let t = mean / deviation;
     let two_sided = special::f_above(t * t, 1.0, n - 1.0);
-    let reach = special::t_quantile(0.975, n - 1.0) * deviation;
     let by_blocks = if t > 0.0 { 0.5 * two_sided } else { 1.0 - 0.5 * two_sided };
     let rows = after.samples() as f64 / after.colour.max(1.0);
     let by_likelihood = (-0.5 * rows * (before.one_step() / after.one_step().max(1e-300)).ln()).exp();
     let p_value = (2.0 * by_blocks.min(by_likelihood)).min(1.0);
-    let share = |log: f64| (1.0 - (-log).exp()).max(-1.0);
-    Comparison { gain, ci95: [share(mean - reach), share(mean + reach)], p_value }
+    Comparison { gain, ci95: interval(before, after), p_value }
+}
+
+/// 95 % interval of the gain: jackknife over blocks of the logarithm of the ratio of both sums.
+fn interval(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
+    let sum = |h: &HeldOut| h.blocks.iter().map(|b| b.one_step).sum::<f64>();
+    let (all_before, all_after) = (sum(before), sum(after));
+    let without: Vec<f64> = before
+        .blocks
+        .iter()
+        .zip(&after.blocks)
+        .map(|(b, a)| ((all_after - a.one_step).max(1e-300) / (all_before - b.one_step).max(1e-300)).ln())
+        .collect();
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let deviation = (without.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt();
+    let centre = (all_after.max(1e-300) / all_before.max(1e-300)).ln();
+    let reach = special::t_quantile(0.975, n - 1.0) * deviation;
+    [centre + reach, centre - reach].map(|log| (1.0 - log.exp()).max(-1.0))
 }
 
 /// A model's errors on samples that were not fitted.

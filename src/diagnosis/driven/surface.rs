@@ -18,14 +18,14 @@ use crate::numerics::special;
 const SAMPLES: f64 = 80.0;
 const FEWEST: usize = 8;
 const MOST: usize = 16;
-/// Share of the cells named that may be chance, whatever their dependence (Benjamini & Yekutieli 2001).
+/// Share of the cells named that may be chance (Benjamini & Hochberg 1995; neighbours know of each other, which it bears).
 const FALSE_DISCOVERY: f64 = 0.05;
 /// Visits of a cell that say anything of it.
 const VISITS: usize = 6;
 /// The band ends at so many times the resonance: a cubic spring acts at three times what moves it.
 const BAND: f64 = 4.0;
 /// Share of the samples beyond each edge of the surface.
-const TAIL: f64 = 0.002;
+const TAIL: f64 = 0.01;
 
 /// What the surface is made of.
 #[derive(Debug, Clone, Copy)]
@@ -177,10 +177,10 @@ pub fn surface(m: &Motion<'_>) -> Surface {
             }
         })
         .collect();
-    let tests = p.iter().filter(|p| p.is_finite()).count();
-    let dependence: f64 = (1..=tests).map(|i| 1.0 / i as f64).sum::<f64>().max(1.0);
-    for (cell, found) in cells.iter_mut().zip(special::discoveries(&p, FALSE_DISCOVERY / dependence)) {
-        cell.found = found;
+    let tested: Vec<usize> = (0..p.len()).filter(|i| p[*i].is_finite()).collect();
+    let values: Vec<f64> = tested.iter().map(|i| p[*i]).collect();
+    for (i, found) in tested.into_iter().zip(special::discoveries(&values, FALSE_DISCOVERY)) {
+        cells[i].found = found;
     }
     Surface { side, x, v, cells }
 }

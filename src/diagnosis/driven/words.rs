@@ -269,7 +269,8 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
             let p = e.parameters.first();
             let number = p.map_or(String::new(), |p| {
                 let half = 0.5 * (p.ci95[1] - p.ci95[0]);
-                format!(" ({} = {} {})", p.name, measured(p.value, half), p.unit)
+                let unit = p.unit.replace("^2", "²").replace("^3", "³");
+                format!(" ({} = {} {unit})", p.name, measured(p.value, half))
             });
             format!("{}{number}", e.id)
         })

@@ -24,17 +24,25 @@ pub struct Axis {
     pub scale: Scale,
     /// Limits; from the data where absent.
     pub range: Option<(f64, f64)>,
+    /// Whether it carries ticks; places in a list need none.
+    pub marked: bool,
 }
 
 impl Axis {
     /// A linear axis.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None }
+        Self { label: label.into(), scale: Scale::Linear, range: None, marked: true }
     }
 
     /// A logarithmic axis.
     pub fn log(label: &str) -> Self {
-        Self { label: label.into(), scale: Scale::Log, range: None }
+        Self { label: label.into(), scale: Scale::Log, range: None, marked: true }
+    }
+
+    /// The same axis without ticks.
+    pub fn unmarked(mut self) -> Self {
+        self.marked = false;
+        self
     }
 
     /// The same axis with fixed limits.
@@ -64,7 +72,7 @@ impl Axis {
                 Scale::Linear => (low - 0.04 * (high - low), high + 0.04 * (high - low)),
             }
         });
-        Span { scale: self.scale, low, high }
+        Span { scale: self.scale, low, high, marked: self.marked }
     }
 }
 
@@ -74,6 +82,7 @@ pub(super) struct Span {
     pub(super) scale: Scale,
     pub(super) low: f64,
     pub(super) high: f64,
+    pub(super) marked: bool,
 }
 
 impl Span {
@@ -100,6 +109,7 @@ impl Span {
     /// Tick positions.
     pub(super) fn ticks(&self) -> Vec<f64> {
         match self.scale {
+            _ if !self.marked => Vec::new(),
             Scale::Linear => {
                 let step = self.step();
                 let first = (self.low / step).ceil() as i64;
@@ -186,13 +196,13 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let span = Span { scale: Scale::Linear, low: -0.3, high: 10.4 };
+        let span = Span { scale: Scale::Linear, low: -0.3, high: 10.4, marked: true };
         assert_eq!(span.ticks(), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         assert_eq!(span.tick_label(4.0), "4");
-        let log = Span { scale: Scale::Log, low: 0.5, high: 2e4 };
+        let log = Span { scale: Scale::Log, low: 0.5, high: 2e4, marked: true };
         assert_eq!(log.ticks(), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
         assert_eq!(log.tick_label(1e4), "10⁴");
-        let quarter = Span { scale: Scale::Linear, low: 0.0, high: 1.4 };
+        let quarter = Span { scale: Scale::Linear, low: 0.0, high: 1.4, marked: true };
         assert_eq!(quarter.tick_label(0.25), "0.25");
     }
 }

@@ -250,7 +250,7 @@ fn colour_bar(area: &Area<'_>, label: &str, limits: (f64, f64), frame: &Frame) -
         let (from, to) = (top + k * height / 64, top + (k + 1) * height / 64);
         area.draw(&Rectangle::new([(left, from), (left + 12, to)], RGBColor(r, g, b).filled()))?;
     }
-    let span = Span { scale: super::Scale::Linear, low: limits.0, high: limits.1 };
+    let span = Span { scale: super::Scale::Linear, low: limits.0, high: limits.1, marked: true };
     for tick in span.ticks() {
         let at = span.map(&tick, (bottom, top));
         area.draw_text(&span.tick_label(tick), &text(Ink::Black, 12, HPos::Left, VPos::Center), (left + 16, at))?;
