@@ -115,6 +115,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         n.growth >= need.max(removed * if noise { LEAST_PART_OF_NOISE } else { LEAST_PART })
     });
     named = holds;
+    let is_noise = |n: &&Named| model.fit.shape.terms[n.index].noise().is_some();
+    let nameless: f64 = carried.iter().filter(|n| !is_noise(n)).map(|n| n.growth).sum();
     for n in carried {
         let reason = if n.growth < need {
             "smaller than what is still unexplained; carried along, not named"
@@ -137,7 +139,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
     let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
     let white = tidy && even && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
-    let gone = 1.0 - model.held_out.free() / base.held_out.free().max(1e-300);
+    // By what has a name: what is carried without one does not explain.
+    let gone = 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300);
     let something = !named.is_empty() || lattice.is_some();
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
         Outcome::Undecidable
