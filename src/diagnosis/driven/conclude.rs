@@ -156,10 +156,16 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     if outcome == Outcome::Unexplained {
         // Only what towers above the remainder holds by itself.
         let bar = FAR_ABOVE * share.max(WHITE);
-        for n in named.iter().filter(|n| n.growth < bar) {
+        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
+        let noisy = model.fit.shape.is_noisy();
+        let towers = |n: &Named| {
+            let physics = model.fit.shape.terms[n.index].noise().is_none();
+            n.growth >= if noisy && physics { bar.max(FAR_ABOVE) } else { bar }
+        };
+        for n in named.iter().filter(|n| !towers(n)) {
             dropped.push((model.fit.shape.terms[n.index], "a stand-in: does not bring the residual to the noise"));
         }
-        named.retain(|n| n.growth >= bar);
+        named.retain(towers);
         if named.iter().all(|n| model.fit.shape.terms[n.index].noise().is_some()) {
             named.clear();
         }
