@@ -2,8 +2,9 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use proofmass::backend::cpu::{Cpu, Precision};
+use proofmass::backend::orbits::{Device, explore_on};
 use proofmass::backend::{Backend, Batch};
-use proofmass::benchmark::{duffing, work};
+use proofmass::benchmark::{DIFFUSION, LORENZ, diffusion, duffing, lorenz, work};
 use proofmass::kernel::cpu::lanes::Level;
 
 fn unit(criterion: &mut Criterion) {
@@ -31,5 +32,19 @@ fn ensembles(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, unit, ensembles);
+fn yardsticks(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("yardsticks");
+    group.sample_size(10);
+    let level = Level::best();
+    group.throughput(Throughput::Elements((lorenz::MEMBERS * lorenz::STEPS) as u64));
+    group.bench_function(LORENZ, |b| b.iter(|| lorenz::run::<f32>(level)));
+    group.throughput(Throughput::Elements((diffusion::MEMBERS * diffusion::STEPS) as u64));
+    group.bench_function(DIFFUSION, |b| b.iter(|| diffusion::run::<f32>(level)));
+    let (points, plan) = work::orbits(8192);
+    group.throughput(Throughput::Elements(work::orbit_steps(points.len(), &plan) as u64));
+    group.bench_function("Lyapunov map", |b| b.iter(|| explore_on(Device::Cpu, &points, &plan).is_ok()));
+    group.finish();
+}
+
+criterion_group!(benches, unit, ensembles, yardsticks);
 criterion_main!(benches);

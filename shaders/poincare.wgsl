@@ -17,17 +17,14 @@ fn poincare(@builtin(global_invocation_id) id: vec3<u32>) {
     let sixth = o.h * (1.0 / 6.0);
     for (var period = 0u; period < tile.periods; period++) {
         for (var j = 0u; j < tile.steps; j++) {
-            let w = noise_of(o, point, tile.begin + period, j);
-            let f0 = o.amplitude * cosines[2u * j] + w;
-            let f1 = o.amplitude * cosines[2u * j + 1u] + w;
-            let f2 = o.amplitude * cosines[2u * j + 2u] + w;
-            let a1 = rate(o, x, v, f0);
+            let f = force_of(o, point, tile.begin + period, j);
+            let a1 = rate(o, x, v, f.x);
             let v2 = v + half * a1;
-            let a2 = rate(o, x + half * v, v2, f1);
+            let a2 = rate(o, x + half * v, v2, f.y);
             let v3 = v + half * a2;
-            let a3 = rate(o, x + half * v2, v3, f1);
+            let a3 = rate(o, x + half * v2, v3, f.y);
             let v4 = v + o.h * a3;
-            let a4 = rate(o, x + o.h * v3, v4, f2);
+            let a4 = rate(o, x + o.h * v3, v4, f.z);
             x += sixth * (v + 2.0 * (v2 + v3) + v4);
             v += sixth * (a1 + 2.0 * (a2 + a3) + a4);
         }

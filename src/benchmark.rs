@@ -22,6 +22,7 @@ pub mod duffing;
 pub mod lorenz;
 pub mod misfit;
 pub mod operations;
+pub mod others;
 pub mod peak;
 pub mod peers;
 pub mod prediction;

@@ -69,3 +69,9 @@ const LOST_M = 1e6;
 fn is_lost(x: f32) -> bool {
     return !(abs(x) <= LOST_M);
 }
+
+// The force at the beginning, the middle and the end of step j of a period, noise included.
+fn force_of(o: Oscillator, point: u32, period: u32, j: u32) -> vec3<f32> {
+    let cosine = vec3<f32>(cosines[2u * j], cosines[2u * j + 1u], cosines[2u * j + 2u]);
+    return o.amplitude * cosine + noise_of(o, point, period, j);
+}

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
+use crate::benchmark::others::Ticks;
 use crate::benchmark::{self, Row};
 use crate::document::write_whole;
 use crate::ensemble::Choice;
@@ -37,6 +38,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let bar = progress::bar("measuring", 0);
     let told = |what: &str| bar.set_message(what.to_owned());
+    let begun = Ticks::now();
     let mut rows: Vec<Row> = Vec::new();
     if arguments.backend != Choice::Gpu {
         rows.extend(benchmark::cpu(told)?);
@@ -52,9 +54,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told)?);
     }
     bar.finish_and_clear();
+    let others = Ticks::now().zip(begun).map(|(now, begun)| now.others_since(&begun));
     if let Some(folder) = &arguments.out {
         let (sizes, lengths) = (bench::sizes(&rows).file_svg(), bench::lengths(&rows).file_svg());
-        let (page, summary) = (bench::page(&rows), bench::summary(&rows));
+        let (page, summary) = (bench::page(&rows, others), bench::summary(&rows, others));
         let files = [("report.html", page), ("summary.md", summary), ("sizes.svg", sizes), ("lengths.svg", lengths)];
         for (name, text) in files {
             write_whole(&folder.join(name), text.as_bytes())?;
@@ -62,9 +65,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         eprintln!("wrote {}", folder.join("report.html").display());
     }
     if json {
-        println!("{:#}", serde_json::json!({ "schema": "proofmass.bench/1", "rows": rows }));
+        println!(
+            "{:#}",
+            serde_json::json!({ "schema": "proofmass.bench/1", "others_cpu_share": others, "rows": rows })
+        );
     } else {
         print!("{}", bench::table(&rows));
+        println!("{}", bench::busy(others));
     }
     Ok(())
 }
