@@ -29,6 +29,8 @@ pub(super) struct Remainder {
     pub(super) outlier: Option<(f64, f64)>,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,
+    /// Change of the noise's power from end to end over its mean, where it creeps.
+    pub(super) creep: Option<f64>,
     /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
     pub(super) only_there: bool,
 }
@@ -53,28 +55,47 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     // Coarse readings leap by whole steps anyway.
     let jump = (step < 1.0 && channel.values.len() >= 1024).then(|| jump::strongest(channel, fitted, tolerance));
     let p_jump = jump.map_or(1.0, |j| j.p_value);
-    let tests = (of_bands.len() + of_time.len() + 2) as f64;
     // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
     let excursion = (largest - 0.5 * step) / (1.0 + tolerance);
     // A reading that is seldom one step off is rounded, not foreign.
     let one_step = step > 1.0 && largest < 1.5 * step;
     let p_outlier = if one_step { 1.0 } else { (count * 2.0 * normal_cdf(-excursion)).min(1.0) };
-    let in_time = of_time.iter().copied().fold(p_outlier.min(p_jump), f64::min);
-    let smallest = of_bands.iter().copied().fold(in_time, f64::min);
+    // Five questions, each corrected for its own number of tests: bands, stretches, a creeping level, a jump, one reading.
+    let most = |p_values: &[f64]| QUESTIONS * p_values.len() as f64 * p_values.iter().copied().fold(1.0, f64::min);
+    let creeping = creep(&innovations, fourth, tolerance);
+    let [p_outlier, p_jump, p_creep] = [p_outlier, p_jump, creeping.1].map(|p| QUESTIONS * p);
+    let in_time = most(&of_time).min(p_outlier).min(p_jump).min(p_creep);
+    let smallest = most(&of_bands).min(in_time);
+    let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
-    let amiss = of_time.iter().filter(|p| **p * tests < ALPHA).count();
+    let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < ALPHA).count();
     Remainder {
-        p_value: (smallest * tests).min(1.0),
-        p_value_in_time: (in_time * tests).min(1.0),
-        jump: jump.filter(|_| p_jump * tests < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
-        only_there: failing.is_empty() && p_outlier.min(p_jump) * tests >= ALPHA && 4 * amiss <= of_time.len(),
+        p_value: smallest.min(1.0),
+        p_value_in_time: in_time.min(1.0),
+        jump: jump.filter(|_| p_jump < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
+        creep: (p_creep < ALPHA).then_some(creeping.0),
+        only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= ALPHA && 4 * amiss <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
         power: means.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(*m), high.max(*m)]),
-        outlier: (p_outlier * tests < ALPHA).then_some((at as f64 / channel.rate_hz, largest)),
+        outlier: (p_outlier < ALPHA).then_some((at as f64 / channel.rate_hz, largest)),
     }
+}
+
+/// Questions that are asked of what is left.
+const QUESTIONS: f64 = 5.0;
+
+/// Change of power from end to end along a straight line, over its mean, and the probability of as much by chance beyond a
+/// `tolerance` at either end.
+fn creep(innovations: &[f64], fourth: f64, tolerance: f64) -> (f64, f64) {
+    let count = innovations.len() as f64;
+    let sum: f64 = innovations.iter().enumerate().map(|(n, v)| ((n as f64 + 0.5) / count - 0.5) * v * v).sum();
+    let change = 12.0 * sum / count;
+    let deviation = (12.0 * (fourth - 1.0).max(0.05) / count).sqrt();
+    let beyond = (change.abs() - 2.0 * tolerance).max(0.0) / deviation;
+    (change, 2.0 * normal_cdf(-beyond))
 }
 
 /// Two-sided probability that a mean of `count` squares of unit variance is this far from one, beyond the tolerance.

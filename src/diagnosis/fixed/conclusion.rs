@@ -80,7 +80,7 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
         (true, false, true) => Outcome::Undecidable,
         (true, false, false) => Outcome::Explained,
     };
-    let location = location::locate(channels, selected, &remainders, described);
+    let location = location::locate(channels, selected, &remainders, &well);
     let ranking = ranking(channels, selected, &effects);
     let names = |i: usize| -> Vec<String> {
         effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect()

@@ -72,25 +72,25 @@ pub(super) fn strongest(channel: &Channel, fitted: &Fitted, tolerance: f64) -> J
     let margin = channel.values.len() / 64;
     let (at, largest) =
         sizes.iter().enumerate().fold((0, 0.0f64), |m, (n, z)| if z.abs() > m.1 { (n, z.abs()) } else { m });
-    let places = sizes.len() as f64;
+    let Some(apart) = independence(&sizes) else { return Jump { at: at + margin, p_value: 1.0 } };
+    // Between two independent places the largest of a smooth curve has a few more chances.
+    let places = 4.0 * sizes.len() as f64 / apart as f64;
     let single = 2.0 * places * normal_cdf(-largest / (1.0 + tolerance).sqrt());
-    Jump { at: at + margin, p_value: (2.0 * single.min(many(&sizes))).min(1.0) }
+    Jump { at: at + margin, p_value: (2.0 * single.min(many(&sizes, apart))).min(1.0) }
 }
 
-/// Probability of tails so heavy among steps that are apart enough to be independent.
-fn many(sizes: &[f64]) -> f64 {
+/// How far apart two steps' sizes hardly depend on one another; `None` where the recording holds too few such lengths.
+fn independence(sizes: &[f64]) -> Option<usize> {
     let power = |lag: usize| sizes.iter().zip(&sizes[lag..]).map(|(a, b)| a * b).sum::<f64>();
     let total = power(0).max(f64::MIN_POSITIVE);
-    let Some(apart) =
-        (0..31).map(|j| 1usize << j).take_while(|l| 30 * l < sizes.len()).find(|l| power(*l) < 0.1 * total)
-    else {
-        return 1.0;
-    };
-    let (mut second, mut fourth, mut n) = (0.0, 0.0, 0.0);
-    for z in sizes.iter().step_by(apart) {
-        (second, fourth, n) = (second + z * z, fourth + z.powi(4), n + 1.0);
-    }
-    heavy_tails(n * fourth / (second * second).max(f64::MIN_POSITIVE), n)
+    (0..31).map(|j| 1usize << j).take_while(|l| 30 * l < sizes.len()).find(|l| power(*l) < 0.1 * total)
+}
+
+/// Probability of tails so heavy among steps; only those `apart` count as independent.
+fn many(sizes: &[f64], apart: usize) -> f64 {
+    let n = sizes.len() as f64;
+    let (second, fourth) = sizes.iter().fold((0.0, 0.0), |(s, f), z| (s + z * z, f + z.powi(4)));
+    heavy_tails(n * fourth / (second * second).max(f64::MIN_POSITIVE), n / apart as f64)
 }
 
 /// Probability of a kurtosis at least this large among `n` normal values: Anscombe & Glynn, Biometrika 70, 1983.

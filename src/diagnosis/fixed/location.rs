@@ -9,8 +9,9 @@ use crate::diagnosis::verdict::{Stretch, Where};
 /// Channels spoken of in the summary; the page shows all.
 const SPOKEN_OF: usize = 3;
 
-/// Of the mismatch that repair removed where all is `described`, else of what is left.
-pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[Remainder], described: bool) -> Where {
+/// Of the mismatch that repair removed where all channels are described `well`, else of what is left.
+pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[Remainder], well: &[bool]) -> Where {
+    let described = well.iter().all(|w| *w);
     let base: Vec<Remainder>;
     let shown: &[Remainder] = if described {
         base = channels.iter().zip(selected).map(|(c, s)| check::remainder(c, &s.base, 0.0)).collect();
@@ -27,7 +28,11 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
     // Averaging times that a band of frequency shows in: a third to a half of its period.
     let state =
         frequency_hz.iter().map(|s| Stretch { from: 0.37 / s.to, to: 0.37 / s.from, excess: s.excess }).collect();
-    let off: Vec<usize> = order.into_iter().filter(|i| shown[*i].p_value * (channels.len() as f64) < ALPHA).collect();
+    let stands_out = |i: &usize| match described {
+        true => shown[*i].p_value * (channels.len() as f64) < ALPHA,
+        false => !well[*i],
+    };
+    let off: Vec<usize> = order.into_iter().filter(stands_out).collect();
     let mut spoken: Vec<String> =
         off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)).collect();
     if off.len() > SPOKEN_OF {
@@ -69,6 +74,11 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
         .map(|(at, size)| format!(" A single reading at {} lies {} standard deviations off.", time(at), short(size)));
     let [low, high] = remainder.power.map(short);
     let unsteady = match remainder.time_s.as_slice() {
+        [] if remainder.creep.is_some() => format!(
+            "{name}: its noise is not steady, its power {} by {} of its mean from end to end.",
+            if remainder.creep.is_some_and(|c| c > 0.0) { "grows" } else { "falls" },
+            short(remainder.creep.unwrap_or(0.0).abs())
+        ),
         [] if single.is_some() => return format!("{name}:{}", single.unwrap_or_default()),
         [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
         [first, more @ ..] => format!(
