@@ -144,7 +144,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let something = !named.is_empty() || lattice.is_some();
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
         Outcome::Undecidable
-    } else if something && (white || even && gone > NEARLY_ALL && !selection.cut_short) {
+    } else if something && (white || gone > NEARLY_ALL && !selection.cut_short) {
         Outcome::Explained
     } else if white {
         Outcome::Adequate

@@ -39,6 +39,8 @@ pub const SMALLEST_GAIN: f64 = 0.005;
 const LEAST_OF_REST: f64 = 0.03;
 /// The same for the third term and later ones: what takes so many terms and is not done is something else.
 const FAIR_PART_OF_REST: f64 = 0.2;
+/// Unless next to nothing is left of the base model's error: the rest is detail then.
+const NEARLY_NOTHING: f64 = 0.01;
 /// Share of the variance that may still be foreseen in a model that is done.
 const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
@@ -313,7 +315,8 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
         let here = refined(data, &chosen.fit, scales);
         let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
         let trials = round(data, &chosen, &open, &here, SURE);
-        let rest = if chosen.fit.shape.terms.len() < 2 { LEAST_OF_REST } else { FAIR_PART_OF_REST };
+        let nearly_done = chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
+        let rest = if chosen.fit.shape.terms.len() < 2 || nearly_done { LEAST_OF_REST } else { FAIR_PART_OF_REST };
         let best = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
