@@ -81,10 +81,35 @@ const LOST = 1e6;
 const PARTIAL = 64u;
 const MOST_DIRECTIONS = 16u;
 
-var<private> point: u32;
+// The point's columns, read once: places are constants everywhere, so that compilers keep them in registers.
+var<private> own_columns: array<f32, 42>;
 
 fn column(which: u32) -> f32 {
-    return columns[which * tile.points + point];
+    return own_columns[which];
+}
+
+fn four(point: u32, first: u32) -> vec4<f32> {
+    let n = tile.points;
+    let at = first * n + point;
+    return vec4<f32>(columns[at], columns[at + n], columns[at + 2u * n], columns[at + 3u * n]);
+}
+
+fn load(point: u32) {
+    let a = four(point, 0u);
+    let b = four(point, 4u);
+    let c = four(point, 8u);
+    let d = four(point, 12u);
+    let e = four(point, 16u);
+    let f = four(point, 20u);
+    let g = four(point, 24u);
+    let h = four(point, 28u);
+    let i = four(point, 32u);
+    let j = four(point, 36u);
+    let k = four(point, 38u);
+    own_columns = array<f32, 42>(
+        a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w, d.x, d.y, d.z, d.w, e.x, e.y, e.z, e.w,
+        f.x, f.y, f.z, f.w, g.x, g.y, g.z, g.w, h.x, h.y, h.z, h.w, i.x, i.y, i.z, i.w, j.x, j.y, k.x, k.y, k.z, k.w,
+    );
 }
 
 // A matrix of the exact propagation, row by row.
@@ -212,11 +237,12 @@ fn is_lost(x: f32) -> bool {
 
 @compute @workgroup_size(64)
 fn misfit(@builtin(global_invocation_id) id: vec3<u32>) {
-    point = id.x;
+    let point = id.x;
     let n = tile.points;
     if point >= n {
         return;
     }
+    load(point);
     let h = 1.0 / f32(STEPS);
     let full = matrix(FULL);
     let half = matrix(HALF);
