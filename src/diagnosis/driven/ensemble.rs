@@ -4,13 +4,16 @@
 //! leave after the parameters fitted so far had moved along: its errors less their projection on the model's own
 //! derivatives. The best few are where the fit begins. Not for noise terms, which no free simulation shows.
 
+use rayon::prelude::*;
+
 use crate::backend::misfits::evaluate;
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::misfit::{Job, MOST_DIRECTIONS, Misfit, Point, Units};
 
-use super::fit::{BASE, Data, Fit, GAIN, INITIAL, OFFSET, OMEGA, Shape, ZETA};
+use super::filter::Nothing;
+use super::fit::{BASE, Data, Fit, GAIN, INITIAL, OFFSET, OMEGA, Shape, ZETA, innovations};
 use super::input::Input;
-use super::term::{Scales, Term};
+use super::term::{self, Scales, Term};
 
 /// Points in parameter space to look at before a fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,12 +40,12 @@ pub struct Ensemble<'a> {
 impl<'a> Ensemble<'a> {
     /// Around a model fitted to this data; `None` where the kernel does not have one of its terms.
     pub fn around(data: &'a Data, fit: &'a Fit, scales: &Scales) -> Option<Self> {
+        placed(&fit.shape, &fit.point)?;
         Self::but(data, fit, scales, None)
     }
 
-    /// The same with one free parameter, by its place among them, held where each point puts it.
+    /// Around any model, with one free parameter, by its place among them, held where each point puts it.
     pub fn but(data: &'a Data, fit: &'a Fit, scales: &Scales, held: Option<usize>) -> Option<Self> {
-        placed(&fit.shape, &fit.point)?;
         if fit.linear.residual.len() != data.train_len() {
             return None;
         }
@@ -86,11 +89,31 @@ impl<'a> Ensemble<'a> {
         let (shape, _) = models.first()?;
         let steps = models.iter().map(|m| shape.coarse_steps(&m.1, scales)).max()?.max(self.fit.steps);
         let placed = models.iter().map(|m| placed(shape, &m.1)).collect::<Option<Vec<Point>>>()?;
-        Some(self.evaluate(&placed, steps)?.iter().map(unexplained).collect())
+        self.evaluate(&placed, steps)
     }
 
-    /// Points of the kernel, on the fitted rows; `None` when stopped.
-    pub fn evaluate(&self, points: &[Point], steps: usize) -> Option<Vec<Misfit>> {
+    /// The same for points of the fitted model itself, by the diagnosis' own filter where the kernel does not have a term.
+    pub fn left_at(&self, points: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let (shape, steps) = (&self.fit.shape, self.fit.steps);
+        if let Some(placed) = points.iter().map(|p| placed(shape, p)).collect::<Option<Vec<Point>>>() {
+            return self.evaluate(&placed, steps);
+        }
+        let run = self.fit.run(self.data, true);
+        let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
+        let of_group = |group: &[Vec<f64>]| {
+            let lanes = innovations(self.data, shape, group, &run, &mut Nothing);
+            let one = |l: usize| {
+                let sum: f64 = rows.iter().map(|k| lanes[*k][l].powi(2)).sum();
+                let along = |b: &Vec<f64>| rows.iter().map(|k| lanes[*k][l] * b[*k]).sum::<f64>().powi(2);
+                sum - self.basis.iter().map(along).sum::<f64>()
+            };
+            (0..group.len()).map(one).collect::<Vec<f64>>()
+        };
+        Some(points.par_chunks(term::LANES).flat_map_iter(of_group).collect())
+    }
+
+    /// What points of the kernel leave; `None` when stopped.
+    fn evaluate(&self, points: &[Point], steps: usize) -> Option<Vec<f64>> {
         let job = Job {
             reading: &self.data.reading,
             grid: self.data.input.as_ref().map_or(&[], |i| i.grid(steps)),
@@ -103,18 +126,18 @@ impl<'a> Ensemble<'a> {
         };
         // A group of 64 in single precision takes about as long as eight parameter sets in the filter.
         self.data.work.add(job.run.len() * steps * points.len().div_ceil(LANES));
-        evaluate::<f32>(&job, points).ok()
+        Some(evaluate::<f32>(&job, points).ok()?.iter().map(unexplained).collect())
     }
 }
 
 /// What is left of a misfit after its projections.
-pub fn unexplained(misfit: &Misfit) -> f64 {
+fn unexplained(misfit: &Misfit) -> f64 {
     let along: f64 = misfit.along.iter().map(|a| a * a).sum();
     misfit.squares.iter().sum::<f64>() - along
 }
 
 /// A model as the kernel takes it; `None` where that does not have one of its terms.
-pub fn placed(shape: &Shape, p: &[f64]) -> Option<Point> {
+fn placed(shape: &Shape, p: &[f64]) -> Option<Point> {
     let (gain, omega_rad_s, zeta) = (p[GAIN], p[OMEGA], p[ZETA]);
     let base =
         Point { gain, omega_rad_s, zeta, offset: p[OFFSET], x0: p[INITIAL], v0: p[BASE - 1], ..Point::default() };

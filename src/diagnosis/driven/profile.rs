@@ -2,16 +2,15 @@
 //! elsewhere while all others follow (profile likelihood).
 //!
 //! The ensemble evaluates the grid in one go: each point starts where the others' Gaussian approximation puts them, is
-//! simulated freely, and what they could still take up is projected out. A check on the interval stated (`interval`), not
-//! its source; noise terms have none, because no free simulation shows them.
+//! simulated, and what they could still take up is projected out. A check on the interval stated (`interval`), not its
+//! source. The strength of a noise has no profile here: it changes no simulation.
 
 use crate::diagnosis::verdict::Effect;
-use crate::kernel::misfit::Point;
 
-use super::ensemble::{Ensemble, placed, unexplained};
+use super::ensemble::Ensemble;
 use super::fit::{Data, Fit, Search};
 use super::interval::Spread;
-use super::term::{Coordinate, Scales};
+use super::term::{Coordinate, Scales, Term};
 
 /// Points on either side of the best value.
 const SIDE: usize = 16;
@@ -19,6 +18,9 @@ const SIDE: usize = 16;
 const REACH: f64 = 2.0;
 /// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree of freedom.
 pub const FALL: f64 = 1.920_729;
+
+/// Log-likelihood below which a whole profile is flat.
+const FLAT: f64 = 0.1;
 
 /// One parameter's profile.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,26 +49,29 @@ impl Profile {
         Some([down, up])
     }
 
-    /// A sentence where the profile is much wider than the interval stated.
+    /// A sentence where the profile is flat, or much wider than the interval stated.
     pub fn finding(&self) -> Option<String> {
         let stated = self.ci95[1] - self.ci95[0];
+        let most = self.points.iter().map(|p| p.1).fold(0.0, f64::max);
+        if most < FLAT {
+            return Some(format!("{}: nothing in the recording depends on its value", self.label));
+        }
         let wider = self.interval().is_none_or(|[a, b]| b - a > 1.5 * stated);
-        // Still unlikely enough at the edge of what was looked at: nothing is open-ended.
+        // Still likely at an edge of what was looked at.
         let open = self.points.first().zip(self.points.last()).is_some_and(|(a, b)| a.1.min(b.1) < FALL);
-        (stated > 0.0 && wider && open).then(|| {
-            format!(
-                "{}: the misfit rises more slowly than its stated interval assumes; take the interval as too short",
-                self.label
-            )
+        (wider && open).then(|| {
+            let what = "the misfit rises more slowly than its stated interval assumes; take the interval as too short";
+            format!("{}: {what}", self.label)
         })
     }
 }
 
-/// A profile of every parameter of every named effect that the search kernel has.
+/// A profile of every parameter of every named effect that a simulation shows.
 pub fn profiles(data: &Data, fit: &Fit, scales: &Scales, effects: &[Effect], spread: &Spread) -> Vec<Profile> {
     let mut all = Vec::new();
     for effect in effects {
-        let Some(index) = fit.shape.terms.iter().position(|t| t.id() == effect.id) else { continue };
+        let simulated = |t: &Term| t.id() == effect.id && t.noise().is_none();
+        let Some(index) = fit.shape.terms.iter().position(simulated) else { continue };
         for (j, stated) in effect.parameters.iter().enumerate() {
             let place = fit.shape.first[index] + j;
             let Some(free) = fit.free.iter().position(|f| *f == place) else { continue };
@@ -110,8 +115,7 @@ fn rise(
             search.point(&centre.iter().enumerate().map(|(k, z)| z + follow(k)).collect::<Vec<f64>>())
         })
         .collect();
-    let placed = grid.iter().map(|p| placed(&fit.shape, p)).collect::<Option<Vec<Point>>>()?;
-    let left: Vec<f64> = ensemble.evaluate(&placed, fit.steps)?.iter().map(unexplained).collect();
+    let left = ensemble.left_at(&grid)?;
     let least = left.iter().copied().fold(f64::INFINITY, f64::min);
     let rows = fit.linear.residual.len() as f64 / dispersion.max(1.0);
     let mut points: Vec<(f64, f64)> = grid
@@ -138,6 +142,7 @@ mod tests {
         let [a, b] = parabola(1.0).interval().unwrap_or_default();
         assert!((a - 2.0).abs() < 1e-12 && (b - 4.0).abs() < 1e-12);
         assert_eq!(parabola(1.0).finding(), None);
-        assert!(parabola(5.0).finding().is_some());
+        assert!(parabola(5.0).finding().is_some_and(|f| f.contains("too short")));
+        assert!(parabola(50.0).finding().is_some_and(|f| f.contains("nothing in the recording")));
     }
 }
