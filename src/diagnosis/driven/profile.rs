@@ -6,6 +6,7 @@
 //! source. The strength of a noise has no profile here: it changes no simulation.
 
 use crate::diagnosis::verdict::Effect;
+use crate::numerics::least_squares::Linear;
 
 use super::ensemble::Ensemble;
 use super::fit::{Data, Fit, Search};
@@ -98,7 +99,14 @@ fn rise(
     let ensemble = Ensemble::but(data, fit, scales, Some(free))?;
     let search = Search::all(data, &fit.shape, &fit.point, scales);
     let centre = search.z(&fit.point);
-    let inverse = fit.linear.normal().inverse(0.0)?;
+    // A noise's strength stays: it bends the gain, and where that ends no tangent says.
+    let terms = || fit.shape.terms.iter().zip(&fit.shape.first);
+    let is_strength =
+        |i: usize| terms().any(|(t, first)| t.noise().is_some() && (*first..first + t.parameters()).contains(&i));
+    let moving: Vec<usize> = (0..fit.free.len()).filter(|k| !is_strength(fit.free[*k])).collect();
+    let held = moving.iter().position(|k| *k == free)?;
+    let columns = moving.iter().map(|k| fit.linear.columns[*k].clone()).collect();
+    let inverse = Linear { residual: fit.linear.residual.clone(), columns }.normal().inverse(0.0)?;
     let coordinate = |value: f64| match search.coordinates[place] {
         Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => value / scale,
         Coordinate::Log(low, _) => value.max(low).ln(),
@@ -111,8 +119,9 @@ fn rise(
     let grid: Vec<Vec<f64>> = (0..=2 * SIDE)
         .map(|i| {
             let off = half * (i as f64 / SIDE as f64 - 1.0);
-            let follow = |k: usize| inverse[(k, free)] / inverse[(free, free)] * off;
-            search.point(&centre.iter().enumerate().map(|(k, z)| z + follow(k)).collect::<Vec<f64>>())
+            let mut z = centre.clone();
+            moving.iter().enumerate().for_each(|(m, k)| z[*k] += inverse[(m, held)] / inverse[(held, held)] * off);
+            search.point(&z)
         })
         .collect();
     let left = ensemble.left_at(&grid)?;
