@@ -31,15 +31,16 @@ pub fn mend(columns: &mut [Vec<f64>]) -> Mended {
     if places.is_empty() {
         return Mended::default();
     }
-    // a, b, b, c: where c is the next sample, a, b, c lie on a smooth line; where one was lost, a, b, (?), c do.
+    // z, a, b, b, c: where c is the next sample, z, a, b, c lie on a parabola; where one was lost, z, a, b, (?), c do. Either
+    // misfit is over what unit noise would make of it.
     let (mut twice, mut lost) = (0.0, 0.0);
-    for k in places.iter().copied().filter(|k| *k >= 2 && k + 1 < rows) {
+    for k in places.iter().copied().filter(|k| *k >= 3 && k + 1 < rows) {
         for c in columns.iter() {
-            let (a, b, next) = (c[k - 2], c[k - 1], c[k + 1]);
-            let size = (b - a).abs() + (next - b).abs();
+            let (z, a, b, next) = (c[k - 3], c[k - 2], c[k - 1], c[k + 1]);
+            let size = (a - z).abs() + (b - a).abs() + (next - b).abs();
             if size.is_finite() && size > 0.0 {
-                twice += ((next - 2.0 * b + a) / size).abs();
-                lost += ((next - 3.0 * b + 2.0 * a) / size).abs();
+                twice += ((next - 3.0 * b + 3.0 * a - z) / size).abs() / 20f64.sqrt();
+                lost += ((next - 6.0 * b + 8.0 * a - 3.0 * z) / size).abs() / 110f64.sqrt();
             }
         }
     }
