@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples that a search may always take for granted: shorter recordings get the work of this many.
 const LEAST_SAMPLES: usize = 20_000;
 /// Integration steps, eight parameter sets side by side counted as one, that a search may spend per sample.
-const STEPS_PER_SAMPLE: u64 = 2_000;
+const STEPS_PER_SAMPLE: u64 = 5_000;
 
 /// A counter that all copies of a recording share.
 #[derive(Debug, Clone, Default)]
