@@ -159,7 +159,8 @@ fn ranking(channels: &[Channel], selected: &[Selected], effects: &[Effect]) -> V
         let best = selected.alone.iter().map(|t| t.gain).fold(f64::MIN_POSITIVE, f64::max);
         for tried in selected.alone.iter().filter(|t| t.id != BAND_LIMIT) {
             let named = effects.iter().any(|e| e.id == tried.id && e.channels.contains(&channel.name));
-            let gain = tried.gain / best;
+            // A share of a best that is itself chance says nothing.
+            let gain = if tried.counts(correction) { tried.gain / best } else { 0.0 };
             out.push(Ranked {
                 id: tried.id,
                 channels: vec![channel.name.clone()],

@@ -56,11 +56,11 @@ fn sizes(channel: &Channel, fitted: &Fitted) -> Vec<f64> {
     let mut after: f64 = weighted[margin..].iter().sum();
     let mut out = Vec::with_capacity(count - 2 * margin);
     for (span, ends) in places.windows(2).zip(known.windows(2)) {
-        for n in span[0]..span[1] {
-            let share = (n - span[0]) as f64 / (span[1] - span[0]) as f64;
+        for (n, gone) in weighted[span[0]..span[1]].iter().enumerate() {
+            let share = n as f64 / (span[1] - span[0]) as f64;
             let information = ends[0] + share * (ends[1] - ends[0]);
             out.push(after / information.max(f64::MIN_POSITIVE).sqrt());
-            after -= weighted[n];
+            after -= gone;
         }
     }
     out

@@ -33,8 +33,10 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
         false => !well[*i],
     };
     let off: Vec<usize> = order.into_iter().filter(stands_out).collect();
-    let mut spoken: Vec<String> =
-        off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)).collect();
+    let (leaping, off): (Vec<usize>, Vec<usize>) =
+        off.into_iter().partition(|i| !described && shown[*i].jump.is_some());
+    let mut spoken = jumps(channels, shown, leaping);
+    spoken.extend(off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)));
     if off.len() > SPOKEN_OF {
         let names: Vec<&str> = off[SPOKEN_OF..].iter().map(|i| channels[*i].name.as_str()).collect();
         spoken.push(format!("Also in {}.", names.join(", ")));
@@ -46,15 +48,27 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
     Where { summary: spoken.join(" "), time_s, frequency_hz, state, state_cells: Vec::new() }
 }
 
+/// A sentence for every moment at which channels jump, however many do.
+fn jumps(channels: &[Channel], shown: &[Remainder], mut leaping: Vec<usize>) -> Vec<String> {
+    let mut out = Vec::new();
+    while let Some(first) = leaping.first().copied() {
+        let at = |i: usize| shown[i].jump.unwrap_or(0.0);
+        let (same, others): (Vec<usize>, Vec<usize>) =
+            leaping.into_iter().partition(|i| (at(*i) - at(first)).abs() <= 0.01 * at(first));
+        let names: Vec<&str> = same.iter().map(|i| channels[*i].name.as_str()).collect();
+        out.push(format!(
+            "{}: the bias jumps, most at {}; no law of noise or drift in the library does that.",
+            names.join(", "),
+            time(at(first))
+        ));
+        leaping = others;
+    }
+    out
+}
+
 /// One channel's remainder in a sentence.
 fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
     let by = if described { "of white noise" } else { "that the best model explains" };
-    if let Some(at) = remainder.jump.filter(|_| !described) {
-        return format!(
-            "{name}: its bias jumps, most at {}; no law of noise or drift in the library does that.",
-            time(at)
-        );
-    }
     let strongest = remainder.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
     if let Some(s) = strongest {
         // A law of drift or noise reaches over a decade at least.
