@@ -25,7 +25,7 @@ pub fn tests() -> Vec<Trial> {
             "driven: of the whole library, planted one by one, nearly all are named alone and none is misnamed",
             library,
         ),
-        test("driven: physics that is not in the library is given no name", foreign),
+        test("driven: of physics that is not in the library, nearly none is given a name", foreign),
         test("driven: a ring-down without input shows its friction or stays silent", ring_down),
         test("driven: bad input is refused in words", refused),
         data_test(
@@ -144,14 +144,25 @@ fn library() -> Result<(), Failed> {
     )
 }
 
+// The aim is nine of ten; five kinds unlike each other, of which one may be named. The blind trial has ten, and numbers.
 fn foreign() -> Result<(), Failed> {
-    for effect in [Physics::FractionalDamper, Physics::SofteningWithHistory, Physics::GainControl] {
-        let (found, _) = diagnosed(&plan(Some(effect), 0.05))?;
+    let kinds = [
+        Physics::FractionalDamper,
+        Physics::SofteningWithHistory,
+        Physics::GainControl,
+        Physics::NegativeDamping,
+        Physics::ClockWander,
+    ];
+    let mut named = Vec::new();
+    for effect in kinds {
+        let (found, _) = diagnosed(&Plan { samples: 5000, ..plan(Some(effect), 0.05) })?;
         let v = &found.verdict;
-        let silent = v.effects.is_empty() && matches!(v.verdict, Outcome::Unexplained | Outcome::Undecidable);
-        check(silent, format!("{effect:?}: {:?} {:?}", v.verdict, ids(v)))?;
+        check(v.verdict != Outcome::Adequate, format!("{effect:?} is not seen"))?;
+        if !v.effects.is_empty() {
+            named.push(format!("{effect:?}: {:?} {:?}", v.verdict, ids(v)));
+        }
     }
-    Ok(())
+    check(named.len() <= 1, named.join("; "))
 }
 
 fn ring_down() -> Result<(), Failed> {
