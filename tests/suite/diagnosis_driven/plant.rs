@@ -14,8 +14,8 @@ use proofmass::trial::plant::{self, Size};
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
     pub physics: Option<Physics>,
-    /// Root-mean-square change of the output that the effect makes, relative to the output.
-    pub share: f64,
+    /// Of the effect, relative to the output.
+    pub size: Size,
     pub samples: usize,
     pub rate_hz: f64,
     pub resonance_hz: f64,
@@ -50,10 +50,10 @@ pub fn plant(plan: &Plan) -> Result<Planted, Failed> {
         let planted = (0..8).any(|attempt| {
             let mut rng = Philox::new(plan.seed, attempt, Stream::Host);
             let shape = plant::shape(&mut rng, physics, &case);
-            plant::plant(&mut case, physics, shape, Size::Raw(plan.share))
+            plant::plant(&mut case, physics, shape, plan.size)
         });
         if !planted {
-            return Err(format!("{} cannot be planted at {}", physics.id(), plan.share).into());
+            return Err(format!("{} cannot be planted at {:?}", physics.id(), plan.size).into());
         }
     }
     let strength = case.planted.first().map_or(0.0, |p| p.term.value(&case.scales));
