@@ -10,10 +10,11 @@ use crate::error::{Error, Result};
 use crate::progress;
 use crate::sensor::ProofMass;
 
-/// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 of the amplitude per period.
+/// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres stated.
 const STEPS_PER_RADIAN: f64 = 12.0;
-/// The motion repeats when neither position nor velocity changes by more than this share of its size in a period.
-const REPEATS: f64 = 1e-10;
+/// The motion repeats when neither position nor velocity changes by more than this share of its size in a period: what it
+/// still changes by is multiplied by the square of the periods left.
+const REPEATS: f64 = 1e-13;
 /// More steps than this no user waits for: then the last period stands for all others.
 const MOST_STEPS: usize = 30_000_000;
 

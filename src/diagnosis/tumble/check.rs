@@ -14,7 +14,7 @@ use crate::recording::Recording;
 
 /// Fewer poses than this leave no more equations than the base model and one candidate have unknowns.
 const FEWEST_POSES: usize = 8;
-/// Variance within a pose over that of a quiet one from which it was moved: a tenfold standard deviation.
+/// Variance within a pose over that of its noise from which it was moved: a tenfold standard deviation.
 const RESTLESS: f64 = 100.0;
 
 fn fail(path: &Path, cause: impl Into<String>, hint: &str) -> Error {
@@ -71,15 +71,16 @@ pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -
         let mean = of.iter().sum::<f64>() / of.len().max(1) as f64;
         of.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / of.len().max(1) as f64
     };
+    // Noise by differences of neighbours, which hardly see a motion; where rounding hides it, the step stands for it.
+    let noise = |of: &[f64]| of.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * of.len().max(1)) as f64;
     let mut moved = vec![false; observed.poses.len()];
     for column in imu.gyro.iter().chain(&imu.accelerometer) {
-        let within: Vec<f64> = observed.poses.iter().map(|p| scatter(&column[p.samples.clone()])).collect();
-        let mut sorted = within.clone();
+        let mut sorted: Vec<f64> = observed.poses.iter().map(|p| noise(&column[p.samples.clone()])).collect();
         sorted.sort_by(f64::total_cmp);
-        // The quietest quarter lies still if any does; what rounding alone adds may be all that the quietest shows.
         let step = column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
-        let quiet = sorted[sorted.len() / 4].max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
-        moved.iter_mut().zip(&within).for_each(|(m, w)| *m |= *w > RESTLESS * quiet);
+        let quiet = sorted[sorted.len() / 2].max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
+        let restless = observed.poses.iter().map(|p| scatter(&column[p.samples.clone()]) > RESTLESS * quiet);
+        moved.iter_mut().zip(restless).for_each(|(m, r)| *m |= r);
     }
     let count = moved.iter().filter(|m| **m).count();
     if 3 * count > moved.len() {
