@@ -224,10 +224,11 @@ impl Case {
         }
     }
 
-    /// Symbol and value of the last planted effect's first parameter, in the channel that shows it most.
+    /// Symbol and value of the last planted effect's first parameter that is not zero, in the channel that shows
+    /// it most.
     pub fn strength(&self) -> Option<(&'static str, f64)> {
         match &self.body {
-            Body::Driven(d) => d.planted.last()?.term.parameters(&d.scales).first().copied(),
+            Body::Driven(d) => d.planted.last()?.term.parameters(&d.scales).into_iter().find(|p| p.1 != 0.0),
             Body::Still(s) => {
                 let process = s.planted.last()?;
                 let most = (0..3).max_by(|a, b| process.channels[*a].abs().total_cmp(&process.channels[*b].abs()))?;
