@@ -56,7 +56,7 @@ fn zoom(detail: &Detail) -> Exhibit {
         figure: chart.draw(),
         caption: if detail.named {
             "Free simulation: no reading corrects either model. Where the dashed line leaves the dots is what was left out; \
-             the red line has it."
+             the orange line has it."
                 .into()
         } else {
             "Free simulation: no reading corrects the model. Nothing is named, so there is only the base model to draw."

@@ -26,7 +26,10 @@ pub fn tests() -> Vec<Trial> {
             "driven: of the whole library, planted one by one, nearly all are named alone and none is misnamed",
             library,
         ),
-        test("driven: of physics that is not in the library, nearly none is given a name", foreign),
+        test(
+            "driven: physics that is not in the library, 5 % after a refit of the base, is seen and given no name",
+            foreign,
+        ),
         test("driven: a ring-down without input shows its friction or stays silent", ring_down),
         test("driven: bad input is refused in words", refused),
         data_test(
@@ -164,7 +167,7 @@ fn foreign() -> Result<(), Failed> {
             named.push(format!("{effect:?}: {:?} {:?}", v.verdict, ids(v)));
         }
     }
-    check(named.len() <= 1, named.join("; "))
+    check(named.is_empty(), named.join("; "))
 }
 
 fn ring_down() -> Result<(), Failed> {

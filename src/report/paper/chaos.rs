@@ -80,7 +80,7 @@ fn seventeen(page: &mut Page, attractor: &Attractor) {
         (&scan("ω = 1.5 rad/s", radian), "Largest exponent along F₀, read as an angular frequency."),
         (
             &scan("ω = 2π·1.5 rad/s", hertz),
-            "Read as printed, 1.5 Hz: blue dots above zero without a red one are chaos that \
+            "Read as printed, 1.5 Hz: blue dots above zero without an orange one are chaos that \
                    does not last.",
         ),
     ]);

@@ -63,7 +63,7 @@ fn moving(page: &mut Page, pitch: &Pitch) {
     page.figure(
         &pitches("One move of figure 5", &force, &gyro).draw(),
         "The move of the recording on which accelerometer and gyro disagree most. The gyro's curve is the true motion to about \
-         a tenth of a degree, as its agreement with the next pose shows; the rest of the red curve is the hand.",
+         a tenth of a degree, as its agreement with the next pose shows; the rest of the orange curve is the hand.",
     );
     checks(page, six);
 }
