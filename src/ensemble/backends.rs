@@ -92,6 +92,7 @@ mod tests {
         let still = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
         let mut job = job(Sensor::ideal(), members, &[1.0], still, Integrator::Ideal);
         job.clock.samples = samples;
+        job.clock.steps_per_sample = 1;
         worth_a_gpu(&job, threads)
     }
 

@@ -138,7 +138,8 @@ mod tests {
         let power = Power::fit(&cases).expect("both kinds");
         let (limit, [low, high]) = (power.best.size_at(0.9), power.size_ci95(0.9));
         assert!((0.15..0.35).contains(&limit), "{limit}");
-        assert!(low <= limit && limit <= high && high < 2.0 * low, "{low} {high}");
+        // Cases that a size parts cleanly say nothing of the slope: the size of nine in ten is then known to a factor of three.
+        assert!(low <= limit && limit <= high && high < 3.0 * low, "{low} {high}");
         assert!(Power::fit(&[(1.0, true), (2.0, true)]).is_none());
     }
 }

@@ -408,8 +408,8 @@ mod tests {
         let one = |r: Range<usize>| std::slice::from_ref(Box::leak(Box::new(r)));
         assert_eq!(minus(&[0..10, 20..30], one(5..25)), vec![0..5, 25..30]);
         assert_eq!(minus(one(0..10), one(20..25)), one(0..10));
-        let (fitted, validation) = interleaved(one(0..1200));
-        assert_eq!(fitted.iter().chain(&validation).map(Range::len).sum::<usize>(), 1200);
+        let (fitted, validation) = interleaved(one(0..7200));
+        assert_eq!(fitted.iter().chain(&validation).map(Range::len).sum::<usize>(), 7200);
         assert_eq!(validation.len(), BLOCKS / 3);
     }
 }

@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn gravity_of_the_wrong_length_is_asked_about_and_the_right_one_is_not() {
-        assert!(gravity(&[0.1, 0.2, 9.79], "g").is_some_and(|f| f.contains("9.8")));
+        assert!(gravity(&[0.1, 0.2, 9.79], "g").is_some_and(|f| f.contains("9.79")));
         assert!(gravity(&[600.0, 0.0, 800.0], "g").is_some());
         assert!(gravity(&[0.6, 0.0, 0.8], "g").is_none());
         assert!(gravity(&[6.0, 0.0, 7.7], "m/s2").is_none());
