@@ -144,16 +144,19 @@ mod tests {
 
     #[test]
     fn a_jump_stands_out_from_a_walk_fitted_to_it_and_a_walk_does_not() {
-        let (mut found, mut preferred, mut alarms) = (0, 0, 0);
+        // Of two sizes, in standard deviations of the white noise.
+        let sizes = [1.4, 3.0];
+        let (mut found, mut preferred, mut alarms) = ([0; 2], [0; 2], 0);
         for member in 0..20 {
             let mut rng = Philox::new(9, member, Stream::Host);
             let draw = |rng: &mut Philox| -> f64 { StandardNormal.sample(rng) };
-            let jump: Vec<f64> =
-                (0..6000).map(|n| draw(&mut rng) + if n > 2000 + 100 * member { 1.4 } else { 0.0 }).collect();
-            let (channel, fitted) = walk_fit(&jump);
-            found += usize::from(strongest(&channel, &fitted, 0.0).p_value < 1e-3);
-            preferred +=
-                usize::from(alone(&channel, &fitted).is_some_and(|j| j.at.abs_diff(2001 + 100 * member as usize) < 20));
+            let after = 2001 + 100 * member as usize;
+            for (s, size) in sizes.into_iter().enumerate() {
+                let jump: Vec<f64> = (0..6000).map(|n| draw(&mut rng) + if n >= after { size } else { 0.0 }).collect();
+                let (channel, fitted) = walk_fit(&jump);
+                found[s] += usize::from(strongest(&channel, &fitted, 0.0).p_value < 1e-3);
+                preferred[s] += usize::from(alone(&channel, &fitted).is_some_and(|j| j.at.abs_diff(after) < 20));
+            }
             let mut state = 0.0;
             let walk: Vec<f64> = (0..6000)
                 .map(|_| {
@@ -165,9 +168,9 @@ mod tests {
             alarms += usize::from(strongest(&channel, &fitted, 0.0).p_value < 0.01);
             alarms += usize::from(alone(&channel, &fitted).is_some());
         }
-        // A walk fitted to the jump takes most of it: three of twenty at this level come by chance once in a million, and the
-        // step describes it better nearly always.
-        assert!(found >= 3 && preferred >= 18, "{found} and {preferred} of 20 jumps");
+        // A walk fitted to a small jump takes most of it: three of twenty at this level come by chance once in a million.
+        assert!(found[0] >= 3 && found[1] >= 18, "{found:?} of 20 jumps stand out");
+        assert!(preferred.iter().all(|p| *p >= 18), "{preferred:?} of 20 are better described by a step");
         assert!(alarms <= 1, "{alarms} alarms");
     }
 }

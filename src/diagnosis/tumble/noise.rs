@@ -25,6 +25,7 @@ impl AxisNoise {
     /// Estimates both terms from what happens inside the poses.
     pub fn inside(values: &[f64], poses: &[Range<usize>], rate_hz: f64) -> Self {
         let record_s = values.len() as f64 / rate_hz;
+        let rounding = Rounding::inside(values, poses);
         let mut points: Vec<(f64, f64, f64)> = Vec::new();
         let mut m = ((0.05 * rate_hz).round() as usize).max(1);
         loop {
@@ -39,20 +40,17 @@ impl AxisNoise {
             }
             let count = steps.len() as f64;
             // Steps between neighbouring means are normal with variance 2σ²; their median size is 0.6745·√2·σ.
-            let middle = steps.len() / 2;
-            steps.select_nth_unstable_by(middle, f64::total_cmp);
-            let deviation = steps[middle] / (0.674_490 * 2f64.sqrt());
+            let deviation = median(&mut steps, rounding.step / m as f64) / (0.674_490 * 2f64.sqrt());
             points.push((m as f64 / rate_hz, deviation * deviation, count));
             m *= 2;
         }
         let (white, flicker) = split(&points);
-        let Rounding { of_mean, per_sample } = Rounding::inside(values, poses);
         Self {
             // The median of steps between rounded values may be zero; what rounding adds to a sample is not.
-            random_walk: white.max(per_sample / rate_hz).sqrt(),
+            random_walk: white.max(rounding.step * rounding.step / 12.0 / rate_hz).sqrt(),
             bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(),
             record_s,
-            rounding: of_mean,
+            rounding: rounding.of_mean,
         }
     }
 
@@ -68,6 +66,18 @@ impl AxisNoise {
         // In motion the reading sweeps over many steps, so that rounding averages out as the white noise does.
         (self.mean_variance(length_s) - self.rounding) * length_s * length_s
     }
+}
+
+/// Median of values that lie on a grid of this width (zero: on none), each standing for a cell of the grid: without the
+/// cells, the median of a coarse reading is a multiple of its step.
+fn median(values: &mut [f64], width: f64) -> f64 {
+    let middle = values.len() / 2;
+    values.select_nth_unstable_by(middle, f64::total_cmp);
+    let at = values[middle];
+    let below = values.iter().filter(|v| **v < at - 0.25 * width).count() as f64;
+    let within = values.iter().filter(|v| (**v - at).abs() <= 0.25 * width).count().max(1) as f64;
+    let (low, high) = ((at - 0.5 * width).max(0.0), at + 0.5 * width);
+    low + (high - low) * ((0.5 * values.len() as f64 - below) / within).clamp(0.0, 1.0)
 }
 
 /// Least squares of σ² = white/τ + flat in relative error (the weights 1/σ⁴ that Allan variances call for), both kept positive.
@@ -99,14 +109,14 @@ fn split(points: &[(f64, f64, f64)]) -> (f64, f64) {
 struct Rounding {
     /// Variance of a long mean about the truth, over all places between two steps.
     of_mean: f64,
-    /// q²/12; zero where no step is seen.
-    per_sample: f64,
+    /// The step q; zero where none is seen.
+    step: f64,
 }
 
 impl Rounding {
     /// From the values inside the poses, where a coarse reading repeats itself.
     fn inside(values: &[f64], poses: &[Range<usize>]) -> Self {
-        let none = Self { of_mean: 0.0, per_sample: 0.0 };
+        let none = Self { of_mean: 0.0, step: 0.0 };
         let inside = || poses.iter().map(|p| &values[p.clone()]);
         let changes = || inside().flat_map(|v| v.windows(2).map(|w| (w[1] - w[0]).abs()));
         // The moves sweep over every step, also where a quiet axis repeats one value in all poses.
@@ -126,7 +136,7 @@ impl Rounding {
         within.sort_by(f64::total_cmp);
         let mean_of = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
         let within = mean_of(&within[..within.len() - within.len() / 10]) / (q * q);
-        Self { of_mean: q * q * of_mean(noise_before_rounding(within)), per_sample: q * q / 12.0 }
+        Self { of_mean: q * q * of_mean(noise_before_rounding(within)), step: q }
     }
 }
 
@@ -192,9 +202,7 @@ mod tests {
             let expected = 49.0 * (of_mean(sigma) + (sigma * sigma + 1.0 / 12.0 - of_mean(sigma)) / 400.0);
             assert!((errors / expected - 1.0).abs() < 0.25, "law at {sigma}: {errors} {expected}");
             let claimed = noise.mean_variance(4.0);
-            // From half a step on, the median of steps between values is a whole step: the claim is then too cautious.
-            let most = if sigma < 0.5 { 0.5 } else { 2.6 };
-            assert!((-0.5..most).contains(&(claimed / errors).ln()), "claimed at {sigma}: {errors} {claimed}");
+            assert!((claimed / errors).ln().abs() < 0.5, "claimed at {sigma}: {errors} {claimed}");
         }
     }
 
