@@ -35,6 +35,7 @@ pub mod sensor;
 pub mod shape;
 pub mod spring;
 pub mod start;
+pub mod stretches;
 pub mod surface;
 pub mod term;
 pub mod words;
@@ -137,7 +138,7 @@ pub struct Shown {
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
     let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(recording, model)?;
-    let mut narrow = prepare::loudest(&data).unwrap_or_else(|| data.clone());
+    let mut narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
     if narrow.hull != data.hull {
         notes.findings.push(format!(
             "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",

@@ -283,13 +283,14 @@ fn silverbox(data: &Path) -> Result<(), Failed> {
     check(answer.code == Some(0), &answer.stderr)?;
     let verdict: Value = serde_json::from_str(&answer.stdout)?;
     check(verdict["effects"][0]["id"] == "cubic-stiffness", format!("{}", verdict["effects"]))?;
-    // Free simulation. The linear model's 6.96 and 14.4 mV and the best published, 0.26 mV and 0.26 to 0.37 mV, are those of
-    // Champneys et al., arXiv 2405.10779, and works cited there; a fifth of air for another machine's rounding.
+    // Free simulation. The linear model's 6.96 and 14.4 mV and the best published, 0.26 to 0.37 mV on the arrow, are those of
+    // Champneys et al., arXiv 2405.10779, and works cited there; 0.26 mV is a hair above what cubic and quadratic spring
+    // with x²x' damping leave on the multisine.
     for (range, linear, best) in [(0, 6.96e-3, 0.26e-3), (1, 14.4e-3, 0.37e-3)] {
         let score = &verdict["fit"]["test_ranges"][range];
         let rmse = |key: &str| score[key].as_f64().unwrap_or(f64::NAN);
         near("linear model", rmse("rmse_before"), linear, 0.02 * linear)?;
-        check(rmse("rmse_after") < 1.2 * best, format!("{score}"))?;
+        check(rmse("rmse_after") <= best, format!("{score}"))?;
     }
     Ok(())
 }

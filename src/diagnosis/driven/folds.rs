@@ -1,7 +1,7 @@
 //! Other ways to part the samples that are fitted from those that judge: for what is rare, and happens to lie on one side only.
 
 use super::fit::{Data, Fit, trace};
-use super::prepare::{Stretches, merged};
+use super::stretches::{Stretches, merged};
 
 /// How many times louder than the fitted samples the judging ones must be before they change sides.
 const LOUDER: f64 = 1.5;
