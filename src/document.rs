@@ -1,4 +1,4 @@
-//! Reading TOML with errors a person can act on, and writing files whole or not at all.
+//! Reading TOML with errors a person can act on, writing files whole or not at all, and how their checksums are written.
 //!
 //! Not for recordings: those stream, see `recording`.
 
@@ -50,6 +50,11 @@ fn hint(message: &str) -> String {
         };
     }
     "see the example in README.md; numbers need a digit on both sides of the point".into()
+}
+
+/// Bytes as hexadecimal digits, two each: how checksums are written.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Writes a file beside its place and renames it, so that a reader never sees half of it.

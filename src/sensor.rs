@@ -101,32 +101,6 @@ pub struct Sensor {
     pub excitation_gain: f64,
 }
 
-impl Sensor {
-    /// A sensor without any error.
-    pub fn ideal() -> Self {
-        Self {
-            proof_mass: None,
-            accelerometer: Accelerometer {
-                bias_m_s2: 0.0,
-                scale_factor: 0.0,
-                k2_per_m_s2: 0.0,
-                velocity_random_walk_m_s_rts: 0.0,
-                bias_instability_m_s2: 0.0,
-                acceleration_random_walk_m_s2_rts: 0.0,
-                quantisation_m_s2: 0.0,
-                range_m_s2: f64::INFINITY,
-            },
-            gyro: Gyro {
-                bias_rad_s: 0.0,
-                angle_random_walk_rad_rts: 0.0,
-                bias_instability_rad_s: 0.0,
-                rate_random_walk_rad_s_rts: 0.0,
-            },
-            excitation_gain: 1.0,
-        }
-    }
-}
-
 /// Without any error, excited as the study says.
 impl Default for Sensor {
     fn default() -> Self {

@@ -45,11 +45,6 @@ impl Summary {
             histogram,
         }
     }
-
-    /// Any quantile, 0 ≤ p ≤ 1.
-    pub fn quantile(&self, p: f64) -> f64 {
-        self.histogram.quantile(p, self.min, self.max)
-    }
 }
 
 /// On what an ensemble was integrated, for the provenance of a report.

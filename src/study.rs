@@ -132,11 +132,6 @@ impl Study {
         self.clock.step_s * f64::from(self.clock.steps_per_sample)
     }
 
-    /// The user's report times, s.
-    pub fn report_times_s(&self) -> Vec<f64> {
-        self.clock.report_samples.iter().map(|s| *s as f64 * self.sample_s()).collect()
-    }
-
     /// One member as drawn.
     pub fn member(&self, index: u64) -> Member {
         draw::member(&self.tolerances, self.excitation.variation, self.seed, index)

@@ -4,8 +4,6 @@
 
 /// Standard gravity, m/s² (CGPM 1901, exact by convention): the "g" of datasheets.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
-/// Boltzmann constant, J/K (SI 2019, exact).
-pub const BOLTZMANN_J_K: f64 = 1.380_649e-23;
 /// mg → m/s².
 pub const MILLI_G: f64 = 1e-3 * STANDARD_GRAVITY_M_S2;
 /// µg → m/s²; also µg/√Hz → (m/s²)/√Hz.

@@ -39,7 +39,7 @@ fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Jo
 /// Runge–Kutta 4 with force noise, two integrations, sums every 256 steps; fewer steps for very many members.
 pub fn full(members: u64) -> Job {
     let mass = ProofMass { force_noise_m_s_rts: 4e-4, ..duffing(30.0, 0.7) };
-    let sensor = Sensor { proof_mass: Some(mass), ..Sensor::ideal() };
+    let sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
     let samples = if members > 8192 { 512 } else { 4096 };
     job(sensor, members, samples, Integrator::RungeKutta4 { substeps: 1 })
 }
@@ -82,7 +82,7 @@ pub fn orbit_steps(points: usize, plan: &Plan) -> f64 {
 /// What an ensemble is mostly asked for.
 pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
-    let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::ideal() };
+    let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::default() };
     plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;
     let all = Sensor { proof_mass: Some(linear), ..everything() };
     vec![

@@ -120,7 +120,7 @@ mod tests {
             (|s| s.gyro.angle_random_walk_rad_rts = 1e-4, TIMES_S.map(|t| g * 1e-4 * t.powf(2.5) / 20f64.sqrt())),
         ];
         for (set, expected) in cases {
-            let mut sensor = Sensor::ideal();
+            let mut sensor = Sensor::default();
             set(&mut sensor);
             let vibration = Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 };
             let got = Drift::of(&sensor, &vibration).expect("nothing to interrupt").total();

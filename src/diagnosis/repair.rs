@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn densities_are_written_as_one_sided() {
-        let mut sensor = Sensor::ideal();
+        let mut sensor = Sensor::default();
         sensor.accelerometer.velocity_random_walk_m_s_rts = 60.0 * MICRO_G * DENSITY_TO_RANDOM_WALK;
         let keys = accelerometer_keys(&sensor);
         let density = keys.iter().find(|k| k.0 == "noise_density_ug_rthz").map(|k| k.1);

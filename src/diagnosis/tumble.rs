@@ -29,7 +29,6 @@ use nalgebra::Vector3;
 pub use calibration::Calibration;
 pub use candidate::CANDIDATES;
 pub use imu::Imu;
-pub use isolation::Residual;
 
 use super::model;
 use super::{Detail as AnyDetail, Diagnosis};
@@ -45,11 +44,7 @@ pub struct Detail {
     pub poses: Vec<PoseDetail>,
     /// Whether the tool found the poses itself.
     pub poses_found: bool,
-    /// Root-mean-square residuals of the base model.
-    pub before: [Residual; 3],
-    /// Of the repaired model.
-    pub after: [Residual; 3],
-    /// Of both on poses they were not fitted to: before, after.
+    /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base model, repaired model.
     pub held_out: [[f64; 2]; 3],
     /// The repaired calibration.
     pub calibration: Calibration,

@@ -21,11 +21,6 @@ impl Estimate {
         Self { value: mean, standard_error }
     }
 
-    /// The interval that covers the truth in 95 of 100 cases, for an error that is normal.
-    pub fn ci95(&self) -> (f64, f64) {
-        (self.value - 1.96 * self.standard_error, self.value + 1.96 * self.standard_error)
-    }
-
     /// The same value with a further, independent standard error.
     pub fn with_further(self, standard_error: f64) -> Self {
         Self { standard_error: self.standard_error.hypot(standard_error), ..self }

@@ -90,7 +90,7 @@ mod tests {
 
     fn worth(members: u64, samples: u64, threads: usize) -> bool {
         let still = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
-        let mut job = job(Sensor::ideal(), members, &[1.0], still, Integrator::Ideal);
+        let mut job = job(Sensor::default(), members, &[1.0], still, Integrator::Ideal);
         job.clock.samples = samples;
         job.clock.steps_per_sample = 1;
         worth_a_gpu(&job, threads)

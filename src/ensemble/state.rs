@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::backend::Partial;
-use crate::document::write_whole;
+use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::statistics::histogram::BINS;
@@ -118,5 +118,5 @@ fn fingerprint(job: &Job, machine: &Machine) -> String {
         "{version} {} {} {:?} {:?} {} {force:?} {members:?} {machine:?}",
         job.seed, job.members, job.clock, job.integrator, job.gravity_m_s2
     ));
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(&hash.finalize())
 }

@@ -95,11 +95,6 @@ impl Accumulator {
         (self.index, self.phase) = (0, 0.0);
     }
 
-    /// Samples seen.
-    pub fn samples(&self) -> usize {
-        self.count
-    }
-
     /// The curve, by rising averaging time; it ends where an averaging time is longer than a third of the recording.
     pub fn points(&self, rate_hz: f64) -> Vec<Point> {
         let mut points = Vec::new();

@@ -2,7 +2,7 @@
 //!
 //! Thin, total wrappers around `statrs`: an argument outside a distribution's domain gives NaN, never a panic.
 
-use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Φ(z) of the standard normal distribution.
 pub fn normal_cdf(z: f64) -> f64 {
@@ -43,14 +43,6 @@ pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
         return f64::NAN;
     }
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
-}
-
-/// x below which Beta(a, b) stays with `probability`: exact bounds of a binomial share (Clopper & Pearson 1934).
-pub fn beta_quantile(probability: f64, a: f64, b: f64) -> f64 {
-    if !(0.0..=1.0).contains(&probability) {
-        return f64::NAN;
-    }
-    Beta::new(a, b).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
 /// Which of many tests are discoveries when at most `rate` of those named may be false on average

@@ -55,12 +55,6 @@ impl Scan {
         found
     }
 
-    /// The F₀ with the largest exponent from any start.
-    pub fn largest(&self) -> Option<(f64, f64)> {
-        let most = self.exponents.iter().map(|(f, e)| (*f, e[e.len() - 1]));
-        most.filter(|p| positive(p.1)).max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
     /// How many forces up to a limit are chaotic from any start.
     pub fn chaotic_below(&self, limit_n: f64) -> usize {
         self.exponents.iter().filter(|(f, e)| *f <= limit_n && e.iter().any(|e| positive(*e))).count()

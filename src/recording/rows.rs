@@ -10,6 +10,7 @@ use csv::ByteRecord;
 use sha2::{Digest, Sha256};
 
 use super::format;
+use crate::document::hexadecimal;
 use crate::error::{Error, Result, nearest};
 
 /// A line longer than this is no row of a recording; a million columns are shorter.
@@ -211,8 +212,7 @@ impl Rows {
     pub fn finish(self) -> Result<Source> {
         let mut rest = self.table.into_inner();
         std::io::copy(&mut rest, &mut std::io::sink()).map_err(|e| Error::io("read", &self.path, &e))?;
-        let digest = rest.into_inner().digest.finalize();
-        let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = hexadecimal(&rest.into_inner().digest.finalize());
         Ok(Source { sha256, findings: self.findings })
     }
 }

@@ -80,14 +80,6 @@ impl Histogram {
         }
         max
     }
-
-    /// The bins joined `together` at a time: edges (one more than counts) and counts, for a figure.
-    pub fn coarse(&self, together: usize) -> (Vec<f64>, Vec<u64>) {
-        let together = together.max(1);
-        let counts: Vec<u64> = self.counts[1..=BINS].chunks(together).map(|c| c.iter().sum()).collect();
-        let edges = (0..=counts.len()).map(|i| self.bins.edge((i * together).min(BINS))).collect();
-        (edges, counts)
-    }
 }
 
 #[cfg(test)]

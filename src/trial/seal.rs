@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::case::Case;
 use super::plan::Plan;
-use crate::document::write_whole;
+use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 
 /// What is in the envelope.
@@ -31,7 +31,7 @@ pub struct Sealed {
 }
 
 fn hash(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 impl Truth {

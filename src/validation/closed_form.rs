@@ -69,7 +69,7 @@ const SOURCES: [Source; 6] = [
 pub fn rows(place: &mut Place) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for source in &SOURCES {
-        let mut sensor = Sensor::ideal();
+        let mut sensor = Sensor::default();
         (source.set)(&mut sensor);
         let job = job(sensor, MEMBERS, &TIMES_S, REST, Integrator::Ideal);
         let statistics = place.run(&job)?;
@@ -97,7 +97,7 @@ pub fn rows(place: &mut Place) -> Result<Vec<Row>> {
 
 /// The paper's example: an error of 0.034 m/s² (0.2° of tilt) gives 1.7 m after 10 s.
 fn paper(place: &mut Place) -> Result<Option<Row>> {
-    let mut sensor = Sensor::ideal();
+    let mut sensor = Sensor::default();
     sensor.accelerometer.bias_m_s2 = 0.034;
     let statistics = place.run(&job(sensor, 256, &[10.0], REST, Integrator::Ideal))?;
     let what = format!("the paper: 0.034 m/s² for 10 s, as printed, {}", place.name);

@@ -58,7 +58,7 @@ fn finest(integrator: Integrator) -> Integrator {
 
 /// Reading error, m/s², of one noiseless proof mass after some steps from rest, in f64.
 fn integrate(mass: &ProofMass, integrator: Integrator, step_s: f64, steps: u64, waveform: Sine) -> f64 {
-    let sensor = Sensor { proof_mass: Some(*mass), ..Sensor::ideal() };
+    let sensor = Sensor { proof_mass: Some(*mass), ..Sensor::default() };
     let mut job: Job = super::jobs::job(sensor, 1, &[1.0], waveform, integrator);
     (job.clock.step_s, job.clock.steps_per_sample, job.clock.samples) = (step_s, 1, steps);
     let shared = Shared::<f64>::of(&job);

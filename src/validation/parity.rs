@@ -36,7 +36,7 @@ pub fn rows(gpu: &mut Place) -> Result<Vec<Row>> {
 
 /// A sensor with every error.
 pub fn everything() -> Sensor {
-    let mut sensor = Sensor::ideal();
+    let mut sensor = Sensor::default();
     let a = &mut sensor.accelerometer;
     a.bias_m_s2 = MILLI_G;
     a.scale_factor = 1e-3;

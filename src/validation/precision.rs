@@ -20,7 +20,7 @@ pub fn rows() -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     let mut last = None;
     for (mass, integrator) in masses() {
-        let mut sensor = Sensor { proof_mass: Some(mass), ..Sensor::ideal() };
+        let mut sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
         sensor.accelerometer.bias_m_s2 = MILLI_G;
         sensor.accelerometer.velocity_random_walk_m_s_rts = 60.0 * MICRO_G / 2_f64.sqrt();
         let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: STANDARD_GRAVITY_M_S2 };

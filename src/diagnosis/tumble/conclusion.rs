@@ -6,7 +6,7 @@ use super::calibration::{Calibration, Point, Sensor as Which, accelerometer, gyr
 use super::candidate::{CANDIDATES, Term};
 use super::fit::Fit;
 use super::imu::Observed;
-use super::isolation::{locate, residuals};
+use super::isolation::locate;
 use super::remainder::Remainder;
 use super::rows::{GROUPS, Group};
 use super::selection::{Folds, Selection, Standing, held_out_squares};
@@ -183,8 +183,6 @@ impl Case<'_> {
         Detail {
             poses: pose_details(self.observed, &selection.base, &selection.repaired, forces),
             poses_found: self.poses_found,
-            before: residuals(&selection.base),
-            after: residuals(&selection.repaired),
             held_out: GROUPS.map(both),
             calibration,
             g_sensitivity,

@@ -22,7 +22,7 @@ impl Case<'_> {
         };
         let (vrw, acceleration_flicker) = noise(&self.observed.accelerometer_noise, self.observed.accelerometer_scale);
         let (arw, rate_flicker) = noise(&self.observed.gyro_noise, self.observed.gyro_scale);
-        let mut after = Sensor::ideal();
+        let mut after = Sensor::default();
         after.accelerometer.velocity_random_walk_m_s_rts = vrw;
         after.accelerometer.bias_instability_m_s2 = acceleration_flicker;
         after.gyro.angle_random_walk_rad_rts = arw;

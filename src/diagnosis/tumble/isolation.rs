@@ -14,13 +14,12 @@ const FALSE_DISCOVERIES: f64 = 0.05;
 
 /// One kind of residual, in the unit people say it in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residual {
-    /// Which.
-    pub group: Group,
+struct Residual {
+    group: Group,
     /// Root mean square.
-    pub rms: f64,
+    rms: f64,
     /// What noise alone leaves.
-    pub noise: f64,
+    noise: f64,
 }
 
 impl Group {
@@ -52,7 +51,7 @@ impl Group {
 }
 
 /// Root-mean-square of each kind of residual.
-pub fn residuals(fit: &Fit) -> [Residual; 3] {
+fn residuals(fit: &Fit) -> [Residual; 3] {
     GROUPS.map(|group| {
         let mut sums = (0.0, 0.0, 0.0);
         for r in (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] == group) {
