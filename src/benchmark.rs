@@ -178,9 +178,8 @@ fn map(place: &str, device: Device<'_>, points: usize) -> Result<Row> {
 /// A job on a backend from end to end: members drawn, integrated in batches, summed up.
 fn ensemble(name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Result<Row> {
     let size = backend.batch_members(job)?;
-    let steps = job.members * job.clock.samples * u64::from(job.clock.steps_per_sample * job.integrator.substeps());
     let precision = backend.machine(job).precision;
-    let mut measured = row(name, &precision, job.members, steps as f64, STEPS, || {
+    let mut measured = row(name, &precision, job.members, job.member_steps() as f64, STEPS, || {
         let mut from = 0;
         while from < job.members && !progress::interrupted() {
             let members = from..job.members.min(from + size);

@@ -95,10 +95,7 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
             .iter()
             .map(|r| std::array::from_fn(|q| Summary::of(&r.moments[q], r.histograms[q].clone())))
             .collect(),
-        member_steps: job
-            .members
-            .saturating_mul(job.clock.samples)
-            .saturating_mul(u64::from(job.clock.steps_per_sample * job.integrator.substeps())),
+        member_steps: job.member_steps(),
         seconds: begun.elapsed().as_secs_f64(),
         machine,
     })
@@ -106,7 +103,7 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
 
 /// Report times of a job, s.
 pub fn times_s(job: &Job) -> Vec<f64> {
-    let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+    let sample_s = job.clock.sample_s();
     job.clock.report_samples.iter().map(|&n| n as f64 * sample_s).collect()
 }
 
@@ -149,6 +146,13 @@ fn check(job: &Job) -> Result<()> {
         return refuse(
             "the report times do not increase, or lie outside the run",
             "give times between 0 and duration_s",
+        );
+    }
+    let steps = u64::from(clock.steps_per_sample) * u64::from(job.integrator.substeps());
+    if steps > u64::from(u32::MAX) {
+        return refuse(
+            &format!("a sample takes {steps} steps, and at most {} are counted", u32::MAX),
+            "raise the sample rate, or leave a resonance so high out: it follows the force at once",
         );
     }
     // Samples are counted in 32 bits on the device.

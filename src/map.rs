@@ -63,7 +63,7 @@ pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
     for map in &document.map {
         grids.push(grid::compute(&document, map, device, &bar)?);
     }
-    let diagrams = document
+    let diagrams: Result<Vec<Bifurcation>> = document
         .bifurcation
         .par_iter()
         .map(|d| {
@@ -82,9 +82,9 @@ pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
             let oscillator = document.oscillator.into();
             let (up, down) = rayon::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
             bar.inc(1);
-            Bifurcation { diagram: d.clone(), up, down }
+            Ok(Bifurcation { diagram: d.clone(), up: up?, down: down? })
         })
         .collect();
     bar.finish_and_clear();
-    Ok(Atlas { grids, diagrams, document })
+    Ok(Atlas { grids, diagrams: diagrams?, document })
 }

@@ -21,7 +21,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 use parameter::Tolerances;
 use plan::Plan;
 
-/// The study that runs when none is named: a consumer-grade MEMS IMU, half a minute.
+/// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
 const DEFAULT: &str = include_str!("../reports/default/study.toml");
 
 /// A study, checked.
@@ -87,7 +87,7 @@ impl Study {
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file)?;
-        let duration_s = clock.samples as f64 * clock.step_s * f64::from(clock.steps_per_sample);
+        let duration_s = clock.duration_s();
         check::compare(source, file.compare.as_ref())?;
         let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
         Ok(Self {
@@ -124,12 +124,12 @@ impl Study {
 
     /// Length of the run, s.
     pub fn duration_s(&self) -> f64 {
-        self.clock.samples as f64 * self.sample_s()
+        self.clock.duration_s()
     }
 
     /// Time between readings, s.
     pub fn sample_s(&self) -> f64 {
-        self.clock.step_s * f64::from(self.clock.steps_per_sample)
+        self.clock.sample_s()
     }
 
     /// One member as drawn.

@@ -104,7 +104,7 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// DESIGN's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro bias g b t³/6, angle random walk
+    /// The textbook's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro bias g b t³/6, angle random walk
     /// g N t^2.5/√20; the paper's 0.034 m/s² makes 1.7 m after 10 s.
     #[test]
     fn each_error_alone_costs_its_closed_form() {

@@ -186,6 +186,13 @@ pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
             (m.rate_hz, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
         }
     };
+    if matches!(model, Model::Static(m) if m.columns.channels.is_empty()) {
+        return Err(Error::new(
+            format!("could not use {}", path.display()),
+            "the model names no channel",
+            "name at least one: channels = [\"ax\"] under [columns]",
+        ));
+    }
     for (n, column) in columns.iter().enumerate() {
         if columns[..n].contains(column) {
             return Err(Error::new(

@@ -6,6 +6,8 @@
 use rand_distr::{Distribution, StandardNormal};
 
 use super::duffing::{Drive, Oscillator, State};
+use crate::error::{Error, Result};
+use crate::progress;
 use crate::rng::{Philox, Stream};
 
 /// One sweep.
@@ -30,12 +32,18 @@ pub struct Sweep {
 }
 
 /// (amplitude, strobed displacement) pairs in the order of the sweep, N and m.
-pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Vec<(f64, f64)> {
+///
+/// # Errors
+/// When stopped by Ctrl-C.
+pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> {
     let mut random = Philox::new(sweep.seed, 0, Stream::Force);
     let mut state = State::default();
     let mut cloud = Vec::with_capacity((sweep.points * sweep.strobes) as usize);
     let steps = oscillator.steps_per_period(sweep.from_n.abs().max(sweep.to_n.abs()), sweep.omega_rad_s);
     for point in 0..sweep.points {
+        if progress::interrupted() {
+            return Err(Error::interrupted("could not finish the bifurcation diagram", "run it again"));
+        }
         let fraction = f64::from(point) / f64::from((sweep.points - 1).max(1));
         let amplitude_n = sweep.from_n + fraction * (sweep.to_n - sweep.from_n);
         let drive = Drive { amplitude_n, omega_rad_s: sweep.omega_rad_s };
@@ -57,5 +65,5 @@ pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Vec<(f64, f64)> {
             }
         }
     }
-    cloud
+    Ok(cloud)
 }

@@ -33,7 +33,7 @@ const STEP_S: f64 = 2e-7;
 
 /// Whether the CPU would take longer than a GPU must at the least.
 fn worth_a_gpu(job: &Job, threads: usize) -> bool {
-    let steps = job.clock.samples as f64 * f64::from(job.clock.steps_per_sample) * f64::from(job.integrator.substeps());
+    let steps = job.steps_per_member() as f64;
     let cpu_s = job.members as f64 * steps / (CPU_PER_THREAD_PER_S * threads as f64);
     cpu_s > START_S + steps * STEP_S
 }

@@ -110,7 +110,7 @@ impl State {
 /// A digest of what decides the numbers: the clock, a few members as drawn, the excitation at a few times, the machine.
 fn fingerprint(job: &Job, machine: &Machine) -> String {
     let mut hash = Sha256::new();
-    let duration_s = job.clock.samples as f64 * f64::from(job.clock.steps_per_sample) * job.clock.step_s;
+    let duration_s = job.clock.duration_s();
     let force: Vec<f64> = (0..64).map(|i| job.waveform.specific_force_m_s2(duration_s * f64::from(i) / 64.0)).collect();
     let members: Vec<_> = [0, 1, job.members / 2, job.members - 1].iter().map(|&i| (job.draw)(i)).collect();
     let version = env!("CARGO_PKG_VERSION");

@@ -5,7 +5,6 @@ use std::sync::Arc;
 pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
 use crate::sensor::Sensor;
-pub use crate::statistics::QUANTITIES;
 
 /// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +17,18 @@ pub struct Clock {
     pub samples: u64,
     /// Samples after which statistics are taken, increasing, 1-based (the last one is usually `samples`).
     pub report_samples: Vec<u64>,
+}
+
+impl Clock {
+    /// Time between readings, s.
+    pub fn sample_s(&self) -> f64 {
+        self.step_s * f64::from(self.steps_per_sample)
+    }
+
+    /// Length of the run, s.
+    pub fn duration_s(&self) -> f64 {
+        self.samples as f64 * self.sample_s()
+    }
 }
 
 /// One member as drawn.
@@ -46,4 +57,17 @@ pub struct Job {
     pub integrator: Integrator,
     /// g by which tilt becomes acceleration, m/s².
     pub gravity_m_s2: f64,
+}
+
+impl Job {
+    /// Steps that the integrator does for one member, substeps counted.
+    pub fn steps_per_member(&self) -> u64 {
+        let per_sample = u64::from(self.clock.steps_per_sample) * u64::from(self.integrator.substeps());
+        self.clock.samples.saturating_mul(per_sample)
+    }
+
+    /// The same over all members: what speeds are stated in.
+    pub fn member_steps(&self) -> u64 {
+        self.members.saturating_mul(self.steps_per_member())
+    }
 }

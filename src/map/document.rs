@@ -193,14 +193,14 @@ impl Document {
         let positive = |key: &str, value: f64| {
             if value > 0.0 && value.is_finite() { Ok(()) } else { Err(wrong(key, value, "a positive number")) }
         };
-        let finite = |key: &str, value: f64| {
+        let not_negative = |key: &str, value: f64| {
             if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(wrong(key, value, "zero or more")) }
         };
         positive("oscillator.mass_kg", self.oscillator.mass_kg)?;
         positive("oscillator.damping_kg_s", self.oscillator.damping_kg_s)?;
         positive("oscillator.stiffness_n_m", self.oscillator.stiffness_n_m)?;
-        finite("oscillator.cubic_n_m3", self.oscillator.cubic_n_m3)?;
-        finite("drive.amplitude_n", self.drive.amplitude_n)?;
+        not_negative("oscillator.cubic_n_m3", self.oscillator.cubic_n_m3)?;
+        not_negative("drive.amplitude_n", self.drive.amplitude_n)?;
         if self.drive.omega_rad_s.is_some() == self.drive.frequency_hz.is_some() {
             return Err(Error::new(
                 "could not use [drive]",
@@ -220,7 +220,7 @@ impl Document {
             for (name, axis) in [("x", &map.x), ("y", &map.y)] {
                 let key = |part: &str| format!("map[{i}].{name}.{part}");
                 positive(&key("to"), axis.to)?;
-                finite(&key("from"), axis.from)?;
+                not_negative(&key("from"), axis.from)?;
                 if axis.from >= axis.to {
                     return Err(wrong(&key("from"), axis.from, "less than `to`"));
                 }
@@ -229,7 +229,7 @@ impl Document {
             count(&format!("map[{i}].periods"), u64::from(map.periods), 1 << 20)?;
             count(&format!("map[{i}].transient_periods"), u64::from(map.transient_periods) + 1, 1 << 20)?;
             count(&format!("map[{i}] cells"), u64::from(map.x.points) * u64::from(map.y.points), MOST)?;
-            finite(&format!("map[{i}].noise_n_rts"), map.noise_n_rts)?;
+            not_negative(&format!("map[{i}].noise_n_rts"), map.noise_n_rts)?;
             if map.x.quantity == map.y.quantity {
                 return Err(Error::new(
                     format!("could not use map[{i}]"),
@@ -239,12 +239,13 @@ impl Document {
             }
         }
         for (i, d) in self.bifurcation.iter().enumerate() {
-            finite(&format!("bifurcation[{i}].from_n"), d.from_n)?;
+            not_negative(&format!("bifurcation[{i}].from_n"), d.from_n)?;
             positive(&format!("bifurcation[{i}].to_n"), d.to_n)?;
             count(&format!("bifurcation[{i}].points"), u64::from(d.points), MOST)?;
             count(&format!("bifurcation[{i}].strobes"), u64::from(d.strobes), MOST)?;
+            count(&format!("bifurcation[{i}].transient_periods"), u64::from(d.transient_periods) + 1, 1 << 20)?;
             count(&format!("bifurcation[{i}] strobes"), u64::from(d.points) * u64::from(d.strobes), MOST)?;
-            finite(&format!("bifurcation[{i}].noise_n_rts"), d.noise_n_rts)?;
+            not_negative(&format!("bifurcation[{i}].noise_n_rts"), d.noise_n_rts)?;
         }
         Ok(())
     }
@@ -277,5 +278,8 @@ mod tests {
         let both = text.replacen("omega_rad_s = 1.5", "omega_rad_s = 1.5\nfrequency_hz = 1.5", 1);
         let document: Document = parse_toml("map.toml", &both).expect("parses");
         assert!(document.check().is_err());
+        let mut endless: Document = parse_toml("map.toml", text).expect("the committed map parses");
+        endless.bifurcation[0].transient_periods = u32::MAX;
+        assert!(endless.check().is_err_and(|e| e.attempt.contains("bifurcation[0].transient_periods")));
     }
 }

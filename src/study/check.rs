@@ -8,6 +8,8 @@ use crate::kernel::job::Clock;
 
 /// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
 const MOST_STEPS: f64 = 1e12;
+/// Most steps of a sample: they are counted in 32 bits.
+const MOST_STEPS_PER_SAMPLE: f64 = u32::MAX as f64;
 /// Most members: what the counters of the kernels address.
 const MOST_MEMBERS: u64 = u32::MAX as u64;
 
@@ -209,6 +211,13 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
         (Some(step_s), None) => (step_s, 1.0),
         (None, rate_hz) => (1.0 / rate_hz.unwrap_or(100.0), 1.0),
     };
+    if steps_per_sample > MOST_STEPS_PER_SAMPLE {
+        return Err(refuse(
+            name,
+            format!("a sample takes {steps_per_sample:.0} steps of {step_s} s"),
+            format!("keep it below {MOST_STEPS_PER_SAMPLE:.0e}: lengthen `step_s` or raise `sensor.sample_rate_hz`"),
+        ));
+    }
     if step_s > duration_s {
         return Err(refuse(
             name,

@@ -100,14 +100,18 @@ pub fn earlier(state: &Path, sealed: &Sealed) -> Verdicts {
 /// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
 pub fn ask(case: &Case, subject: &Subject<'_>) -> Result<Said> {
     let folder = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
-    let files = case.write(folder.path())?;
+    Ok(said(&case.write(folder.path())?, subject))
+}
+
+/// What a subject says of two files, and how long it takes.
+pub(super) fn said(files: &Files, subject: &Subject<'_>) -> Said {
     let start = Instant::now();
-    let verdict = subject(&files);
+    let verdict = subject(files);
     let seconds = start.elapsed().as_secs_f64();
-    Ok(match verdict {
+    match verdict {
         Ok(verdict) => Said::from_verdict(&verdict, seconds),
         Err(error) => Said::from_error(&error, seconds),
-    })
+    }
 }
 
 /// Asks for every verdict that is not in `done` yet, cases in parallel, and notes each in the state file.

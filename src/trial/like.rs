@@ -95,7 +95,7 @@ pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subjec
     let attempt = || format!("could not make copies of {}", recording.display());
     let (kind, cases, samples, noise, base) = match &model {
         Model::Driven(m) => {
-            let (bare, base) = copy::driven(&data, m, seed).ok_or_else(|| {
+            let (bare, base) = copy::driven(&data, m, copy::rows(&data, m)?, seed).ok_or_else(|| {
                 Error::new(attempt(), "no linear proof mass fits it", "check which column is input and which is output")
             })?;
             let plant = |n, job| copy::plant_driven(&bare, n, job);

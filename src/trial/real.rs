@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::blind::Subject;
+use super::blind::{self, Subject};
 use super::case::Files;
 use super::said::Said;
 use crate::document::read_toml;
@@ -116,14 +116,7 @@ pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>) -> Result<Vec<Fo
             recording = part;
         }
         let files = Files { recording, model: real.model.clone() };
-        let start = std::time::Instant::now();
-        let verdict = subject(&files);
-        let seconds = start.elapsed().as_secs_f64();
-        let said = match verdict {
-            Ok(verdict) => Said::from_verdict(&verdict, seconds),
-            Err(error) => Said::from_error(&error, seconds),
-        };
-        found.push(compare(real, said));
+        found.push(compare(real, blind::said(&files, subject)));
     }
     Ok(found)
 }

@@ -39,12 +39,6 @@ pub struct Said {
 impl Said {
     /// From the public document.
     pub fn from_verdict(verdict: &Verdict, seconds: f64) -> Self {
-        let outcome = match verdict.verdict {
-            Outcome::Adequate => "adequate",
-            Outcome::Explained => "explained",
-            Outcome::Unexplained => "unexplained",
-            Outcome::Undecidable => "undecidable",
-        };
         let mut groups: Vec<Vec<String>> = Vec::new();
         for effect in &verdict.effects {
             let mut group = vec![effect.id.clone()];
@@ -75,7 +69,7 @@ impl Said {
             .collect();
         let test = verdict.fit.test;
         Self {
-            outcome: outcome.into(),
+            outcome: verdict.verdict.name().into(),
             groups,
             numbers,
             rmse: [test.rmse_before, test.rmse_after, verdict.fit.noise_floor],

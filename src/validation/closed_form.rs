@@ -1,4 +1,4 @@
-//! Each error source alone grows by its closed form (DESIGN of the tool; Titterton and Weston, ch. 12; IEEE 952).
+//! Each error source alone grows by its closed form (Titterton and Weston, ch. 12; IEEE 952).
 
 use super::Row;
 use super::jobs::{Place, REST, job};

@@ -139,7 +139,7 @@ fn refused() -> Result<(), Failed> {
     refused("too few rows", &few, MODEL, "99 samples")?;
     refused("all channels dead", &csv(|_, r| (r[1], r[2], r[3]) = (1.0, 2.0, 3.0)), MODEL, "constant")?;
     refused("a column that is not there", &good, &MODEL.replace("\"y\"", "\"yy\""), "`yy`")?;
-    refused("no channel", &good, &MODEL.replace("\"x\", \"y\", \"z\"", ""), "")?;
+    refused("no channel", &good, &MODEL.replace("\"x\", \"y\", \"z\"", ""), "names no channel")?;
     refused("a negative rate", &good, &MODEL.replace("100.0", "-100.0"), "rate")?;
     refused("no clock", &good, &MODEL.replace("rate_hz = 100.0\n", ""), "rate")?;
     let missing = csv(|n, r| {
@@ -148,7 +148,7 @@ fn refused() -> Result<(), Failed> {
         }
     });
     refused("every seventh value missing", &missing, MODEL, "missing")?;
-    refused("text in a cell", &good.replacen("\n", "\n1,two,3,4\n", 1), MODEL, "")
+    refused("text in a cell", &good.replacen("\n", "\n1,two,3,4\n", 1), MODEL, "`two` is no number")
 }
 
 fn survived() -> Result<(), Failed> {

@@ -153,6 +153,12 @@ const REFUSED: &[Case] = &[
     ("negative step", "step_s = -0.1", "more than zero", "positive"),
     ("sample no multiple of the step", "step_s = 0.003\n[sensor]\nsample_rate_hz = 100", "3.3333 times", "multiple"),
     ("run no multiple of the sample", "step_s = 0.7", "14.2857 times", "9.8"),
+    (
+        "more steps a sample than are counted",
+        "step_s = 1e-10\n[sensor]\nsample_rate_hz = 1.0",
+        "a sample takes",
+        "lengthen",
+    ),
     ("absurdly many steps", "step_s = 1e-14", "steps", "longer step"),
     (
         "both density and random walk",

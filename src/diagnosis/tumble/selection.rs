@@ -176,7 +176,7 @@ pub fn criterion(fit: &Fit) -> f64 {
     misfit + fit.active.len() as f64 * (rows as f64).max(1.0).ln()
 }
 
-/// Mean square of held-out residuals over their noise, per pose.
+/// Per pose the sum of squares of held-out residuals over their noise, and how many there are; `None` without any.
 pub fn held_out_squares(fit: &Fit, group: Group, folds: &Folds) -> Vec<Option<(f64, usize)>> {
     let residual = fit.held_out(folds);
     let mut out = vec![None; folds.len()];
