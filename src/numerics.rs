@@ -5,5 +5,6 @@ pub mod cosine;
 pub mod elementary;
 pub mod least_squares;
 pub mod non_negative;
+pub mod order;
 pub mod special;
 pub mod spectrum;

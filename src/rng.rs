@@ -4,6 +4,7 @@
 //! tiles, threads or lanes. Source: Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC 2011.
 
 use rand::rand_core::{Infallible, TryRng};
+use rand_distr::{Distribution, StandardNormal};
 
 /// First multiplier of a round.
 pub const MULTIPLIER_0: u32 = 0xD251_1F53;
@@ -77,6 +78,13 @@ impl Philox {
             buffer: [0; 4],
             used: 4,
         }
+    }
+}
+
+impl Philox {
+    /// The next standard normal number.
+    pub fn normal(&mut self) -> f64 {
+        StandardNormal.sample(self)
     }
 }
 

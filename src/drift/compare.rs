@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::integrator::Integrator;
 use crate::numerics::allan::{Accumulator, curve};
+use crate::numerics::order;
 use crate::recording::{self, Recording};
 use crate::study::Study;
 use crate::study::file::Axis;
@@ -135,12 +136,7 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
     let quantile = |k: usize, p: f64| {
         let mut at: Vec<f64> = curves.iter().filter_map(|c| c.get(k).copied()).collect();
         at.sort_by(f64::total_cmp);
-        let place = p * (at.len().saturating_sub(1)) as f64;
-        let (below, above) = (place.floor() as usize, place.ceil() as usize);
-        match (at.get(below), at.get(above)) {
-            (Some(a), Some(b)) => a + (b - a) * place.fract(),
-            _ => f64::NAN,
-        }
+        order::quantile(&at, p)
     };
     let column = |p: f64| (0..recorded.len()).map(|k| quantile(k, p)).collect();
     Ok(Likeness {

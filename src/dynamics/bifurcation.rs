@@ -3,8 +3,6 @@
 //! A sweep carries the state from one amplitude to the next, so that where two attractors coexist the way up and the way
 //! down differ (hysteresis). That makes it sequential; for independent starts see `map`.
 
-use rand_distr::{Distribution, StandardNormal};
-
 use super::duffing::{Drive, Oscillator, State};
 use crate::error::{Error, Result};
 use crate::progress;
@@ -51,12 +49,7 @@ pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> 
         let sigma_n = sweep.noise_n_rts / h.sqrt();
         for period in 0..sweep.transient_periods + sweep.strobes {
             for j in 0..steps as usize {
-                let noise_n = if sigma_n > 0.0 {
-                    let normal: f64 = StandardNormal.sample(&mut random);
-                    sigma_n * normal
-                } else {
-                    0.0
-                };
+                let noise_n = if sigma_n > 0.0 { sigma_n * random.normal() } else { 0.0 };
                 let force_n = [table[2 * j] + noise_n, table[2 * j + 1] + noise_n, table[2 * j + 2] + noise_n];
                 state = oscillator.step(state, h, force_n);
             }

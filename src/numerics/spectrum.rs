@@ -205,11 +205,10 @@ impl Windowed {
 mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
-    use rand_distr::{Distribution, StandardNormal};
 
     fn white(count: usize, member: u64) -> Vec<f64> {
         let mut rng = Philox::new(7, member, Stream::Host);
-        (0..count).map(|_| StandardNormal.sample(&mut rng)).collect()
+        (0..count).map(|_| rng.normal()).collect()
     }
 
     #[test]

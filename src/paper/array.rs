@@ -2,7 +2,6 @@
 //!
 //! Every sensor has white noise of its own; all share one slow walk, as a common temperature would make it.
 
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::check::{Check, Exhibit};
@@ -46,12 +45,7 @@ pub struct Array {
 
 fn noise(member: u64, stream: Stream, sigma: f64) -> Vec<f64> {
     let mut random = Philox::new(1, member, stream);
-    (0..SAMPLES)
-        .map(|_| {
-            let normal: f64 = StandardNormal.sample(&mut random);
-            sigma * normal
-        })
-        .collect()
+    (0..SAMPLES).map(|_| sigma * random.normal()).collect()
 }
 
 /// Squared coefficients of an array of `sensors`, in the order of `law::TERMS`.

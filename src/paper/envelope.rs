@@ -2,6 +2,8 @@
 //!
 //! Small ensembles held in memory; large ones stream through `statistics`.
 
+use crate::numerics::order::quantile;
+
 /// What an ensemble does over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
@@ -15,15 +17,6 @@ pub struct Envelope {
     pub p05: Vec<f64>,
     /// 95 % quantile.
     pub p95: Vec<f64>,
-}
-
-/// The value below which a share of `sorted` lies, interpolated between ranks; NaN of nothing.
-pub fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let rank = share * last as f64;
-    let below = (rank as usize).min(last);
-    let above = (below + 1).min(last);
-    sorted[below] + (rank - below as f64) * (sorted[above] - sorted[below])
 }
 
 impl Envelope {
@@ -54,10 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_of_a_ramp() {
-        let ramp: Vec<f64> = (0..=100).map(f64::from).collect();
-        assert_eq!(quantile(&ramp, 0.05), 5.0);
-        assert!(quantile(&[], 0.5).is_nan());
+    fn two_members_have_their_mean_and_spread() {
         let envelope = Envelope::of(vec![0.0], &[vec![1.0], vec![3.0]]);
         assert_eq!((envelope.mean[0], envelope.sd[0]), (2.0, 2f64.sqrt()));
     }

@@ -4,14 +4,13 @@
 //! did is seen apart from the noise; and on the moves of a recording. The filter's beliefs come from printed or fitted
 //! noise, never from the outcome.
 
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::check::{Check, Exhibit};
-use super::envelope::quantile;
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use super::moved::{Moved, moved_checks};
 use crate::navigation::kalman::{Filter, Model, Reading, Weighting};
+use crate::numerics::order::quantile;
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
 
@@ -107,7 +106,7 @@ pub fn compute(moved: Moved) -> Fusion {
 
 fn normals(member: u64, stream: Stream) -> impl FnMut() -> f64 {
     let mut random = Philox::new(11, member, stream);
-    move || StandardNormal.sample(&mut random)
+    move || random.normal()
 }
 
 fn at_rest(model: &Model) -> AtRest {

@@ -1,7 +1,6 @@
 //! Figures 2 to 4: how errors grow. A tilt bias becomes metres (eq. 1 and 2), white rate noise becomes a walk, and the two
 //! kinds of bias become t² and t³.
 
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::check::{Check, Exhibit};
@@ -51,7 +50,7 @@ pub struct Growth {
 
 fn normals(member: u64, stream: Stream) -> impl FnMut() -> f64 {
     let mut random = Philox::new(2, member, stream);
-    move || StandardNormal.sample(&mut random)
+    move || random.normal()
 }
 
 /// Distance errors of an ensemble, sampled every `every` steps. `draw` gives a member its constant errors.

@@ -6,8 +6,6 @@
 use std::ops::Range;
 use std::path::Path;
 
-use rand_distr::{Distribution, StandardNormal};
-
 use super::check::Source;
 use crate::diagnosis::tumble::{Imu, calibrate, poses};
 use crate::error::{Error, Result};
@@ -85,7 +83,7 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
 pub fn simulated() -> Inertial {
     let step_s: f64 = 0.01;
     let mut random = Philox::new(5, 0, Stream::Host);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut normal = || random.normal();
     let sigma = |density: f64| density * (0.5 / step_s).sqrt();
     let (gyro, accelerometer) = (sigma(PRINTED_GYRO_DENSITY), sigma(PRINTED_ACCELEROMETER_DENSITY));
     let bias: Vector = std::array::from_fn(|_| 0.01 * DEGREE * normal());

@@ -4,12 +4,12 @@
 //! accelerometer's mean in both. Moves that come near to standing upright are left out: eq. 3 has no pitch rate there.
 
 use super::check::{Check, Source};
-use super::envelope::quantile;
 use super::fusion::WEIGHTINGS;
 use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
 use crate::navigation::kalman::{Filter, Model, Reading};
 use crate::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
+use crate::numerics::order::quantile;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
 /// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each filter's noise.

@@ -3,7 +3,6 @@
 //!
 //! The noise is a force on the proof mass, far below the drive, as its Brownian motion would be.
 
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::check::{Check, Exhibit};
@@ -70,7 +69,7 @@ fn follow(oscillator: &Oscillator, drive: &Drive, start: State, member: u64, noi
             path.states.push(state);
             path.distance_error_m.push(distance_error);
         }
-        let normal: f64 = StandardNormal.sample(&mut random);
+        let normal = random.normal();
         let force = [2 * j, 2 * j + 1, 2 * j + 2].map(|i| table[i] + sigma_n * normal);
         let error_before = scale * state.x_m - table[2 * j] / oscillator.mass_kg;
         state = oscillator.step(state, h, force);

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::FILL_LIMIT;
 use crate::error::{Error, Result};
+use crate::numerics::order::median;
 
 /// A step shorter or longer than its number of ticks by this share of a tick is uneven.
 const UNEVEN: f64 = 0.25;
@@ -84,7 +85,7 @@ pub fn ticks(path: &Path, times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> 
     let mut findings = Vec::new();
     let kept = advancing(times, &mut findings).map_err(|(cause, hint)| fail(cause, hint))?;
     let steps: Vec<f64> = kept.windows(2).map(|w| times[w[1]] - times[w[0]]).collect();
-    let median_s = median(&steps);
+    let median_s = median(steps.clone()).unwrap_or(f64::NAN);
     let part = longest_part(times, &kept, &steps, median_s, &mut findings);
     let (kept, steps) = (&kept[part.clone()], &steps[part.start..part.end - 1]);
     let advance = |step: f64, tick_s: f64| ((step / tick_s + UNEVEN).floor() as usize).max(1);
@@ -223,12 +224,6 @@ fn even_grid(times: &[f64], kept: &[usize], grid_s: f64) -> Vec<Place> {
         (first, weights)
     };
     (0..kept.len()).map(at).collect()
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    let middle = sorted.len() / 2;
-    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use super::refit::{self, Window};
 use super::standstill::{Slow, Still};
 use crate::diagnosis::model;
 use crate::error::{Error, Result};
+use crate::numerics::order::median;
 use crate::recording::Recording;
 use crate::rng::{Philox, Stream};
 
@@ -99,11 +100,10 @@ pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, Stri
         let values = &values[..samples.min(values.len())];
         // White noise alone survives a first difference, whose median size is 0.6745 × √2 of its deviation; a few jumps
         // and knocks do not move a median.
-        let mut steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-        steps.sort_by(f64::total_cmp);
-        let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
         // Coarse counts that mostly repeat have no median step, but a mean square.
         let square = steps.iter().map(|s| s * s).sum::<f64>() / steps.len().max(1) as f64;
+        let median = median(steps).unwrap_or(0.0);
         let step = if median > 0.0 { median / 0.6745 } else { square.sqrt() };
         white[channel] = (step / 2f64.sqrt()).max(f64::MIN_POSITIVE);
         bias[channel] = values.iter().sum::<f64>() / samples as f64;

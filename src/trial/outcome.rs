@@ -10,6 +10,7 @@ use super::interval::{Power, Share};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
 use crate::diagnosis::candidate::Kind;
+use crate::numerics::order;
 
 /// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
 pub const FALLBACK_LIMIT: f64 = 3.0;
@@ -148,10 +149,9 @@ struct Judged<'a> {
     library: bool,
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+/// Of the finite ones; zero where there are none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    order::median(values.filter(|v| v.is_finite()).collect()).unwrap_or(0.0)
 }
 
 impl Outcome {
@@ -193,9 +193,9 @@ impl Outcome {
             interval_coverage: coverage.value,
             families: rows(&judged),
             confusion: confusion(&judged),
-            held_out_gain: median(planted().filter(|j| j.mark == Mark::Named).filter_map(gain).collect()),
+            held_out_gain: median(planted().filter(|j| j.mark == Mark::Named).filter_map(gain)),
             seconds_per_case: [
-                median(judged.iter().map(|j| j.said.seconds).collect()),
+                median(judged.iter().map(|j| j.said.seconds)),
                 judged.iter().map(|j| j.said.seconds).fold(0.0, f64::max),
             ],
             confidently_wrong: Share::over(judged.iter().map(|j| j.mark.is_confidently_wrong())).value,

@@ -2,8 +2,6 @@
 //!
 //! Many sub-steps per sample; independent of the fitting code on purpose. Not fast: 20,000 samples take some 30 ms.
 
-use rand_distr::{Distribution, StandardNormal};
-
 use super::equation::{Contact, Machine, Oscillator, STATES, Window};
 use super::physics::{Physics, Scales, Term};
 use crate::rng::{Philox, Stream};
@@ -60,8 +58,7 @@ pub fn integrate(oscillator: Oscillator, terms: &[Term], scales: Scales, clock: 
         };
         state = machine.step(&state, &window, &mut contact);
         if let Some(kick) = kick {
-            let gaussian: f64 = StandardNormal.sample(&mut rng);
-            state[1] += kick * gaussian;
+            state[1] += kick * rng.normal();
         }
         motion.velocity_rms += state[1] * state[1];
         motion.signal.push(machine.signal(&state));

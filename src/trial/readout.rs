@@ -2,8 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use rand_distr::{Distribution, StandardNormal};
-
 use super::physics::{Physics, Scales, Term};
 use crate::rng::{Philox, Stream};
 
@@ -85,15 +83,13 @@ pub fn read(tap: &Tap<'_>, terms: &[Term], scales: &Scales, offset: f64, noise: 
                     Physics::WarmUp => a * (-t / (p * scales.duration_s)).exp(),
                     Physics::PeriodicDisturbance => a * (TAU * p * t + q).sin(),
                     Physics::BiasRandomWalk => {
-                        let gaussian: f64 = StandardNormal.sample(&mut walk_rng);
-                        walk += a / tap.rate_hz.sqrt() * gaussian;
+                        walk += a / tap.rate_hz.sqrt() * walk_rng.normal();
                         walk
                     }
                     _ => 0.0,
                 };
             }
-            let gaussian: f64 = StandardNormal.sample(&mut noise_rng);
-            y += noise.deviation * gaussian;
+            y += noise.deviation * noise_rng.normal();
             for term in terms {
                 let a = term.value(scales);
                 let side = term.shape[1];

@@ -6,7 +6,6 @@
 use std::f64::consts::TAU;
 
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::catalogue::catalogue;
@@ -84,10 +83,6 @@ pub struct Channels {
     pub temperature: Option<Vec<f64>>,
 }
 
-fn gaussian(rng: &mut Philox) -> f64 {
-    StandardNormal.sample(rng)
-}
-
 /// Mean zero and rms one.
 fn normalise(values: &mut [f64]) {
     let n = values.len() as f64;
@@ -99,11 +94,11 @@ fn normalise(values: &mut [f64]) {
 /// First-order noise with unit variance from its stationary law.
 fn relaxation(rng: &mut Philox, samples: usize, steps: f64) -> Vec<f64> {
     let keep = (-1.0 / steps).exp();
-    let mut state = gaussian(rng);
+    let mut state = rng.normal();
     (0..samples)
         .map(|_| {
             let now = state;
-            state = keep * state + (1.0 - keep * keep).sqrt() * gaussian(rng);
+            state = keep * state + (1.0 - keep * keep).sqrt() * rng.normal();
             now
         })
         .collect()
@@ -194,7 +189,7 @@ impl Still {
                 let mut sum = 0.0;
                 (0..n)
                     .map(|_| {
-                        sum += gaussian(&mut rng);
+                        sum += rng.normal();
                         sum
                     })
                     .collect()
@@ -237,7 +232,7 @@ impl Still {
                     phase += TAU * frequency / self.rate_hz;
                     phase.sin()
                 }
-                GrowingNoise => i as f64 / n as f64 * gaussian(rng),
+                GrowingNoise => i as f64 / n as f64 * rng.normal(),
                 _ => 0.0,
             })
             .collect()
@@ -254,7 +249,7 @@ impl Still {
         let louder: f64 = self.planted.iter().filter(|p| p.slow == WhiteNoise).map(|p| p.size).product();
         let readings = [0, 1, 2].map(|channel| {
             let mut rng = Philox::new(self.seed, channel as u64, Stream::Host);
-            let mut values: Vec<f64> = (0..self.samples).map(|_| louder * gaussian(&mut rng)).collect();
+            let mut values: Vec<f64> = (0..self.samples).map(|_| louder * rng.normal()).collect();
             for process in &self.planted {
                 let added = self.realise(process, channel, &temperature);
                 values.iter_mut().zip(added).for_each(|(v, a)| *v += a);
@@ -321,7 +316,7 @@ mod tests {
         let mut sum = 0.0;
         let walk: Vec<f64> = (0..n)
             .map(|_| {
-                sum += gaussian(&mut rng);
+                sum += rng.normal();
                 sum
             })
             .collect();

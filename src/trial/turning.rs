@@ -4,7 +4,6 @@
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::catalogue::catalogue;
@@ -165,10 +164,8 @@ impl Turned {
 
     fn instants(&self) -> Vec<Instant> {
         let mut rng = Philox::new(self.seed, 1, Stream::Host);
-        let mut normal = {
-            let mut own = Philox::new(self.seed, 2, Stream::Host);
-            move || -> f64 { StandardNormal.sample(&mut own) }
-        };
+        let mut own = Philox::new(self.seed, 2, Stream::Host);
+        let mut normal = || own.normal();
         let mut attitude = Rotation3::identity();
         let mut came_from = Vector3::repeat(1.0);
         let mut instants = Vec::new();
@@ -255,7 +252,6 @@ impl Turned {
     /// Makes the recording, rounded to counts.
     pub fn render(&self) -> Counts {
         let mut rng = Philox::new(self.seed, 3, Stream::Host);
-        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
         let instants = self.instants();
         let mut readings: [Vec<f64>; 6] = Default::default();
         for at in &instants {
@@ -266,7 +262,7 @@ impl Turned {
             }
             for sensor in 0..2 {
                 for axis in 0..3 {
-                    let value = sensed[sensor][axis] + self.noise[sensor] * normal();
+                    let value = sensed[sensor][axis] + self.noise[sensor] * rng.normal();
                     let counts = self.offset[sensor][axis] + self.scale[sensor] * value;
                     readings[3 * sensor + axis].push(counts.round());
                 }

@@ -133,7 +133,6 @@ mod tests {
     use super::*;
     use crate::diagnosis::fixed::spectrum::Law;
     use crate::rng::{Philox, Stream};
-    use rand_distr::{Distribution, StandardNormal};
 
     fn walk_fit(values: &[f64]) -> (Channel, Fitted) {
         let channel = Channel::new("x", values, 1.0);
@@ -149,10 +148,9 @@ mod tests {
         let (mut found, mut preferred, mut alarms) = ([0; 2], [0; 2], 0);
         for member in 0..20 {
             let mut rng = Philox::new(9, member, Stream::Host);
-            let draw = |rng: &mut Philox| -> f64 { StandardNormal.sample(rng) };
             let after = 2001 + 100 * member as usize;
             for (s, size) in sizes.into_iter().enumerate() {
-                let jump: Vec<f64> = (0..6000).map(|n| draw(&mut rng) + if n >= after { size } else { 0.0 }).collect();
+                let jump: Vec<f64> = (0..6000).map(|n| rng.normal() + if n >= after { size } else { 0.0 }).collect();
                 let (channel, fitted) = walk_fit(&jump);
                 found[s] += usize::from(strongest(&channel, &fitted, 0.0).p_value < 1e-3);
                 preferred[s] += usize::from(alone(&channel, &fitted).is_some_and(|j| j.at.abs_diff(after) < 20));
@@ -160,8 +158,8 @@ mod tests {
             let mut state = 0.0;
             let walk: Vec<f64> = (0..6000)
                 .map(|_| {
-                    state += 0.02 * draw(&mut rng);
-                    state + draw(&mut rng)
+                    state += 0.02 * rng.normal();
+                    state + rng.normal()
                 })
                 .collect();
             let (channel, fitted) = walk_fit(&walk);

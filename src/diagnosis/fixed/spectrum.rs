@@ -190,7 +190,6 @@ mod tests {
     use super::*;
     use crate::numerics::cosine;
     use crate::rng::{Philox, Stream};
-    use rand_distr::{Distribution, StandardNormal};
 
     #[test]
     fn strengths_of_white_noise_and_a_walk_come_back_within_their_errors() {
@@ -200,8 +199,8 @@ mod tests {
             let mut walk = 0.0;
             let values: Vec<f64> = (0..2000)
                 .map(|_| {
-                    walk += 0.05 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
-                    walk + <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng)
+                    walk += 0.05 * rng.normal();
+                    walk + rng.normal()
                 })
                 .collect();
             let bins = bins(&cosine::transform(&values));

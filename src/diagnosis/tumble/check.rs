@@ -10,6 +10,7 @@ use super::rows::Group;
 use super::selection::{Folds, interleaved};
 use crate::diagnosis::model::{Split, Tumble};
 use crate::error::{Error, Result};
+use crate::numerics::order::median;
 use crate::recording::Recording;
 
 /// Fewer poses than this leave no more equations than the base model and one candidate have unknowns.
@@ -75,10 +76,9 @@ pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -
     let noise = |of: &[f64]| of.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * of.len().max(1)) as f64;
     let mut moved = vec![false; observed.poses.len()];
     for column in imu.gyro.iter().chain(&imu.accelerometer) {
-        let mut sorted: Vec<f64> = observed.poses.iter().map(|p| noise(&column[p.samples.clone()])).collect();
-        sorted.sort_by(f64::total_cmp);
+        let usual = median(observed.poses.iter().map(|p| noise(&column[p.samples.clone()])).collect()).unwrap_or(0.0);
         let step = column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
-        let quiet = sorted[sorted.len() / 2].max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
+        let quiet = usual.max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
         let restless = observed.poses.iter().map(|p| scatter(&column[p.samples.clone()]) > RESTLESS * quiet);
         moved.iter_mut().zip(restless).for_each(|(m, r)| *m |= r);
     }
@@ -175,9 +175,7 @@ fn turn_error(observed: &Observed<'_>, point: &Point) -> f64 {
         trial[gyro::SCALE.start] *= scale;
         let rows = observed.rows(&trial, &[]);
         let turns = (0..rows.group.len()).filter(|r| rows.group[*r] == Group::Turn);
-        let mut angles: Vec<f64> = turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).collect();
-        angles.sort_by(f64::total_cmp);
-        angles.get(angles.len() / 2).copied().unwrap_or(0.0)
+        median(turns.map(|r| (rows.residual[r] * rows.deviation[r]).abs()).collect()).unwrap_or(0.0)
     };
     [0.8, 1.0, 1.25].into_iter().map(error).fold(f64::INFINITY, f64::min)
 }

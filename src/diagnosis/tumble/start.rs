@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::calibration::{Calibration, PARAMETERS, Point, accelerometer, gyro};
 use super::imu::Observed;
 use super::rows::Group;
+use crate::numerics::order::median;
 
 /// Parameters of the base model: per axis an offset, per sensor one common scale.
 pub fn base() -> Vec<usize> {
@@ -57,8 +58,7 @@ fn gyro_scale(observed: &Observed<'_>, point: &Point) -> f64 {
             ratios.push(turned.norm() / angle);
         }
     }
-    ratios.sort_by(f64::total_cmp);
-    let rough = ratios.get(ratios.len() / 2).copied().filter(|r| *r > 0.0).unwrap_or(1.0);
+    let rough = median(ratios).filter(|r| *r > 0.0).unwrap_or(1.0);
     let misfit = |scale: f64| {
         let mut trial = *point;
         trial[gyro::SCALE.start] = scale;
