@@ -1,10 +1,11 @@
-//! Reading TOML with errors a person can act on, writing files whole or not at all, and how their checksums are written.
+//! Documents in and out: TOML with errors a person can act on, results as JSON, files written whole or not at all.
 //!
 //! Not for recordings: those stream, see `recording`.
 
 use std::io::Write;
 use std::path::Path;
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result, nearest};
@@ -50,6 +51,15 @@ fn hint(message: &str) -> String {
         };
     }
     "see the example in README.md; numbers need a digit on both sides of the point".into()
+}
+
+/// A result as one indented JSON document.
+///
+/// # Errors
+/// None for the types of this crate, whose keys are strings.
+pub fn to_json(result: &impl Serialize) -> Result<String> {
+    serde_json::to_string_pretty(result)
+        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))
 }
 
 /// Bytes as hexadecimal digits, two each: how checksums are written.

@@ -2,7 +2,8 @@
 
 use crate::diagnosis;
 use crate::diagnosis::candidate::Candidate;
-use crate::error::{Error, Result};
+use crate::document::to_json;
+use crate::error::Result;
 
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]
@@ -15,9 +16,7 @@ pub struct Arguments {}
 pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
     let library: Vec<&Candidate> = diagnosis::library().collect();
     if json {
-        let text = serde_json::to_string_pretty(&library)
-            .map_err(|e| Error::new("could not write the library as JSON", e.to_string(), "report this as a defect"))?;
-        println!("{text}");
+        println!("{}", to_json(&library)?);
         return Ok(());
     }
     let mut kind = "";

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnosis::model;
 use crate::diagnosis::{self, Diagnosis, consequence, repair};
-use crate::document::write_whole;
-use crate::error::{Error, Result};
+use crate::document::{to_json, write_whole};
+use crate::error::Result;
 use crate::report::diagnosis as page;
 
 /// Arguments of `diagnose`.
@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         write(folder, &diagnosis, &costs)?;
     }
     if json {
-        println!("{}", verdict_json(&diagnosis)?);
+        println!("{}", to_json(&diagnosis.verdict)?);
     } else {
         print!("{}", page::terminal(&diagnosis, &costs));
         if let Some(folder) = &arguments.out {
@@ -44,17 +44,12 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     Ok(())
 }
 
-fn verdict_json(diagnosis: &Diagnosis) -> Result<String> {
-    serde_json::to_string_pretty(&diagnosis.verdict)
-        .map_err(|e| Error::new("could not write the verdict as JSON", e.to_string(), "report this as a defect"))
-}
-
 fn write(folder: &Path, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> Result<()> {
     let exhibits = page::exhibits(&diagnosis.detail);
     for exhibit in &exhibits {
         write_whole(&folder.join(format!("{}.svg", exhibit.name)), exhibit.figure.file_svg().as_bytes())?;
     }
-    write_whole(&folder.join("verdict.json"), verdict_json(diagnosis)?.as_bytes())?;
+    write_whole(&folder.join("verdict.json"), to_json(&diagnosis.verdict)?.as_bytes())?;
     let study = diagnosis.repair.as_ref().map(|r| repair::study_document(r, &diagnosis.verdict));
     if let Some(study) = &study {
         write_whole(&folder.join("model.toml"), study.as_bytes())?;

@@ -7,6 +7,7 @@ use serde_json::json;
 use crate::backend::gpu::Gpu;
 use crate::backend::orbits::Device;
 use crate::document::{read_toml, write_whole};
+use crate::ensemble::Choice;
 use crate::error::Result;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, compute};
@@ -53,28 +54,15 @@ pub struct Arguments {
     pub backend: Choice,
 }
 
-/// Where to integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Choice {
-    /// A hardware GPU if there is one, else the CPU
-    Auto,
-    /// A GPU, in software if there is no other
-    Gpu,
-    /// CPU lanes
-    Cpu,
-}
-
-impl Choice {
-    /// The device to use, opened; `None` is the CPU.
-    ///
-    /// # Errors
-    /// A GPU was asked for and there is none.
-    pub fn open(self) -> Result<Option<Gpu>> {
-        match self {
-            Choice::Auto => Ok(Gpu::open(true).ok()),
-            Choice::Gpu => Gpu::open(false).map(Some),
-            Choice::Cpu => Ok(None),
-        }
+/// The GPU to use, opened; `None` is the CPU. A map is always work enough for a hardware GPU.
+///
+/// # Errors
+/// A GPU was asked for and there is none.
+pub(super) fn open(choice: Choice) -> Result<Option<Gpu>> {
+    match choice {
+        Choice::Auto => Ok(Gpu::open(true).ok()),
+        Choice::Gpu => Gpu::open(false).map(Some),
+        Choice::Cpu => Ok(None),
     }
 }
 
@@ -85,7 +73,7 @@ impl Choice {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let document: crate::map::document::Document = read_toml(&arguments.map)?;
     document.check()?;
-    let gpu = arguments.backend.open()?;
+    let gpu = open(arguments.backend)?;
     let atlas = compute(document, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
     if let Some(folder) = &arguments.out {
         write(folder, &atlas)?;

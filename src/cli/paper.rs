@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::map::Choice;
+use super::map::open;
 use crate::backend::orbits::Device;
 use crate::document::write_whole;
+use crate::ensemble::Choice;
 use crate::error::{Error, Result};
 use crate::paper::compute;
 use crate::report::paper as page;
+use crate::trial::real;
 
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
@@ -37,9 +39,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
         ));
     }
-    let beside = PathBuf::from("../shared/data");
-    let data = arguments.data.clone().or_else(|| beside.is_dir().then_some(beside));
-    let gpu = arguments.backend.open()?;
+    let data = arguments.data.clone().or_else(real::folder);
+    let gpu = open(arguments.backend)?;
     let paper = compute(data.as_deref(), true, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
     write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
     if json {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::document::write_whole;
+use crate::document::{to_json, write_whole};
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
 use crate::ensemble::{Backends, Choice, Options};
@@ -11,7 +11,7 @@ use crate::report::study as page;
 use crate::study::{self, Overrides, Study};
 
 /// Arguments of `study`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 pub struct Arguments {
     /// The study (study.toml); without one, the default study
     pub study: Option<PathBuf>,
@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     })?;
     write(&folder, &study, &drift)?;
     if json {
-        println!("{}", document(&study, &drift)?);
+        println!("{}", to_json(&Document::of(&study, &drift))?);
     } else {
         print!("{}", page::terminal(&study, &drift));
         println!("report:     {}", folder.join("report.html").display());
@@ -66,14 +66,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 /// # Errors
 /// As [`run`].
 pub fn run_default(json: bool) -> Result<()> {
-    let arguments =
-        Arguments { study: None, backend: Choice::Auto, members: None, seed: None, out: None, resume: false };
-    run(&arguments, json)
-}
-
-fn document(study: &Study, drift: &Drift) -> Result<String> {
-    serde_json::to_string_pretty(&Document::of(study, drift))
-        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "leave --json out"))
+    run(&Arguments::default(), json)
 }
 
 /// Finds out before the work whether its result can be kept.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::document::write_whole;
+use crate::document::{to_json, write_whole};
 use crate::error::{Error, Result};
 use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
-    let document = as_json(&outcome)?;
+    let document = to_json(&outcome)?;
     let real = recordings(arguments)?;
     if let Some(folder) = &arguments.out {
         let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
@@ -153,17 +153,8 @@ fn recordings(arguments: &Arguments) -> Result<Vec<Found>> {
 
 fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
     let Run { plan, outcome, cases, verdicts, real } = run;
-    let marks: Vec<(usize, String, String)> = cases
-        .iter()
-        .filter_map(|case| {
-            let said = verdicts.get(&case.number)?;
-            let groups: Vec<String> = said.groups.iter().map(|g| g.join(" | ")).collect();
-            let words = format!("{} {}", said.outcome, groups.join(" + "));
-            Some((case.number, words, judge::judge(case, said).word().to_owned()))
-        })
-        .collect();
     let files = [
-        ("report.html", report::page(plan, outcome, cases, &marks, real)),
+        ("report.html", report::page(plan, outcome, cases, verdicts, real)),
         ("summary.md", report::summary(plan, outcome, command, real)),
         ("power.svg", report::figures::power(outcome).file_svg()),
         ("limits.svg", report::figures::limits(outcome).file_svg()),
@@ -174,7 +165,7 @@ fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
 /// Plants into copies of a user's recording.
 fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Result<()> {
     let power = like::power(recording, model, arguments.quick, arguments.seed, &blind::tool)?;
-    let document = as_json(&power)?;
+    let document = to_json(&power)?;
     if let Some(folder) = &arguments.out {
         write_whole(&folder.join("power.json"), document.as_bytes())?;
         write_whole(&folder.join("power.html"), report::like::page(&power).as_bytes())?;
@@ -185,11 +176,6 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
         print!("{}", report::like::terminal(&power));
     }
     Ok(())
-}
-
-fn as_json(document: &impl serde::Serialize) -> Result<String> {
-    serde_json::to_string_pretty(document)
-        .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))
 }
 
 /// Reproduces one case of a plan.
@@ -205,7 +191,7 @@ fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
     };
     let case = plan.draw(number, family, nth);
     let files = case.write(folder)?;
-    write_whole(&folder.join("truth.json"), as_json(&case)?.as_bytes())?;
+    write_whole(&folder.join("truth.json"), to_json(&case)?.as_bytes())?;
     println!("case {number}: {}", family.name());
     for (id, size) in case.sizes_over_noise() {
         println!("planted: {id}, {size:.3} × noise");

@@ -137,16 +137,7 @@ mod tests {
     const TIMES_S: [f64; 2] = [10.0, 60.0];
 
     fn mass(natural_frequency_rad_s: f64, damping_ratio: f64) -> ProofMass {
-        ProofMass {
-            natural_frequency_rad_s,
-            damping_ratio,
-            cubic_per_m2_s2: 0.0,
-            quadratic_per_m_s2: 0.0,
-            quadratic_damping_per_m: 0.0,
-            squeeze_film_per_m2_s: 0.0,
-            coulomb_m_s2: 0.0,
-            force_noise_m_s_rts: 0.0,
-        }
+        ProofMass { natural_frequency_rad_s, damping_ratio, ..ProofMass::default() }
     }
 
     /// Steady displacement x = X sin(ωt − φ) and its rate.

@@ -1,4 +1,4 @@
-//! Figures of a diagnosis: a sensor at rest: its noise and its drift.
+//! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
 use crate::diagnosis::fixed::{ChannelDetail, Detail};
 

@@ -18,13 +18,13 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         exhibit(
             Part::Improvement,
             "gravity-length",
-            by_pose(detail, "Length of gravity: |f| − g", "error, mm/s²", &[0], ["before", "after"]),
+            by_pose(detail, "Length of gravity: |f| − g", "error, mm/s²", 0),
             "How far each pose's specific force misses gravity's length. Bars: the noise of a pose (±2 standard deviations).",
         ),
         exhibit(
             Part::Improvement,
             "turn-direction",
-            by_pose(detail, "Gravity's direction after a turn", "error, mrad", &[4], ["before", "after"]),
+            by_pose(detail, "Gravity's direction after a turn", "error, mrad", 4),
             "The integrated gyro carries gravity from one pose to the next; how far it lands from what the accelerometer reads.",
         ),
     ];
@@ -33,7 +33,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         out.push(exhibit(
             Part::Improvement,
             &format!("still-{name}"),
-            by_pose(detail, &format!("Gyro at rest, {name}"), "rate, °/s", &[1 + axis], ["before", "after"]),
+            by_pose(detail, &format!("Gyro at rest, {name}"), "rate, °/s", 1 + axis),
             "The gyro's reading where the rate is zero, pose by pose.",
         ));
     }
@@ -84,22 +84,19 @@ fn opening(detail: &Detail) -> Chart {
         .with("with the named physics", Ink::Blue, Mark::Dots(4), points(|p| &p.after))
 }
 
-fn by_pose(detail: &Detail, title: &str, label: &str, channels: &[usize], names: [&str; 2]) -> Chart {
-    let mut chart = Chart::new(title, Axis::linear("pose"), Axis::linear(label));
-    for channel in channels {
-        // The last pose has no move after it.
-        let used = detail.poses.iter().enumerate().filter(|(_, p)| p.noise[*channel] > 0.0);
-        let poses: Vec<(f64, &PoseDetail)> = used.map(|(k, p)| (k as f64 + 1.0, p)).collect();
-        chart.add(
-            "",
-            Ink::Soft,
-            Mark::Whiskers(poses.iter().map(|(_, p)| 2.0 * p.noise[*channel]).collect()),
-            poses.iter().map(|(k, p)| (*k, if *channel == 4 { 0.0 } else { -2.0 * p.noise[*channel] })).collect(),
-        );
-        chart.add(names[0], Ink::Red, Mark::Dots(4), poses.iter().map(|(k, p)| (*k, p.before[*channel])).collect());
-        chart.add(names[1], Ink::Blue, Mark::Dots(4), poses.iter().map(|(k, p)| (*k, p.after[*channel])).collect());
-    }
-    chart
+/// One of a pose's five residuals, pose by pose, with the noise of each.
+fn by_pose(detail: &Detail, title: &str, label: &str, channel: usize) -> Chart {
+    // The last pose has no move after it.
+    let used = detail.poses.iter().enumerate().filter(|(_, p)| p.noise[channel] > 0.0);
+    let poses: Vec<(f64, &PoseDetail)> = used.map(|(k, p)| (k as f64 + 1.0, p)).collect();
+    let points = |value: &dyn Fn(&PoseDetail) -> f64| poses.iter().map(|(k, p)| (*k, value(p))).collect();
+    let noise = poses.iter().map(|(_, p)| 2.0 * p.noise[channel]).collect();
+    // An error of direction has no sign.
+    let below = points(&|p| if channel == 4 { 0.0 } else { -2.0 * p.noise[channel] });
+    Chart::new(title, Axis::linear("pose"), Axis::linear(label))
+        .with("", Ink::Soft, Mark::Whiskers(noise), below)
+        .with("before", Ink::Red, Mark::Dots(4), points(&|p| p.before[channel]))
+        .with("after", Ink::Blue, Mark::Dots(4), points(&|p| p.after[channel]))
 }
 
 /// The gyro's axis against the component of gravity that it correlates with most.

@@ -1,4 +1,4 @@
-//! Numbers for people: rounded to what they are worth, with SI prefixes where a unit allows it.
+//! Numbers for people: rounded to what they are worth, with their uncertainty, and durations in the unit one would say.
 
 /// `value` with `digits` significant digits, plain where that is short, else ×10ⁿ.
 pub fn significant(value: f64, digits: usize) -> String {
@@ -24,6 +24,11 @@ pub fn significant(value: f64, digits: usize) -> String {
         format!("{mantissa}×10{}", superscript(exponent))
     };
     text.replacen('-', "−", 1)
+}
+
+/// `value` as the nearest number of so many significant digits.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
 }
 
 /// `value ± deviation`, the deviation to two digits and the value to the same decimal place.
@@ -71,6 +76,7 @@ mod tests {
 
     #[test]
     fn values_carry_the_digits_they_are_worth() {
+        assert_eq!([0.0, 0.1 + 0.2, 123_456.0].map(|v| rounded(v, 4)), [0.0, 0.3, 123_500.0]);
         assert_eq!(significant(1.7, 3), "1.70");
         assert_eq!(significant(-0.00123456, 3), "−0.00123");
         assert_eq!(significant(7.3e5, 2), "730000");

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::html::escape;
 
-/// Rows of text under headings. The first column is left-aligned, `numeric` ones right-aligned.
+/// Rows of text under headings. The first column is left-aligned, columns of numbers right-aligned.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
     /// One heading per column, with the unit.
@@ -37,7 +37,8 @@ impl Table {
 
     /// The table as HTML, escaped.
     pub fn to_html(&self) -> String {
-        let class = |c| if self.numeric(c) { " class=\"n\"" } else { "" };
+        let numeric: Vec<bool> = (0..self.headings.len()).map(|c| self.numeric(c)).collect();
+        let class = |c: usize| if numeric[c] { " class=\"n\"" } else { "" };
         let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
         for (c, heading) in self.headings.iter().enumerate() {
             out += &format!("<th{}>{}</th>", class(c), escape(heading));
@@ -70,12 +71,13 @@ impl fmt::Display for Table {
             cells.chain([self.headings[c].chars().count()]).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..self.headings.len()).map(width).collect();
+        let numeric: Vec<bool> = (0..self.headings.len()).map(|c| self.numeric(c)).collect();
         let line = |f: &mut fmt::Formatter<'_>, cell: &dyn Fn(usize) -> String| {
             let parts: Vec<String> = (0..widths.len())
                 .map(|c| {
                     let text = cell(c);
                     let pad = " ".repeat(widths[c].saturating_sub(text.chars().count()));
-                    if self.numeric(c) { pad + &text } else { text + &pad }
+                    if numeric[c] { pad + &text } else { text + &pad }
                 })
                 .collect();
             writeln!(f, "{}", parts.join("  ").trim_end())

@@ -7,10 +7,11 @@ use crate::diagnosis::candidate::Kind;
 use crate::report::html::Page;
 use crate::report::number::{duration, significant};
 use crate::report::table::Table;
+use crate::trial::blind::Verdicts;
 use crate::trial::campaign::Campaign;
 use crate::trial::case::{Case, Family};
 use crate::trial::interval::Share;
-use crate::trial::judge::Covered;
+use crate::trial::judge::{self, Covered};
 use crate::trial::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
 use crate::trial::plan::Plan;
 use crate::trial::real::Found;
@@ -197,13 +198,7 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
 }
 
 /// The whole report as a page.
-pub fn page(
-    plan: &Plan,
-    outcome: &Outcome,
-    cases: &[Case],
-    marks: &[(usize, String, String)],
-    real: &[Found],
-) -> String {
+pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> String {
     let lede = format!(
         "Blind trial of the diagnosis: {} of the effects above their detection limit were named correctly; false alarms on \
          {} recordings with nothing planted: {}; unknown physics flagged: {}.",
@@ -254,10 +249,14 @@ pub fn page(
     page.section("Every case");
     page.paragraph("Reproduce one with: proofmass trial --seed S --cases N --case NUMBER --out DIR.");
     let mut table = Table::new(&["case", "family", "planted (× noise)", "said", "mark"]);
-    for (case, (_, said, mark)) in cases.iter().zip(marks) {
+    for case in cases {
+        let Some(said) = verdicts.get(&case.number) else { continue };
         let sizes: Vec<String> =
             case.sizes_over_noise().iter().map(|(id, s)| format!("{id} {}", significant(*s, 2))).collect();
-        let cells = [case.family.name().to_owned(), sizes.join(" + "), said.clone(), mark.clone()];
+        let groups: Vec<String> = said.groups.iter().map(|g| g.join(" | ")).collect();
+        let words = format!("{} {}", said.outcome, groups.join(" + "));
+        let mark = judge::judge(case, said).word().to_owned();
+        let cells = [case.family.name().to_owned(), sizes.join(" + "), words, mark];
         table.row(std::iter::once(case.number.to_string()).chain(cells));
     }
     page.table(&table);

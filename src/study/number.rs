@@ -30,13 +30,18 @@ pub enum Number {
 }
 
 impl Number {
+    /// The number with `change` made to each of its values: a factor, a rounding.
+    pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        match self {
+            Self::Fixed(value) => Self::Fixed(change(value)),
+            Self::Normal { mean, sd } => Self::Normal { mean: change(mean), sd: change(sd) },
+            Self::Uniform { min, max } => Self::Uniform { min: change(min), max: change(max) },
+        }
+    }
+
     /// The number in another unit.
     pub fn scaled(self, factor: f64) -> Self {
-        match self {
-            Self::Fixed(value) => Self::Fixed(value * factor),
-            Self::Normal { mean, sd } => Self::Normal { mean: mean * factor, sd: sd * factor },
-            Self::Uniform { min, max } => Self::Uniform { min: min * factor, max: max * factor },
-        }
+        self.map(|value| value * factor)
     }
 
     /// The value, if all members share it.

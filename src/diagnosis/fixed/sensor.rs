@@ -5,7 +5,7 @@ use super::describe;
 use crate::diagnosis::repair::{Cost, Repair, Vibration};
 use crate::diagnosis::verdict::{Effect, Verdict};
 use crate::recording::unit::{Quantity, Unit};
-use crate::sensor::{Accelerometer, Gyro, Sensor};
+use crate::sensor::Sensor;
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
 /// What a study can run of the first channel, where its unit is one of acceleration or rate.
@@ -22,28 +22,17 @@ pub(super) fn repair(channels: &[Channel], finals: &[Fitted], verdict: &Verdict,
     let flicker = strength("flicker-noise").unwrap_or(0.0);
     let walk = strength("random-walk").map_or(0.0, |k| k * channel.rate_hz.sqrt());
     let sensor = |flicker: f64, walk: f64| {
-        let accelerometer = unit.quantity == Quantity::Accelerometer;
-        let of = |is: bool, value: f64| if is { value } else { 0.0 };
-        Sensor {
-            proof_mass: None,
-            accelerometer: Accelerometer {
-                bias_m_s2: 0.0,
-                scale_factor: 0.0,
-                k2_per_m_s2: 0.0,
-                velocity_random_walk_m_s_rts: of(accelerometer, white),
-                bias_instability_m_s2: of(accelerometer, flicker),
-                acceleration_random_walk_m_s2_rts: of(accelerometer, walk),
-                quantisation_m_s2: 0.0,
-                range_m_s2: f64::INFINITY,
-            },
-            gyro: Gyro {
-                bias_rad_s: 0.0,
-                angle_random_walk_rad_rts: of(!accelerometer, white),
-                bias_instability_rad_s: of(!accelerometer, flicker),
-                rate_random_walk_rad_s_rts: of(!accelerometer, walk),
-            },
-            excitation_gain: 1.0,
+        let mut sensor = Sensor::default();
+        if unit.quantity == Quantity::Accelerometer {
+            sensor.accelerometer.velocity_random_walk_m_s_rts = white;
+            sensor.accelerometer.bias_instability_m_s2 = flicker;
+            sensor.accelerometer.acceleration_random_walk_m_s2_rts = walk;
+        } else {
+            sensor.gyro.angle_random_walk_rad_rts = white;
+            sensor.gyro.bias_instability_rad_s = flicker;
+            sensor.gyro.rate_random_walk_rad_s_rts = walk;
         }
+        sensor
     };
     let outside = |e: &&Effect| !matches!(e.id.as_str(), "flicker-noise" | "random-walk" | "white-noise");
     let own_cost = verdict.effects.iter().filter(|e| e.id == "rate-ramp" && unit.quantity == Quantity::Accelerometer);

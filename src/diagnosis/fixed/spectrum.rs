@@ -164,7 +164,7 @@ pub(super) fn fit(bins: &[Bin], laws: &[Law], promised: &[f64], part: Part) -> S
             break;
         }
     }
-    let errors = (0..laws.len()).map(|p| inverse_diagonal(&normal, laws.len(), p)).collect();
+    let errors = (0..laws.len()).map(|p| standard_error(&normal, laws.len(), p)).collect();
     Strengths { values: values[..laws.len()].to_vec(), errors, log_likelihood: best }
 }
 
@@ -178,9 +178,8 @@ fn smoothed(bins: &[Bin], part: Part, mean: f64) -> Vec<f64> {
 }
 
 /// Standard error of unknown `p`: the information is half the normal matrix.
-fn inverse_diagonal(normal: &[[f64; 5]; 5], size: usize, p: usize) -> f64 {
-    let matrix =
-        nalgebra::DMatrix::from_fn(size, size, |i, j| normal[i][j] / (normal[i][i] * normal[j][j]).sqrt() / 1.0);
+fn standard_error(normal: &[[f64; 5]; 5], size: usize, p: usize) -> f64 {
+    let matrix = nalgebra::DMatrix::from_fn(size, size, |i, j| normal[i][j] / (normal[i][i] * normal[j][j]).sqrt());
     let inverse = matrix.try_inverse().map_or(f64::INFINITY, |m| m[(p, p)]);
     (2.0 * inverse / normal[p][p]).abs().sqrt()
 }

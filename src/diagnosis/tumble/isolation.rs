@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::fit::Fit;
 use super::imu::Observed;
 use super::rows::{GROUPS, Group};
+use super::words::round;
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::numerics::special::{chi_squared_above, discoveries};
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
@@ -87,7 +88,7 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> W
         .iter()
         .map(|r| {
             let unit = r.group.unit();
-            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), short(r.rms), short(r.noise))
+            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), round(r.rms), round(r.noise))
         })
         .collect();
     let place = match (time_s.len(), state.is_empty()) {
@@ -98,11 +99,6 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> W
         }
     };
     Where { summary: format!("{}; {place}", kinds.join("; ")), time_s, state, ..Where::default() }
-}
-
-fn short(value: f64) -> String {
-    let digits = (1.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.digits$}")
 }
 
 /// The component of gravity that the excess follows most, and the excess in five bins of it (in m/s²).

@@ -3,6 +3,7 @@
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
+use crate::report::number::rounded;
 
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,9 +73,9 @@ fn section(name: &str, channel: &Channel, keys: Keys) -> String {
     for (term, key, factor) in keys {
         let coefficient = fit.coefficients[term as usize];
         let scale = channel.unit.coefficient(term).1 * factor;
-        let [low, high] = coefficient.ci95.map(|e| rounded(e * scale));
+        let [low, high] = coefficient.ci95.map(|e| five(e * scale));
         out += &if coefficient.supported() {
-            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", rounded(coefficient.value * scale))
+            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", five(coefficient.value * scale))
         } else {
             format!("{key} = 0.0  # not supported by the data; below {high:?} (95 %)\n")
         };
@@ -83,12 +84,12 @@ fn section(name: &str, channel: &Channel, keys: Keys) -> String {
         let coefficient = fit.coefficients[term as usize];
         if coefficient.supported() {
             let (unit, scale) = channel.unit.coefficient(term);
-            out += &format!("# also found, not simulated: {what} = {:?} {unit}\n", rounded(coefficient.value * scale));
+            out += &format!("# also found, not simulated: {what} = {:?} {unit}\n", five(coefficient.value * scale));
         }
     }
     if let Some(step) = channel.step {
         let (unit, scale) = channel.unit.signal();
-        out += &format!("# the reading's step of {:?} {unit} is in the white noise already\n", rounded(step * scale));
+        out += &format!("# the reading's step of {:?} {unit} is in the white noise already\n", five(step * scale));
     }
     out
 }
@@ -99,13 +100,13 @@ fn commented(channel: &Channel) -> String {
     for term in [Term::White, Term::Flicker, Term::Walk] {
         let unit = channel.unit.coefficient(term).0;
         let coefficient = fit.coefficients[term as usize];
-        let value = if coefficient.supported() { rounded(coefficient.value) } else { 0.0 };
+        let value = if coefficient.supported() { five(coefficient.value) } else { 0.0 };
         out += &format!(" {} = {value:?} {unit}", term.symbol());
     }
     out + "\n"
 }
 
 /// Five significant digits: more than any log supports.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.4e}").parse().unwrap_or(value)
+fn five(value: f64) -> f64 {
+    rounded(value, 5)
 }

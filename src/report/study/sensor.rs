@@ -1,7 +1,9 @@
 //! The sensor as its datasheet would print it.
 
+use crate::report::number::rounded;
 use crate::report::table::Table;
 use crate::study::Study;
+use crate::study::number::Number;
 use crate::study::parameter::{PARAMETERS, Parameter};
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
@@ -13,24 +15,24 @@ pub const CONVENTION: &str = "Noise densities n are one-sided, as datasheets pri
 /// What the study says of the sensor, in datasheet units.
 pub fn table(study: &Study) -> Table {
     let mut table = Table::new(&["parameter", "value", "unit", "also"]);
-    table.row(["sampling rate", &format!("{}", round(1.0 / study.sample_s())), "Hz", ""]);
+    table.row(["sampling rate", &format!("{}", rounded(1.0 / study.sample_s(), 4)), "Hz", ""]);
     for row in &PARAMETERS {
         let Some(number) = study.tolerances[row.parameter] else { continue };
         let also = match row.parameter {
             Parameter::NoiseDensity => {
                 let walk = number.scaled(row.factor * 60.0);
-                format!("N = {} m/s/√h", rounded(walk))
+                format!("N = {} m/s/√h", four(walk))
             }
             Parameter::GyroNoiseDensity => {
-                format!("N = {} °/√h", rounded(number.scaled(DENSITY_TO_RANDOM_WALK * 60.0)))
+                format!("N = {} °/√h", four(number.scaled(DENSITY_TO_RANDOM_WALK * 60.0)))
             }
             Parameter::VelocityRandomWalk => {
                 let density = Parameter::NoiseDensity.description().factor;
-                format!("n = {} µg/√Hz", rounded(number.scaled(row.factor / density)))
+                format!("n = {} µg/√Hz", four(number.scaled(row.factor / density)))
             }
             Parameter::AngleRandomWalk => {
                 let density = Parameter::GyroNoiseDensity.description().factor;
-                format!("n = {} °/s/√Hz", rounded(number.scaled(row.factor / density)))
+                format!("n = {} °/s/√Hz", four(number.scaled(row.factor / density)))
             }
             _ => String::new(),
         };
@@ -39,21 +41,7 @@ pub fn table(study: &Study) -> Table {
     table
 }
 
-fn rounded(number: crate::study::number::Number) -> String {
-    use crate::study::number::Number;
-    match number {
-        Number::Fixed(v) => Number::Fixed(round(v)),
-        Number::Normal { mean, sd } => Number::Normal { mean: round(mean), sd: round(sd) },
-        Number::Uniform { min, max } => Number::Uniform { min: round(min), max: round(max) },
-    }
-    .to_string()
-}
-
 /// To four significant digits.
-fn round(value: f64) -> f64 {
-    if value == 0.0 {
-        return 0.0;
-    }
-    let scale = 10f64.powf(3.0 - value.abs().log10().floor());
-    (value * scale).round() / scale
+fn four(number: Number) -> Number {
+    number.map(|value| rounded(value, 4))
 }
