@@ -6,6 +6,25 @@
 
 pub mod source;
 
+/// Which of an IMU's two kinds of sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Specific force, m/s².
+    Accelerometer,
+    /// Angular rate, rad/s.
+    Gyro,
+}
+
+impl Sense {
+    /// Its name in a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Accelerometer => "accelerometer",
+            Self::Gyro => "gyro",
+        }
+    }
+}
+
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with further terms that a diagnosis may
 /// have found: + αx² + c₂|x′|x′ + c₃x²x′ + f_c sgn x′.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

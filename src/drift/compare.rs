@@ -12,18 +12,10 @@ use crate::kernel::integrator::Integrator;
 use crate::numerics::allan::{Accumulator, curve};
 use crate::numerics::order;
 use crate::recording::{self, Recording};
+use crate::sensor::Sense;
 use crate::study::Study;
 use crate::study::file::Axis;
 use crate::units::{DEGREE, MILLI_G};
-
-/// Which error an axis shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sense {
-    /// Specific force, m/s².
-    Accelerometer,
-    /// Angular rate, rad/s.
-    Gyro,
-}
 
 /// One axis: Allan deviations in SI units.
 #[derive(Debug, Clone, PartialEq)]

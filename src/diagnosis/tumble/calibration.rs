@@ -7,15 +7,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Which sensor of the IMU.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sensor {
-    /// Specific force.
-    Accelerometer,
-    /// Angular rate.
-    Gyro,
-}
-
 /// Number of parameters, fitted or not.
 pub const PARAMETERS: usize = 51;
 /// A point in the space of all parameters; zero is "absent" except for offsets and common scales.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::calibration::Sensor;
 use super::rows::Group;
 use crate::diagnosis::candidate::Candidate;
+use crate::sensor::Sense;
 
 mod earth_rate;
 mod g_sensitivity;
@@ -31,7 +31,7 @@ pub struct Term {
     /// Library id.
     pub id: &'static str,
     /// Where it acts.
-    pub sensor: Sensor,
+    pub sensor: Sense,
     /// Parameters it frees.
     pub parameters: &'static [Range<usize>],
     /// The residual it is judged by.

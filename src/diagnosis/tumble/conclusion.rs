@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::calibration::{Calibration, Point, Sensor as Which, accelerometer, gyro};
+use super::calibration::{Calibration, Point, accelerometer, gyro};
 use super::candidate::{CANDIDATES, Term};
 use super::fit::Fit;
 use super::imu::Observed;
@@ -21,6 +21,7 @@ use crate::diagnosis::verdict::{
 use crate::diagnosis::{Diagnosis, Ranked};
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
+use crate::sensor::Sense;
 
 /// What a conclusion is drawn about.
 pub struct Case<'a> {
@@ -112,10 +113,10 @@ impl Case<'_> {
         }
     }
 
-    fn columns_of(&self, sensor: Which) -> Vec<String> {
+    fn columns_of(&self, sensor: Sense) -> Vec<String> {
         match sensor {
-            Which::Accelerometer => self.model.columns.accelerometer.to_vec(),
-            Which::Gyro => self.model.columns.gyro.to_vec(),
+            Sense::Accelerometer => self.model.columns.accelerometer.to_vec(),
+            Sense::Gyro => self.model.columns.gyro.to_vec(),
         }
     }
 
@@ -129,10 +130,10 @@ impl Case<'_> {
         let mut parameters = Vec::new();
         if term.id == "scale-factor" {
             let (common, axis, unit) = match term.sensor {
-                Which::Accelerometer => {
+                Sense::Accelerometer => {
                     (accelerometer::SCALE.start, accelerometer::AXIS_SCALE.start, "count per m/s^2")
                 }
-                Which::Gyro => (gyro::SCALE.start, gyro::AXIS_SCALE.start, "count per rad/s"),
+                Sense::Gyro => (gyro::SCALE.start, gyro::AXIS_SCALE.start, "count per rad/s"),
             };
             for (i, name) in ["scale_x", "scale_y", "scale_z"].into_iter().enumerate() {
                 let of = move |p: &Point| p[common] * if i == 0 { 1.0 } else { 1.0 + p[axis + i - 1] };
@@ -228,7 +229,7 @@ impl Case<'_> {
         let gravity = CANDIDATES.iter().find(|c| c.id == "local-gravity");
         rows.extend(gravity.map(|c| Ranked {
             id: c.id,
-            channels: self.columns_of(Which::Accelerometer),
+            channels: self.columns_of(Sense::Accelerometer),
             held_out_gain: 0.0,
             ci95: [0.0; 2],
             p_value: 1.0,

@@ -4,13 +4,13 @@
 //! while a sensor keeps one attitude.
 
 use super::Detail;
-use super::calibration::{Calibration, Sensor as Which};
+use super::calibration::Calibration;
 use super::conclusion::Case;
 use super::selection::Selection;
 use super::words::{round, spoken};
 use crate::diagnosis::repair::{Cost, Repair, Vibration};
 use crate::navigation::closed_form::Process;
-use crate::sensor::Sensor;
+use crate::sensor::{Sense, Sensor};
 use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 
 impl Case<'_> {
@@ -44,17 +44,17 @@ impl Case<'_> {
             }
         };
         let mut own_cost = Vec::new();
-        for sensor in [Which::Accelerometer, Which::Gyro] {
+        for sensor in [Sense::Accelerometer, Sense::Gyro] {
             let ids: Vec<&str> =
                 selection.named.iter().filter(|s| s.term.sensor == sensor).map(|s| s.term.id).collect();
             if ids.is_empty() {
                 continue;
             }
             own_cost.push(match sensor {
-                Which::Accelerometer => {
+                Sense::Accelerometer => {
                     at_rest(&format!("accelerometer: {}", ids.join(", ")), Process::Constant(force), 2, 1.0)
                 }
-                Which::Gyro => {
+                Sense::Gyro => {
                     at_rest(&format!("gyro: {}", ids.join(", ")), Process::Constant(rate), 3, STANDARD_GRAVITY_M_S2)
                 }
             });

@@ -8,9 +8,10 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, Point, Sensor, gyro};
+use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, Point, gyro};
 use super::imu::Observed;
 use super::slopes::{Active, reading_slopes};
+use crate::sensor::Sense;
 
 /// Which residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,14 +75,7 @@ impl Observed<'_> {
                         slopes[column] -= lever.column(axis) * phi;
                     }
                 };
-                reading_slopes(
-                    Sensor::Gyro,
-                    &calibration.gyro,
-                    point[gyro::SCALE.start],
-                    &counts,
-                    covariate,
-                    &mut give,
-                );
+                reading_slopes(Sense::Gyro, &calibration.gyro, point[gyro::SCALE.start], &counts, covariate, &mut give);
                 for (n, (i, j)) in GYRO_OFF_DIAGONAL.iter().enumerate() {
                     give(gyro::MISALIGNMENT.start + n, *i, rate[*j]);
                 }
@@ -177,7 +171,7 @@ impl Observed<'_> {
                 rows.slope[(first + axis, column)] -= phi / rows.deviation[first + axis];
             }
         };
-        reading_slopes(Sensor::Gyro, triad, point[gyro::SCALE.start], &pose.gyro, pose.covariate, &mut give);
+        reading_slopes(Sense::Gyro, triad, point[gyro::SCALE.start], &pose.gyro, pose.covariate, &mut give);
         for i in 0..3 {
             for j in 0..3 {
                 give(gyro::G_SENSITIVITY.start + 3 * i + j, i, force[j]);

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::calibration::{Calibration, PARAMETERS, Point, Sensor, Triad, accelerometer, gyro};
+use super::calibration::{Calibration, PARAMETERS, Point, Triad, accelerometer, gyro};
 use super::imu::Pose;
+use crate::sensor::Sense;
 
 /// Which columns of the slope matrix are wanted.
 pub struct Active<'a> {
@@ -15,7 +16,7 @@ pub struct Active<'a> {
 
 /// Calls `give(parameter, axis, φ)` for every parameter that moves axis i of the reading v by −φ.
 pub fn reading_slopes(
-    sensor: Sensor,
+    sensor: Sense,
     triad: &Triad,
     scale: f64,
     counts: &Vector3<f64>,
@@ -23,7 +24,7 @@ pub fn reading_slopes(
     mut give: impl FnMut(usize, usize, f64),
 ) {
     let (offset, common, axis, quadratic, cubic, temperature) = match sensor {
-        Sensor::Accelerometer => (
+        Sense::Accelerometer => (
             accelerometer::OFFSET.start,
             accelerometer::SCALE.start,
             accelerometer::AXIS_SCALE.start,
@@ -31,7 +32,7 @@ pub fn reading_slopes(
             accelerometer::CUBIC.start,
             accelerometer::TEMPERATURE.start,
         ),
-        Sensor::Gyro => (
+        Sense::Gyro => (
             gyro::OFFSET.start,
             gyro::SCALE.start,
             gyro::AXIS_SCALE.start,
@@ -85,7 +86,7 @@ impl Active<'_> {
             }
         };
         reading_slopes(
-            Sensor::Accelerometer,
+            Sense::Accelerometer,
             triad,
             point[accelerometer::SCALE.start],
             &pose.accelerometer,

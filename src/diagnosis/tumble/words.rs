@@ -1,7 +1,6 @@
 //! The verdict of a tumble recording in plain words.
 
 use super::Detail;
-use super::calibration::Sensor as Which;
 use super::candidate::Term;
 use super::conclusion::Case;
 use super::remainder::Remainder;
@@ -89,11 +88,7 @@ pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Rema
 
 /// "misalignment of the gyro".
 pub fn spoken(term: &Term) -> String {
-    let sensor = match term.sensor {
-        Which::Accelerometer => "accelerometer",
-        Which::Gyro => "gyro",
-    };
-    format!("{} of the {sensor}", term.id)
+    format!("{} of the {}", term.id, term.sensor.name())
 }
 
 /// "a, b and c".

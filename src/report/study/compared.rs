@@ -1,9 +1,10 @@
 //! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
 
-use crate::drift::compare::{Departure, Likeness, Outcome, Sense};
+use crate::drift::compare::{Departure, Likeness, Outcome};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 use crate::report::html::Page;
 use crate::report::number::{duration, significant};
+use crate::sensor::Sense;
 use crate::units::{DEGREE_PER_HOUR, MICRO_G};
 
 /// The section, if the study asks for it.
@@ -68,8 +69,7 @@ fn sentence(axis: &Likeness) -> String {
 }
 
 fn caption(axis: &Likeness) -> String {
-    let sense = if axis.sense == Sense::Accelerometer { "accelerometer" } else { "gyro" };
-    format!("{}: {sense} at rest, recorded and simulated.", axis.column)
+    format!("{}: {} at rest, recorded and simulated.", axis.column, axis.sense.name())
 }
 
 fn chart(axis: &Likeness) -> Chart {

@@ -2,8 +2,9 @@
 
 use super::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::{Sensor, gyro};
+use crate::diagnosis::tumble::calibration::gyro;
 use crate::diagnosis::tumble::rows::Group;
+use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "earth-rate",
@@ -18,4 +19,4 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 };
 
 pub(super) const TERMS: &[Term] =
-    &[Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::FRAME_RATE], judged: Group::Still }];
+    &[Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::FRAME_RATE], judged: Group::Still }];

@@ -2,8 +2,9 @@
 
 use super::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::{Sensor, accelerometer, gyro};
+use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::rows::Group;
+use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "scale-factor",
@@ -20,9 +21,9 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 pub(super) const TERMS: &[Term] = &[
     Term {
         id: CANDIDATE.id,
-        sensor: Sensor::Accelerometer,
+        sensor: Sense::Accelerometer,
         parameters: &[accelerometer::AXIS_SCALE],
         judged: Group::Gravity,
     },
-    Term { id: CANDIDATE.id, sensor: Sensor::Gyro, parameters: &[gyro::AXIS_SCALE], judged: Group::Turn },
+    Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::AXIS_SCALE], judged: Group::Turn },
 ];
