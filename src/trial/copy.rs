@@ -6,13 +6,13 @@ use super::case::{Body, Family};
 use super::driven::{Driven, Planted};
 use super::equation::Oscillator;
 use super::excitation::Excitation;
+use super::interval::median;
 use super::physics::{Physics, Term};
 use super::plant::{self, Size};
 use super::refit::{self, Window};
 use super::standstill::{Slow, Still};
 use crate::diagnosis::model;
 use crate::error::{Error, Result};
-use crate::numerics::order::median;
 use crate::recording::Recording;
 use crate::rng::{Philox, Stream};
 
@@ -103,7 +103,7 @@ pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, Stri
         let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
         // Coarse counts that mostly repeat have no median step, but a mean square.
         let square = steps.iter().map(|s| s * s).sum::<f64>() / steps.len().max(1) as f64;
-        let median = median(steps).unwrap_or(0.0);
+        let median = median(steps.into_iter());
         let step = if median > 0.0 { median / 0.6745 } else { square.sqrt() };
         white[channel] = (step / 2f64.sqrt()).max(f64::MIN_POSITIVE);
         bias[channel] = values.iter().sum::<f64>() / samples as f64;

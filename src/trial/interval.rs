@@ -1,7 +1,16 @@
-//! Exact intervals for shares, and the size at which nine of ten effects are noticed.
+//! Statistics of a trial: exact intervals for shares, the size at which nine of ten effects are noticed, a median.
 
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
+
+/// The middle one of the finite values, the upper of an even number; zero where there are none.
+///
+/// The trial's own: what generates and scores shares no numerics with what is tested.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
 
 /// A share of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

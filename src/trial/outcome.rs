@@ -6,11 +6,10 @@ use serde::Serialize;
 
 use super::blind::Verdicts;
 use super::case::{Case, Family};
-use super::interval::{Power, Share};
+use super::interval::{Power, Share, median};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
 use crate::diagnosis::candidate::Kind;
-use crate::numerics::order;
 
 /// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
 pub const FALLBACK_LIMIT: f64 = 3.0;
@@ -147,11 +146,6 @@ struct Judged<'a> {
     mark: Mark,
     /// Planted by the library's own kind of physics.
     library: bool,
-}
-
-/// Of the finite ones; zero where there are none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    order::median(values.filter(|v| v.is_finite()).collect()).unwrap_or(0.0)
 }
 
 impl Outcome {
