@@ -33,6 +33,11 @@ impl Grid {
         chaotic as f64 / self.exponent_per_s.len().max(1) as f64
     }
 
+    /// Cells whose orbit was lost: its numbers left their range, or a step was too long for it.
+    pub fn lost(&self) -> usize {
+        self.exponent_per_s.iter().filter(|e| !e.is_finite()).count()
+    }
+
     /// The cell that holds a point, if it lies inside.
     pub fn cell(&self, x: f64, y: f64) -> Option<usize> {
         let part = |axis: &super::document::Range, v: f64| {

@@ -79,7 +79,14 @@ pub fn table(noise: &Noise) -> Table {
 
 /// What a person at a terminal should know beside the table.
 pub fn notes(noise: &Noise) -> Vec<String> {
-    let mut out: Vec<String> = noise.source.findings.iter().map(|f| format!("found: {f}")).collect();
+    let source = &noise.source;
+    let mut out = vec![format!(
+        "{} samples at {} Hz: {}",
+        source.samples,
+        significant(source.rate_hz, 6),
+        duration(source.samples as f64 / source.rate_hz)
+    )];
+    out.extend(source.findings.iter().map(|f| format!("found: {f}")));
     for channel in noise.channels.iter().filter(|c| !c.curve.is_empty()) {
         out.push(format!("{}: {}", channel.name, verdict(channel)));
         let about_spectrum = if channel.fit.is_some() { 5 } else { 0 };
