@@ -223,16 +223,16 @@ impl Rows {
         }
         let text = String::from_utf8_lossy(record.get(place).unwrap_or_default()).into_owned();
         let line = line_of(record);
-        let hint = match line {
-            2 => "one line of headings is read; if this is a second one (units), delete it",
-            _ if text.replacen(',', ".", 1).parse::<f64>().is_ok() => "write numbers with a decimal point, not a comma",
-            _ => "leave missing numbers empty; name other columns if this one is text",
+        let (what, hint) = if text.trim().parse::<f64>().is_ok() {
+            ("is larger than any reading", "check the exponent and the unit; leave missing numbers empty")
+        } else if text.replacen(',', ".", 1).trim().parse::<f64>().is_ok() {
+            ("is no number", "write numbers with a decimal point, not a comma")
+        } else if line == 2 {
+            ("is no number", "one line of headings is read; if this is a second one (units), delete it")
+        } else {
+            ("is no number", "leave missing numbers empty; name other columns if this one is text")
         };
-        let cause = match text.parse::<f64>() {
-            Ok(_) => format!("`{}` is larger than any reading", shortened(&text)),
-            Err(_) => format!("`{}` is no number", shortened(&text)),
-        };
-        self.fail(&format!("line {line}, column {}: {cause}", place + 1), hint)
+        self.fail(&format!("line {line}, column {}: `{}` {what}", place + 1, shortened(&text)), hint)
     }
 
     fn read_record(&mut self, record: &mut ByteRecord) -> Result<bool> {

@@ -43,8 +43,8 @@ pub(super) fn tolerances(name: &str, file: &File) -> Result<Tolerances> {
     accelerometer(name, &file.accelerometer, &mut all)?;
     gyro(name, &file.gyro, &mut all)?;
     mechanics(name, &all)?;
-    signs(name, &all)?;
     sizes(name, &all)?;
+    signs(name, &all)?;
     Ok(all)
 }
 
@@ -133,7 +133,7 @@ pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
         let unit = if row.unit == "1" { String::new() } else { format!(" {}", row.unit) };
         let (cause, hint) = match number {
             Number::Fixed(value) if below(value) => {
-                (format!("`{}` = {value:?}{unit}: need {need}", row.key), "check the sign".to_owned())
+                (format!("`{}` = {value}{unit}: need {need}", row.key), "check the sign".to_owned())
             }
             Number::Uniform { min, .. } if below(min) => {
                 (format!("`{}` is drawn from {min}{unit} upward: need {need}", row.key), "raise min".to_owned())
@@ -167,7 +167,7 @@ pub(super) fn sizes(name: &str, all: &Tolerances) -> Result<()> {
             Number::Normal { mean, sd } => [mean, sd],
             Number::Uniform { min, max } => [min, max],
         };
-        let small = |v: f64| row.sign == Sign::Positive && v < SMALLEST;
+        let small = |v: f64| row.sign == Sign::Positive && v > 0.0 && v < SMALLEST;
         if let Some(value) = ends.into_iter().find(|v| v.abs() > LARGEST) {
             return Err(refuse(
                 name,
@@ -248,9 +248,7 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     if steps_per_sample > MOST_STEPS_PER_SAMPLE {
         return Err(refuse(
             name,
-            format!(
-                "steps of {step_s:?} s are {steps_per_sample:.0e} between two readings: at most {MOST_STEPS_PER_SAMPLE:.0e}"
-            ),
+            format!("a sample takes {steps_per_sample:.0e} steps of {step_s:?} s: at most {MOST_STEPS_PER_SAMPLE:.0e}"),
             "a longer `step_s` does: the linear map is exact at any step, and other integrators sub-step by themselves",
         ));
     }

@@ -49,7 +49,10 @@ impl Plan {
                 format!(
                     "a sine of {highest_hz:?} Hz cannot be seen in steps of {step_s:?} s: half their rate is {half_hz:?} Hz"
                 ),
-                format!("`step_s` at or below {:?} resolves it", step(0.25)),
+                match step(0.25) {
+                    0.0 => "check its exponent".to_owned(),
+                    step => format!("`step_s` at or below {step:?} resolves it"),
+                },
             ));
         }
         self.words += &format!(

@@ -2,7 +2,7 @@
 
 use crate::numerics::allan::law::{TERMS, Term};
 use crate::recording::noise::{Channel, Noise};
-use crate::report::number::{duration, significant};
+use crate::report::number::{duration, rounded, significant};
 use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
@@ -83,7 +83,7 @@ pub fn notes(noise: &Noise) -> Vec<String> {
     let mut out = vec![format!(
         "{} samples at {} Hz: {}",
         source.samples,
-        significant(source.rate_hz, 6),
+        rounded(source.rate_hz, 6),
         duration(source.samples as f64 / source.rate_hz)
     )];
     out.extend(source.findings.iter().map(|f| format!("found: {f}")));
