@@ -4,6 +4,7 @@
 mod suite {
     pub mod allan;
     pub mod architecture;
+    pub mod bench;
     pub mod cli;
     pub mod closed_form;
     pub mod convergence;

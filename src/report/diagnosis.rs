@@ -2,6 +2,11 @@
 //!
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
+mod driven;
+mod fixed;
+mod profile;
+mod tumble;
+
 use crate::diagnosis::consequence::DIFFERENCE;
 use crate::diagnosis::repair::{Cost, Repair};
 use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
@@ -11,7 +16,6 @@ use super::figure::Figure;
 use super::html::Page;
 use super::number::{duration, rounded, significant, with_uncertainty};
 use super::table::Table;
-use super::{diagnosis_driven, diagnosis_static, diagnosis_tumble};
 
 /// The part of the page a figure belongs to, in the page's order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,9 +46,9 @@ pub struct Exhibit {
 /// The figures of any kind of diagnosis.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     match detail {
-        Detail::Driven(detail) => diagnosis_driven::exhibits(detail),
-        Detail::Static(detail) => diagnosis_static::exhibits(detail),
-        Detail::Tumble(detail) => diagnosis_tumble::exhibits(detail),
+        Detail::Driven(detail) => driven::exhibits(detail),
+        Detail::Static(detail) => fixed::exhibits(detail),
+        Detail::Tumble(detail) => tumble::exhibits(detail),
     }
 }
 
