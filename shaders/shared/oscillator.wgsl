@@ -16,24 +16,25 @@ fn exact_hold(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
 }
 
 fn cubic(k: vec4<f32>, e: f32, a: f32, q: f32, push: f32) -> f32 {
-    return fma(-k.x, fma(k.z * a, a * a, e), fma(-k.y, q, push));
+    return fma(-k.y, q, fma(-(k.z * a), a * a, fma(-k.x, e, push)));
 }
 
 fn runge_kutta_4(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
-    let push = k.low.x * w;
-    let d1 = cubic(k.low, s.x, s.x + f.begin, s.y, push);
-    let e2 = fma(0.5, s.y, s.x - f.to_middle);
+    let middle = s.x - f.to_middle;
+    let end = s.x - f.to_end;
+    let d1 = cubic(k.low, s.x, s.x + f.begin, s.y, w);
+    let e2 = fma(0.5, s.y, middle);
     let q2 = fma(0.5, d1, s.y);
-    let d2 = cubic(k.low, e2, e2 + f.middle, q2, push);
-    let e3 = fma(0.5, q2, s.x - f.to_middle);
+    let d2 = cubic(k.low, e2, e2 + f.middle, q2, w);
+    let e3 = fma(0.5, q2, middle);
     let q3 = fma(0.5, d2, s.y);
-    let d3 = cubic(k.low, e3, e3 + f.middle, q3, push);
-    let e4 = s.x - f.to_end + q3;
+    let d3 = cubic(k.low, e3, e3 + f.middle, q3, w);
+    let e4 = end + q3;
     let q4 = s.y + d3;
-    let d4 = cubic(k.low, e4, e4 + f.end, q4, push);
-    let rise = fma(2.0, q2 + q3, s.y + q4);
-    let gain = fma(2.0, d2 + d3, d1 + d4);
-    return vec2<f32>(fma(1.0 / 6.0, rise, s.x - f.to_end), fma(1.0 / 6.0, gain, s.y));
+    let d4 = cubic(k.low, e4, e4 + f.end, q4, w);
+    let twice = d2 + d3;
+    let once = d1 + twice;
+    return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));
 }
 
 fn general(k: Coefficients, e: f32, a: f32, q: f32, push: f32) -> f32 {
@@ -45,20 +46,21 @@ fn general(k: Coefficients, e: f32, a: f32, q: f32, push: f32) -> f32 {
 }
 
 fn runge_kutta_4_general(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
-    let push = k.low.x * w;
-    let d1 = general(k, s.x, s.x + f.begin, s.y, push);
-    let e2 = fma(0.5, s.y, s.x - f.to_middle);
+    let middle = s.x - f.to_middle;
+    let end = s.x - f.to_end;
+    let d1 = general(k, s.x, s.x + f.begin, s.y, w);
+    let e2 = fma(0.5, s.y, middle);
     let q2 = fma(0.5, d1, s.y);
-    let d2 = general(k, e2, e2 + f.middle, q2, push);
-    let e3 = fma(0.5, q2, s.x - f.to_middle);
+    let d2 = general(k, e2, e2 + f.middle, q2, w);
+    let e3 = fma(0.5, q2, middle);
     let q3 = fma(0.5, d2, s.y);
-    let d3 = general(k, e3, e3 + f.middle, q3, push);
-    let e4 = s.x - f.to_end + q3;
+    let d3 = general(k, e3, e3 + f.middle, q3, w);
+    let e4 = end + q3;
     let q4 = s.y + d3;
-    let d4 = general(k, e4, e4 + f.end, q4, push);
-    let rise = fma(2.0, q2 + q3, s.y + q4);
-    let gain = fma(2.0, d2 + d3, d1 + d4);
-    return vec2<f32>(fma(1.0 / 6.0, rise, s.x - f.to_end), fma(1.0 / 6.0, gain, s.y));
+    let d4 = general(k, e4, e4 + f.end, q4, w);
+    let twice = d2 + d3;
+    let once = d1 + twice;
+    return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));
 }
 
 fn exponential_rk_2(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {

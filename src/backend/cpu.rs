@@ -73,10 +73,13 @@ impl Backend for Cpu {
     }
 }
 
+/// 64 members, wherever they are.
+type Group<T> = Box<Members<T>>;
+
 /// The 64 members from `first` on, below `end`, ready to integrate.
-fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Members<T>> {
-    let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
-    Ok(Members::new(job.seed, first, &columns, flicker_terms))
+fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Group<T>> {
+    let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i));
+    Members::new(job.seed, first, columns, flicker_terms)
 }
 
 /// One member, drawn and checked.
@@ -92,8 +95,8 @@ pub fn column(job: &Job, index: u64) -> Result<Column> {
     }
     Err(Error::new(
         format!("could not prepare member {index}"),
-        "its parameters, as the integrator needs them, are beyond the range of numbers",
-        "check the exponents of the study and its tolerances: a draw may lie where no sensor does",
+        format!("one of its parameters is no number: {:?}", member.sensor),
+        "check the tolerances: a draw may have left the range where the sensor makes sense",
     ))
 }
 
@@ -105,7 +108,7 @@ impl Cpu {
         let mut groups = starts
             .par_iter()
             .map(|&first| draw::<T>(job, first, members.end, shared.flicker.len()))
-            .collect::<Result<Vec<Members<T>>>>()?;
+            .collect::<Result<Vec<Group<T>>>>()?;
         let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
         let size = members.end - members.start;
         let mut partials = Vec::with_capacity(job.clock.report_samples.len());
@@ -124,8 +127,8 @@ impl Cpu {
         &self,
         job: &Job,
         shared: &Shared<T>,
-        groups: &mut [Members<T>],
-        mut after: impl FnMut(&tile::Tile, &[Members<T>]),
+        groups: &mut [Group<T>],
+        mut after: impl FnMut(&tile::Tile, &[Group<T>]),
     ) -> bool {
         let most = self.tile_samples.min(MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
         let mut from = 0;
@@ -148,7 +151,7 @@ impl Cpu {
 
 /// Sums up all groups at a report time.
 fn partial<T: Real>(
-    groups: &[Members<T>],
+    groups: &[Group<T>],
     members: usize,
     samples: u64,
     sample_s: f64,
@@ -198,7 +201,7 @@ pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
     let mut groups = starts
         .par_iter()
         .map(|&first| draw::<T>(job, first, job.members, shared.flicker.len()))
-        .collect::<Result<Vec<Members<T>>>>()?;
+        .collect::<Result<Vec<Group<T>>>>()?;
     let cpu = Cpu::default();
     if !cpu.tiles(job, &shared, &mut groups, |_, _| ()) {
         return Err(Error::interrupted("could not finish the simulation", "run it again"));

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
-use crate::kernel::cpu::noise::Drawer;
+use crate::kernel::cpu::noise::{Draw, Drawer};
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
 use crate::units::MICRO_G;
@@ -62,7 +62,7 @@ impl<T: Real> Problem<T> {
     pub fn run(&self, noise: bool, level: Level) -> f64 {
         let one = |block: &Block<T>| {
             let force = &self.force;
-            if noise { level.run(Noisy { block, force }) } else { level.run(Quiet { block, force }) }
+            if noise { Noisy { block, force }.run(level) } else { level.run(Quiet { block, force }) }
         };
         let ends: Vec<f64> = self.blocks.par_iter().map(one).collect();
         ends[0]
@@ -99,25 +99,45 @@ impl<T: Real> Kernel for Quiet<'_, T> {
     }
 }
 
-impl<T: Real> Kernel for Noisy<'_, T> {
-    type Output = f64;
-    #[inline(always)]
-    fn run<const FMA: bool>(self) -> f64 {
+/// Steps for which numbers are drawn at a time, in phases like the ensemble's own: a stretch of them, then the steps.
+const STRETCH: usize = 16;
+
+impl<T: Real> Noisy<'_, T> {
+    fn run(self, level: Level) -> f64 {
         let zero = Lane::splat(T::of(0.0));
-        let (mut x, mut v, mut numbers) = (zero, zero, [zero; 4]);
-        let block = self.block.clone();
-        let draw = Drawer { seed: 1, first_member: block.first_member };
-        for (counter, f) in self.force.windows(9).step_by(8).enumerate() {
-            draw.fill::<T, FMA>(Stream::Force as u32, counter as u32, 4, &mut numbers);
-            for (i, number) in numbers.iter().enumerate() {
-                let mut push = zero;
-                for l in 0..LANES {
-                    push[l] = block.sigma[l] * number[l];
-                }
-                step::<T, FMA>(&block, &mut x, &mut v, [f[2 * i], f[2 * i + 1], f[2 * i + 2]], &push);
-            }
+        let (mut x, mut v, mut numbers) = (zero, zero, [zero; STRETCH]);
+        let drawer = Drawer { seed: 1, first_member: self.block.first_member };
+        for (i, force) in self.force.windows(2 * STRETCH + 1).step_by(2 * STRETCH).enumerate() {
+            let counter = (i * STRETCH / 4) as u32;
+            level.run(Draw { drawer, stream: Stream::Force as u32, counter, each: 4, out: &mut numbers });
+            level.run(Pushed { block: self.block, force, numbers: &numbers, x: &mut x, v: &mut v });
         }
         x[0].f64()
+    }
+}
+
+/// Consecutive steps, each with its normal number.
+struct Pushed<'a, T> {
+    block: &'a Block<T>,
+    force: &'a [T],
+    numbers: &'a [Lane<T>],
+    x: &'a mut Lane<T>,
+    v: &'a mut Lane<T>,
+}
+
+impl<T: Real> Kernel for Pushed<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let (mut x, mut v) = (*self.x, *self.v);
+        for (f, number) in self.force.windows(3).step_by(2).zip(self.numbers) {
+            let mut push = *number;
+            for l in 0..LANES {
+                push[l] = self.block.sigma[l] * number[l];
+            }
+            step::<T, FMA>(self.block, &mut x, &mut v, [f[0], f[1], f[2]], &push);
+        }
+        (*self.x, *self.v) = (x, v);
     }
 }
 

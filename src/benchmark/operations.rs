@@ -16,16 +16,16 @@ pub const LORENZ: f64 = 45.0;
 /// 24 for the stages of four numbers, 24 for their sums, 2 for the step.
 pub const LYAPUNOV: f64 = 108.0;
 
-/// A proof mass in error coordinates by Runge–Kutta: four accelerations of 6, 16 for the stages and the sum, 2 for the
+/// A proof mass in error coordinates by Runge–Kutta: four accelerations of 6, 8 for the stages, 7 for the sums, 1 for the
 /// force noise.
-const PROOF_MASS: f64 = 42.0;
+const PROOF_MASS: f64 = 40.0;
 /// Reading and two integrations: a bias, and 3 for a rectangle and a trapezium.
 const INTEGRATIONS: f64 = 4.0;
-/// One normal number by Box and Muller, half a pair: 7 integer operations to take the words apart, 12 for the logarithm, 2
-/// for the root, 12 for sine and cosine, 8 to choose the quadrant and to multiply, in all 37 a pair and an addition.
-const BOX_MULLER: f64 = 19.0;
-/// Philox: ten rounds of two multiplications, two shifts and four exclusive-ors for four numbers.
-const PHILOX_WIDE: f64 = 20.0;
+/// One normal number by Box and Muller, half a pair: 9 to take the first word apart, 10 for the logarithm, 2 for the root;
+/// 6 to take the second apart, 10 for sine and cosine, 6 to choose the quadrant; 2 to multiply.
+const BOX_MULLER: f64 = 22.5;
+/// Philox: ten rounds of two multiplications, two shifts and two exclusive-ors of three for four numbers.
+const PHILOX_WIDE: f64 = 15.0;
 /// Where a multiplication gives one half of its product: two more, no shifts, and two additions for the key.
 const PHILOX_NARROW: f64 = 25.0;
 

@@ -124,13 +124,24 @@ impl Integrator {
         }
     }
 
+    /// What the noise of the force is multiplied by, given W = (ω₀h)²: Runge–Kutta wants it as it stands in the equation, W·w;
+    /// the others as the reading that it is.
+    pub fn force_scale(self, w: f64) -> f64 {
+        if self.is_runge_kutta() { w } else { 1.0 }
+    }
+
+    fn is_runge_kutta(self) -> bool {
+        matches!(self, Self::RungeKutta4 { .. } | Self::RungeKutta4General { .. })
+    }
+
     /// Refuses a proof mass that this integrator cannot step.
     ///
     /// # Errors
     /// Runge–Kutta at ω₀h > 2.7, naming the step that would do; terms that the integrator does not have.
     pub fn check(self, proof_mass: Option<&ProofMass>, step_s: f64) -> Result<()> {
         let Some(m) = proof_mass else { return Ok(()) };
-        let attempt = format!("could not integrate with {self}");
+        // Every member of an ensemble is checked: nothing is written unless it fails.
+        let attempt = || format!("could not integrate with {self}");
         let holds = match self {
             Self::Ideal => false,
             Self::ExactHold => m.cubic_per_m2_s2 == 0.0 && !m.has_further_terms(),
@@ -140,14 +151,13 @@ impl Integrator {
         };
         if !holds {
             let cause = "the proof mass has terms that it leaves out";
-            return Err(Error::new(attempt, cause, "let the tool choose the integrator"));
+            return Err(Error::new(attempt(), cause, "let the tool choose the integrator"));
         }
-        let runge_kutta = matches!(self, Self::RungeKutta4 { .. } | Self::RungeKutta4General { .. });
         let stiffness = m.natural_frequency_rad_s * step_s / f64::from(self.substeps());
-        if runge_kutta && stiffness > RK4_STABLE {
+        if self.is_runge_kutta() && stiffness > RK4_STABLE {
             let need = RK4_ACCURATE / m.natural_frequency_rad_s;
             return Err(Error::new(
-                attempt,
+                attempt(),
                 format!("the step is unstable: ω₀h = {stiffness:.2}, and above {RK4_STABLE} the solution blows up"),
                 format!("use a step of at most {need:.2e} s (ω₀h = {RK4_ACCURATE}), or let the tool choose"),
             ));

@@ -55,7 +55,8 @@ impl Column {
         let mut values = [0.0; COLUMNS];
         if let Some(mass) = &sensor.proof_mass {
             values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
-            values[column::FORCE] = mass.force_noise_m_s_rts / root;
+            let scale = integrator.force_scale(values[0]);
+            values[column::FORCE] = scale * mass.force_noise_m_s_rts / root;
         }
         values[column::GAIN] = sensor.excitation_gain;
         values[column::BIAS] = a.bias_m_s2;
@@ -91,11 +92,12 @@ pub fn coefficients(mass: &ProofMass, integrator: Integrator, substep_s: f64) ->
     let w = (w0 * substep_s).powi(2);
     let c = 2.0 * mass.damping_ratio * w0 * substep_s;
     let kappa = mass.cubic_per_m2_s2 / w0.powi(6);
-    let [[a, b], [d, e]] = relaxation(w, c);
+    let relaxes = matches!(integrator, Integrator::ExactHold | Integrator::ExponentialRk2 { .. });
+    let [[a, b], [d, e]] = if relaxes { relaxation(w, c) } else { [[0.0; 2]; 2] };
     match integrator {
         Integrator::Ideal => [0.0; COEFFICIENTS],
         Integrator::ExactHold => [a, b, d, e, c / w, 0.0, 0.0, 0.0],
-        Integrator::RungeKutta4 { .. } => [w, c, kappa, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Integrator::RungeKutta4 { .. } => [w, c, w * kappa, 0.0, 0.0, 0.0, 0.0, 0.0],
         Integrator::RungeKutta4General { .. } => [
             w,
             c,

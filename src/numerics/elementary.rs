@@ -47,6 +47,8 @@ pub trait Real:
     fn to_i32(self) -> i32;
     /// Whether the magnitude is above `bound` or is no number at all. Decided on bits, as the shader must.
     fn beyond(self, bound: f32) -> bool;
+    /// With the sign changed if bit 31 of `word` is set.
+    fn flip(self, word: u32) -> Self;
     /// ln(m · 2ᵉ) for m in [√½, √2).
     fn ln_parts<const FMA: bool>(mantissa: f32, exponent: i32) -> Self;
     /// sin and cos of `x` in [−π/4, π/4].
@@ -69,6 +71,9 @@ fn horner<T: Real, const FMA: bool, const N: usize>(x: T, coefficients: [f64; N]
     }
     sum
 }
+
+/// The sign of an f32, and of a quarter-turned cosine.
+const SIGN: u32 = 0x8000_0000;
 
 macro_rules! real {
     ($t:ident) => {
@@ -130,6 +135,11 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn flip(self, word: u32) -> Self {
+        f32::from_bits(self.to_bits() ^ word & SIGN)
+    }
+
+    #[inline(always)]
     fn ln_parts<const FMA: bool>(mantissa: f32, exponent: i32) -> f32 {
         const Q: [f64; 8] = [
             -0.499_999_82,
@@ -175,6 +185,11 @@ impl Real for f64 {
     #[inline(always)]
     fn beyond(self, bound: f32) -> bool {
         self.to_bits() & 0x7FFF_FFFF_FFFF_FFFF > (bound as f64).to_bits()
+    }
+
+    #[inline(always)]
+    fn flip(self, word: u32) -> Self {
+        f64::from_bits(self.to_bits() ^ u64::from(word & SIGN) << 32)
     }
 
     // 2 artanh((m−1)/(m+1)), series to 1e-16.
@@ -227,20 +242,22 @@ impl Real for f64 {
 /// ln u for the uniform number u = (2k + 1)·2⁻²⁴ made of the upper 23 bits k of a random word: never 0, never 1.
 #[inline(always)]
 pub fn ln_uniform<T: Real, const FMA: bool>(word: u32) -> T {
-    // Exact in f32, so f32 and f64 take the logarithm of the same number.
-    let u = ((word >> 8 | 1) as i32 as f32) * (1.0 / 16_777_216.0);
+    // 2²⁴u: exact in f32, so f32 and f64 take the logarithm of the same number.
+    let scaled = (word >> 8 | 1) as i32 as f32;
     // Split u = m·2ᵉ around √½, so that m − 1 is small where ln u is small.
     const ROOT_HALF: u32 = 0x3F35_04F3;
-    let exponent = (u.to_bits().wrapping_sub(ROOT_HALF) as i32) >> 23;
-    let mantissa = f32::from_bits(u.to_bits().wrapping_sub((exponent as u32) << 23));
+    let above = scaled.to_bits().wrapping_sub(ROOT_HALF + (24 << 23));
+    let mantissa = f32::from_bits((above & 0x007F_FFFF) + ROOT_HALF);
+    let exponent = (above as i32) >> 23;
     T::ln_parts::<FMA>(mantissa, exponent)
 }
 
 /// sin and cos of 2π·`turns`/2³², the phase in fixed-point turns: its wrap-around is the circle's.
 #[inline(always)]
 pub fn sin_cos_turns<T: Real, const FMA: bool>(turns: u32) -> (T, T) {
-    let quadrant = turns.wrapping_add(0x2000_0000) >> 30;
-    let rest = turns.wrapping_sub(quadrant << 30) as i32;
+    // The quadrant, around whose middle the rest lies, is in the two highest bits.
+    let quadrant = turns.wrapping_add(0x2000_0000);
+    let rest = turns.wrapping_sub(quadrant & 0xC000_0000) as i32;
     // 23 bits survive: the conversion is exact in f32, and f32 and f64 see the same angle.
     let x = T::of_i32(rest >> 7) * T::of(std::f64::consts::TAU / 33_554_432.0);
     let (s, c) = T::sin_cos_small::<FMA>(x);
@@ -256,25 +273,24 @@ pub fn sin_cos<T: Real, const FMA: bool>(x: T) -> (T, T) {
     let rest = fma::<T, FMA>(-quarters, T::of(HIGH), x);
     let rest = fma::<T, FMA>(-quarters, T::of(std::f64::consts::FRAC_PI_2 - HIGH), rest);
     let (s, c) = T::sin_cos_small::<FMA>(rest);
-    turn_by_quarters(s, c, quarters.to_i32() as u32)
+    turn_by_quarters(s, c, (quarters.to_i32() as u32) << 30)
 }
 
-/// The sine and cosine of an angle that many quarters further on.
+/// The sine and cosine of an angle that many quarters further on: the two highest bits of `quarters`.
 #[inline(always)]
 fn turn_by_quarters<T: Real>(s: T, c: T, quarters: u32) -> (T, T) {
-    let swapped = quarters & 1 == 1;
-    let sin = if swapped { c } else { s };
-    let cos = if swapped { s } else { c };
-    let sin = if quarters & 2 == 2 { -sin } else { sin };
-    let cos = if quarters.wrapping_add(1) & 2 == 2 { -cos } else { cos };
-    (sin, cos)
+    const QUARTER: u32 = 1 << 30;
+    let swapped = quarters & QUARTER != 0;
+    let (sin, cos) = if swapped { (c, s) } else { (s, c) };
+    (sin.flip(quarters), cos.flip(quarters.wrapping_add(QUARTER)))
 }
 
 /// Two independent standard normal numbers of two random words (Box and Muller 1958). |g| ≤ 5.77: the largest of
 /// 2²³ equally likely radii.
 #[inline(always)]
 pub fn gaussian_pair<T: Real, const FMA: bool>(radius: u32, angle: u32) -> (T, T) {
-    let r = (T::of(-2.0) * ln_uniform::<T, FMA>(radius)).max(T::of(0.0)).sqrt();
+    // Never of a negative number: `logarithms_are_negative` looks at all of them.
+    let r = (T::of(-2.0) * ln_uniform::<T, FMA>(radius)).sqrt();
     let (sin, cos) = sin_cos_turns::<T, FMA>(angle);
     (r * cos, r * sin)
 }
@@ -303,6 +319,15 @@ mod tests {
         }
         for (log, circle) in [worst::<f64, true>(), worst::<f64, false>()] {
             assert!(log < 1e-14 && circle < 1e-15, "{log:e} {circle:e}");
+        }
+    }
+
+    #[test]
+    fn logarithms_are_negative() {
+        for k in 0..1_u32 << 23 {
+            let word = k << 9;
+            assert!(ln_uniform::<f32, true>(word) < 0.0 && ln_uniform::<f32, false>(word) < 0.0, "{word}");
+            assert!(ln_uniform::<f64, true>(word) < 0.0 && ln_uniform::<f64, false>(word) < 0.0, "{word}");
         }
     }
 

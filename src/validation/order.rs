@@ -2,6 +2,8 @@
 
 use super::Row;
 use super::jobs::{Sine, duffing, masses};
+use std::convert::Infallible;
+
 use crate::error::Result;
 use crate::kernel::cpu::lanes::Level;
 use crate::kernel::cpu::members::{Members, Shared};
@@ -63,7 +65,8 @@ fn integrate(mass: &ProofMass, integrator: Integrator, step_s: f64, steps: u64, 
     (job.clock.step_s, job.clock.steps_per_sample, job.clock.samples) = (step_s, 1, steps);
     let shared = Shared::<f64>::of(&job);
     let column = Column::of(&(job.draw)(0), &job.clock, integrator);
-    let mut members = Members::new(job.seed, 0, &[column], shared.flicker.len());
+    let columns = std::iter::once(Ok::<_, Infallible>(column));
+    let Ok(mut members) = Members::new(job.seed, 0, columns, shared.flicker.len());
     // At rest in the middle: the reading is zero, so its error is minus the force.
     members.place(-crate::kernel::job::Waveform::specific_force_m_s2(&waveform, 0.0), 0.0);
     let force = force::table::<f64>(&job, 0, steps);

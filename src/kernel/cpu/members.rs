@@ -58,6 +58,30 @@ pub(super) struct Active {
     pub(super) quantisation: bool,
 }
 
+impl Active {
+    /// What some column says is there.
+    fn of<T: Real>(columns: &[Lane<T>; COLUMNS]) -> Self {
+        // All lanes, not until the first: that is vector code.
+        let differs = |c: usize, none: f64| columns[c].0.iter().fold(false, |any, v| any | (*v != T::of(none)));
+        let any = |c: usize| differs(c, 0.0);
+        Self {
+            white: any(column::WHITE),
+            flicker: any(column::FLICKER),
+            walk: any(column::WALK),
+            force: any(column::FORCE),
+            gyro: (column::GYRO_BIAS..=column::GYRO_WALK).any(any),
+            gyro_white: any(column::GYRO_WHITE),
+            gyro_flicker: any(column::GYRO_FLICKER),
+            gyro_walk: any(column::GYRO_WALK),
+            sine: any(column::SINE),
+            gain: differs(column::GAIN, 1.0),
+            reading: any(column::SCALE) || any(column::K2),
+            range: columns[column::RANGE].0.iter().any(|v| *v < T::of(1e30)),
+            quantisation: any(column::QUANTISATION),
+        }
+    }
+}
+
 /// 64 members between tiles: parameters and state.
 #[derive(Debug, Clone)]
 pub struct Members<T> {
@@ -86,44 +110,46 @@ pub struct Snapshot {
 }
 
 impl<T: Real> Members<T> {
-    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat the last one.
-    pub fn new(seed: u64, first_member: u64, columns: &[Column], flicker_terms: usize) -> Self {
-        let zero = Lane::splat(T::of(0.0));
-        let mut lanes = [zero; COLUMNS];
-        let mut turns = [Lane::splat(0); 2];
+    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat the last one. In a place
+    /// of their own and filled there: ten kilobytes and more, whose copies from hand to hand cost a fifth of starting a run.
+    ///
+    /// # Errors
+    /// The first of `columns`.
+    pub fn new<E>(
+        seed: u64,
+        first_member: u64,
+        mut columns: impl Iterator<Item = Result<Column, E>>,
+        flicker_terms: usize,
+    ) -> Result<Box<Self>, E> {
+        let mut members = Box::new(Self::none(Drawer { seed, first_member }));
+        let mut last = None;
         for l in 0..LANES {
-            let Some(member) = columns.get(l).or(columns.last()) else { break };
-            (0..COLUMNS).for_each(|c| lanes[c][l] = T::of(member.values[c]));
-            (0..2).for_each(|i| turns[i][l] = member.turns[i]);
+            last = columns.next().transpose()?.or(last);
+            let Some(member) = &last else { break };
+            (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
+            (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
         }
-        let any = |c: usize| lanes[c].0.iter().any(|v| *v != T::of(0.0));
-        let active = Active {
-            white: any(column::WHITE),
-            flicker: any(column::FLICKER),
-            walk: any(column::WALK),
-            force: any(column::FORCE),
-            gyro: (column::GYRO_BIAS..=column::GYRO_WALK).any(any),
-            gyro_white: any(column::GYRO_WHITE),
-            gyro_flicker: any(column::GYRO_FLICKER),
-            gyro_walk: any(column::GYRO_WALK),
-            sine: any(column::SINE),
-            gain: lanes[column::GAIN].0.iter().any(|v| *v != T::of(1.0)),
-            reading: any(column::SCALE) || any(column::K2),
-            range: lanes[column::RANGE].0.iter().any(|v| *v < T::of(1e30)),
-            quantisation: any(column::QUANTISATION),
-        };
+        members.active = Active::of(&members.columns);
         let terms = |on: bool| Flicker::new(if on { flicker_terms } else { 0 });
+        members.flicker = terms(members.active.flicker);
+        members.gyro_flicker = terms(members.active.gyro_flicker);
+        Ok(members)
+    }
+
+    /// Members without anything.
+    fn none(draw: Drawer) -> Self {
+        let zero = Lane::splat(T::of(0.0));
         Self {
-            draw: Drawer { seed, first_member },
-            active,
-            columns: lanes,
-            turns,
+            draw,
+            active: Active::default(),
+            columns: [zero; COLUMNS],
+            turns: [Lane::splat(0); 2],
             e: zero,
             q: zero,
             walk: zero,
             gyro_walk: zero,
-            flicker: terms(active.flicker),
-            gyro_flicker: terms(active.gyro_flicker),
+            flicker: Flicker::new(0),
+            gyro_flicker: Flicker::new(0),
             sums: Sums::new(),
             acceleration: zero,
         }

@@ -25,26 +25,35 @@ pub fn stream(purpose: Stream, term: usize) -> u32 {
 impl Drawer {
     /// Philox4x32-10 for 64 members, word for word that of `rng`, in 64-bit lanes: a 32-bit multiplication that keeps both
     /// halves is one instruction there, and what piles up in the upper half is never looked at.
+    ///
+    /// Each round waits for the one before: two members at a time, half the lanes apart, give the processor twice as much
+    /// to do meanwhile (Zen 5: a fifth fewer cycles with SSE2 and AVX-512, a tenth with AVX2; four at a time are ten times slower,
+    /// for the compiler then keeps them in memory).
     #[inline(always)]
     fn words(&self, counter: u32, stream: u32, out: &mut [Lane<u32>; 4]) {
         const LOW: u64 = 0xFFFF_FFFF;
+        const HALF: usize = LANES / 2;
         // The first member is a multiple of 64, so the lane never carries into the high word.
         let (low, high) = (self.first_member & LOW, self.first_member >> 32);
-        for l in 0..LANES {
-            let mut c = [u64::from(counter), low | l as u64, high, u64::from(stream)];
+        for l in 0..HALF {
+            let mut pair = [l, l + HALF].map(|l| [u64::from(counter), low | l as u64, high, u64::from(stream)]);
             let mut key = [self.seed as u32, (self.seed >> 32) as u32];
             for _ in 0..10 {
-                let product_0 = u64::from(MULTIPLIER_0) * (c[0] & LOW);
-                let product_1 = u64::from(MULTIPLIER_1) * (c[2] & LOW);
-                c = [
-                    product_1 >> 32 ^ c[1] ^ u64::from(key[0]),
-                    product_1,
-                    product_0 >> 32 ^ c[3] ^ u64::from(key[1]),
-                    product_0,
-                ];
+                for c in &mut pair {
+                    let product_0 = u64::from(MULTIPLIER_0) * (c[0] & LOW);
+                    let product_1 = u64::from(MULTIPLIER_1) * (c[2] & LOW);
+                    *c = [
+                        product_1 >> 32 ^ c[1] ^ u64::from(key[0]),
+                        product_1,
+                        product_0 >> 32 ^ c[3] ^ u64::from(key[1]),
+                        product_0,
+                    ];
+                }
                 key = [key[0].wrapping_add(WEYL_0), key[1].wrapping_add(WEYL_1)];
             }
-            (0..4).for_each(|i| out[i][l] = c[i] as u32);
+            for i in 0..4 {
+                (out[i][l], out[i][l + HALF]) = (pair[0][i] as u32, pair[1][i] as u32);
+            }
         }
     }
 
@@ -75,12 +84,16 @@ fn gaussian_pairs<T: Real, const FMA: bool>(
 }
 
 /// Fills lanes with the numbers of one stream: compiled once for all purposes.
-pub(super) struct Draw<'a, T> {
+pub struct Draw<'a, T> {
+    /// Who draws.
     pub drawer: Drawer,
+    /// Stream word.
     pub stream: u32,
+    /// First counter.
     pub counter: u32,
     /// Numbers taken of each counter, 2 or 4.
     pub each: usize,
+    /// Filled.
     pub out: &'a mut [Lane<T>],
 }
 

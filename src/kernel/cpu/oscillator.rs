@@ -16,7 +16,7 @@ pub type Coefficients<T> = [T; COEFFICIENTS];
 pub trait Oscillator<T: Real>: Send + Sync + 'static {
     /// Whether there is a state at all.
     const MOVES: bool = true;
-    /// (e, q) after one substep under force `f` and noise `w`.
+    /// (e, q) after one substep under force `f` and noise `w`, which Runge–Kutta takes times W.
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T);
 }
 
@@ -56,31 +56,32 @@ impl<T: Real> Oscillator<T> for ExactHold {
     }
 }
 
-/// Classic Runge–Kutta on (a, q), written for e = a − f: algebraically the same, without the large parts.
+/// Classic Runge–Kutta on (a, q), written for e = a − f: algebraically the same, without the large parts. As q₂ = q + d₁/2,
+/// q₃ = q + d₂/2 and q₄ = q + d₃, the weighted sum of rates is 6q + d₁ + d₂ + d₃.
 #[inline(always)]
 fn runge_kutta<T: Real, const FMA: bool>(e: T, q: T, f: &Force<T>, acceleration: impl Fn(T, T, T) -> T) -> (T, T) {
-    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
+    let (half, sixth) = (T::of(0.5), T::of(1.0 / 6.0));
+    let (middle, end) = (e - f.to_middle, e - f.to_end);
     let d1 = acceleration(e, e + f.begin, q);
-    let e2 = fma::<T, FMA>(half, q, e - f.to_middle);
+    let e2 = fma::<T, FMA>(half, q, middle);
     let q2 = fma::<T, FMA>(half, d1, q);
     let d2 = acceleration(e2, e2 + f.middle, q2);
-    let e3 = fma::<T, FMA>(half, q2, e - f.to_middle);
+    let e3 = fma::<T, FMA>(half, q2, middle);
     let q3 = fma::<T, FMA>(half, d2, q);
     let d3 = acceleration(e3, e3 + f.middle, q3);
-    let (e4, q4) = (e - f.to_end + q3, q + d3);
+    let (e4, q4) = (end + q3, q + d3);
     let d4 = acceleration(e4, e4 + f.end, q4);
-    let rise = fma::<T, FMA>(two, q2 + q3, q + q4);
-    let push = fma::<T, FMA>(two, d2 + d3, d1 + d4);
-    (fma::<T, FMA>(sixth, rise, e - f.to_end), fma::<T, FMA>(sixth, push, q))
+    let twice = d2 + d3;
+    let once = d1 + twice;
+    (fma::<T, FMA>(sixth, once, end + q), fma::<T, FMA>(sixth, once + twice + d4, q))
 }
 
 impl<T: Real> Oscillator<T> for RungeKutta4 {
     #[inline(always)]
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
-        let push = k[0] * w;
         runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
-            let bent = fma::<T, FMA>(k[2] * a, a * a, e);
-            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-k[1], q, push))
+            let spring = fma::<T, FMA>(-(k[2] * a), a * a, fma::<T, FMA>(-k[0], e, w));
+            fma::<T, FMA>(-k[1], q, spring)
         })
     }
 }
@@ -88,14 +89,13 @@ impl<T: Real> Oscillator<T> for RungeKutta4 {
 impl<T: Real> Oscillator<T> for RungeKutta4General {
     #[inline(always)]
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
-        let push = k[0] * w;
         runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
             let square = a * a;
             let bent = fma::<T, FMA>(fma::<T, FMA>(k[2], a, k[3]), square, e);
             let damping = fma::<T, FMA>(k[4], q.abs(), fma::<T, FMA>(k[5], square, k[1]));
             // sgn q, smoothed over the rate that friction could undo in one substep.
             let friction = k[6] * (q / (q.abs() + k[6] + T::of(1e-30)));
-            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-damping, q, push - friction))
+            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-damping, q, w - friction))
         })
     }
 }

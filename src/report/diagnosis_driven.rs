@@ -7,8 +7,8 @@ use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::surface::Surface;
 use crate::numerics::spectrum;
 
-use super::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark, Raster};
+use super::diagnosis::{Exhibit, Part};
+use super::figure::{Axis, Chart, Ink, Mark, Raster};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;
@@ -20,7 +20,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
     }
-    all.extend(super::profile::exhibit(&detail.profiles));
+    all.extend(super::diagnosis_profile::exhibit(&detail.profiles));
     all
 }
 
@@ -65,15 +65,6 @@ fn zoom(detail: &Detail) -> Exhibit {
     }
 }
 
-/// What the base model does and, where something is named, the repaired one.
-fn both(chart: &mut Chart, detail: &Detail, names: [&str; 2], points: [Vec<(f64, f64)>; 2]) {
-    let [base, repaired] = points;
-    chart.add(names[0], Ink::Soft, Mark::Line, base);
-    if detail.named {
-        chart.add(names[1], Ink::Red, Mark::Line, repaired);
-    }
-}
-
 /// What either model gets wrong on the samples of the zoom.
 fn zoomed_errors(detail: &Detail) -> Exhibit {
     let s = &detail.shown;
@@ -85,8 +76,11 @@ fn zoomed_errors(detail: &Detail) -> Exhibit {
         "Its error there",
         Axis::linear("time / s"),
         Axis::linear(&format!("recorded − simulated / {}", detail.unit)),
-    );
-    both(&mut chart, detail, ["base model", "repaired model"], [&s.base, &s.repaired].map(|m| errors(m)));
+    )
+    .with("base model", Ink::Soft, Mark::Line, errors(&s.base));
+    if detail.named {
+        chart.add("repaired model", Ink::Red, Mark::Line, errors(&s.repaired));
+    }
     chart.size = (620, 400);
     Exhibit {
         part: Part::Opening,
@@ -114,10 +108,12 @@ fn errors(detail: &Detail) -> Exhibit {
         "Error of free simulation over time",
         Axis::linear("time / s"),
         Axis::log(&format!("root mean square / {}", detail.unit)),
-    );
-    let levels = |values: &Vec<f64>| levels(values, detail.rate_hz, detail.from);
-    both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(levels));
-    chart.add("one step ahead", Ink::Blue, Mark::Line, levels(&detail.innovations));
+    )
+    .with("base model", Ink::Soft, Mark::Line, levels(&detail.before, detail.rate_hz, detail.from));
+    if detail.named {
+        chart.add("repaired model", Ink::Red, Mark::Line, levels(&detail.after, detail.rate_hz, detail.from));
+    }
+    chart.add("one step ahead", Ink::Blue, Mark::Line, levels(&detail.innovations, detail.rate_hz, detail.from));
     Exhibit {
         part: Part::Isolation,
         name: "error-over-time".into(),
@@ -140,9 +136,11 @@ fn spectra(detail: &Detail) -> Exhibit {
         Axis::log("frequency / Hz"),
         Axis::log(&format!("one-sided density / {}/√Hz", detail.unit)),
     )
-    .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state));
-    let names = ["error of the base model", "error of the repaired model"];
-    both(&mut chart, detail, names, [&detail.before, &detail.after].map(|e| lines(e)));
+    .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state))
+    .with("error of the base model", Ink::Soft, Mark::Line, lines(&detail.before));
+    if detail.named {
+        chart.add("error of the repaired model", Ink::Red, Mark::Line, lines(&detail.after));
+    }
     Exhibit {
         part: Part::Isolation,
         name: "error-over-frequency".into(),
@@ -173,8 +171,11 @@ fn states(detail: &Detail) -> Exhibit {
         "Error over displacement",
         Axis::linear(&format!("displacement / {}", detail.unit)),
         Axis::log(&format!("root mean square / {}", detail.unit)),
-    );
-    both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(|e| profile(e)));
+    )
+    .with("base model", Ink::Soft, Mark::Line, profile(&detail.before));
+    if detail.named {
+        chart.add("repaired model", Ink::Red, Mark::Line, profile(&detail.after));
+    }
     Exhibit {
         part: Part::Isolation,
         name: "error-over-state".into(),
