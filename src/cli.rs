@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 pub mod adapters;
 pub mod allan;
@@ -17,7 +17,7 @@ pub mod validate;
 
 /// How far will this inertial sensor drift, which error is to blame, and what physics does the model leave out?
 #[derive(Debug, Parser)]
-#[command(name = "proofmass", version, about, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "proofmass", bin_name = "proofmass", version, about, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Arguments {
     /// Print the result as one JSON document on stdout
     #[arg(long, global = true)]
@@ -57,6 +57,23 @@ pub enum Command {
     Adapters(adapters::Arguments),
     /// Measure speed on this machine
     Bench(bench::Arguments),
+}
+
+/// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are answered and end the process.
+pub fn not_understood(error: clap::Error) -> Error {
+    if !error.use_stderr() {
+        error.exit();
+    }
+    let text = error.render().to_string();
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+    let is_hint =
+        |line: &&str| ["tip:", "Usage:", "For more information", "Options:"].iter().any(|h| line.starts_with(h));
+    let cause: Vec<&str> = lines.iter().take_while(|l| !is_hint(l)).map(|l| l.trim_start_matches("error: ")).collect();
+    let tips = lines.iter().filter_map(|l| l.strip_prefix("tip: "));
+    let usage = lines.iter().find_map(|l| l.strip_prefix("Usage: "));
+    let see = usage.map_or("see `proofmass --help`".to_owned(), |u| format!("usage: {u}; `--help` says more"));
+    let hint: Vec<String> = tips.map(str::to_owned).chain([see]).collect();
+    Error::new("could not understand the command line", cause.join(" "), hint.join("; "))
 }
 
 /// Does what the arguments ask.

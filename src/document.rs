@@ -2,7 +2,7 @@
 //!
 //! Not for recordings: those stream, see `recording`.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub fn parse_toml<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
             None => String::new(),
         };
         let message = error.message();
-        Error::new(format!("could not read {name}"), format!("{place}{message}"), hint(message))
+        Error::new(format!("could not read {name}"), format!("{place}{}", plain(message)), hint(message))
     })
 }
 
@@ -35,8 +35,56 @@ pub fn parse_toml<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
 /// # Errors
 /// As [`parse_toml`], and when the file cannot be read.
 pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io("read", path, &e))?;
-    parse_toml(&path.display().to_string(), &text)
+    let (name, text) = (path.display().to_string(), read_text(path)?);
+    parse_toml(&name, &text)
+}
+
+/// Most bytes of a document: no study is a thousandth of it, and a device that never ends is refused.
+const LONGEST_BYTES: u64 = 16 << 20;
+
+/// Reads a text file whole.
+///
+/// # Errors
+/// A file that cannot be read, is too long for a document, or holds something else than UTF-8 text (the line is named).
+pub fn read_text(path: &Path) -> Result<String> {
+    let fail =
+        |cause: String, hint: &str| Error::new(format!("could not read {}", path.display()), cause, hint.to_owned());
+    let file = std::fs::File::open(path).map_err(|e| Error::io("read", path, &e))?;
+    let mut bytes = Vec::new();
+    file.take(LONGEST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| Error::io("read", path, &e))?;
+    if bytes.len() as u64 > LONGEST_BYTES {
+        return Err(fail(
+            format!("it is longer than {} MiB", LONGEST_BYTES >> 20),
+            "is this the recording? give the .toml",
+        ));
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(fail("this is UTF-16 text".into(), "save it as UTF-8"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
+        fail(format!("line {line} holds bytes that are no UTF-8 text"), "save it as UTF-8; is this a text file at all?")
+    })
+}
+
+/// The parser's words for types, in those of a person who writes numbers.
+fn plain(message: &str) -> String {
+    let mut out = message.replace(" as i128", "").replace("invalid type: map", "invalid type: a section");
+    for (theirs, ours) in [
+        ("expected u64", "expected a whole number, zero or more"),
+        ("expected u32", "expected a whole number from 0 to 4294967295"),
+        ("expected usize", "expected a whole number, zero or more"),
+        ("expected f64", "expected a number"),
+        ("expected variant identifier", "expected a word in quotes"),
+        ("expected a sequence", "expected a list"),
+        ("expected struct Range", "expected { quantity = …, from = …, to = …, points = … }"),
+        ("expected an array of length 2", "expected a pair, [from, to]"),
+        ("expected 2 elements in sequence", "expected a pair"),
+    ] {
+        out = out.replace(theirs, ours);
+    }
+    out
 }
 
 fn hint(message: &str) -> String {
@@ -50,7 +98,19 @@ fn hint(message: &str) -> String {
             None => format!("known here: {}", known.join(", ")),
         };
     }
-    "see the example in README.md; numbers need a digit on both sides of the point".into()
+    match message {
+        m if m.starts_with("missing field") => "add that key; README.md has an example of every file",
+        m if m.starts_with("duplicate key") => "keep one of the two",
+        m if m.contains("map, expected a sequence") => {
+            "a section that may come several times has two brackets, [[so]]; a list has one, [1.0, 2.0]"
+        }
+        m if m.contains("drawn number") || m.contains("{ mean") => {
+            "e.g. bias_mg = 0.5, bias_mg = { mean = 0.0, sd = 1.0 } or bias_mg = { min = -1.0, max = 1.0 }"
+        }
+        m if m.starts_with("invalid") => "numbers stand without quotes, words with them; see the example in README.md",
+        _ => "see the example in README.md; numbers need a digit on both sides of the point",
+    }
+    .into()
 }
 
 /// A result as one indented JSON document.
@@ -106,6 +166,25 @@ mod tests {
         let error = parse_toml::<Sample>("study.toml", "\nmembrs = 3\n").expect_err("misspelt");
         assert!(error.cause.starts_with("study.toml:2:1:"), "{}", error.cause);
         assert_eq!(error.hint, "did you mean `members`?");
+    }
+
+    #[test]
+    fn a_wrong_type_is_said_in_words_for_people() {
+        let error = parse_toml::<Sample>("study.toml", "members = -5").expect_err("negative");
+        assert!(error.cause.contains("whole number") && !error.cause.contains("u32"), "{error}");
+        let twice = parse_toml::<Sample>("study.toml", "members = 1\nmembers = 2").expect_err("twice");
+        assert_eq!(twice.hint, "keep one of the two");
+    }
+
+    #[test]
+    fn what_is_no_text_is_refused_with_its_line() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("x.toml");
+        for (bytes, words) in [(&b"a = 1\nb = \"\xe9\"\n"[..], "line 2"), (b"\xff\xfea\0", "UTF-16")] {
+            std::fs::write(&path, bytes).expect("written");
+            let error = read_text(&path).expect_err("no text");
+            assert!(error.cause.contains(words), "{error}");
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ pub mod compare;
 pub mod document;
 pub mod expected;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::kernel::integrator::{Choice, Integrator};
 use crate::kernel::job::Job;
 use crate::navigation::power_law;
@@ -71,6 +71,16 @@ pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistic
     choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
     let samples = curve_samples(study);
     let statistics = run(&study.job(choice.integrator, samples.clone()), "simulating")?;
+    if statistics.failed + 2 > statistics.members {
+        return Err(Error::new(
+            format!("could not simulate {}", study.name),
+            format!(
+                "{} of {} members left the range of numbers: their position error is no number",
+                statistics.failed, statistics.members
+            ),
+            "some error, spring or excitation is far too large; check the exponents and units of the study",
+        ));
+    }
     let report = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let expected = Expected::of(study, &samples);
     let budget = budget::make(study, choice.integrator, &samples, run)?;

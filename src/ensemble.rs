@@ -64,7 +64,7 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
     } else {
         progress::bar("simulating", job.members.saturating_mul(job.clock.samples))
     };
-    bar.set_position(state.next_member * job.clock.samples);
+    bar.set_position(state.next_member.saturating_mul(job.clock.samples));
     if state.bins.is_empty() {
         let Some(bins) = pilot(job, options)? else { return Err(interrupted(options)) };
         state.set_bins(bins);

@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     #[cfg(unix)]
     end_quietly_on_a_closed_pipe();
-    match cli::run(&cli::Arguments::parse()) {
+    match cli::Arguments::try_parse().map_err(cli::not_understood).and_then(|a| cli::run(&a)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

@@ -39,9 +39,17 @@ pub struct Bifurcation {
 }
 
 impl Bifurcation {
+    /// How far apart the means of two sweeps count as different, m: a twentieth of the range of all strobes.
+    pub fn apart_m(&self) -> f64 {
+        let strobes = self.up.iter().chain(&self.down).map(|p| p.1).filter(|x| x.is_finite());
+        let (low, high) = strobes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        0.05 * (high - low).max(0.0)
+    }
+
     /// Amplitudes at which the way down stands elsewhere than the way up: hysteresis. In N, from the smallest; the means of
-    /// all strobes are compared, against `tolerance_m`.
-    pub fn hysteresis_n(&self, tolerance_m: f64) -> Vec<f64> {
+    /// all strobes are compared, against [`Bifurcation::apart_m`].
+    pub fn hysteresis_n(&self) -> Vec<f64> {
+        let tolerance_m = self.apart_m();
         let strobes = self.diagram.strobes as usize;
         let means = |cloud: &[(f64, f64)]| -> Vec<(f64, f64)> {
             cloud.chunks(strobes).map(|c| (c[0].0, c.iter().map(|p| p.1).sum::<f64>() / c.len() as f64)).collect()
@@ -78,7 +86,7 @@ pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
                 noise_n_rts: d.noise_n_rts,
                 seed: document.seed,
             };
-            let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed + 1, ..up };
+            let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed.wrapping_add(1), ..up };
             let oscillator = document.oscillator.into();
             let (up, down) = rayon::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
             bar.inc(1);

@@ -5,6 +5,7 @@
 
 pub mod clock;
 pub mod format;
+pub mod glitch;
 pub mod health;
 pub mod noise;
 pub mod repeats;
@@ -172,13 +173,16 @@ fn collect(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Vec<f64>>
     Ok((names, columns, table.finish()?))
 }
 
+/// Slowest and fastest sampling that is one: from a sample in thirty years to a terahertz, Hz.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+
 fn checked_rate(path: &Path, rate_hz: Option<f64>) -> Result<f64> {
     match rate_hz {
-        Some(rate) if rate.is_finite() && rate > 0.0 => Ok(rate),
+        Some(rate) if RATES_HZ.contains(&rate) => Ok(rate),
         Some(rate) => Err(Error::new(
             format!("could not place {} in time", path.display()),
-            format!("a sampling rate of {rate} Hz"),
-            "the rate must be positive, e.g. 100.0",
+            format!("a sampling rate of {rate:?} Hz"),
+            "give samples per second, e.g. 100.0",
         )),
         None => Err(Error::new(
             format!("could not place {} in time", path.display()),

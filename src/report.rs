@@ -5,10 +5,6 @@
 pub mod allan;
 pub mod bench;
 pub mod diagnosis;
-pub mod diagnosis_driven;
-pub mod diagnosis_profile;
-pub mod diagnosis_static;
-pub mod diagnosis_tumble;
 pub mod figure;
 pub mod html;
 pub mod map;

@@ -90,6 +90,7 @@ impl Study {
         let duration_s = clock.duration_s();
         check::compare(source, file.compare.as_ref())?;
         let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
+        let excitation = excitation.resolved(source, clock.step_s)?;
         Ok(Self {
             name: checked_name(source, file.name)?,
             seed,
@@ -116,9 +117,15 @@ impl Study {
             check::gyro(&name, section, &mut still.tolerances)?;
         }
         check::signs(&name, &still.tolerances)?;
+        check::sizes(&name, &still.tolerances)?;
         still.members = members;
         still.clock = Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples] };
-        still.excitation = Plan { waveform: Arc::new(Rest), variation: plan::Variation::None, words: "at rest".into() };
+        still.excitation = Plan {
+            waveform: Arc::new(Rest),
+            variation: plan::Variation::None,
+            words: "at rest".into(),
+            highest_hz: None,
+        };
         Ok(still)
     }
 

@@ -4,6 +4,7 @@
 mod suite {
     pub mod allan;
     pub mod architecture;
+    pub mod bench;
     pub mod cli;
     pub mod closed_form;
     pub mod convergence;
@@ -17,6 +18,7 @@ mod suite {
     pub mod invariance;
     pub mod law;
     pub mod misfit;
+    pub mod mistakes;
     pub mod noise_law;
     pub mod paper;
     pub mod parity;
@@ -42,6 +44,8 @@ fn main() {
         suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
+        // mistakes: what a newcomer does wrong is refused in a sentence.
+        suite::mistakes::tests(),
         // law: random numbers and error growth follow their laws, and the controls fail.
         suite::law::tests(),
         // convergence: integrators have their order, f32 stays below the noise.

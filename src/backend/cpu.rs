@@ -95,8 +95,8 @@ pub fn column(job: &Job, index: u64) -> Result<Column> {
     }
     Err(Error::new(
         format!("could not prepare member {index}"),
-        format!("one of its parameters is no number: {:?}", member.sensor),
-        "check the tolerances: a draw may have left the range where the sensor makes sense",
+        "its parameters, as the integrator needs them, are beyond the range of numbers",
+        "check the exponents of the study and its tolerances: a draw may lie where no sensor does",
     ))
 }
 

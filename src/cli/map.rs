@@ -94,8 +94,8 @@ fn summary(atlas: &Atlas) -> serde_json::Value {
         .grids
         .iter()
         .map(|g| {
-            let largest = g.exponent_per_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            json!({"title": g.map.title, "cells": g.exponent_per_s.len(), "chaotic_share": g.chaotic_share(),
+            let largest = g.exponent_per_s.iter().copied().filter(|e| e.is_finite()).fold(f64::NAN, f64::max);
+            json!({"title": g.map.title, "cells": g.exponent_per_s.len(), "lost": g.lost(), "chaotic_share": g.chaotic_share(),
                 "largest_exponent_per_s": largest,
                 "x": {"quantity": g.map.x.quantity, "from": g.map.x.from, "to": g.map.x.to, "points": g.map.x.points},
                 "y": {"quantity": g.map.y.quantity, "from": g.map.y.from, "to": g.map.y.to, "points": g.map.y.points}})
@@ -104,7 +104,7 @@ fn summary(atlas: &Atlas) -> serde_json::Value {
     let diagrams: Vec<_> = atlas
         .diagrams
         .iter()
-        .map(|b| json!({"title": b.diagram.title, "amplitudes_with_hysteresis": b.hysteresis_n(page::APART_M).len()}))
+        .map(|b| json!({"title": b.diagram.title, "amplitudes_with_hysteresis": b.hysteresis_n().len()}))
         .collect();
     json!({"name": atlas.document.name, "maps": maps, "bifurcations": diagrams})
 }

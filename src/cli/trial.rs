@@ -105,7 +105,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if !arguments.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
-    let verdicts = blind::run(&cases, &sealed, &state, done, &blind::tool)?;
+    let verdicts = blind::run(&cases, &sealed, &state, done, &blind::tool).map_err(|error| match arguments.out {
+        Some(_) => error,
+        // The folder is a scratch one and goes with the process.
+        None => Error { hint: "run it again; with --out DIR finished verdicts would be kept".into(), ..error },
+    })?;
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);

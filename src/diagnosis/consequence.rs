@@ -45,13 +45,23 @@ fn row(of: &str, metres: [f64; 2], repair: &Repair) -> Cost {
     let vibration = &repair.vibration;
     let (under, basis) = match repair.before.proof_mass {
         Some(_) => (
-            format!("{:.3} m/s² at {:.3} Hz", vibration.amplitude_m_s2, vibration.frequency_hz),
+            format!("{} m/s² at {} Hz", three(vibration.amplitude_m_s2), three(vibration.frequency_hz)),
             "integrated in f64; noise by closed forms",
         ),
         None => ("at rest".to_owned(), "closed forms"),
     };
     let [ten, sixty] = metres;
     Cost { of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
+}
+
+/// Three digits; more would be no better known.
+fn three(value: f64) -> String {
+    let decimals = 2.0 - value.abs().max(1e-300).log10().floor();
+    let step = 10f64.powf(-decimals);
+    match value.abs() {
+        size if size > 0.0 && !(1e-3..1e6).contains(&size) => format!("{value:.2e}"),
+        _ => format!("{:.*}", decimals.max(0.0) as usize, (value / step).round() * step),
+    }
 }
 
 impl Drift {

@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::document::read_toml;
+use crate::document::{parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
 
 /// A model, by kind of recording.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Model {
     /// Input and output of one proof mass.
     Driven(Driven),
@@ -153,12 +152,44 @@ pub struct TumbleColumns {
     pub environment: Vec<String>,
 }
 
+/// The first key that is read: which of the kinds follows.
+#[derive(Debug, Deserialize)]
+struct Head {
+    kind: toml::Spanned<Kind>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Driven,
+    Static,
+    Tumble,
+}
+
+/// A model from text; `name` stands in messages for where it came from.
+///
+/// # Errors
+/// As `document::parse_toml`.
+pub fn parse(name: &str, text: &str) -> Result<Model> {
+    let kind = parse_toml::<Head>(name, text)?.kind;
+    // A choice by a key inside the table would lose the line and column of every other mistake; so the key is blanked, and
+    // the rest is read as what it is.
+    let end = kind.span().end.min(text.len());
+    let start = text[..end].rfind('\n').map_or(0, |i| i + 1);
+    let rest = format!("{}{}{}", &text[..start], " ".repeat(end - start), &text[end..]);
+    Ok(match kind.into_inner() {
+        Kind::Driven => Model::Driven(parse_toml(name, &rest)?),
+        Kind::Static => Model::Static(parse_toml(name, &rest)?),
+        Kind::Tumble => Model::Tumble(parse_toml(name, &rest)?),
+    })
+}
+
 /// Reads model.toml; `poses` becomes a path that can be opened.
 ///
 /// # Errors
-/// As `document::read_toml`.
+/// As [`parse`], and when the file cannot be read.
 pub fn read(path: &Path) -> Result<Model> {
-    let mut model: Model = read_toml(path)?;
+    let mut model = parse(&path.display().to_string(), &read_text(path)?)?;
     if let Model::Tumble(Tumble { poses: Some(poses), .. }) = &mut model
         && poses.is_relative()
     {

@@ -99,7 +99,8 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     section(&mut text, "accelerometer", &accelerometer_keys(&repair.after));
     section(&mut text, "gyro", &gyro_keys(&repair.after));
     let v = &repair.vibration;
-    if v.amplitude_m_s2 > 0.0 && v.frequency_hz > 0.0 && repair.after.proof_mass.is_some() {
+    let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;
+    if v.amplitude_m_s2 > 0.0 && seen && repair.after.proof_mass.is_some() {
         let _ = write!(
             text,
             "\n[excitation]\nkind = \"sine\"\namplitude_m_s2 = {:?}\nfrequency_hz = {:?}\n",

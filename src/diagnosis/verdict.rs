@@ -82,6 +82,19 @@ pub struct Effect {
     pub confusable_with: Vec<String>,
 }
 
+/// Names with their channels, one effect in several channels said once: "random-walk (ax, ay); warm-up (az)".
+pub fn named(effects: &[Effect]) -> String {
+    let mut all: Vec<(&str, Vec<&str>)> = Vec::new();
+    for effect in effects {
+        let channels = effect.channels.iter().map(String::as_str);
+        match all.iter_mut().find(|(id, _)| *id == effect.id) {
+            Some((_, known)) => known.extend(channels),
+            None => all.push((&effect.id, channels.collect())),
+        }
+    }
+    all.iter().map(|(id, channels)| format!("{id} ({})", channels.join(", "))).collect::<Vec<_>>().join("; ")
+}
+
 /// A stretch of time, band of frequency or range of state where the residual exceeds the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stretch {

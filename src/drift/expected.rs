@@ -38,11 +38,14 @@ impl Expected {
     /// The closed forms of `study` at these samples.
     pub fn of(study: &Study, samples: &[u64]) -> Self {
         let time_s: Vec<f64> = samples.iter().map(|s| *s as f64 * study.sample_s()).collect();
-        let motion = Motion::of(study, &time_s);
+        let laws = Source::ALL.map(|source| (source, law(study, source)));
+        // Worth its millions of steps only where a source follows the motion.
+        let moves = laws.iter().any(|(_, law)| matches!(law, Law::Motion { .. }));
+        let motion = if moves { Motion::of(study, &time_s) } else { Motion::default() };
         let mut left_out = Vec::new();
         let mut sources = Vec::new();
-        for source in Source::ALL {
-            match law(study, source) {
+        for (source, law) in laws {
+            match law {
                 Law::Absent => {}
                 Law::None(why) => left_out.push(format!("{}: {why}", source.name())),
                 Law::Constant { mean, variance } => {
@@ -182,12 +185,11 @@ fn law(study: &Study, source: Source) -> Law {
 /// The sum of held processes that the kernels make bias instability of.
 fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
     let term = |j: usize| {
-        let hold_samples = 4f64.powi(j as i32);
-        let first_samples = if j == 0 { 1.0 } else { hold_samples / 2.0 };
+        let (first, hold) = flicker::first_and_hold(j);
         Process::Held {
             sigma: instability * flicker::amplitude(j),
-            first_s: first_samples * study.sample_s(),
-            hold_s: hold_samples * study.sample_s(),
+            first_s: first as f64 * study.sample_s(),
+            hold_s: hold as f64 * study.sample_s(),
         }
     };
     (0..flicker::terms(study.clock.samples)).map(term).collect()
@@ -219,6 +221,7 @@ fn motion(study: &Study, parameter: Parameter, power: usize) -> Law {
 }
 
 /// Integrals of the shared force and of its square.
+#[derive(Default)]
 struct Motion {
     /// Per power (1, 2), per time: position, velocity, acceleration, and 0 for tilt.
     integrals: [Vec<[f64; 4]>; 2],

@@ -36,18 +36,18 @@ pub struct Sweep {
 pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> {
     let mut random = Philox::new(sweep.seed, 0, Stream::Force);
     let mut state = State::default();
-    let mut cloud = Vec::with_capacity((sweep.points * sweep.strobes) as usize);
+    let mut cloud = Vec::with_capacity(sweep.points as usize * sweep.strobes as usize);
     let steps = oscillator.steps_per_period(sweep.from_n.abs().max(sweep.to_n.abs()), sweep.omega_rad_s);
     for point in 0..sweep.points {
-        if progress::interrupted() {
-            return Err(Error::interrupted("could not finish the bifurcation diagram", "run it again"));
-        }
         let fraction = f64::from(point) / f64::from((sweep.points - 1).max(1));
         let amplitude_n = sweep.from_n + fraction * (sweep.to_n - sweep.from_n);
         let drive = Drive { amplitude_n, omega_rad_s: sweep.omega_rad_s };
         let (table, h) = (drive.table_n(steps), drive.period_s() / f64::from(steps));
         let sigma_n = sweep.noise_n_rts / h.sqrt();
         for period in 0..sweep.transient_periods + sweep.strobes {
+            if progress::interrupted() {
+                return Err(Error::interrupted("could not finish the bifurcation diagram", "run it again"));
+            }
             for j in 0..steps as usize {
                 let noise_n = if sigma_n > 0.0 { sigma_n * random.normal() } else { 0.0 };
                 let force_n = [table[2 * j] + noise_n, table[2 * j + 1] + noise_n, table[2 * j + 2] + noise_n];

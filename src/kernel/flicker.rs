@@ -5,12 +5,12 @@
 //! take turns (Voss and McCartney). It starts from its stationary law. With the weights below, the Allan deviation
 //! stays within 2 % of 0.664 B from one sample to the length of the run, whatever that is; the test computes it.
 
+use crate::numerics::allan::law::FLICKER_FLOOR;
+
 /// e⁻¹: what is left of a term at its next update.
 pub const RETAINED: f64 = 0.367_879_441_171_442_3;
 /// √(1 − e⁻²): the share of the new number.
 pub const RENEWED: f64 = 0.929_873_495_032_193_7;
-/// Minimum Allan deviation of bias instability B: √(2 ln 2 / π).
-pub const ALLAN_PER_INSTABILITY: f64 = 0.664_281_4;
 /// Most terms a kernel carries: 4¹⁵ samples, 124 days at 100 Hz.
 pub const MOST_TERMS: usize = 16;
 
@@ -25,7 +25,13 @@ pub fn terms(samples: u64) -> usize {
 
 /// Standard deviation of term j for bias instability 1.
 pub fn amplitude(term: usize) -> f64 {
-    ALLAN_PER_INSTABILITY * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
+    FLICKER_FLOOR * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
+}
+
+/// When term j is first renewed and for how long it is held then, in samples: the schedule that `slow_term` keeps.
+pub fn first_and_hold(term: usize) -> (u64, u64) {
+    let hold = 4_u64.pow(term as u32);
+    ((hold / 2).max(1), hold)
 }
 
 /// Which slow term (1, 2, …) is renewed at sample n: those with n = 4ʲ/2 + a multiple of 4ʲ. At most one per sample, and
@@ -61,7 +67,7 @@ mod tests {
                     break;
                 }
                 let sum: f64 = (0..terms(samples)).map(|j| amplitude(j).powi(2) * allan_variance(j, m)).sum();
-                let ratio = sum.sqrt() / ALLAN_PER_INSTABILITY;
+                let ratio = sum.sqrt() / FLICKER_FLOOR;
                 assert!((ratio - 1.0).abs() < 0.02, "{samples} samples, over {m}: {ratio}");
             }
         }
@@ -69,10 +75,11 @@ mod tests {
 
     #[test]
     fn a_slow_term_is_renewed_once_in_the_time_it_is_held() {
+        assert_eq!((first_and_hold(0), first_and_hold(1)), ((1, 1), (2, 4)));
         for j in 1..6 {
-            let hold = 4_u64.pow(j as u32);
+            let (first, hold) = first_and_hold(j);
             let renewed: Vec<u64> = (1..5000).filter(|&n| slow_term(n) == Some(j)).collect();
-            assert!(renewed.iter().enumerate().all(|(i, &n)| n == hold / 2 + i as u64 * hold), "{j}");
+            assert!(renewed.len() > 1 && renewed.iter().enumerate().all(|(i, &n)| n == first + i as u64 * hold), "{j}");
         }
         assert!((RETAINED * RETAINED + RENEWED * RENEWED - 1.0).abs() < 1e-15);
     }

@@ -3,6 +3,8 @@
 //! All lanes of a job share the phase of the force: time is counted in steps per forcing period, so the cosine is a table
 //! and a step's length in seconds may differ from lane to lane. Not for ensembles of sensors, see `job`.
 
+use crate::dynamics::duffing::{Drive, Oscillator};
+
 /// One oscillator, per unit mass: x″ + δx′ + κx + βx³ = A cos ωt + w(t).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -22,6 +24,22 @@ pub struct Point {
     pub x_m: f64,
     /// Initial velocity, m/s.
     pub v_m_s: f64,
+}
+
+impl Point {
+    /// A driven oscillator that starts at rest, without noise.
+    pub fn at_rest(oscillator: &Oscillator, drive: &Drive) -> Self {
+        Self {
+            damping_per_s: oscillator.damping_kg_s / oscillator.mass_kg,
+            stiffness_per_s2: oscillator.stiffness_n_m / oscillator.mass_kg,
+            cubic_per_m2_s2: oscillator.cubic_n_m3 / oscillator.mass_kg,
+            amplitude_m_s2: drive.amplitude_n / oscillator.mass_kg,
+            omega_rad_s: drive.omega_rad_s,
+            noise_m_s2_rts: 0.0,
+            x_m: 0.0,
+            v_m_s: 0.0,
+        }
+    }
 }
 
 /// How all points of one job are integrated.

@@ -184,17 +184,23 @@ pub struct Diagram {
 /// Most cells of one map, and most strobes of one diagram: minutes on two cores.
 const MOST: u64 = 1 << 24;
 
+/// Sizes between which a proof mass has all its numbers, in SI units, and the arithmetic all its powers of them.
+const LARGEST: f64 = 1e18;
+const SMALLEST: f64 = 1e-18;
+
 impl Document {
     /// Refuses what cannot be computed, naming the key.
     ///
     /// # Errors
     /// The first number that is out of its range, with its key.
     pub fn check(&self) -> Result<()> {
-        let positive = |key: &str, value: f64| {
-            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(wrong(key, value, "a positive number")) }
+        let positive = |key: &str, value: f64| match value {
+            v if (SMALLEST..=LARGEST).contains(&v) => Ok(()),
+            v => Err(wrong(key, v, &format!("a number from {SMALLEST:?} to {LARGEST:?}"))),
         };
-        let not_negative = |key: &str, value: f64| {
-            if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(wrong(key, value, "zero or more")) }
+        let not_negative = |key: &str, value: f64| match value {
+            v if (0.0..=LARGEST).contains(&v) => Ok(()),
+            v => Err(wrong(key, v, &format!("a number from 0 to {LARGEST:?}"))),
         };
         positive("oscillator.mass_kg", self.oscillator.mass_kg)?;
         positive("oscillator.damping_kg_s", self.oscillator.damping_kg_s)?;
@@ -241,10 +247,19 @@ impl Document {
         for (i, d) in self.bifurcation.iter().enumerate() {
             not_negative(&format!("bifurcation[{i}].from_n"), d.from_n)?;
             positive(&format!("bifurcation[{i}].to_n"), d.to_n)?;
+            if d.from_n >= d.to_n {
+                return Err(wrong(
+                    &format!("bifurcation[{i}].from_n"),
+                    d.from_n,
+                    "less than `to_n`: it is swept both ways",
+                ));
+            }
             count(&format!("bifurcation[{i}].points"), u64::from(d.points), MOST)?;
             count(&format!("bifurcation[{i}].strobes"), u64::from(d.strobes), MOST)?;
             count(&format!("bifurcation[{i}].transient_periods"), u64::from(d.transient_periods) + 1, 1 << 20)?;
             count(&format!("bifurcation[{i}] strobes"), u64::from(d.points) * u64::from(d.strobes), MOST)?;
+            let periods = u64::from(d.transient_periods) + u64::from(d.strobes);
+            count(&format!("bifurcation[{i}] periods"), u64::from(d.points) * periods, 1 << 28)?;
             not_negative(&format!("bifurcation[{i}].noise_n_rts"), d.noise_n_rts)?;
         }
         Ok(())
@@ -252,14 +267,22 @@ impl Document {
 }
 
 fn wrong(key: &str, value: f64, need: &str) -> Error {
-    Error::new(format!("could not use {key}"), format!("need {need}, got {value}"), "correct the number and run again")
+    Error::new(
+        format!("could not use {key}"),
+        format!("need {need}, got {value:?}"),
+        "correct the number and run again",
+    )
 }
 
 fn count(key: &str, value: u64, most: u64) -> Result<()> {
     if (1..=most).contains(&value) {
         return Ok(());
     }
-    Err(wrong(key, value as f64, &format!("1 to {most}")))
+    Err(Error::new(
+        format!("could not use {key}"),
+        format!("need 1 to {most}, got {value}"),
+        "correct the number and run again",
+    ))
 }
 
 #[cfg(test)]

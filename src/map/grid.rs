@@ -33,6 +33,11 @@ impl Grid {
         chaotic as f64 / self.exponent_per_s.len().max(1) as f64
     }
 
+    /// Cells whose orbit was lost: its numbers left their range, or a step was too long for it.
+    pub fn lost(&self) -> usize {
+        self.exponent_per_s.iter().filter(|e| !e.is_finite()).count()
+    }
+
     /// The cell that holds a point, if it lies inside.
     pub fn cell(&self, x: f64, y: f64) -> Option<usize> {
         let part = |axis: &super::document::Range, v: f64| {
@@ -72,17 +77,8 @@ pub fn compute(document: &Document, map: &Map, device: Device<'_>, bar: &Progres
                 set(&mut oscillator, &mut drive, map.x.quantity, map.x.at(x));
                 set(&mut oscillator, &mut drive, map.y.quantity, map.y.at(y));
                 steps = steps.max(oscillator.steps_per_period(drive.amplitude_n, drive.omega_rad_s));
-                let mass = oscillator.mass_kg;
-                Point {
-                    damping_per_s: oscillator.damping_kg_s / mass,
-                    stiffness_per_s2: oscillator.stiffness_n_m / mass,
-                    cubic_per_m2_s2: oscillator.cubic_n_m3 / mass,
-                    amplitude_m_s2: drive.amplitude_n / mass,
-                    omega_rad_s: drive.omega_rad_s,
-                    noise_m_s2_rts: map.noise_n_rts / mass,
-                    x_m: 0.0,
-                    v_m_s: 0.0,
-                }
+                let noise_m_s2_rts = map.noise_n_rts / oscillator.mass_kg;
+                Point { noise_m_s2_rts, ..Point::at_rest(&oscillator, &drive) }
             })
             .collect::<Vec<_>>();
         // Rounded up so that neighbouring rows share a step.

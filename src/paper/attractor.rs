@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::check::{Check, Exhibit};
-use super::forcing::{OMEGA_OF_HERTZ_RAD_S, OMEGA_RAD_S, Scan, choose, point, scan};
+use super::forcing::{OMEGA_OF_HERTZ_RAD_S, OMEGA_RAD_S, Scan, choose, scan};
 use crate::backend::orbits::explore;
 use crate::dynamics::duffing::{Drive, PAPER, State};
 use crate::dynamics::estimate::Estimate;
@@ -71,7 +71,7 @@ pub fn compute() -> Result<Attractor> {
     let plan =
         Plan { seed: 0, first_member: 0, steps_per_period, transient_periods: 500, periods: 1000, strobes: 10_000 };
     let starts: Vec<Point> = (0..GROUPS * ORBITS)
-        .map(|i| Point { x_m: 0.01 * i as f64, v_m_s: 0.01 * (i % 7) as f64, ..point(&PAPER, &drive) })
+        .map(|i| Point { x_m: 0.01 * i as f64, v_m_s: 0.01 * (i % 7) as f64, ..Point::at_rest(&PAPER, &drive) })
         .collect();
     let orbits = explore::<f32>(&starts, &plan)?;
     let exponents: Vec<f64> = orbits.iter().map(|o| o.exponent_per_s).collect();

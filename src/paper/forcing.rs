@@ -5,7 +5,7 @@
 //! two-dimensional maps (`map`).
 
 use crate::backend::orbits::explore;
-use crate::dynamics::duffing::{Drive, Oscillator, PAPER};
+use crate::dynamics::duffing::{Drive, PAPER};
 use crate::error::Result;
 use crate::kernel::orbit::{Orbit, Plan, Point};
 
@@ -68,27 +68,13 @@ impl Scan {
     }
 }
 
-/// The kernel's parameters of the paper's equation under a force, from rest.
-pub fn point(oscillator: &Oscillator, drive: &Drive) -> Point {
-    Point {
-        damping_per_s: oscillator.damping_kg_s / oscillator.mass_kg,
-        stiffness_per_s2: oscillator.stiffness_n_m / oscillator.mass_kg,
-        cubic_per_m2_s2: oscillator.cubic_n_m3 / oscillator.mass_kg,
-        amplitude_m_s2: drive.amplitude_n / oscillator.mass_kg,
-        omega_rad_s: drive.omega_rad_s,
-        noise_m_s2_rts: 0.0,
-        x_m: 0.0,
-        v_m_s: 0.0,
-    }
-}
-
 /// Scans F₀ from one step up to `to_n` in `points` steps.
 ///
 /// # Errors
 /// When stopped by Ctrl-C.
 pub fn scan(omega_rad_s: f64, to_n: f64, points: u32) -> Result<Scan> {
     let force = |i: u32| to_n * f64::from(i + 1) / f64::from(points);
-    let at_rest = |i: u32| point(&PAPER, &Drive { amplitude_n: force(i), omega_rad_s });
+    let at_rest = |i: u32| Point::at_rest(&PAPER, &Drive { amplitude_n: force(i), omega_rad_s });
     let starts = (0..points).flat_map(|i| {
         let deflection = PAPER.equilibrium_m(force(i));
         STARTS.map(|s| Point { x_m: s * deflection, ..at_rest(i) })
@@ -126,7 +112,7 @@ pub fn choose(scan: &Scan) -> Result<Option<f64>> {
         .iter()
         .flat_map(|f| {
             let deflection = PAPER.equilibrium_m(*f);
-            let at_rest = point(&PAPER, &Drive { amplitude_n: *f, omega_rad_s: scan.omega_rad_s });
+            let at_rest = Point::at_rest(&PAPER, &Drive { amplitude_n: *f, omega_rad_s: scan.omega_rad_s });
             (0..64).map(move |i| {
                 let (column, row) = (f64::from(i % 8), f64::from(i / 8));
                 let speed = scan.omega_rad_s * deflection;

@@ -92,6 +92,12 @@ pub fn ticks(path: &Path, times: &[f64], rate_hz: Option<f64>) -> Result<Ticks> 
     let span_s: f64 = steps.iter().sum();
     let tick_s = span_s / steps.iter().map(|s| advance(*s, median_s)).sum::<usize>() as f64;
     let uneven = steps.iter().filter(|s| (**s / tick_s - advance(**s, tick_s) as f64).abs() > UNEVEN).count();
+    if !super::RATES_HZ.contains(&(1.0 / tick_s)) {
+        return Err(fail(
+            format!("its rows are {tick_s:?} s apart"),
+            "is this the column that holds the time, and is it in s?",
+        ));
+    }
     let mut places = None;
     let mut gaps = Vec::new();
     let (mut uneven_share, mut near_even) = (None, false);

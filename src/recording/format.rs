@@ -40,11 +40,21 @@ pub fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     Ok(Format { separator, skip })
 }
 
-/// A cell as a number; `None` when it is text. Empty cells and the usual words for "missing" are NaN.
+/// No reading in any unit is larger: the powers of it that a fit takes must stay finite.
+const LARGEST: f64 = 1e50;
+/// What is smaller is zero, for the same reason.
+const SMALLEST: f64 = 1e-50;
+
+/// A cell as a number; `None` when it is text, or beyond any reading. Empty cells and the usual words for "missing" are NaN.
 pub fn number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
     if let Ok(value) = text.parse::<f64>() {
-        return Some(if value.is_finite() { value } else { f64::NAN });
+        return match value.abs() {
+            size if size < SMALLEST => Some(0.0),
+            size if size <= LARGEST => Some(value),
+            size if size.is_finite() => None,
+            _ => Some(f64::NAN),
+        };
     }
     let missing = ["", "na", "n/a", "null", "none", "-", "#n/a"];
     missing.contains(&text.to_ascii_lowercase().as_str()).then_some(f64::NAN)
@@ -77,7 +87,7 @@ mod tests {
         assert_eq!(number(b" 1.5e-3 "), Some(1.5e-3));
         assert!(number(b"").is_some_and(f64::is_nan) && number(b"NaN").is_some_and(f64::is_nan));
         assert!(number(b"inf").is_some_and(f64::is_nan), "an infinite reading is a missing one");
-        assert_eq!(number(b"1,5"), None);
+        assert_eq!((number(b"1,5"), number(b"1e300"), number(b"1e-300")), (None, None, Some(0.0)));
         assert_eq!(number(b"\xff"), None);
     }
 

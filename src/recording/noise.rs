@@ -7,6 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::Request;
+use super::glitch::Glitch;
 use super::health::Watch;
 use super::stream::{self, Event, Streamed};
 use super::unit::Unit;
@@ -103,6 +104,7 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
         Event::Break => meters.iter_mut().for_each(Meter::interrupt),
     })?;
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
+    source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));
     let channels = meters
         .into_par_iter()
         .zip(&names)
@@ -115,6 +117,7 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
 /// Gathers one channel as it passes.
 struct Meter {
     watch: Watch,
+    glitch: Glitch,
     allan: Accumulator,
     /// Long and short segments: a short log may not fill a long one.
     spectra: [Welch; 2],
@@ -123,16 +126,18 @@ struct Meter {
 impl Meter {
     fn new(name: &str) -> Option<Self> {
         let spectra = [Welch::new(SEGMENT)?, Welch::new(SEGMENT / 16)?];
-        Some(Self { watch: Watch::new(name), allan: Accumulator::new(), spectra })
+        Some(Self { watch: Watch::new(name), glitch: Glitch::default(), allan: Accumulator::new(), spectra })
     }
 
     fn push(&mut self, value: f64) {
         self.watch.push(value);
+        self.glitch.push(value);
         self.allan.push(value);
         self.spectra.iter_mut().for_each(|s| s.push(value));
     }
 
     fn interrupt(&mut self) {
+        self.glitch.interrupt();
         self.allan.interrupt();
         self.spectra.iter_mut().for_each(Welch::interrupt);
     }

@@ -81,6 +81,7 @@ impl Rows {
         if !self.read_record(&mut header)? || header.as_slice().len() as u64 > LONGEST_HEADER_BYTES {
             return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
         }
+        self.refuse_open_quote(&header)?;
         self.width = header.len();
         let mut headings: Vec<String> =
             header.iter().map(|c| String::from_utf8_lossy(c).trim().trim_matches('"').to_owned()).collect();
@@ -126,13 +127,38 @@ impl Rows {
                 Err(self.fail(&format!("two columns are called `{wanted}`"), "give each column its own heading"))
             }
             (None, _) => {
-                let known = headings.iter().take(1000).map(String::as_str);
-                let hint = match nearest(wanted, known.clone()) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("it has: {}", known.take(40).collect::<Vec<_>>().join(", ")),
-                };
+                let hint = self.instead_of(wanted, headings);
                 Err(self.fail(&format!("there is no column `{wanted}`"), &hint))
             }
+        }
+    }
+
+    /// What to ask for instead of a column that is not there.
+    fn instead_of(&self, wanted: &str, headings: &[String]) -> String {
+        if !self.findings.is_empty() {
+            return format!("its first line holds numbers, no headings: its columns are called 1 to {}", self.width);
+        }
+        if self.width == 1 {
+            return format!(
+                "its only column is `{}`; columns are told apart by commas, semicolons or tabs",
+                shortened(&headings[0])
+            );
+        }
+        let known = headings.iter().take(1000).map(String::as_str);
+        match nearest(wanted, known.clone()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it has: {}", known.take(40).map(shortened).collect::<Vec<_>>().join(", ")),
+        }
+    }
+
+    /// A quotation mark that is never closed takes all that follows for one cell.
+    fn refuse_open_quote(&self, record: &ByteRecord) -> Result<()> {
+        match record.as_slice().contains(&b'\n') {
+            false => Ok(()),
+            true => Err(self.fail(
+                &format!("a quotation mark in line {} is not closed in that line", line_of(record)),
+                "remove it, or close it",
+            )),
         }
     }
 
@@ -167,6 +193,7 @@ impl Rows {
             }
         };
         if record.len() != self.width {
+            self.refuse_open_quote(&record)?;
             let line = line_of(&record);
             let got = record.len();
             let last = !self.read_record(&mut record)?;
@@ -183,18 +210,29 @@ impl Rows {
             let cell = record.get(*place).unwrap_or_default();
             *value = match format::number(cell) {
                 Some(number) => number,
-                None => {
-                    let text: String = String::from_utf8_lossy(cell).chars().take(40).collect();
-                    return Err(self.fail(
-                        &format!("line {}, column {}: `{text}` is no number", line_of(&record), place + 1),
-                        "write numbers with a decimal point and leave missing ones empty; name other columns if this \
-                         one is text",
-                    ));
-                }
+                None => return Err(self.no_number(&record, *place)),
             };
         }
         self.record = record;
         Ok(true)
+    }
+
+    fn no_number(&self, record: &ByteRecord, place: usize) -> Error {
+        if let Err(error) = self.refuse_open_quote(record) {
+            return error;
+        }
+        let text = String::from_utf8_lossy(record.get(place).unwrap_or_default()).into_owned();
+        let line = line_of(record);
+        let (what, hint) = if text.trim().parse::<f64>().is_ok() {
+            ("is larger than any reading", "check the exponent and the unit; leave missing numbers empty")
+        } else if text.replacen(',', ".", 1).trim().parse::<f64>().is_ok() {
+            ("is no number", "write numbers with a decimal point, not a comma")
+        } else if line == 2 {
+            ("is no number", "one line of headings is read; if this is a second one (units), delete it")
+        } else {
+            ("is no number", "leave missing numbers empty; name other columns if this one is text")
+        };
+        self.fail(&format!("line {line}, column {}: `{}` {what}", place + 1, shortened(&text)), hint)
     }
 
     fn read_record(&mut self, record: &mut ByteRecord) -> Result<bool> {
@@ -215,6 +253,15 @@ impl Rows {
         let sha256 = hexadecimal(&rest.into_inner().digest.finalize());
         Ok(Source { sha256, findings: self.findings })
     }
+}
+
+/// The first forty characters.
+fn shortened(text: &str) -> String {
+    let mut out: String = text.chars().take(40).collect();
+    if out.len() < text.len() {
+        out.push('…');
+    }
+    out
 }
 
 fn line_of(record: &ByteRecord) -> u64 {

@@ -10,7 +10,7 @@ pub use fragment::{Fragment, fragments};
 pub use words::{notes, table};
 
 use super::html::Page;
-use super::number::significant;
+use super::number::rounded;
 use crate::recording::noise::Noise;
 
 /// The page.
@@ -50,7 +50,7 @@ pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
     page.list(&[
         format!("proofmass {}", env!("CARGO_PKG_VERSION")),
         format!("{file}, SHA-256 {}", noise.source.sha256),
-        format!("{} samples at {} Hz", noise.source.samples, significant(noise.source.rate_hz, 6)),
+        format!("{} samples at {} Hz", noise.source.samples, rounded(noise.source.rate_hz, 6)),
     ]);
     page.finish()
 }

@@ -2,16 +2,20 @@
 //!
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
+mod driven;
+mod fixed;
+mod profile;
+mod tumble;
+
 use crate::diagnosis::consequence::DIFFERENCE;
-use crate::diagnosis::repair::Cost;
-use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict};
+use crate::diagnosis::repair::{Cost, Repair};
+use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
 use crate::diagnosis::{Detail, Diagnosis, Ranked};
 
 use super::figure::Figure;
 use super::html::Page;
-use super::number::{significant, with_uncertainty};
+use super::number::{duration, rounded, significant, with_uncertainty};
 use super::table::Table;
-use super::{diagnosis_driven, diagnosis_static, diagnosis_tumble};
 
 /// The part of the page a figure belongs to, in the page's order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,9 +46,9 @@ pub struct Exhibit {
 /// The figures of any kind of diagnosis.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     match detail {
-        Detail::Driven(detail) => diagnosis_driven::exhibits(detail),
-        Detail::Static(detail) => diagnosis_static::exhibits(detail),
-        Detail::Tumble(detail) => diagnosis_tumble::exhibits(detail),
+        Detail::Driven(detail) => driven::exhibits(detail),
+        Detail::Static(detail) => fixed::exhibits(detail),
+        Detail::Tumble(detail) => tumble::exhibits(detail),
     }
 }
 
@@ -52,7 +56,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
 pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     let verdict = &diagnosis.verdict;
     let mut out = format!("{}: {}\n\n", verdict.verdict.name(), verdict.sentence);
-    out += &answers(verdict, costs).iter().map(|(k, v)| format!("{:<18}{v}\n", format!("{k}:"))).collect::<String>();
+    out += &answers(diagnosis, costs).iter().map(|(k, v)| format!("{:<18}{v}\n", format!("{k}:"))).collect::<String>();
     if !verdict.effects.is_empty() {
         out += &format!("\n{}", effects_table(&verdict.effects));
     }
@@ -70,7 +74,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     let name = file.file_name().map_or(verdict.recording.file.clone(), |n| n.to_string_lossy().into_owned());
     let mut page = Page::new(&format!("{}: {name}", headline(verdict)), &verdict.sentence);
     let mut first = Table::new(&["", ""]);
-    answers(verdict, costs).into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
+    answers(diagnosis, costs).into_iter().for_each(|(question, answer)| first.row([question.to_owned(), answer]));
     page.table(&first);
     figures(&mut page, exhibits, Part::Opening);
 
@@ -78,8 +82,13 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     match verdict.effects.is_empty() {
         true => page.paragraph(nothing_named(verdict.verdict)),
         false => {
+            let mut said = Vec::new();
             for effect in &verdict.effects {
-                page.paragraph(&format!("{} ({}): {}", effect.id, effect.channels.join(", "), effect.statement));
+                if !said.contains(&&effect.id) {
+                    said.push(&effect.id);
+                    let all: Vec<Effect> = verdict.effects.iter().filter(|e| e.id == effect.id).cloned().collect();
+                    page.paragraph(&format!("{}: {}", named(&all), effect.statement));
+                }
             }
             page.table(&effects_table(&verdict.effects));
         }
@@ -136,7 +145,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     table.row(["recording", &recording.file]);
     table.row(["SHA-256", &recording.sha256]);
     table.row(["samples", &recording.samples.to_string()]);
-    table.row(["rate", &format!("{} Hz", significant(recording.rate_hz, 6))]);
+    table.row(["rate", &format!("{} Hz", rounded(recording.rate_hz, 6))]);
     table.row(["proofmass", env!("CARGO_PKG_VERSION")]);
     page.table(&table);
     page.finish()
@@ -162,42 +171,72 @@ fn nothing_named(outcome: Outcome) -> &'static str {
     }
 }
 
-/// The four questions of the first screen.
-fn answers(verdict: &Verdict, costs: &[Cost]) -> Vec<(&'static str, String)> {
-    let named: Vec<String> = verdict.effects.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
-    let what = if named.is_empty() { nothing_named(verdict.verdict).to_owned() } else { named.join("; ") };
-    let sure = {
-        let test = &verdict.fit.test;
-        let gain = format!(
-            "held-out error {} → {} {} (noise alone {})",
-            significant(test.rmse_before, 3),
-            significant(test.rmse_after, 3),
-            verdict.fit.unit,
-            significant(verdict.fit.noise_floor, 3)
-        );
-        let worst = verdict.effects.iter().map(|e| e.evidence.p_value).fold(f64::NAN, f64::max);
-        if worst.is_finite() { format!("{gain}; chance of a false name {}", chance(worst)) } else { gain }
+/// The questions of the first screen.
+fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)> {
+    let verdict = &diagnosis.verdict;
+    let what = match verdict.effects.as_slice() {
+        [] => nothing_named(verdict.verdict).to_owned(),
+        effects => named(effects),
     };
-    let mut out = vec![("left out", what), ("where it shows", verdict.location.summary.clone()), ("how sure", sure)];
-    let metres = |c: &Cost| {
-        format!(
-            "{} m after 10 s, {} m after 60 s",
-            significant(c.position_10_s_m, 2),
-            significant(c.position_60_s_m, 2)
-        )
-    };
-    match (costs.iter().find(|c| c.of == DIFFERENCE), costs) {
-        (Some(cost), [_, after, ..]) => out.push((
-            "what it costs",
-            format!("leaving it out: {} ({}); {}: {}", metres(cost), cost.under, after.of, metres(after)),
-        )),
-        (None, [only, ..]) => {
-            out.push(("what it costs", format!("drift {} ({}): {}", only.of, only.under, metres(only))))
-        }
-        _ => {}
+    let mut out = vec![
+        ("recording", recorded(verdict)),
+        ("left out", what),
+        ("where it shows", verdict.location.summary.clone()),
+        ("how sure", sure(verdict)),
+    ];
+    if let Some(words) = cost(costs, diagnosis.repair.as_ref()) {
+        out.push(("what it costs", words));
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
     out
+}
+
+fn recorded(verdict: &Verdict) -> String {
+    let (samples, rate_hz) = (verdict.recording.samples, verdict.recording.rate_hz);
+    format!("{samples} samples at {} Hz: {}", rounded(rate_hz, 6), duration(samples as f64 / rate_hz))
+}
+
+/// What held-out data say; noise that no simulation foretells shows in the likelihood alone.
+fn sure(verdict: &Verdict) -> String {
+    let (test, unit) = (&verdict.fit.test, &verdict.fit.unit);
+    let [before, after, floor] =
+        [test.rmse_before, test.rmse_after, verdict.fit.noise_floor].map(|v| significant(v, 3));
+    let gain = match verdict.fit.log_score {
+        Some(score) if !verdict.effects.is_empty() && before == after => format!(
+            "log-likelihood of a held-out sample {} → {} (noise is not foreseen sample by sample, so its error stays at {after} \
+             {unit})",
+            significant(score.before, 4),
+            significant(score.after, 4)
+        ),
+        _ => format!("held-out error {before} → {after} {unit} (noise alone {floor})"),
+    };
+    let worst = verdict.effects.iter().map(|e| e.evidence.p_value).fold(f64::NAN, f64::max);
+    if worst.is_finite() { format!("{gain}; chance of a false name {}", chance(worst)) } else { gain }
+}
+
+/// What the position error is with and without the named physics.
+fn cost(costs: &[Cost], repair: Option<&Repair>) -> Option<String> {
+    let metres = |c: &Cost| {
+        let [ten, sixty] = [c.position_10_s_m, c.position_60_s_m].map(|v| significant(v, 2));
+        format!("{ten} m after 10 s and {sixty} m after 60 s")
+    };
+    // A proof mass in units that are no metres: how they were taken belongs to the number.
+    let taken = repair
+        .filter(|r| r.before.proof_mass.is_some() && !r.relation.is_empty())
+        .map_or(String::new(), |r| format!(" ({})", r.relation));
+    match (costs.iter().find(|c| c.of == DIFFERENCE), costs) {
+        (Some(difference), [before, after, ..]) => Some(format!(
+            "position error {}: {} {}, {} {}; leaving it out makes {}{taken}",
+            difference.under,
+            metres(before),
+            before.of,
+            metres(after),
+            after.of,
+            metres(difference)
+        )),
+        (None, [only, ..]) => Some(format!("position error {}: {} {}{taken}", only.under, metres(only), only.of)),
+        _ => None,
+    }
 }
 
 fn chance(p: f64) -> String {

@@ -8,24 +8,25 @@ use crate::map::document::Quantity;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, Bifurcation};
 
-/// Sweeps whose mean displacements lie farther apart than this count as different, m.
-pub const APART_M: f64 = 0.5;
-
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {
     let mut table = Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period"]);
     for g in &atlas.grids {
-        let largest = g.exponent_per_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let largest = g.exponent_per_s.iter().copied().filter(|e| e.is_finite()).fold(f64::NAN, f64::max);
+        let lost = match g.lost() {
+            0 => String::new(),
+            lost => format!(", {lost} lost"),
+        };
         table.row([
             g.map.title.clone(),
-            g.exponent_per_s.len().to_string(),
+            format!("{}{lost}", g.exponent_per_s.len()),
             format!("{} %", significant(100.0 * g.chaotic_share(), 2)),
             significant(largest, 3),
             format!("{} to {}", g.steps.0, g.steps.1),
         ]);
     }
     for b in &atlas.diagrams {
-        let apart = b.hysteresis_n(APART_M).len();
+        let apart = b.hysteresis_n().len();
         table.row([
             format!("bifurcation, {}", b.diagram.title),
             b.diagram.points.to_string(),
@@ -141,15 +142,16 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
     for b in &atlas.diagrams {
         page.subsection(&format!("Bifurcation diagram: {}", b.diagram.title));
         let [up, down] = diagram(b);
-        let apart = b.hysteresis_n(APART_M);
+        let apart = b.hysteresis_n();
         let words = match (apart.first(), apart.last()) {
             (Some(first), Some(last)) => format!(
-                "Force falling. At {} of {} amplitudes between {} and {} N the means of the two sweeps lie more than {APART_M} \
-                 m apart: coexisting attractors (hysteresis), or windows where the sampled chaos differs.",
+                "Force falling. At {} of {} amplitudes between {} and {} N the means of the two sweeps lie more than {} m \
+                 apart (a twentieth of the range): coexisting attractors (hysteresis), or windows where the sampled chaos differs.",
                 apart.len(),
                 b.diagram.points,
                 significant(*first, 3),
-                significant(*last, 3)
+                significant(*last, 3),
+                significant(b.apart_m(), 2)
             ),
             _ => "Force falling: nowhere apart from the way up.".into(),
         };

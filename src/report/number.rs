@@ -31,6 +31,15 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
 }
 
+/// `value` to the digit that `deviation` leaves in doubt; one digit where all of it is in doubt, at most five.
+pub fn worth(value: f64, deviation: f64) -> String {
+    if !(deviation > 0.0 && deviation.is_finite() && value != 0.0) {
+        return significant(value, 3);
+    }
+    let digits = value.abs().log10().floor() - deviation.log10().floor() + 1.0;
+    significant(value, digits.clamp(1.0, 5.0) as usize)
+}
+
 /// `value ± deviation`, the deviation to two digits and the value to the same decimal place.
 pub fn with_uncertainty(value: f64, deviation: f64) -> String {
     if !(deviation > 0.0 && deviation.is_finite() && value.is_finite()) {
@@ -41,7 +50,14 @@ pub fn with_uncertainty(value: f64, deviation: f64) -> String {
     let power = if (-3..6).contains(&scale) && deviation < 99.5 { 0 } else { scale };
     let shrink = 10f64.powi(power);
     let decimals = (1 - (deviation / shrink).log10().floor() as i32).max(0) as usize;
-    let body = format!("{:.*} ± {:.*}", decimals, value / shrink, decimals, deviation / shrink).replacen('-', "−", 1);
+    // What rounds to nothing has no sign.
+    let shown = format!("{:.*}", decimals, value / shrink);
+    let shown = if shown.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
+        shown.trim_start_matches('-').to_owned()
+    } else {
+        shown.replacen('-', "−", 1)
+    };
+    let body = format!("{shown} ± {:.*}", decimals, deviation / shrink);
     if power == 0 { body } else { format!("({body})×10{}", superscript(power)) }
 }
 
@@ -83,5 +99,7 @@ mod tests {
         assert_eq!(significant(7.3e9, 2), "7.3×10⁹");
         assert_eq!(with_uncertainty(1.8412, 0.0123), "1.841 ± 0.012");
         assert_eq!(with_uncertainty(7.3e7, 1.2e6), "(7.30 ± 0.12)×10⁷");
+        assert_eq!(with_uncertainty(-2e-5, 0.0021), "0.0000 ± 0.0021");
+        assert_eq!([worth(42.53, 0.23), worth(-0.179, 0.42), worth(100.04, 1.2)], ["42.5", "−0.2", "100"]);
     }
 }

@@ -7,7 +7,7 @@ mod sensor;
 mod share;
 
 use super::html::Page;
-use super::number::{duration, significant};
+use super::number::{duration, significant, with_uncertainty, worth};
 use super::table::Table;
 use crate::drift::Drift;
 use crate::drift::budget::Share;
@@ -70,8 +70,12 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
         return String::new();
     };
     let after = format!("After {} without aiding, the position that a sensor like this one gives is", moment(time_s));
-    let digits = |v: f64| significant(v, 3);
     let (mean, sd, shares) = (last.mean, last.sd, &drift.budget.shares);
+    let (of_mean, of_sd) = doubts(sd, last.count);
+    let count = match drift.statistics.failed {
+        0 => study.members.to_string(),
+        lost => format!("{} (of {}: {lost} left the range of numbers)", study.members - lost, study.members),
+    };
     // Where all members share the error, its mean and not its spread is the answer.
     if mean.abs() > sd {
         let alone = |share: &Share| share.mean_m.last().map_or(0.0, |m| m.abs());
@@ -79,9 +83,9 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
         let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is the work of the {}.", s.source.name()));
         return format!(
             "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{culprit}",
-            digits(mean),
-            digits(sd),
-            study.members
+            worth(mean, of_mean),
+            worth(sd, of_sd),
+            count
         );
     }
     if sd == 0.0 {
@@ -94,21 +98,34 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
     });
     format!(
         "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
-        digits(sd),
-        study.members,
-        digits(last.percentiles[1]),
-        digits(last.percentiles[3]),
+        worth(sd, of_sd),
+        count,
+        worth(last.percentiles[1], PERCENTILE_DOUBT[1] * of_mean),
+        worth(last.percentiles[3], PERCENTILE_DOUBT[3] * of_mean),
     )
 }
 
-/// Sizes and percentiles of the position error, with the closed form.
+/// Standard errors of the 1, 5, 50, 95 and 99 % percentiles of a normal sample over that of its mean: √(p(1 − p))/φ(z).
+const PERCENTILE_DOUBT: [f64; 5] = [3.73, 2.11, 1.25, 2.11, 3.73];
+
+/// Standard errors of a mean and of a standard deviation.
+fn doubts(sd: f64, count: u64) -> (f64, f64) {
+    let n = count.max(2) as f64;
+    (sd / n.sqrt(), sd / (2.0 * n).sqrt())
+}
+
+fn mean_and_doubt(mean: f64, doubt: f64) -> String {
+    if doubt > 0.0 { with_uncertainty(mean, doubt) } else { significant(mean, 3) }
+}
+
+/// Sizes and percentiles of the position error, with the closed form. Every number to the digit that so many members settle.
 pub fn drift_table(drift: &Drift) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "sd / m",
         "closed form / m",
         "ratio",
-        "mean / m",
+        "mean ± σ / m",
         "1 % / m",
         "5 % / m",
         "50 % / m",
@@ -119,11 +136,11 @@ pub fn drift_table(drift: &Drift) -> Table {
     for k in &drift.report {
         let at: &Summary = &drift.statistics.at[*k][quantity::POSITION];
         let theory_m = expected[*k].variance.sqrt();
-        let digits = |v: f64| significant(v, 3);
-        let mut row = vec![plain(drift.statistics.time_s[*k]), digits(at.sd)];
-        row.extend([digits(theory_m), if theory_m > 0.0 { digits(at.sd / theory_m) } else { "–".into() }]);
-        row.push(digits(at.mean));
-        row.extend(at.percentiles.iter().map(|p| digits(*p)));
+        let (of_mean, of_sd) = doubts(at.sd, at.count);
+        let mut row = vec![plain(drift.statistics.time_s[*k]), worth(at.sd, of_sd), worth(theory_m, of_sd)];
+        row.push(if theory_m > 0.0 { worth(at.sd / theory_m, of_sd / theory_m) } else { "–".into() });
+        row.push(mean_and_doubt(at.mean, of_mean));
+        row.extend(at.percentiles.iter().zip(PERCENTILE_DOUBT).map(|(p, doubt)| worth(*p, doubt * of_mean)));
         table.row(row);
     }
     table
@@ -134,13 +151,15 @@ pub fn budget_table(drift: &Drift) -> Table {
     let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
     headings.extend(times.clone());
-    headings.extend(times.last().iter().flat_map(|t| [format!("sd at {t} / m"), format!("mean at {t} / m")]));
+    headings.extend(times.last().iter().flat_map(|t| [format!("sd at {t} / m"), format!("mean ± σ at {t} / m")]));
     let mut table = Table { headings, rows: Vec::new() };
     for share in &drift.budget.shares {
         let mut row = vec![share.source.name().to_owned()];
         row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(share, *k))));
         if let Some(k) = drift.report.last() {
-            row.extend([significant(share.variance_m2[*k].sqrt(), 3), significant(share.mean_m[*k], 3)]);
+            let sd = share.variance_m2[*k].sqrt();
+            let (of_mean, of_sd) = doubts(sd, drift.budget.members);
+            row.extend([worth(sd, of_sd), mean_and_doubt(share.mean_m[*k], of_mean)]);
         }
         table.row(row);
     }

@@ -8,8 +8,8 @@ use crate::kernel::job::Clock;
 
 /// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
 const MOST_STEPS: f64 = 1e12;
-/// Most steps of a sample: they are counted in 32 bits.
-const MOST_STEPS_PER_SAMPLE: f64 = u32::MAX as f64;
+/// Most integration steps between two readings.
+const MOST_STEPS_PER_SAMPLE: f64 = 1e6;
 /// Most members: what the counters of the kernels address.
 const MOST_MEMBERS: u64 = u32::MAX as u64;
 
@@ -43,6 +43,7 @@ pub(super) fn tolerances(name: &str, file: &File) -> Result<Tolerances> {
     accelerometer(name, &file.accelerometer, &mut all)?;
     gyro(name, &file.gyro, &mut all)?;
     mechanics(name, &all)?;
+    sizes(name, &all)?;
     signs(name, &all)?;
     Ok(all)
 }
@@ -152,6 +153,39 @@ pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
     Ok(())
 }
 
+/// Largest number in any unit: beyond it the members' arithmetic in 32 bits ends. A cubic spring of nanometres needs 1e30.
+const LARGEST: f64 = 1e33;
+/// Where a smaller number is no zero but a slip, and divisions by it end the arithmetic.
+const SMALLEST: f64 = 1e-25;
+
+/// Refuses numbers that no sensor has.
+pub(super) fn sizes(name: &str, all: &Tolerances) -> Result<()> {
+    for row in &PARAMETERS {
+        let Some(number) = all[row.parameter] else { continue };
+        let ends = match number {
+            Number::Fixed(value) => [value, value],
+            Number::Normal { mean, sd } => [mean, sd],
+            Number::Uniform { min, max } => [min, max],
+        };
+        let small = |v: f64| row.sign == Sign::Positive && v > 0.0 && v < SMALLEST;
+        if let Some(value) = ends.into_iter().find(|v| v.abs() > LARGEST) {
+            return Err(refuse(
+                name,
+                format!("`{}` = {value:?} {}: no sensor has that", row.key, row.unit),
+                "check the exponent and the unit that the key ends with",
+            ));
+        }
+        if small(ends[0]) && !matches!(number, Number::Normal { .. }) {
+            return Err(refuse(
+                name,
+                format!("`{}` = {:?} {}: too small for any sensor", row.key, ends[0], row.unit),
+                "check the exponent and the unit that the key ends with",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// `[compare]`: a rate, and for each axis one scale.
 pub(super) fn compare(name: &str, section: Option<&Compare>) -> Result<()> {
     let Some(section) = section else { return Ok(()) };
@@ -197,7 +231,7 @@ pub(super) fn members(name: &str, file: &File) -> Result<u64> {
 pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     let positive = |key: &str, value: Option<f64>, unit: &str| match value {
         Some(v) if !(v > 0.0 && v.is_finite()) => {
-            Err(refuse(name, format!("`{key}` = {v} {unit}: need more than zero"), "give a positive number"))
+            Err(refuse(name, format!("`{key}` = {v:?} {unit}: need more than zero"), "give a positive number"))
         }
         v => Ok(v),
     };
@@ -214,14 +248,14 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     if steps_per_sample > MOST_STEPS_PER_SAMPLE {
         return Err(refuse(
             name,
-            format!("a sample takes {steps_per_sample:.0} steps of {step_s} s"),
-            format!("keep it below {MOST_STEPS_PER_SAMPLE:.0e}: lengthen `step_s` or raise `sensor.sample_rate_hz`"),
+            format!("a sample takes {steps_per_sample:.0e} steps of {step_s:?} s: at most {MOST_STEPS_PER_SAMPLE:.0e}"),
+            "a longer `step_s` does: the linear map is exact at any step, and other integrators sub-step by themselves",
         ));
     }
     if step_s > duration_s {
         return Err(refuse(
             name,
-            format!("the step of {step_s} s is longer than the run of {duration_s} s"),
+            format!("the step of {step_s:?} s is longer than the run of {duration_s:?} s"),
             "shorten `step_s` or lengthen `duration_s`",
         ));
     }
@@ -229,7 +263,7 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     if steps > MOST_STEPS {
         return Err(refuse(
             name,
-            format!("{duration_s} s in steps of {step_s} s are {steps:.1e} steps"),
+            format!("{duration_s:?} s in steps of {step_s:?} s are {steps:.1e} steps"),
             format!("keep it below {MOST_STEPS:.0e}: a longer step does, the linear map is exact at any step"),
         ));
     }
@@ -246,11 +280,20 @@ fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f6
     if nearest < 1.0 || (ratio - nearest).abs() > 1e-6 * nearest.max(1.0) || nearest > f64::from(u32::MAX) * 4096.0 {
         return Err(refuse(
             name,
-            format!("the {whole_name} of {whole_s} s is {ratio:.4} times the {part_name} of {part_s} s"),
-            format!("it must be a whole multiple, e.g. {} s", (nearest.max(1.0) * part_s * 1e9).round() / 1e9),
+            format!("the {whole_name} of {whole_s:?} s is {} times the {part_name} of {part_s:?} s", times(ratio)),
+            match nearest {
+                n if n > f64::from(u32::MAX) * 4096.0 => {
+                    "a longer step does: the linear map is exact at any step".into()
+                }
+                n => format!("it must be a whole multiple, e.g. {:?} s", (n.max(1.0) * part_s * 1e9).round() / 1e9),
+            },
         ));
     }
     Ok(nearest)
+}
+
+fn times(ratio: f64) -> String {
+    if (1e-3..1e6).contains(&ratio) { format!("{ratio:.4}") } else { format!("{ratio:.1e}") }
 }
 
 fn report_samples(name: &str, file: &File, duration_s: f64, sample_s: f64, samples: u64) -> Result<Vec<u64>> {
@@ -272,7 +315,7 @@ fn report_samples(name: &str, file: &File, duration_s: f64, sample_s: f64, sampl
         if !(*time_s > 0.0 && *time_s <= duration_s * (1.0 + 1e-9)) {
             return Err(refuse(
                 name,
-                format!("`report.times_s` holds {time_s} s, outside the run of {duration_s} s"),
+                format!("`report.times_s` holds {time_s:?} s, outside the run of {duration_s:?} s"),
                 "keep report times above zero and within `duration_s`",
             ));
         }

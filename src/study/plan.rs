@@ -30,6 +30,38 @@ pub struct Plan {
     pub variation: Variation,
     /// In words, with numbers and units.
     pub words: String,
+    /// Highest frequency it is made of, where it is made of frequencies.
+    pub highest_hz: Option<f64>,
+}
+
+impl Plan {
+    /// Refuses a sine that steps of this length cannot see, and says of a spectrum that part of it folds back.
+    ///
+    /// # Errors
+    /// A sine at or above half the rate of the steps.
+    pub(super) fn resolved(mut self, name: &str, step_s: f64) -> Result<Self> {
+        let half_hz = 0.5 / step_s;
+        let Some(highest_hz) = self.highest_hz.filter(|f| *f >= half_hz * (1.0 - 1e-9)) else { return Ok(self) };
+        let step = |share: f64| (share / highest_hz * 1e9).floor() / 1e9;
+        if self.words.starts_with("sine") {
+            return Err(refuse(
+                name,
+                format!(
+                    "a sine of {highest_hz:?} Hz cannot be seen in steps of {step_s:?} s: half their rate is {half_hz:?} Hz"
+                ),
+                match step(0.25) {
+                    0.0 => "check its exponent".to_owned(),
+                    step => format!("`step_s` at or below {step:?} resolves it"),
+                },
+            ));
+        }
+        self.words += &format!(
+            ". It is sampled every {step_s:?} s, so that what lies above {half_hz:?} Hz folds back below; `step_s` at or \
+             below {:?} would resolve it",
+            step(0.4)
+        );
+        Ok(self)
+    }
 }
 
 /// How the excitation differs from member to member.
@@ -55,8 +87,13 @@ pub(super) fn plan(
     let kind = section.kind.unwrap_or_default();
     let reader = Reader { name, kind, section };
     reader.only(belonging(kind))?;
-    let shared = |waveform: Arc<dyn Waveform>, words: String| Plan { waveform, variation: Variation::None, words };
-    Ok(match kind {
+    let shared = |waveform: Arc<dyn Waveform>, words: String| Plan {
+        waveform,
+        variation: Variation::None,
+        words,
+        highest_hz: None,
+    };
+    let plan = match kind {
         Kind::Rest => shared(Arc::new(Rest), "at rest".into()),
         Kind::Sine => {
             let amplitude = reader.need("amplitude_m_s2", section.amplitude_m_s2)?;
@@ -72,7 +109,8 @@ pub(super) fn plan(
                     all[Parameter::Frequency] = Some(frequency);
                     all[Parameter::Phase] = Some(phase);
                     super::check::signs(name, all)?;
-                    Plan { waveform: Arc::new(Rest), variation: Variation::Sine, words: words + ", drawn per member" }
+                    let words = words + ", drawn per member";
+                    Plan { waveform: Arc::new(Rest), variation: Variation::Sine, words, highest_hz: None }
                 }
             }
         }
@@ -137,16 +175,25 @@ pub(super) fn plan(
             };
             sized(all, scale, shape, words)
         }
-    })
+    };
+    Ok(Plan { highest_hz: highest_hz(section), ..plan })
+}
+
+/// Highest frequency that the keys name.
+fn highest_hz(section: &Excitation) -> Option<f64> {
+    let of = |number: Option<Number>| number.map(|n| n.quantile(0.99, true));
+    let table = section.psd_g2_hz.as_ref().and_then(|t| t.last()).map(|point| point[0]);
+    [of(section.frequency_hz), of(section.from_hz), of(section.to_hz), table].into_iter().flatten().reduce(f64::max)
 }
 
 /// A shape of fixed size, or of unit size with the members' gain.
 fn sized(all: &mut Tolerances, size: Number, shape: impl Fn(f64) -> Arc<dyn Waveform>, words: String) -> Plan {
     match size.fixed() {
-        Some(value) => Plan { waveform: shape(value), variation: Variation::None, words },
+        Some(value) => Plan { waveform: shape(value), variation: Variation::None, words, highest_hz: None },
         None => {
             all[Parameter::ExcitationSize] = Some(size);
-            Plan { waveform: shape(1.0), variation: Variation::Gain, words: words + ", drawn per member" }
+            let words = words + ", drawn per member";
+            Plan { waveform: shape(1.0), variation: Variation::Gain, words, highest_hz: None }
         }
     }
 }

@@ -6,21 +6,24 @@ use libtest_mimic::{Failed, Trial};
 
 use super::world::{check, test};
 
-/// Lowest first. A module may import its own layer and those below.
-const LAYERS: [&[&str]; 12] = [
-    &["units", "error", "document", "progress"],
-    &["numerics"],
-    &["rng", "statistics"],
-    &["sensor", "excitation", "recording", "navigation", "dynamics"],
-    &["kernel", "study"],
-    &["backend"],
-    &["ensemble", "drift"],
-    &["diagnosis"],
-    &["map", "paper", "trial", "validation", "benchmark"],
-    &["report"],
-    &["cli"],
-    &["main", "lib"],
-];
+/// The layers of the table in `lib.rs`, lowest first. A module may import its own layer and those below.
+fn layers() -> Vec<Vec<String>> {
+    let rows = read("src/lib.rs");
+    let rows =
+        rows.lines().filter_map(|l| l.strip_prefix("//! | ")).filter(|l| l.starts_with(|c: char| c.is_numeric()));
+    let mut layers: Vec<Vec<String>> = rows.map(|row| quoted(row.split('|').nth(1).unwrap_or_default())).collect();
+    layers.push(vec!["main".into(), "lib".into()]);
+    layers
+}
+
+/// The words in back-ticks.
+fn quoted(text: &str) -> Vec<String> {
+    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap_or_default()
+}
 
 /// Crate, and the places that may name it.
 const OWNERS: [(&str, &[&str]); 3] =
@@ -30,7 +33,11 @@ const OWNERS: [(&str, &[&str]); 3] =
 pub fn tests() -> Vec<Trial> {
     vec![
         test("architecture: imports run one way", imports_run_one_way),
-        test("architecture: the import check sees an upward import", an_upward_import_is_seen),
+        test(
+            "architecture: the checks see an upward import, a stray crate, a module in no table",
+            what_is_wrong_is_seen,
+        ),
+        test("architecture: the tables of lib.rs and README hold every module once", tables_are_whole),
         test("architecture: heavy crates have one owner", owners),
         test("architecture: every file opens with a module doc", module_docs),
         test("architecture: diagnosis cannot reach the trial's generator", diagnosis_is_blind),
@@ -55,8 +62,9 @@ fn sources() -> Vec<(PathBuf, String)> {
     files
 }
 
-fn layer(module: &str) -> Option<usize> {
-    LAYERS.iter().position(|layer| layer.contains(&module))
+/// The height of a module in the table.
+fn layer(layers: &[Vec<String>], module: &str) -> Option<usize> {
+    layers.iter().position(|layer| layer.iter().any(|m| m == module))
 }
 
 /// The top-level module a file belongs to.
@@ -103,32 +111,72 @@ fn imports(text: &str) -> Vec<String> {
     found
 }
 
-fn upward(own: &str, text: &str) -> Vec<String> {
-    let Some(height) = layer(own) else { return vec![format!("{own} stands in no layer")] };
-    imports(text).into_iter().filter(|m| layer(m).is_some_and(|h| h > height)).collect()
+fn upward(layers: &[Vec<String>], own: &str, text: &str) -> Vec<String> {
+    let Some(height) = layer(layers, own) else { return vec![format!("{own} stands in no layer")] };
+    imports(text).into_iter().filter(|m| layer(layers, m).is_some_and(|h| h > height)).collect()
 }
 
 fn imports_run_one_way() -> Result<(), Failed> {
-    for (path, text) in sources() {
-        let wrong = upward(&module(&path), &text);
+    let (layers, sources) = (layers(), sources());
+    check(layers.len() > 10 && sources.len() > 100, format!("{} layers, {} files", layers.len(), sources.len()))?;
+    for (path, text) in sources {
+        let wrong = upward(&layers, &module(&path), &text);
         check(wrong.is_empty(), format!("{} imports from above: {}", path.display(), wrong.join(", ")))?;
     }
     Ok(())
 }
 
-fn an_upward_import_is_seen() -> Result<(), Failed> {
-    check(upward("numerics", "use crate::{error::Error, report::table};") == ["report"], "the check is blind")
+/// The owned crate that a file names without being its place.
+fn stray(path: &Path, text: &str) -> Option<&'static str> {
+    let named = OWNERS.iter().find(|(name, places)| {
+        let allowed = places.iter().any(|p| path.to_string_lossy().starts_with(p));
+        !allowed && code(text).contains(&format!("{name}::"))
+    });
+    named.map(|(name, _)| *name)
 }
 
 fn owners() -> Result<(), Failed> {
     for (path, text) in sources() {
-        for (name, places) in OWNERS {
-            let named = code(&text).contains(&format!("{name}::"));
-            let allowed = places.iter().any(|p| path.to_string_lossy().starts_with(p));
-            check(!named || allowed, format!("{} names {name}", path.display()))?;
-        }
+        let stray = stray(&path, &text);
+        check(stray.is_none(), format!("{} names {}", path.display(), stray.unwrap_or_default()))?;
     }
     Ok(())
+}
+
+/// Modules of `lib.rs` that a table does not hold exactly once.
+fn not_once(table: &[String], lib: &str) -> Vec<String> {
+    let modules = lib.lines().filter_map(|l| l.strip_prefix("pub mod ")).map(|m| m.trim_end_matches(';').to_owned());
+    modules.filter(|module| table.iter().filter(|m| *m == module).count() != 1).collect()
+}
+
+fn tables_are_whole() -> Result<(), Failed> {
+    let lib = read("src/lib.rs");
+    let own = layers().concat();
+    let readme = read("README.md");
+    let map = readme.split("## Map of `src/`").nth(1).unwrap_or_default();
+    let map: Vec<String> = map
+        .lines()
+        .filter(|l| l.starts_with("| `"))
+        .flat_map(|l| quoted(l.split('|').nth(1).unwrap_or_default()))
+        .collect();
+    for (table, what) in [(own, "lib.rs"), (map, "README.md")] {
+        let wrong = not_once(&table, &lib);
+        check(wrong.is_empty(), format!("the table of {what} does not hold once: {}", wrong.join(", ")))?;
+        let gone = table.iter().find(|m| *m != "main" && *m != "lib" && !lib.contains(&format!("pub mod {m};")));
+        check(gone.is_none(), format!("the table of {what} holds {gone:?}, which is no module"))?;
+    }
+    Ok(())
+}
+
+fn what_is_wrong_is_seen() -> Result<(), Failed> {
+    let upward = upward(&layers(), "numerics", "use crate::{error::Error, report::table};");
+    check(upward == ["report"], "the check of imports is blind")?;
+    let text = "fn draw() { plotters::element::Circle; }";
+    check(stray(Path::new("src/cli/study.rs"), text) == Some("plotters"), "the check of owners is blind")?;
+    check(stray(Path::new("src/report/figure/draw.rs"), text).is_none(), "the owner is accused")?;
+    let (table, lib) =
+        (["units", "error", "error"].map(String::from), "pub mod error;\npub mod units;\npub mod rng;\n");
+    check(not_once(&table, lib) == ["error", "rng"], "the check of tables is blind")
 }
 
 fn module_docs() -> Result<(), Failed> {

@@ -1,16 +1,14 @@
 //! `diagnose` on a sensor at rest at the command line, bad input of its own kind, and every kind's repaired model as a study.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::rng::{Philox, Stream};
-use rand::RngExt as _;
-use rand_distr::StandardNormal;
 use serde_json::Value;
 
+use super::bench::{Bench, study};
 use super::tumble_bench::Imu;
-use super::world::{check, near, program, test};
+use super::world::{check, near, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -26,51 +24,13 @@ pub fn tests() -> Vec<Trial> {
 const ROWS: usize = 4000;
 const MODEL: &str = "kind = \"static\"\nrate_hz = 100.0\nunit = \"mg\"\n[columns]\nchannels = [\"x\", \"y\", \"z\"]\n";
 
-struct Answer {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-struct Bench {
-    folder: tempfile::TempDir,
-}
-
-impl Bench {
-    fn new() -> Result<Self, Failed> {
-        Ok(Self { folder: tempfile::tempdir()? })
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn diagnose(&self, csv: &str, model: &str, more: &[&str]) -> Result<Answer, Failed> {
-        fs::write(self.path("log.csv"), csv)?;
-        fs::write(self.path("model.toml"), model)?;
-        let (log, model) = (self.path("log.csv"), self.path("model.toml"));
-        let output = program().arg("diagnose").arg(log).arg("--model").arg(model).args(more).output()?;
-        Ok(Answer {
-            code: output.status.code(),
-            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
-            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
-        })
-    }
-
-    fn verdict(&self, csv: &str, model: &str) -> Result<Value, Failed> {
-        let answer = self.diagnose(csv, model, &["--json"])?;
-        check(answer.code == Some(0), format!("exit {:?} {}", answer.code, answer.stderr))?;
-        Ok(serde_json::from_str(&answer.stdout)?)
-    }
-}
-
 /// Rows t, x, y, z in mg at 100 Hz: gravity on z, white noise of 1 mg, a walk of 0.2 mg per step on x.
 fn rows() -> Vec<[f64; 4]> {
     let mut rng = Philox::new(77, 0, Stream::Host);
     let mut walk = 0.0;
     (0..ROWS)
         .map(|n| {
-            let mut draw = || -> f64 { rng.sample(StandardNormal) };
+            let mut draw = || rng.normal();
             walk += 0.2 * draw();
             [n as f64 / 100.0, walk + draw(), 3.0 + draw(), 1000.0 + draw()]
         })
@@ -90,21 +50,10 @@ fn csv(edit: impl Fn(usize, &mut [f64; 4])) -> String {
     text
 }
 
-fn runs_in_study(model: &Path, out: &Path) -> Result<Value, Failed> {
-    let output = program().arg("study").arg(model).args(["--members", "256", "--json", "--out"]).arg(out).output()?;
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    check(output.status.code() == Some(0), format!("the repaired model does not run as a study: {text}"))?;
-    let drift: Value = serde_json::from_slice(&output.stdout)?;
-    check(drift["schema"] == "proofmass.study/1" && drift["failed"] == 0, "the repaired model fails as a study")?;
-    Ok(drift)
-}
-
 fn contract() -> Result<(), Failed> {
     let bench = Bench::new()?;
     let out = bench.path("out");
-    let answer = bench.diagnose(&csv(|_, _| {}), MODEL, &["--json", "--out", &out.display().to_string()])?;
-    check(answer.code == Some(0), &answer.stderr)?;
-    let verdict: Value = serde_json::from_str(&answer.stdout)?;
+    let verdict = bench.diagnose(&csv(|_, _| {}), MODEL, &["--json", "--out", &out.display().to_string()])?.json()?;
     check(verdict["kind"] == "static" && verdict["verdict"] == "explained", format!("{}", verdict["sentence"]))?;
     let effect = &verdict["effects"][0];
     check(effect["id"] == "random-walk" && effect["channels"][0] == "x", format!("{}", verdict["sentence"]))?;
@@ -114,7 +63,7 @@ fn contract() -> Result<(), Failed> {
     for file in ["report.html", "verdict.json", "model.toml", "allan-x.svg"] {
         check(out.join(file).is_file(), format!("no {file}"))?;
     }
-    let drift = runs_in_study(&out.join("model.toml"), &bench.path("study"))?;
+    let drift = study(&out.join("model.toml"), &bench.path("study"), 256)?;
     // Closed form: σ² = N²t³/3 + K²t⁵/20, N = 1 mg/√100 Hz, at one minute: the study holds both.
     let (n, k, t) = (0.1 * 9.80665e-3, 2.0 * 9.80665e-3, 60.0f64);
     let expected = (n * n * t.powi(3) / 3.0 + k * k * t.powi(5) / 20.0).sqrt();
@@ -126,14 +75,7 @@ fn contract() -> Result<(), Failed> {
 
 fn refused() -> Result<(), Failed> {
     let bench = Bench::new()?;
-    let refused = |what: &str, csv: &str, model: &str, words: &str| -> Result<(), Failed> {
-        let answer = bench.diagnose(csv, model, &[])?;
-        check(answer.code == Some(2), format!("{what}: exit {:?} {}{}", answer.code, answer.stdout, answer.stderr))?;
-        for part in ["error: ", "cause: ", "hint:  ", words] {
-            check(answer.stderr.contains(part), format!("{what}: no \"{part}\" in: {}", answer.stderr))?;
-        }
-        Ok(())
-    };
+    let refused = |what: &str, csv: &str, model: &str, words: &str| bench.refused(what, csv, model, words);
     let good = csv(|_, _| {});
     let few: String = good.lines().take(100).map(|l| format!("{l}\n")).collect();
     refused("too few rows", &few, MODEL, "99 samples")?;
@@ -153,12 +95,7 @@ fn refused() -> Result<(), Failed> {
 
 fn survived() -> Result<(), Failed> {
     let bench = Bench::new()?;
-    let survived = |what: &str, csv: &str, model: &str, words: &str| -> Result<Value, Failed> {
-        let verdict = bench.verdict(csv, model)?;
-        let found = verdict["findings"].to_string();
-        check(found.contains(words), format!("{what}: no \"{words}\" in {found}"))?;
-        Ok(verdict)
-    };
+    let survived = |what: &str, csv: &str, model: &str, words: &str| bench.survived(what, csv, model, words);
     let named = |v: &Value| v["effects"].as_array().is_some_and(|e| e.iter().any(|e| e["id"] == "random-walk"));
     let good = csv(|_, _| {});
     let dead = survived("a dead channel", &csv(|_, r| r[2] = 7.0), MODEL, "`y` is constant")?;
@@ -208,11 +145,7 @@ fn poses_that_move() -> Result<(), Failed> {
                  gyro = [\"gx\", \"gy\", \"gz\"]\naccelerometer = [\"ax\", \"ay\", \"az\"]\n";
     let (log, shifted) = turned(25, None);
     fs::write(bench.path("poses.csv"), shifted)?;
-    let answer = bench.diagnose(&log, model, &[])?;
-    check(
-        answer.code == Some(2) && answer.stderr.contains("are not still"),
-        format!("{:?} {}", answer.code, answer.stderr),
-    )?;
+    bench.refused("poses half a second late", &log, model, "are not still")?;
     let (log, one) = turned(25, Some(4));
     fs::write(bench.path("poses.csv"), one)?;
     let mentioned = bench.verdict(&log, model)?["findings"].to_string();
@@ -235,7 +168,7 @@ fn duffing() -> String {
     let (mut state, h) = ([0.0, 0.0], 1.0 / rate_hz / 20.0);
     let mut text = String::from("u,y\n");
     for n in 0..4000 {
-        let noise: f64 = rng.sample(StandardNormal);
+        let noise = rng.normal();
         text += &format!("{:.8e},{:.8e}\n", force(n as f64 / rate_hz), state[0] + 4e-7 * noise);
         for i in 0..20 {
             let t = (n * 20 + i) as f64 * h;
@@ -254,11 +187,9 @@ fn driven_runs_in_study() -> Result<(), Failed> {
     let bench = Bench::new()?;
     let out = bench.path("out");
     let model = "kind = \"driven\"\nrate_hz = 500.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
-    let answer = bench.diagnose(&duffing(), model, &["--json", "--out", &out.display().to_string()])?;
-    check(answer.code == Some(0), &answer.stderr)?;
-    let verdict: Value = serde_json::from_str(&answer.stdout)?;
+    let verdict = bench.diagnose(&duffing(), model, &["--json", "--out", &out.display().to_string()])?.json()?;
     check(verdict["effects"][0]["id"] == "cubic-stiffness", format!("{}", verdict["sentence"]))?;
-    let study = fs::read_to_string(out.join("model.toml"))?;
-    check(study.contains("\ncubic_stiffness_per_m2_s2 = "), "the named spring is not in the repaired model")?;
-    runs_in_study(&out.join("model.toml"), &bench.path("study")).map(|_| ())
+    let repaired = fs::read_to_string(out.join("model.toml"))?;
+    check(repaired.contains("\ncubic_stiffness_per_m2_s2 = "), "the named spring is not in the repaired model")?;
+    study(&out.join("model.toml"), &bench.path("study"), 256).map(|_| ())
 }

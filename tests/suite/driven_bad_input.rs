@@ -1,12 +1,11 @@
 //! Driven recordings that are wrong in a way of their own: refused in a sentence, or survived and mentioned; never silent.
 
 use std::f64::consts::TAU;
-use std::fs;
 
 use libtest_mimic::{Failed, Trial};
-use serde_json::Value;
 
-use super::world::{check, program, test};
+use super::bench::Bench;
+use super::world::{check, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -69,17 +68,8 @@ fn edited(edit: impl Fn(usize, &mut [f64; 3])) -> String {
     csv(&rows)
 }
 
-fn diagnose(csv: &str, model: &str) -> Result<(Option<i32>, Value, String), Failed> {
-    let folder = tempfile::tempdir()?;
-    let (log, toml) = (folder.path().join("log.csv"), folder.path().join("model.toml"));
-    fs::write(&log, csv)?;
-    fs::write(&toml, model)?;
-    let output = program().arg("diagnose").arg(&log).arg("--model").arg(&toml).arg("--json").output()?;
-    let verdict = serde_json::from_slice(&output.stdout).unwrap_or(Value::Null);
-    Ok((output.status.code(), verdict, String::from_utf8_lossy(&output.stderr).into_owned()))
-}
-
 fn refused() -> Result<(), Failed> {
+    let bench = Bench::new()?;
     let good = csv(&rows());
     for (what, csv, model, words) in [
         (
@@ -138,16 +128,13 @@ fn refused() -> Result<(), Failed> {
         ("an output of noise", edited(|n, r| r[2] = stray(n)), MODEL.to_owned(), "no oscillator can be identified"),
         ("an unknown kind", good.clone(), MODEL.replace("driven", "drivn"), "driven"),
     ] {
-        let (code, _, stderr) = diagnose(&csv, &model)?;
-        check(code == Some(2), format!("{what}: exit {code:?}: {stderr}"))?;
-        for part in ["error: ", "cause: ", "hint:  ", words] {
-            check(stderr.contains(part), format!("{what}: no \"{part}\" in: {stderr}"))?;
-        }
+        bench.refused(what, &csv, &model, words)?;
     }
     Ok(())
 }
 
 fn survived() -> Result<(), Failed> {
+    let bench = Bench::new()?;
     let duplicated: Vec<[f64; 3]> =
         rows().into_iter().enumerate().flat_map(|(n, r)| vec![r; if n % 700 == 5 { 2 } else { 1 }]).collect();
     let dropped: Vec<[f64; 3]> = rows().into_iter().enumerate().filter(|(n, _)| *n != 1500).map(|r| r.1).collect();
@@ -184,10 +171,7 @@ fn survived() -> Result<(), Failed> {
             "above half the sampling rate",
         ),
     ] {
-        let (code, verdict, stderr) = diagnose(&csv, &model)?;
-        check(code == Some(0), format!("{what}: exit {code:?}: {stderr}"))?;
-        let findings = verdict["findings"].to_string();
-        check(findings.contains(words), format!("{what}: no \"{words}\" in {findings}"))?;
+        let verdict = bench.survived(what, &csv, &model, words)?;
         // What was mended is not taken for physics.
         let mended = [
             "missing cells",
@@ -200,15 +184,16 @@ fn survived() -> Result<(), Failed> {
         check(silent, format!("{what}: {}", verdict["verdict"]))?;
     }
     // Negative control: a sound recording has nothing to be said of.
-    let (_, sound, _) = diagnose(&csv(&rows()), MODEL)?;
+    let sound = bench.verdict(&csv(&rows()), MODEL)?;
     check(sound["findings"].as_array().is_some_and(Vec::is_empty), format!("{}", sound["findings"]))?;
     // The unit of a reading is a convention: a thousand times larger numbers change nothing but the numbers.
-    let (_, plain, _) = diagnose(&csv(&rows()), MODEL)?;
-    let (_, thousand, _) = diagnose(&edited(|_, r| r[2] *= 1000.0), MODEL)?;
+    let plain = bench.verdict(&csv(&rows()), MODEL)?;
+    let thousand = bench.verdict(&edited(|_, r| r[2] *= 1000.0), MODEL)?;
     check(plain["verdict"] == "adequate" && thousand["verdict"] == "adequate", "a change of unit changed the verdict")
 }
 
 fn mismatched() -> Result<(), Failed> {
+    let bench = Bench::new()?;
     let straight = rows();
     // The multisine repeats after 1000 samples, so moving the output in a circle moves it in time.
     let moved = |by: usize| edited(|n, r| r[2] = straight[(n + by) % SAMPLES][2]);
@@ -219,8 +204,7 @@ fn mismatched() -> Result<(), Failed> {
         ("output in another unit from the middle on", edited(|n, r| r[2] *= if n < 1500 { 1.0 } else { 1e3 }), "unit"),
         ("input in another unit from the middle on", edited(|n, r| r[1] *= if n < 1500 { 1.0 } else { 1e3 }), "unit"),
     ] {
-        let (code, verdict, stderr) = diagnose(&csv, MODEL)?;
-        check(code == Some(0), format!("{what}: exit {code:?}: {stderr}"))?;
+        let verdict = bench.verdict(&csv, MODEL)?;
         let said = format!("{} {}", verdict["sentence"], verdict["findings"]);
         check(said.contains("But mind") && said.contains(words), format!("{what}: no \"{words}\" in {said}"))?;
         // What is out of step can be set right; the rest belongs to no oscillator, and no effect is blamed for it.
@@ -229,6 +213,6 @@ fn mismatched() -> Result<(), Failed> {
         check(verdict["effects"].as_array().is_some_and(Vec::is_empty), format!("{what}: {}", verdict["effects"]))?;
     }
     // A delay of a few samples is a sensor's, not the recording's.
-    let (_, late, _) = diagnose(&moved(SAMPLES - 5), MODEL)?;
+    let late = bench.verdict(&moved(SAMPLES - 5), MODEL)?;
     check(late["effects"][0]["id"] == "readout-delay", format!("{}", late["effects"]))
 }

@@ -30,16 +30,7 @@ const PLAN: Plan =
     Plan { seed: 1, first_member: 0, steps_per_period: 200, transient_periods: 100, periods: 2000, strobes: 0 };
 
 fn point(oscillator: &Oscillator, drive: &Drive, l: usize) -> Point {
-    Point {
-        damping_per_s: oscillator.damping_kg_s / oscillator.mass_kg,
-        stiffness_per_s2: oscillator.stiffness_n_m / oscillator.mass_kg,
-        cubic_per_m2_s2: oscillator.cubic_n_m3 / oscillator.mass_kg,
-        amplitude_m_s2: drive.amplitude_n / oscillator.mass_kg,
-        omega_rad_s: drive.omega_rad_s,
-        noise_m_s2_rts: 0.0,
-        x_m: 0.01 * l as f64,
-        v_m_s: 0.0,
-    }
+    Point { x_m: 0.01 * l as f64, ..Point::at_rest(oscillator, drive) }
 }
 
 /// Exponents of 64 starts.

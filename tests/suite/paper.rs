@@ -8,7 +8,6 @@ use proofmass::paper::check::{Check, Exhibit, Source};
 use proofmass::paper::{compute, fusion, inertial, moved, pitch};
 use proofmass::report;
 use proofmass::rng::{Philox, Stream};
-use rand_distr::{Distribution, StandardNormal};
 
 use super::world::{check, data_test, program, test};
 
@@ -71,7 +70,7 @@ fn misjudged() -> Result<(), Failed> {
     let truth = fusion::model();
     let mean_nis = |believed: Model| {
         let mut random = Philox::new(3, 0, Stream::Host);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut normal = || random.normal();
         let mut filter = Filter::new(believed, Weighting::Plain, 0.0);
         let mut sum = 0.0;
         for step in 0..20_000 {
@@ -94,9 +93,8 @@ fn not_fractal() -> Result<(), Failed> {
     // The attractor's correlation dimension is some 1.55 and must lie between 1 and the Kaplan–Yorke dimension, 1.64.
     let judge = |d: f64| Check::between("dimension", "", 1.0 + 1e-2, 1.64 + 0.04, d).holds;
     let mut random = Philox::new(4, 0, Stream::Host);
-    let mut uniform =
-        || -> f64 { 0.5 + 0.25 * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut random) };
-    let plane: Vec<Vec<[f64; 2]>> = (0..4).map(|_| (0..3000).map(|_| [uniform(), uniform()]).collect()).collect();
+    let mut place = || 0.5 + 0.25 * random.normal();
+    let plane: Vec<Vec<[f64; 2]>> = (0..4).map(|_| (0..3000).map(|_| [place(), place()]).collect()).collect();
     let scales = Scales { coarse: 3, fine: 6 };
     check(!judge(correlation(&plane, scales).estimate.value), "a filled plane passed")?;
     let curve: Vec<Vec<[f64; 2]>> = plane.iter().map(|g| g.iter().map(|p| [p[0], 0.5]).collect()).collect();

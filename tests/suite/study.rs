@@ -141,7 +141,7 @@ type Case = (&'static str, &'static str, &'static str, &'static str);
 const REFUSED: &[Case] = &[
     ("unknown key", "membrs = 3", "unknown field `membrs`", "members"),
     ("unknown key in a section", "[gyro]\nbias_deg_hr = 3", "unknown field", "bias_deg_h"),
-    ("wrong type", "members = \"many\"", "expected u64", "number"),
+    ("wrong type", "members = \"many\"", "expected a whole number", "number"),
     ("wrong unit", "[accelerometer]\nbias_ug = 3", "unknown field `bias_ug`", "bias_mg"),
     ("negative noise", "[accelerometer]\nnoise_density_ug_rthz = -60", "= -60 µg/√Hz: need zero or more", "sign"),
     ("noise mostly negative", "[accelerometer]\nnoise_density_ug_rthz = { mean = 1, sd = 1 }", "more than 2 %", "min"),

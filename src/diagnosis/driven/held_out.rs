@@ -6,7 +6,7 @@ use crate::numerics::special;
 
 use super::filter::Nothing;
 use super::fit::{Data, Fit, INITIAL, OFFSET, Run, Search, coordinates, innovations};
-use super::remainder::correlation;
+use super::remainder::{MEMORY, correlation};
 use super::term::{Lanes, Noise, Scales};
 
 /// Blocks that they are cut into.
@@ -132,7 +132,7 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
             here.one_step(&judged, &mut errors);
         }
     }
-    HeldOut { blocks, colour: correlation(&errors) }
+    HeldOut { blocks, colour: correlation(&errors, MEMORY) }
 }
 
 /// The fitted model with its state at the beginning of a separate range found from the first samples there.

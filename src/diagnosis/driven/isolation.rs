@@ -6,8 +6,13 @@ use std::ops::Range;
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::numerics::{special, spectrum};
 
+use super::remainder::correlation;
+use super::words::short;
+
 /// Share of the stretches named that may be chance (Benjamini & Hochberg 1995).
 const FALSE_DISCOVERY: f64 = 0.05;
+/// Lags over which errors of free simulation, which ring, are taken to be correlated.
+const LAGS: usize = 400;
 /// Stretches of time.
 const TIMES: usize = 24;
 /// Ranges of amplitude.
@@ -53,7 +58,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> Where {
         .map(|part| {
             let sum: f64 = part.iter().map(|k| c.error[*k].powi(2)).sum::<f64>() / part.len() as f64;
             let ends = c.state[part[0]]..c.state[part[part.len() - 1]];
-            (ends, sum / floor, part.len() as f64 / correlation(c.error))
+            (ends, sum / floor, part.len() as f64 / correlation(c.error, LAGS))
         })
         .collect();
     let segment = (n / 8).clamp(64, 4096);
@@ -94,27 +99,8 @@ fn summary(mean: f64, frequency: &[Stretch], state: &[Stretch], time: &[Stretch]
     words
 }
 
-fn short(v: f64) -> String {
-    if v != 0.0 && (v.abs() >= 1e5 || v.abs() < 1e-3) {
-        return format!("{v:.2e}");
-    }
-    let digits = (2 - v.abs().max(1e-9).log10().floor() as i32).clamp(0, 5) as usize;
-    format!("{v:.digits$}")
-}
-
-/// Samples per independent one, from the first correlations.
-fn correlation(values: &[f64]) -> f64 {
-    let total: f64 = values.iter().map(|v| v * v).sum::<f64>().max(1e-300);
-    let mut time = 1.0;
-    for lag in 1..(values.len() / 4).min(400) {
-        let r = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum::<f64>() / total;
-        time += 2.0 * r * r;
-    }
-    time
-}
-
 fn independent(values: &[f64]) -> f64 {
-    (values.len() as f64 / correlation(values)).max(2.0)
+    (values.len() as f64 / correlation(values, LAGS)).max(2.0)
 }
 
 /// Stretches above the noise after false-discovery control, neighbours of like excess joined.

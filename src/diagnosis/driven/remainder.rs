@@ -9,8 +9,8 @@ use super::fit::{Data, Fit, trace};
 const OWN_LAGS: usize = 24;
 /// Stretches whose powers are compared.
 const STRETCHES: usize = 64;
-/// Lags over which errors are taken to be correlated.
-const MEMORY: usize = 40;
+/// Lags over which one-step errors are taken to be correlated.
+pub const MEMORY: usize = 40;
 
 /// How much can still be foreseen of a model's innovations, from their past, the input and the state.
 pub fn left(data: &Data, fit: &Fit) -> Structure {
@@ -83,7 +83,7 @@ pub fn loudest_by_chance(residual: &[f64]) -> f64 {
         return 1.0;
     }
     let mut powers: Vec<f64> = residual.chunks_exact(length).map(|c| c.iter().map(|e| e * e).sum()).collect();
-    let freedom = length as f64 / correlation(residual);
+    let freedom = length as f64 / correlation(residual, MEMORY);
     powers.sort_by(f64::total_cmp);
     let (middle, most) = (powers[powers.len() / 2], powers[powers.len() - 1]);
     // The median of χ² with k degrees of freedom lies at k(1 − 2/(9k))³ (Wilson & Hilferty 1931).
@@ -91,9 +91,9 @@ pub fn loudest_by_chance(residual: &[f64]) -> f64 {
     (special::chi_squared_above(freedom * most / mean.max(1e-300), freedom) * powers.len() as f64).min(1.0)
 }
 
-/// Samples per independent one, from the first correlations of a sequence.
-pub fn correlation(errors: &[f64]) -> f64 {
+/// Samples per independent one, from the correlations over fewer than so many lags of a sequence about zero.
+pub fn correlation(errors: &[f64], lags: usize) -> f64 {
     let total = errors.iter().map(|e| e * e).sum::<f64>().max(1e-300);
     let at = |lag: usize| errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b).sum::<f64>() / total;
-    1.0 + (1..MEMORY.min(errors.len() / 4)).map(|lag| 2.0 * at(lag).powi(2)).sum::<f64>()
+    1.0 + (1..lags.min(errors.len() / 4)).map(|lag| 2.0 * at(lag).powi(2)).sum::<f64>()
 }

@@ -106,7 +106,7 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
         effects,
         findings,
     };
-    let repair = sensor::repair(channels, &finals, &verdict, unit);
+    let repair = sensor::repair(channels, &finals, &verdict, model);
     let detail = Detail { unit: unit.into(), channels: details };
     Diagnosis { verdict, ranking, repair, detail: AnyDetail::Static(Box::new(detail)) }
 }

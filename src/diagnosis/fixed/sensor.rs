@@ -1,7 +1,9 @@
-//! The still sensor as a study runs it: the noise of the channel with most to gain, before and after.
+//! The still sensor as a study runs it: the noise of the channel with most to gain, as its datasheet promised it (without
+//! one, as white noise) and as it was found.
 
 use super::channel::{Channel, Fitted};
 use super::describe;
+use crate::diagnosis::model;
 use crate::diagnosis::repair::{Cost, Repair, Vibration};
 use crate::diagnosis::verdict::{Effect, Verdict};
 use crate::recording::unit::{Quantity, Unit};
@@ -9,7 +11,13 @@ use crate::sensor::Sensor;
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
 /// What a study can run of the first channel, where its unit is one of acceleration or rate.
-pub(super) fn repair(channels: &[Channel], finals: &[Fitted], verdict: &Verdict, unit: &str) -> Option<Repair> {
+pub(super) fn repair(
+    channels: &[Channel],
+    finals: &[Fitted],
+    verdict: &Verdict,
+    model: &model::Static,
+) -> Option<Repair> {
+    let unit = &model.unit;
     let unit = Unit::parse(unit, Quantity::Accelerometer).or_else(|_| Unit::parse(unit, Quantity::Gyro)).ok()?;
     // The channel with most to gain stands for the sensor.
     let worst = channels.iter().position(|c| verdict.effects.iter().any(|e| e.channels.contains(&c.name))).unwrap_or(0);
@@ -19,9 +27,13 @@ pub(super) fn repair(channels: &[Channel], finals: &[Fitted], verdict: &Verdict,
         verdict.effects.iter().any(|e| e.id == id).then(|| fitted.strength_of(index).0.sqrt() * channel.scale * unit.si)
     };
     let white = describe::density_of_white(channel, fitted.white().0) * DENSITY_TO_RANDOM_WALK * unit.si;
-    let flicker = strength("flicker-noise").unwrap_or(0.0);
-    let walk = strength("random-walk").map_or(0.0, |k| k * channel.rate_hz.sqrt());
-    let sensor = |flicker: f64, walk: f64| {
+    let promised = model.noise.map_or([white, 0.0, 0.0], |n| {
+        [n.density * DENSITY_TO_RANDOM_WALK * unit.si, n.bias_instability * unit.si, n.random_walk * unit.si]
+    });
+    // What was not found to be otherwise stays as promised.
+    let flicker = strength("flicker-noise").unwrap_or(promised[1]);
+    let walk = strength("random-walk").map_or(promised[2], |k| k * channel.rate_hz.sqrt());
+    let sensor = |[white, flicker, walk]: [f64; 3]| {
         let mut sensor = Sensor::default();
         if unit.quantity == Quantity::Accelerometer {
             sensor.accelerometer.velocity_random_walk_m_s_rts = white;
@@ -37,8 +49,8 @@ pub(super) fn repair(channels: &[Channel], finals: &[Fitted], verdict: &Verdict,
     let outside = |e: &&Effect| !matches!(e.id.as_str(), "flicker-noise" | "random-walk" | "white-noise");
     let own_cost = verdict.effects.iter().filter(|e| e.id == "rate-ramp" && unit.quantity == Quantity::Accelerometer);
     Some(Repair {
-        before: sensor(0.0, 0.0),
-        after: sensor(flicker, walk),
+        before: sensor(promised),
+        after: sensor([white, flicker, walk]),
         relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
         not_expressible: verdict.effects.iter().filter(outside).map(|e| format!("{}: {}", e.id, e.statement)).collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },

@@ -2,7 +2,7 @@
 
 use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
 use crate::diagnosis::model;
-use crate::diagnosis::verdict::{Effect, Outcome};
+use crate::diagnosis::verdict::{self, Effect, Outcome};
 
 /// Three digits, without an exponent where a person would not write one.
 pub(super) fn short(value: f64) -> String {
@@ -31,8 +31,7 @@ pub(super) fn sentence(
     channels: &[Channel],
     well: &[bool],
 ) -> String {
-    let named: Vec<String> = effects.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
-    let named = named.join("; ");
+    let named = verdict::named(effects);
     match outcome {
         Outcome::Adequate => {
             "A constant and white noise describe every channel: nothing is missing that this recording could show."
@@ -40,18 +39,17 @@ pub(super) fn sentence(
         }
         Outcome::Explained => format!("The model leaves out {named}. With that, what is left is noise."),
         Outcome::Undecidable => {
-            let (ties, sure): (Vec<&Effect>, Vec<&Effect>) =
-                effects.iter().partition(|e| !e.confusable_with.is_empty());
+            let (ties, sure): (Vec<Effect>, Vec<Effect>) =
+                effects.iter().cloned().partition(|e| !e.confusable_with.is_empty());
             let tie =
-                |e: &&Effect| format!("{} or {} in {}", e.id, e.confusable_with.join(" or "), e.channels.join(", "));
+                |e: &Effect| format!("{} or {} in {}", e.id, e.confusable_with.join(" or "), e.channels.join(", "));
             let ties = ties.iter().map(tie).collect::<Vec<_>>().join("; ");
             if sure.is_empty() {
                 format!("The model leaves something out, and the recording cannot tell which: {ties}.")
             } else {
-                let sure: Vec<String> = sure.iter().map(|e| format!("{} ({})", e.id, e.channels.join(", "))).collect();
                 format!(
                     "The model leaves out {}; and something else, of which the recording cannot tell which: {ties}.",
-                    sure.join("; ")
+                    verdict::named(&sure)
                 )
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::numerics::allan::law::{TERMS, Term};
 use crate::recording::noise::{Channel, Noise};
-use crate::report::number::{duration, significant};
+use crate::report::number::{duration, rounded, significant};
 use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
@@ -79,7 +79,14 @@ pub fn table(noise: &Noise) -> Table {
 
 /// What a person at a terminal should know beside the table.
 pub fn notes(noise: &Noise) -> Vec<String> {
-    let mut out: Vec<String> = noise.source.findings.iter().map(|f| format!("found: {f}")).collect();
+    let source = &noise.source;
+    let mut out = vec![format!(
+        "{} samples at {} Hz: {}",
+        source.samples,
+        rounded(source.rate_hz, 6),
+        duration(source.samples as f64 / source.rate_hz)
+    )];
+    out.extend(source.findings.iter().map(|f| format!("found: {f}")));
     for channel in noise.channels.iter().filter(|c| !c.curve.is_empty()) {
         out.push(format!("{}: {}", channel.name, verdict(channel)));
         let about_spectrum = if channel.fit.is_some() { 5 } else { 0 };

@@ -15,6 +15,9 @@ type Failure = DrawingAreaErrorKind<std::io::Error>;
 const FONT: &str = "system-ui, -apple-system, 'Segoe UI', sans-serif";
 const TITLE_PX: i32 = 17;
 const TEXT_PX: i32 = 14;
+/// Opacity of bands, which may lie over each other, and of bars.
+const BAND: f64 = 0.25;
+const BARS: f64 = 0.35;
 
 /// Pixel columns and rows of the plotting area.
 type Frame = (std::ops::Range<i32>, std::ops::Range<i32>);
@@ -170,15 +173,25 @@ fn legend(chart: &Chart, area: &Area<'_>, layer: Layer, top: i32, width: i32) ->
                 area.draw(&PathElement::new([(column + 11, row), (column + 11, row + TEXT_PX)], line))?
             }
             Mark::Band(_) | Mark::Bars(_) => {
-                area.draw(&Rectangle::new(
-                    [(column, row + 1), (column + 22, row + TEXT_PX - 1)],
-                    ink.mix(0.35).filled(),
-                ))?;
+                let swatch = [(column, row + 1), (column + 22, row + TEXT_PX - 1)];
+                let strength = if matches!(series.mark, Mark::Band(_)) { BAND } else { BARS };
+                // What shines through in the plot shines through in the legend.
+                for behind in chart.series.iter().filter(|s| encloses(s, series)) {
+                    area.draw(&Rectangle::new(swatch, behind.ink.rgb().mix(BAND).filled()))?;
+                }
+                area.draw(&Rectangle::new(swatch, ink.mix(strength).filled()))?;
             }
         }
         area.draw_text(&series.name, &text(Ink::Black, TEXT_PX, HPos::Left, VPos::Center), (column + 28, middle))?;
     }
     Ok(if any { row + TEXT_PX + 8 } else { top + 2 })
+}
+
+/// Whether a band lies wholly within another one.
+fn encloses(outer: &Series, inner: &Series) -> bool {
+    let (Mark::Band(outer_top), Mark::Band(inner_top)) = (&outer.mark, &inner.mark) else { return false };
+    let inside = |n: usize| outer.points[n].1 <= inner.points[n].1 && inner_top[n] <= outer_top[n];
+    outer != inner && outer_top.len() == inner_top.len() && (0..inner_top.len()).all(inside)
 }
 
 type Context<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Span, Span>>;
@@ -205,13 +218,13 @@ fn draw_series(context: &mut Context<'_, '_>, series: &Series, x: &Span, y: &Spa
         Mark::Band(upper) => {
             let pairs: Vec<_> = series.points.iter().zip(upper).filter(|(p, u)| drawable(p) && y.holds(**u)).collect();
             let edge = pairs.iter().map(|(p, _)| **p).chain(pairs.iter().rev().map(|(p, u)| (p.0, **u)));
-            context.draw_series(std::iter::once(Polygon::new(edge.collect::<Vec<_>>(), ink.mix(0.25).filled())))?;
+            context.draw_series(std::iter::once(Polygon::new(edge.collect::<Vec<_>>(), ink.mix(BAND).filled())))?;
         }
         Mark::Bars(bar_width) => {
             let floor = if y.low > 0.0 { y.low } else { 0.0 };
             let bars = series.points.iter().filter(|p| drawable(p));
             context.draw_series(bars.map(|p| {
-                Rectangle::new([(p.0 - bar_width / 2.0, floor), (p.0 + bar_width / 2.0, p.1)], ink.mix(0.35).filled())
+                Rectangle::new([(p.0 - bar_width / 2.0, floor), (p.0 + bar_width / 2.0, p.1)], ink.mix(BARS).filled())
             }))?;
         }
         Mark::Whiskers(upper) => {

@@ -34,7 +34,7 @@ const ROLES: [(Ink, &str, &str, &str); 9] = [
     (Ink::Green, "c3", "#008A64", "#3CCB9F"),
     (Ink::Purple, "c4", "#A8518A", "#E08CC3"),
     (Ink::Orange, "c5", "#B87F00", "#E8B43C"),
-    (Ink::Sky, "c6", "#2E8FBF", "#8FD0F5"),
+    (Ink::Sky, "c6", "#3DAADF", "#B8E3FF"),
     (Ink::Black, "ink", "#1A1C1F", "#E6E8EB"),
     (Ink::Soft, "soft", "#5F666D", "#A3ABB3"),
     (Ink::Grid, "grid", "#DDE1E4", "#3A4047"),

@@ -43,8 +43,11 @@ pub fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
 
 fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
     let title = format!("{} after {}", capitalised(name), super::moment(time_s));
-    let mut chart =
-        Chart::new(&title, Axis::linear(&format!("{name} / {unit}")), Axis::linear(&format!("density / (1/({unit}))")));
+    let density = match unit.split_once('/') {
+        Some((above, below)) => format!("density / ({below}/{above})"),
+        None => format!("density / (1/{unit})"),
+    };
+    let mut chart = Chart::new(&title, Axis::linear(&format!("{name} / {unit}")), Axis::linear(&density));
     chart.size = (560, 330);
     let (low, high) = (summary.mean - 4.0 * summary.sd, summary.mean + 4.0 * summary.sd);
     let width = (high - low) / BARS as f64;

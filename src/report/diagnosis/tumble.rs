@@ -2,8 +2,8 @@
 
 use crate::diagnosis::tumble::{Detail, PoseDetail};
 
-use super::diagnosis::{Exhibit, Part};
-use super::figure::{Axis, Chart, Ink, Mark};
+use super::{Exhibit, Part};
+use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {

@@ -2,8 +2,8 @@
 
 use crate::diagnosis::driven::profile::{FALL, Profile};
 
-use super::diagnosis::{Exhibit, Part};
-use super::figure::{Axis, Chart, Ink, Mark};
+use super::{Exhibit, Part};
+use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Parameters that can be told apart in one figure.
 const MOST: usize = 6;

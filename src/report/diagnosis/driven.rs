@@ -7,8 +7,8 @@ use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::surface::Surface;
 use crate::numerics::spectrum;
 
-use super::diagnosis::{Exhibit, Part};
-use super::figure::{Axis, Chart, Ink, Mark, Raster};
+use super::{Exhibit, Part};
+use crate::report::figure::{Axis, Chart, Ink, Mark, Raster};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;
@@ -20,7 +20,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
     }
-    all.extend(super::diagnosis_profile::exhibit(&detail.profiles));
+    all.extend(super::profile::exhibit(&detail.profiles));
     all
 }
 
@@ -65,6 +65,15 @@ fn zoom(detail: &Detail) -> Exhibit {
     }
 }
 
+/// What the base model does and, where something is named, the repaired one.
+fn both(chart: &mut Chart, detail: &Detail, names: [&str; 2], points: [Vec<(f64, f64)>; 2]) {
+    let [base, repaired] = points;
+    chart.add(names[0], Ink::Soft, Mark::Line, base);
+    if detail.named {
+        chart.add(names[1], Ink::Red, Mark::Line, repaired);
+    }
+}
+
 /// What either model gets wrong on the samples of the zoom.
 fn zoomed_errors(detail: &Detail) -> Exhibit {
     let s = &detail.shown;
@@ -76,11 +85,8 @@ fn zoomed_errors(detail: &Detail) -> Exhibit {
         "Its error there",
         Axis::linear("time / s"),
         Axis::linear(&format!("recorded − simulated / {}", detail.unit)),
-    )
-    .with("base model", Ink::Soft, Mark::Line, errors(&s.base));
-    if detail.named {
-        chart.add("repaired model", Ink::Red, Mark::Line, errors(&s.repaired));
-    }
+    );
+    both(&mut chart, detail, ["base model", "repaired model"], [&s.base, &s.repaired].map(|m| errors(m)));
     chart.size = (620, 400);
     Exhibit {
         part: Part::Opening,
@@ -108,12 +114,10 @@ fn errors(detail: &Detail) -> Exhibit {
         "Error of free simulation over time",
         Axis::linear("time / s"),
         Axis::log(&format!("root mean square / {}", detail.unit)),
-    )
-    .with("base model", Ink::Soft, Mark::Line, levels(&detail.before, detail.rate_hz, detail.from));
-    if detail.named {
-        chart.add("repaired model", Ink::Red, Mark::Line, levels(&detail.after, detail.rate_hz, detail.from));
-    }
-    chart.add("one step ahead", Ink::Blue, Mark::Line, levels(&detail.innovations, detail.rate_hz, detail.from));
+    );
+    let levels = |values: &Vec<f64>| levels(values, detail.rate_hz, detail.from);
+    both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(levels));
+    chart.add("one step ahead", Ink::Blue, Mark::Line, levels(&detail.innovations));
     Exhibit {
         part: Part::Isolation,
         name: "error-over-time".into(),
@@ -136,11 +140,9 @@ fn spectra(detail: &Detail) -> Exhibit {
         Axis::log("frequency / Hz"),
         Axis::log(&format!("one-sided density / {}/√Hz", detail.unit)),
     )
-    .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state))
-    .with("error of the base model", Ink::Soft, Mark::Line, lines(&detail.before));
-    if detail.named {
-        chart.add("error of the repaired model", Ink::Red, Mark::Line, lines(&detail.after));
-    }
+    .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state));
+    let names = ["error of the base model", "error of the repaired model"];
+    both(&mut chart, detail, names, [&detail.before, &detail.after].map(|e| lines(e)));
     Exhibit {
         part: Part::Isolation,
         name: "error-over-frequency".into(),
@@ -171,11 +173,8 @@ fn states(detail: &Detail) -> Exhibit {
         "Error over displacement",
         Axis::linear(&format!("displacement / {}", detail.unit)),
         Axis::log(&format!("root mean square / {}", detail.unit)),
-    )
-    .with("base model", Ink::Soft, Mark::Line, profile(&detail.before));
-    if detail.named {
-        chart.add("repaired model", Ink::Red, Mark::Line, profile(&detail.after));
-    }
+    );
+    both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(|e| profile(e)));
     Exhibit {
         part: Part::Isolation,
         name: "error-over-state".into(),
