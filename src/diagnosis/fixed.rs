@@ -13,12 +13,14 @@ mod conclusion;
 mod describe;
 mod effects;
 mod jump;
+mod laws;
 mod location;
 mod plausible;
 mod rounding;
 mod selection;
 mod sensor;
 mod spectrum;
+mod telegraph;
 mod words;
 
 use rayon::prelude::*;

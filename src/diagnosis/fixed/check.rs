@@ -3,6 +3,7 @@
 use super::channel::{Channel, Fitted};
 use super::jump;
 use super::selection::ALPHA;
+use super::telegraph::Telegraph;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
 use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
@@ -29,6 +30,8 @@ pub(super) struct Remainder {
     pub(super) outlier: Option<(f64, f64)>,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,
+    /// Hops between two levels that a Gaussian drift does not make.
+    pub(super) telegraph: Option<Telegraph>,
     /// Change of the noise's power from end to end over its mean, where it creeps.
     pub(super) creep: Option<f64>,
     /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
@@ -74,6 +77,7 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
         p_value: smallest.min(1.0),
         p_value_in_time: in_time.min(1.0),
         jump: jump.filter(|_| p_jump < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
+        telegraph: None,
         creep: (p_creep < ALPHA).then_some(creeping.0),
         only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= ALPHA && 4 * amiss <= of_time.len(),
         failing,

@@ -114,7 +114,7 @@ fn slow_power(fitted: &Fitted) -> f64 {
 }
 
 /// The slow part in time: every coefficient weighted by the share that is not white (Wiener's filter).
-fn slow_part(fitted: &Fitted) -> Vec<f64> {
+pub(super) fn slow_part(fitted: &Fitted) -> Vec<f64> {
     let white = fitted.white().0;
     let mut coefficients = vec![0.0; fitted.residual.len()];
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {

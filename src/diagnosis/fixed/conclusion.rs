@@ -1,12 +1,14 @@
 //! From what was selected to a verdict: which effects stand, what is left, how well it fits.
 
+use rayon::prelude::*;
+
 use super::channel::{BAND_LIMIT, Channel, Fitted};
 use super::check::{self, TOLERANCE};
 use super::common::Common;
 use super::jump::{self, Jump};
 use super::selection::{ALPHA, Selected, correction};
 use super::spectrum::{self, Law, Part};
-use super::{Detail, describe, effects, location, plausible, sensor, words};
+use super::{Detail, describe, effects, location, plausible, sensor, telegraph, words};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{Effect, Fit, LogScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness};
@@ -49,8 +51,15 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
             remainder.p_value = remainder.p_value.min(leap.p_value);
         }
     }
-    let well: Vec<bool> =
-        remainders.iter().zip(&leaps).map(|(r, l)| l.is_none() && r.p_value * count >= ALPHA).collect();
+    // What channels share is a common cause, whatever its course.
+    let alone: Vec<usize> = (0..channels.len()).filter(|i| !shared(*i)).collect();
+    let hops: Vec<_> = alone.par_iter().map(|i| (*i, telegraph::hops(&channels[*i], &selected[*i].fitted))).collect();
+    for (i, found) in hops {
+        remainders[i].telegraph = found.filter(|t| t.hops > 1 && t.p_value * count < ALPHA);
+        remainders[i].p_value = remainders[i].telegraph.map_or(1.0, |t| t.p_value).min(remainders[i].p_value);
+    }
+    let leaps: Vec<bool> = leaps.iter().zip(&remainders).map(|(l, r)| l.is_some() || r.telegraph.is_some()).collect();
+    let well: Vec<bool> = remainders.iter().zip(&leaps).map(|(r, l)| !l && r.p_value * count >= ALPHA).collect();
     let left = remainders.iter().map(|r| r.p_value).fold(1.0, f64::min) * count;
     let described = well.iter().all(|w| *w);
     let strict =
@@ -66,8 +75,8 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     // has a witness of its own stays, and so does a law that holds wherever it rules.
     effects.retain(|e| {
         let at: Vec<usize> = (0..channels.len()).filter(|i| e.channels.contains(&channels[*i].name)).collect();
-        // What one jump describes better is no drift.
-        let leaps = effects::is_drift(&e.id) && at.iter().any(|i| leaps[*i].is_some());
+        // What one jump, or hops between two levels, describe better is no drift.
+        let leaps = effects::is_drift(&e.id) && at.iter().any(|i| leaps[*i]);
         !leaps
             && (at.iter().all(|i| well[*i])
                 || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i])))
@@ -80,7 +89,13 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
         (true, false, true) => Outcome::Undecidable,
         (true, false, false) => Outcome::Explained,
     };
-    let location = location::locate(channels, selected, &remainders, &well);
+    for (i, channel) in channels.iter().enumerate() {
+        let named = |e: &Effect| e.id == "gauss-markov" && e.channels.contains(&channel.name);
+        if effects.iter().any(named) {
+            findings.extend(words::popcorn(channel, telegraph::power(channel, &finals[i], ALPHA / count)));
+        }
+    }
+    let location = location::locate(channels, selected, &remainders, &well, unit);
     let ranking = ranking(channels, selected, &effects);
     let names = |i: usize| -> Vec<String> {
         effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect()

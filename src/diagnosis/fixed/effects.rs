@@ -112,6 +112,13 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
     effect("temperature-sensitivity", parameters, names, Evidence { held_out_gain: share, p_value })
 }
 
+/// Variance by which the white level beside flicker depends on what the sensor does above half the sampling rate: 1/f goes
+/// on there, and whether it folds back or is averaged away is no part of the law. Its variance at that frequency.
+fn folded(fitted: &Fitted) -> f64 {
+    let flicker = fitted.terms.iter().position(|t| matches!(t.addition, Addition::Law(Law::Flicker)));
+    flicker.map_or(0.0, |i| fitted.strength_of(i).0 * Law::Flicker.variance(std::f64::consts::FRAC_PI_2))
+}
+
 /// Rounding as coarse as the noise, and a white level other than promised.
 pub(super) fn of_level(channel: &Channel, fitted: &Fitted, noise: Option<&model::Noise>, unit: &str) -> Vec<Effect> {
     let mut out = Vec::new();
@@ -138,8 +145,10 @@ pub(super) fn of_level(channel: &Channel, fitted: &Fitted, noise: Option<&model:
         }
         _ => {
             let own = white - if coarse.is_some() { rounding } else { 0.0 };
-            let z = (own - promised) / error.max(0.3 * rounding);
-            let interval = describe::variance_interval(white, error).map(|v| (v - white + own).max(0.0));
+            let folded = folded(fitted);
+            let z = ((own - promised).abs() - folded).max(0.0) / error.max(0.3 * rounding);
+            let [low, high] = describe::variance_interval(white, error).map(|v| v - white + own);
+            let interval = [(low - folded).max(0.0), high + folded];
             (own, interval, chi_squared_above(z * z, 1.0))
         }
     };

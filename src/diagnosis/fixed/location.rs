@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::check::{self, Remainder};
 use super::selection::{ALPHA, Selected};
+use super::telegraph::Telegraph;
 use super::words::{short, time};
 use crate::diagnosis::verdict::{Stretch, Where};
 
@@ -10,7 +11,13 @@ use crate::diagnosis::verdict::{Stretch, Where};
 const SPOKEN_OF: usize = 3;
 
 /// Of the mismatch that repair removed where all channels are described `well`, else of what is left.
-pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[Remainder], well: &[bool]) -> Where {
+pub(super) fn locate(
+    channels: &[Channel],
+    selected: &[Selected],
+    remainders: &[Remainder],
+    well: &[bool],
+    unit: &str,
+) -> Where {
     let described = well.iter().all(|w| *w);
     let base: Vec<Remainder>;
     let shown: &[Remainder] = if described {
@@ -33,9 +40,12 @@ pub(super) fn locate(channels: &[Channel], selected: &[Selected], remainders: &[
         false => !well[*i],
     };
     let off: Vec<usize> = order.into_iter().filter(stands_out).collect();
+    let (hopping, off): (Vec<usize>, Vec<usize>) =
+        off.into_iter().partition(|i| !described && shown[*i].telegraph.is_some());
     let (leaping, off): (Vec<usize>, Vec<usize>) =
         off.into_iter().partition(|i| !described && shown[*i].jump.is_some());
     let mut spoken = jumps(channels, shown, leaping);
+    spoken.extend(hopping.iter().filter_map(|i| Some(popcorn(&channels[*i], shown[*i].telegraph.as_ref()?, unit))));
     spoken.extend(off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)));
     if off.len() > SPOKEN_OF {
         let names: Vec<&str> = off[SPOKEN_OF..].iter().map(|i| channels[*i].name.as_str()).collect();
@@ -64,6 +74,19 @@ fn jumps(channels: &[Channel], shown: &[Remainder], mut leaping: Vec<usize>) -> 
         leaping = others;
     }
     out
+}
+
+/// A channel that hops, in a sentence.
+fn popcorn(channel: &Channel, hops: &Telegraph, unit: &str) -> String {
+    let [low, high] = hops.dwell.map(|samples| time(samples / channel.rate_hz));
+    format!(
+        "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
+         and {high} at the higher level); a Gaussian drift such as `gauss-markov` may have that spectrum, but not two \
+         levels.",
+        channel.name,
+        short(hops.apart * channel.scale),
+        hops.hops
+    )
 }
 
 /// One channel's remainder in a sentence.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
+use super::laws::{self, Rivals};
 use super::spectrum::Law;
 use crate::numerics::special::chi_squared_above;
 
@@ -59,9 +60,6 @@ pub(super) struct Selected {
 /// Environment columns by name.
 pub(super) type Environment = [(String, Curve)];
 
-/// Candidates that did as well as the one chosen, by its id.
-type Rivals = Vec<(&'static str, Vec<&'static str>)>;
-
 /// What every probability of a channel is multiplied by when `channels` are judged.
 pub(super) fn correction(channels: usize) -> f64 {
     TRIED * channels as f64
@@ -88,6 +86,13 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
         close.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
         rivals.push((best.id, close.iter().map(|t| t.id).collect()));
         current = prune(channel, fitted, correction);
+    }
+    let (current, settled) = laws::settle(channel, current, correction);
+    // Which of the slow laws: of the sums compared. All else: of the round in which it was taken.
+    for (id, own) in settled {
+        let before = rivals.iter().rev().find(|r| r.0 == id).map(|r| r.1.clone()).unwrap_or_default();
+        let others = before.into_iter().filter(|r| !laws::SLOW.contains(r));
+        rivals.push((id, own.into_iter().chain(others).collect()));
     }
     let evidence = evidence(channel, &base, &current, correction, &rivals);
     Selected { base, fitted: current, alone, evidence }
@@ -120,7 +125,7 @@ pub(super) fn evidence(
 }
 
 /// Whether the richer candidate imitates the simpler one at the edge of its range: then the simpler one is preferred.
-fn contains(richer: &str, simpler: &str) -> bool {
+pub(super) fn contains(richer: &str, simpler: &str) -> bool {
     matches!((richer, simpler), ("warm-up", "rate-ramp") | ("gauss-markov", "random-walk"))
 }
 
@@ -130,7 +135,7 @@ pub(super) fn others(fitted: &Fitted, index: usize) -> Vec<Term> {
 }
 
 /// Drops what the others have made superfluous.
-fn prune(channel: &Channel, mut fitted: Fitted, correction: f64) -> Fitted {
+pub(super) fn prune(channel: &Channel, mut fitted: Fitted, correction: f64) -> Fitted {
     loop {
         let superfluous = (0..fitted.terms.len()).find_map(|index| {
             let without = channel.fit(others(&fitted, index));
@@ -142,6 +147,14 @@ fn prune(channel: &Channel, mut fitted: Fitted, correction: f64) -> Fitted {
             None => return fitted,
         }
     }
+}
+
+/// Whether a model would be worse, by more than chance, without any one of its terms.
+pub(super) fn needs_all(channel: &Channel, fitted: &Fitted, correction: f64) -> bool {
+    (0..fitted.terms.len()).all(|index| {
+        let gain = 2.0 * (fitted.log_likelihood() - channel.fit(others(fitted, index)).log_likelihood());
+        probability(&fitted.terms[index], gain, channel) * correction < ALPHA
+    })
 }
 
 /// Of a gain at least this large by chance. A variance at its wall counts half (Self & Liang 1987); a searched number
@@ -246,7 +259,7 @@ pub(super) fn try_all(
 }
 
 /// The best of a grid, refined once between its neighbours.
-fn searched(from: f64, to: f64, points: usize, fit: impl Fn(f64) -> Fitted) -> Fitted {
+pub(super) fn searched(from: f64, to: f64, points: usize, fit: impl Fn(f64) -> Fitted) -> Fitted {
     let step = (to - from) / (points - 1) as f64;
     let at = |i: f64| fit(from + i * step);
     let better = |a: &Fitted, b: &Fitted| a.log_likelihood().total_cmp(&b.log_likelihood());

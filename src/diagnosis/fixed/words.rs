@@ -1,6 +1,7 @@
 //! The verdict on a still sensor in words.
 
 use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
+use super::telegraph::REPLICAS;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{self, Effect, Outcome};
 
@@ -107,6 +108,17 @@ pub(super) fn band_limit(channel: &Channel, fitted: &Fitted) -> Option<String> {
         channel.name,
         100.0 * share,
         short(channel.rate_hz / 2.0)
+    ))
+}
+
+/// Whether a process named from its spectrum could be hops between two levels, which have the same one.
+pub(super) fn popcorn(channel: &Channel, told: Option<usize>) -> Option<String> {
+    let told = told?;
+    Some(format!(
+        "`{}`: hops between two levels (popcorn noise) have the spectrum of `gauss-markov`; as strong and as slow as here they \
+         would have shown in {told} of {REPLICAS} simulated recordings{}",
+        channel.name,
+        if 10 * told >= 9 * REPLICAS as usize { ", and none show" } else { ": they are not excluded" }
     ))
 }
 

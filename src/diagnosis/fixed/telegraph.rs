@@ -1,0 +1,408 @@
+//! Popcorn noise: a bias that hops between two levels has the spectrum of a memory of finite length, but not its law.
+//!
+//! Both have a Lorentzian spectrum, so nothing of second order tells them apart. Their likelihoods do: a chain of two
+//! levels in white noise (the random telegraph; levels, dwells and white noise by expectation–maximisation, Rabiner 1989)
+//! against the Gaussian laws and slow curves fitted to the same values. Where the Gaussian model is true, any other fixed
+//! model gains more than ln c over it with probability below 1/c (the mean of a likelihood ratio is one), and the Gaussian
+//! one is fitted too; for its own fitted numbers the chain pays ½ ln n each (Schwarz 1978). Not for readings rounded
+//! coarser than their noise: those hop between counts anyway.
+
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
+use super::common::{is_slow, slow_part};
+use super::spectrum::Law;
+use crate::rng::{Philox, Stream};
+
+/// Fewer blocks hold too few dwells.
+const FEWEST: usize = 256;
+/// Numbers of the chain: two levels, two rates, white noise.
+const NUMBERS: f64 = 5.0;
+/// Simulated recordings that a power is read off, and the most blocks in each.
+pub(super) const REPLICAS: u64 = 20;
+const LONGEST: usize = 1 << 13;
+/// Steps of expectation–maximisation; the likelihood only rises, so that stopping early claims less.
+const STEPS: usize = 40;
+
+/// A bias that hops between two levels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Telegraph {
+    /// Between the levels, in the channel's scale.
+    pub(super) apart: f64,
+    /// Mean time at the lower and at the higher level, in samples.
+    pub(super) dwell: [f64; 2],
+    /// How often it hops.
+    pub(super) hops: usize,
+    /// That a Gaussian drift as fitted looks so much like hops, at most.
+    pub(super) p_value: f64,
+}
+
+/// Two levels, the variance about them, and the chance per value to leave each.
+#[derive(Debug, Clone, Copy)]
+struct Chain {
+    level: [f64; 2],
+    variance: f64,
+    leave: [f64; 2],
+}
+
+/// What a chain says of values: log-likelihood up to a constant, and the chance of the higher level at each.
+struct Expected {
+    log_likelihood: f64,
+    high: Vec<f64>,
+    /// Mean number of hops from each level.
+    hops: [f64; 2],
+}
+
+impl Chain {
+    /// From a division of the values into low and high; `None` where one side is empty.
+    fn divided(values: &[f64], high: &[bool], variance: f64) -> Option<Self> {
+        let mut count = [0.0f64; 2];
+        let (mut sum, mut hops) = ([0.0; 2], 0.0);
+        for (value, side) in values.iter().zip(high) {
+            count[usize::from(*side)] += 1.0;
+            sum[usize::from(*side)] += value;
+        }
+        hops += high.windows(2).filter(|w| w[0] != w[1]).count() as f64;
+        let of = |side: usize| sum[side] / count[side];
+        let leave = |side: usize| (0.5 * hops / count[side]).clamp(1e-6, 0.5);
+        (count.iter().all(|c| *c > 0.0)).then(|| Self { level: [of(0), of(1)], variance, leave: [leave(0), leave(1)] })
+    }
+
+    /// Forward and backward (Baum et al. 1970), scaled at every value.
+    fn expect(&self, values: &[f64]) -> Expected {
+        let stay = self.leave.map(|l| 1.0 - l);
+        let emitted = |value: f64| -> ([f64; 2], f64) {
+            let exponent = self.level.map(|l| -0.5 * (value - l).powi(2) / self.variance);
+            let most = exponent[0].max(exponent[1]);
+            (exponent.map(|e| (e - most).exp()), most)
+        };
+        let total = self.leave[0] + self.leave[1];
+        let mut state = [self.leave[1] / total, self.leave[0] / total];
+        let mut log_likelihood = -0.5 * values.len() as f64 * self.variance.ln();
+        let mut forward = Vec::with_capacity(values.len());
+        for (n, value) in values.iter().enumerate() {
+            if n > 0 {
+                state = [state[0] * stay[0] + state[1] * self.leave[1], state[1] * stay[1] + state[0] * self.leave[0]];
+            }
+            let (weight, most) = emitted(*value);
+            let sum = (state[0] * weight[0] + state[1] * weight[1]).max(f64::MIN_POSITIVE);
+            state = [state[0] * weight[0] / sum, state[1] * weight[1] / sum];
+            log_likelihood += most + sum.ln();
+            forward.push(state);
+        }
+        let (mut back, mut hops) = ([1.0f64; 2], [0.0; 2]);
+        let mut high = vec![0.0; values.len()];
+        for n in (0..values.len()).rev() {
+            let now = forward[n];
+            let both = [now[0] * back[0], now[1] * back[1]];
+            high[n] = both[1] / (both[0] + both[1]).max(f64::MIN_POSITIVE);
+            if n == 0 {
+                break;
+            }
+            let (weight, _) = emitted(values[n]);
+            let ahead = [weight[0] * back[0], weight[1] * back[1]];
+            let before = forward[n - 1];
+            let (up, down) = (before[0] * self.leave[0] * ahead[1], before[1] * self.leave[1] * ahead[0]);
+            let (low, top) = (before[0] * stay[0] * ahead[0], before[1] * stay[1] * ahead[1]);
+            let sum = (up + down + low + top).max(f64::MIN_POSITIVE);
+            hops[0] += up / sum;
+            hops[1] += down / sum;
+            back = [stay[0] * ahead[0] + self.leave[0] * ahead[1], stay[1] * ahead[1] + self.leave[1] * ahead[0]];
+            let scale = (back[0] + back[1]).max(f64::MIN_POSITIVE);
+            back = back.map(|b| b / scale);
+        }
+        Expected { log_likelihood, high, hops }
+    }
+
+    /// The likeliest chain given where the values probably were; white noise not below `least`.
+    fn improved(&self, values: &[f64], expected: &Expected, least: f64) -> Self {
+        let top: f64 = expected.high.iter().sum();
+        let count = [values.len() as f64 - top, top].map(|c| c.max(1e-9));
+        let (mut sum, mut squares) = ([0.0; 2], 0.0);
+        for (value, high) in values.iter().zip(&expected.high) {
+            sum[0] += (1.0 - high) * value;
+            sum[1] += high * value;
+        }
+        let level = [sum[0] / count[0], sum[1] / count[1]];
+        for (value, high) in values.iter().zip(&expected.high) {
+            squares += (1.0 - high) * (value - level[0]).powi(2) + high * (value - level[1]).powi(2);
+        }
+        Self {
+            level,
+            variance: (squares / values.len() as f64).max(least),
+            leave: [0, 1].map(|s| (expected.hops[s] / count[s]).clamp(1e-6, 0.5)),
+        }
+    }
+}
+
+/// The best chain found from a start, with what it expects.
+fn climb(mut chain: Chain, values: &[f64], least: f64) -> (Chain, Expected) {
+    let mut expected = chain.expect(values);
+    for _ in 0..STEPS {
+        let next = chain.improved(values, &expected, least);
+        let then = next.expect(values);
+        let gained = then.log_likelihood - expected.log_likelihood;
+        if gained > 0.0 {
+            (chain, expected) = (next, then);
+        }
+        if gained < 0.05 {
+            break;
+        }
+    }
+    (chain, expected)
+}
+
+/// Samples averaged into one value: a quarter of the time over which white noise must be averaged to show the drift.
+fn together(fitted: &Fitted, count: usize) -> usize {
+    let white = fitted.white().0;
+    let drifts = fitted.bins.iter().zip(&fitted.variances).filter(|(_, v)| **v > 2.0 * white);
+    let theta = drifts.map(|(b, _)| b.theta).fold(0.0, f64::max).max(fitted.bins[0].theta);
+    ((0.125 / theta) as usize).clamp(1, (count / (4 * FEWEST)).max(1))
+}
+
+/// A chain against the drift that was fitted to the same values, blocks of a recording.
+struct Contest {
+    own: Channel,
+    chain: Chain,
+    expected: Expected,
+    /// That the drift as fitted loses by so much, at most.
+    p_value: f64,
+}
+
+/// Fits both; `None` where the values have no two sides.
+fn contest(own: Channel, terms: Vec<Term>) -> Option<Contest> {
+    let gaussian = own.fit(terms);
+    let values = &own.values;
+    // The mean, which the cosine coefficients leave out, has the variance of the slowest of them.
+    let known = gaussian.log_likelihood() - 0.5 * gaussian.variances.first()?.ln();
+    let mut slow = slow_part(&gaussian);
+    slow.iter_mut().zip(gaussian.mean_curve(values.len())).for_each(|(s, c)| *s += c);
+    let mut sorted = slow.clone();
+    sorted.sort_by(f64::total_cmp);
+    let middles = [sorted[sorted.len() / 2], 0.5 * (sorted[0] + sorted[sorted.len() - 1])];
+    let white = gaussian.white().0;
+    let (chain, expected) = middles
+        .into_iter()
+        .filter_map(|middle| {
+            let high: Vec<bool> = slow.iter().map(|s| *s > middle).collect();
+            Some(climb(Chain::divided(values, &high, white)?, values, 0.5 * white))
+        })
+        .max_by(|a, b| a.1.log_likelihood.total_cmp(&b.1.log_likelihood))?;
+    let gain = expected.log_likelihood - known - 0.5 * NUMBERS * (values.len() as f64).ln();
+    Some(Contest { own, chain, expected, p_value: (-gain).exp().min(1.0) })
+}
+
+/// Means of as many neighbours.
+fn blocks(values: &[f64], together: usize) -> Vec<f64> {
+    values.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
+}
+
+/// Whether readings are too coarse for a law of the values between the steps.
+fn coarse(channel: &Channel, fitted: &Fitted) -> bool {
+    channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0)
+}
+
+/// The hops that describe a channel better than its drift as fitted does; `None` where it has no drift or is coarse.
+pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
+    let count = channel.values.len();
+    let drifts = |t: &Term| match &t.addition {
+        Addition::Law(Law::Markov(_) | Law::Walk | Law::Flicker) => true,
+        Addition::Law(_) => false,
+        Addition::Curves(_) => is_slow(t, channel),
+    };
+    if coarse(channel, fitted) || count < FEWEST || !fitted.terms.iter().any(drifts) {
+        return None;
+    }
+    // What stays under either model, such as a pickup, is taken off.
+    let mut rest = channel.values.clone();
+    for (index, term) in fitted.terms.iter().enumerate().filter(|(_, t)| !drifts(t)) {
+        if let Addition::Curves(curves) = &term.addition {
+            for (curve, (amplitude, _)) in curves.iter().zip(fitted.amplitudes_of(index)) {
+                rest.iter_mut().zip(curve.values.iter()).for_each(|(r, v)| *r -= amplitude * v);
+            }
+        }
+    }
+    let block = together(fitted, count);
+    let own = Channel::new(&channel.name, &blocks(&rest, block), channel.rate_hz / block as f64);
+    let terms = fitted.terms.iter().filter_map(|t| {
+        let addition = match &t.addition {
+            Addition::Law(Law::Markov(memory)) => Addition::Law(Law::Markov(memory / block as f64)),
+            // Within a block what differs between neighbours averages out.
+            Addition::Law(Law::Differenced | Law::Smoothed(_)) if block > 1 => return None,
+            Addition::Law(law) => Addition::Law(*law),
+            Addition::Curves(_) if !drifts(t) => return None,
+            Addition::Curves(curves) => {
+                Addition::Curves(curves.iter().map(|c| Curve::new(blocks(&c.values, block))).collect())
+            }
+        };
+        Some(Term { addition, ..t.clone() })
+    });
+    let Contest { own, chain, expected, p_value } = contest(own, terms.collect())?;
+    let order = usize::from(chain.level[0] > chain.level[1]);
+    let dwell = chain.leave.map(|l| block as f64 / l);
+    Some(Telegraph {
+        apart: (chain.level[1] - chain.level[0]).abs() * own.scale,
+        dwell: [dwell[order], dwell[1 - order]],
+        hops: expected.high.windows(2).filter(|w| (w[0] > 0.5) != (w[1] > 0.5)).count(),
+        p_value,
+    })
+}
+
+/// In how many of [`REPLICAS`] recordings hops of the strength and memory of a fitted Gauss–Markov process would have been
+/// told from it at this probability; `None` where another drift acts too. Of a long recording a part is simulated: then
+/// it is at least as many.
+pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<usize> {
+    let index = fitted.terms.iter().position(|t| matches!(t.addition, Addition::Law(Law::Markov(_))))?;
+    let others = fitted.terms.iter().enumerate().filter(|(i, t)| *i != index && t.id != BAND_LIMIT);
+    if coarse(channel, fitted) || others.count() > 0 {
+        return None;
+    }
+    let block = together(fitted, channel.values.len());
+    let memory = fitted.terms[index].searched / block as f64;
+    let size = fitted.strength_of(index).0.sqrt();
+    let noise = (fitted.white().0 / block as f64).sqrt();
+    let count = (channel.values.len() / block).min(LONGEST);
+    let told = (0..REPLICAS).filter(|replica| {
+        let mut rng = Philox::new(1, *replica, Stream::Host);
+        let mut level = size;
+        let values: Vec<f64> = (0..count)
+            .map(|_| {
+                // Hops at a rate of 1/2T between levels ±σ: correlation e^(−t/T).
+                if rng.random::<f64>() < 0.5 * (1.0 - (-1.0 / memory).exp()) {
+                    level = -level;
+                }
+                let white: f64 = StandardNormal.sample(&mut rng);
+                level + noise * white
+            })
+            .collect();
+        let own = Channel::new(&channel.name, &values, channel.rate_hz / block as f64);
+        let law = Term { addition: Addition::Law(Law::Markov(memory)), ..fitted.terms[index].clone() };
+        contest(own, vec![law]).is_some_and(|c| c.p_value < p_value)
+    });
+    Some(told.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    fn draw(rng: &mut Philox) -> f64 {
+        StandardNormal.sample(rng)
+    }
+
+    fn p_value(values: &[f64], terms: Vec<Term>) -> f64 {
+        let channel = Channel::new("x", values, 1.0);
+        let fitted = channel.fit(terms);
+        hops(&channel, &fitted).map_or(1.0, |t| t.p_value)
+    }
+
+    fn law(id: &'static str, law: Law) -> Term {
+        let searched = if let Law::Markov(memory) = law { memory } else { 0.0 };
+        Term { id, addition: Addition::Law(law), searched, column: None }
+    }
+
+    fn relaxation(count: usize, memory: f64, rng: &mut Philox) -> Vec<f64> {
+        let keep = (-1.0 / memory).exp();
+        let mut state = draw(rng);
+        (0..count)
+            .map(|_| {
+                state = keep * state + (1.0 - keep * keep).sqrt() * draw(rng);
+                state
+            })
+            .collect()
+    }
+
+    /// Equal and unequal dwells, mean zero and variance one where equal.
+    fn telegraph(count: usize, dwell: [f64; 2], rng: &mut Philox) -> Vec<f64> {
+        let mut side = 0;
+        (0..count)
+            .map(|_| {
+                if rng.random::<f64>() < 1.0 / dwell[side] {
+                    side = 1 - side;
+                }
+                2.0 * side as f64 - 1.0
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_gaussian_drift_is_not_taken_for_hops() {
+        // Memories of 4 to 2000 samples, a fifth to five times the noise; walks and sums of relaxations (flicker).
+        let alarms: Vec<(u64, f64)> = (0..500u64)
+            .into_par_iter()
+            .map(|seed| {
+                let mut rng = Philox::new(41, seed, Stream::Host);
+                let size = 0.2 * 25f64.powf(rng.random::<f64>());
+                let memory = 4.0 * 500f64.powf(rng.random::<f64>());
+                let count = 4000;
+                let (drift, term) = match seed % 5 {
+                    0 => {
+                        let mut sum = 0.0;
+                        let step = size / (count as f64 / 6.0).sqrt();
+                        let walk = (0..count)
+                            .map(|_| {
+                                sum += step * draw(&mut rng);
+                                sum
+                            })
+                            .collect();
+                        (walk, law("random-walk", Law::Walk))
+                    }
+                    1 => {
+                        let mut sum = vec![0.0; count];
+                        for octave in 0..14 {
+                            let part = relaxation(count, 2f64.powi(octave), &mut rng);
+                            sum.iter_mut().zip(part).for_each(|(s, p)| *s += size / 14f64.sqrt() * p);
+                        }
+                        (sum, law("flicker-noise", Law::Flicker))
+                    }
+                    _ => {
+                        let mut drift = relaxation(count, memory, &mut rng);
+                        drift.iter_mut().for_each(|d| *d *= size);
+                        (drift, law("gauss-markov", Law::Markov(memory)))
+                    }
+                };
+                let values: Vec<f64> = drift.into_iter().map(|d| d + draw(&mut rng)).collect();
+                (seed, p_value(&values, vec![term]))
+            })
+            .filter(|(_, p)| *p < 0.01)
+            .collect();
+        // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the price keeps it far below.
+        assert!(alarms.len() <= 1, "{alarms:?}");
+    }
+
+    #[test]
+    fn hops_are_found_at_half_the_noise_and_their_power_is_foreseen() {
+        let found = |size: f64, dwell: [f64; 2], count: usize| -> usize {
+            (0..20u64)
+                .into_par_iter()
+                .filter(|seed| {
+                    let mut rng = Philox::new(42, *seed, Stream::Host);
+                    let hops = telegraph(count, dwell, &mut rng);
+                    let values: Vec<f64> = hops.into_iter().map(|h| size * h + draw(&mut rng)).collect();
+                    let memory = 1.0 / (1.0 / dwell[0] + 1.0 / dwell[1]);
+                    p_value(&values, vec![law("gauss-markov", Law::Markov(memory))]) < 1e-3
+                })
+                .count()
+        };
+        for (size, dwell) in [(0.5, [100.0; 2]), (1.0, [10.0; 2]), (1.0, [1000.0, 100.0]), (3.0, [300.0; 2])] {
+            let found = found(size, dwell, 4000);
+            assert!(found >= 19, "{size} {dwell:?}: {found} of 20");
+        }
+        // Negative control: a tenth of the noise in dwells of ten shows to nobody, and the power says so.
+        for (size, dwell) in [(0.1, 10.0), (0.35, 100.0), (1.0, 100.0)] {
+            let mut rng = Philox::new(43, 0, Stream::Host);
+            let drift = relaxation(4000, dwell / 2.0, &mut rng);
+            let values: Vec<f64> = drift.into_iter().map(|d| size * d + draw(&mut rng)).collect();
+            let channel = Channel::new("x", &values, 1.0);
+            let mut fitted = channel.fit(vec![law("gauss-markov", Law::Markov(dwell / 2.0))]);
+            // As planted, not as estimated.
+            fitted.strengths.values = [1.0, size * size].map(|v| v / channel.scale.powi(2)).to_vec();
+            let (foreseen, found) = (power(&channel, &fitted, 1e-3).unwrap_or(0), found(size, [dwell; 2], 4000));
+            // Two counts of twenty differ by seven or more by chance in one of a hundred.
+            assert!(foreseen.abs_diff(found) <= 7, "{size}: foreseen {foreseen}, found {found}");
+        }
+        assert!(found(0.1, [10.0; 2], 4000) == 0);
+    }
+}
