@@ -148,7 +148,7 @@ fn check(job: &Job) -> Result<()> {
             "give times between 0 and duration_s",
         );
     }
-    let steps = u64::from(clock.steps_per_sample) * u64::from(job.integrator.substeps());
+    let steps = job.steps_per_sample();
     if steps > u64::from(u32::MAX) {
         return refuse(
             &format!("a sample takes {steps} steps, and at most {} are counted", u32::MAX),

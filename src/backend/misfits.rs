@@ -1,35 +1,14 @@
-//! How far many models of one recording stay from its readings: on the CPU in groups of 64 points over all threads, or on
-//! a GPU.
+//! How far many models of one recording stay from its readings: on the CPU in groups of 64 points over all threads. Its
+//! twin on a GPU is `gpu::misfits`.
 
 use rayon::prelude::*;
 
-use super::gpu::{self, Gpu};
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::{LANES, Level};
 use crate::kernel::cpu::misfit::{Group, Misfit as Work, Shared};
 use crate::kernel::misfit::{Job, Misfit, Parts, Point, stretches};
 use crate::numerics::elementary::Real;
 use crate::progress;
-
-/// Where points are evaluated.
-#[derive(Clone, Copy)]
-pub enum Device<'a> {
-    /// CPU lanes in f32.
-    Cpu,
-    /// A GPU, in f32.
-    Gpu(&'a Gpu),
-}
-
-/// Evaluates every point on a device in f32.
-///
-/// # Errors
-/// When stopped by Ctrl-C, or when the device fails.
-pub fn evaluate_on(device: Device<'_>, job: &Job<'_>, points: &[Point]) -> Result<Vec<Misfit>> {
-    match device {
-        Device::Cpu => evaluate::<f32>(job, points),
-        Device::Gpu(gpu) => gpu::misfits::evaluate(gpu, job, points),
-    }
-}
 
 /// Evaluates every point; the result does not depend on the number of threads. `T` is f32, or f64 for references.
 ///

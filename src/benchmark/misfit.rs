@@ -1,7 +1,7 @@
 //! The search engine: models of one driven recording per second, each a candidate with its parameters.
 
-use crate::backend::gpu::Gpu;
-use crate::backend::misfits::{Device, evaluate, evaluate_on};
+use crate::backend::gpu::{self, Gpu};
+use crate::backend::misfits::evaluate;
 use crate::error::Result;
 use crate::kernel::misfit::{Job, Point, Units};
 
@@ -82,7 +82,7 @@ pub fn gpu(gpu: &Gpu) -> Result<Row> {
     let count = if gpu.adapter.hardware { POINTS_HARDWARE } else { POINTS };
     let (recording, points) = (Recording::new(), points(count));
     let (job, units) = (recording.job(), (count * SAMPLES) as f64);
-    let work = || evaluate_on(Device::Gpu(gpu), &job, &points).map(drop);
+    let work = || gpu::misfits::evaluate(gpu, &job, &points).map(drop);
     let mut measured = row(WORK, "f32", count as u64, units, UNIT, work)?;
     measured.place = gpu.adapter.name.clone();
     Ok(measured)

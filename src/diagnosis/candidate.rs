@@ -2,7 +2,7 @@
 //! lives with its kind (driven, static, tumble). Ids are a public contract.
 
 /// The kind of recording a candidate belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// Input and output of one proof mass, or its free ring-down.
@@ -31,7 +31,9 @@ pub struct Parameter {
     pub name: &'static str,
     /// Unit, with `u` for the input's and `y` for the output's unit.
     pub unit: &'static str,
-    /// Plausible range in those units, or relative to the base model where `unit` is "1".
+    /// Plausible range. Of a tumble in those units (a scale: its relative error). Of a driven recording in multiples of the
+    /// size that the recording makes typical (a spring's: as strong as the linear one), but for frequencies in Hz and ratios.
+    /// At rest the sign alone is known beforehand.
     pub range: (f64, f64),
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::diagnosis::candidate::Kind;
 use crate::document::{parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
@@ -156,14 +157,6 @@ pub struct TumbleColumns {
 #[derive(Debug, Deserialize)]
 struct Head {
     kind: toml::Spanned<Kind>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
-    Driven,
-    Static,
-    Tumble,
 }
 
 /// A model from text; `name` stands in messages for where it came from.

@@ -60,10 +60,14 @@ pub struct Job {
 }
 
 impl Job {
-    /// Steps that the integrator does for one member, substeps counted.
+    /// Steps that the integrator does in a sample, substeps counted.
+    pub fn steps_per_sample(&self) -> u64 {
+        u64::from(self.clock.steps_per_sample) * u64::from(self.integrator.substeps())
+    }
+
+    /// Steps that it does for one member.
     pub fn steps_per_member(&self) -> u64 {
-        let per_sample = u64::from(self.clock.steps_per_sample) * u64::from(self.integrator.substeps());
-        self.clock.samples.saturating_mul(per_sample)
+        self.clock.samples.saturating_mul(self.steps_per_sample())
     }
 
     /// The same over all members: what speeds are stated in.

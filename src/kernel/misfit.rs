@@ -105,40 +105,6 @@ pub mod column {
     pub const WEIGHTS: usize = 38;
 }
 
-/// Names in the shader of the columns.
-pub const COLUMN_NAMES: [(&str, usize); 30] = [
-    ("GAIN", column::GAIN),
-    ("STIFFNESS", column::STIFFNESS),
-    ("OFFSET", column::OFFSET),
-    ("CUBIC", column::CUBIC),
-    ("QUADRATIC", column::QUADRATIC),
-    ("SPEED_DAMPING", column::SPEED_DAMPING),
-    ("SQUEEZE_FILM", column::SQUEEZE_FILM),
-    ("FRICTION", column::FRICTION),
-    ("STIFFNESS_DRIFT", column::STIFFNESS_DRIFT),
-    ("DRIVE_SQUARE", column::DRIVE_SQUARE),
-    ("STOP_ABOVE", column::STOP_ABOVE),
-    ("GAP_ABOVE", column::GAP_ABOVE),
-    ("STOP_BELOW", column::STOP_BELOW),
-    ("GAP_BELOW", column::GAP_BELOW),
-    ("HYSTERESIS", column::HYSTERESIS),
-    ("YIELD", column::YIELD),
-    ("MODE_GAIN", column::MODE_GAIN),
-    ("MODE_DAMPING", column::MODE_DAMPING),
-    ("MODE_STIFFNESS", column::MODE_STIFFNESS),
-    ("LAG", column::LAG),
-    ("KEEPS", column::KEEPS),
-    ("FEEDTHROUGH", column::FEEDTHROUGH),
-    ("BEND_2", column::BEND_2),
-    ("BEND_3", column::BEND_3),
-    ("RAMP", column::RAMP),
-    ("FADE", column::FADE),
-    ("LOW", column::LOW),
-    ("HIGH", column::HIGH),
-    ("SHARE", column::SHARE),
-    ("SHIFT", column::SHIFT),
-];
-
 /// Which parts of the kernel a job needs; the rest is skipped. Decided by all points of a job together, so that how they
 /// are grouped changes nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

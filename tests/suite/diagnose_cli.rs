@@ -203,6 +203,10 @@ fn library() -> Result<(), Failed> {
         for field in ["statement", "equation", "signature", "reference", "acts"] {
             check(entry[field].as_str().is_some_and(|t| t.len() > 3), format!("{id}: empty {field}"))?;
         }
+        for parameter in entry["parameters"].as_array().cloned().unwrap_or_default() {
+            let end = |n: usize| parameter["range"][n].as_f64().unwrap_or(f64::NAN);
+            check(end(0) < end(1), format!("{id}: range of {}: {}", parameter["name"], parameter["range"]))?;
+        }
         for other in entry["confusable_with"].as_array().cloned().unwrap_or_default() {
             let known = of(kind).iter().any(|k| Some(k.as_str()) == other.as_str());
             check(known, format!("{id} is confusable with {other}, which is not in the library"))?;

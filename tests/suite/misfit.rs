@@ -1,8 +1,8 @@
 //! The misfit kernel simulates what the diagnosis' own filter simulates, for every candidate, on every backend.
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::backend::gpu::Gpu;
-use proofmass::backend::misfits::{Device, evaluate, evaluate_on};
+use proofmass::backend::gpu::{self, Gpu};
+use proofmass::backend::misfits::evaluate;
 use proofmass::diagnosis::driven::ensemble::Ensemble;
 use proofmass::diagnosis::driven::filter::Nothing;
 use proofmass::diagnosis::driven::fit::{BASE, Data, Run, Search, Shape, fit, innovations};
@@ -377,7 +377,7 @@ fn gpu_follows_cpu() -> Result<(), Failed> {
     let all = cases().into_iter().map(|c| (c.0, c.3)).chain([("everything", everything())]);
     for (name, point) in all {
         let points = [point, Point { gain: 1.0001 * FITTED[0], ..point }];
-        let (on_gpu, on_cpu) = (evaluate_on(Device::Gpu(&gpu), &job, &points)?, evaluate::<f32>(&job, &points)?);
+        let (on_gpu, on_cpu) = (gpu::misfits::evaluate(&gpu, &job, &points)?, evaluate::<f32>(&job, &points)?);
         for (g, c) in on_gpu.iter().zip(&on_cpu) {
             for (g, c) in g.squares.iter().zip(&c.squares) {
                 near(name, g / c, 1.0, 1e-5)?;
@@ -387,7 +387,7 @@ fn gpu_follows_cpu() -> Result<(), Failed> {
         control = control.max((on_gpu[1].squares[0] / on_cpu[0].squares[0] - 1.0).abs());
     }
     let bad = Point { cubic: -1e9 * STIFF, ..base() };
-    let found = evaluate_on(Device::Gpu(&gpu), &job, &[bad])?;
+    let found = gpu::misfits::evaluate(&gpu, &job, &[bad])?;
     check(found[0].squares[0] == f64::INFINITY, format!("a lost point is said to misfit by {found:?}"))?;
     check(control > 1e-5, "the comparison does not see a gain wrong by 1e-4")
 }

@@ -68,7 +68,7 @@ impl Backend for Ensembles {
     }
 
     fn batch_members(&self, job: &Job) -> Result<u64> {
-        let substeps = substeps(job);
+        let substeps = job.steps_per_sample();
         if substeps > MOST_SUBSTEPS {
             let cause = format!("a sample has {substeps} substeps, and its table of forces {MOST_SUBSTEPS}");
             return Err(Error::new("could not simulate on the GPU", cause, "use --backend cpu, or a longer step_s"));
@@ -136,7 +136,7 @@ impl Plan {
             (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
         let constants = constants(job, &drawn)?;
         let amplitudes = flicker_amplitudes(&job.clock);
-        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+        let sample_s = job.clock.sample_s();
         let mut flicker = [0.0; 16];
         flicker.iter_mut().zip(&amplitudes).for_each(|(f, a)| *f = *a as f32);
         let tile = layout::Tile {
@@ -178,7 +178,7 @@ impl Plan {
     /// All tiles; `false` when the user asked to stop.
     fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
         let (job, mut from) = (batch.job, 0);
-        let most = most.min(MOST_SUBSTEPS / substeps(job));
+        let most = most.min(MOST_SUBSTEPS / job.steps_per_sample());
         let mut samples = 16;
         let (mut under_way, mut begun) = (None, Instant::now());
         loop {
@@ -270,11 +270,6 @@ impl Plan {
     }
 }
 
-/// Substeps of a sample.
-fn substeps(job: &Job) -> u64 {
-    u64::from(job.clock.steps_per_sample) * u64::from(job.integrator.substeps())
-}
-
 /// The force over some samples as the kernel reads it.
 fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let table = force::table::<f32>(job, first, count);
@@ -319,7 +314,7 @@ fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(&'static str, f64)>> {
     let gyro = (column::GYRO_BIAS..=column::GYRO_WALK).any(|c| any(c, 0.0));
     Ok(vec![
         ("INTEGRATOR", integrator),
-        ("SUBSTEPS", substeps(job) as f64),
+        ("SUBSTEPS", job.steps_per_sample() as f64),
         ("HAS_FORCE", has(column::FORCE)),
         ("HAS_WHITE", has(column::WHITE)),
         ("HAS_FLICKER", has(column::FLICKER)),

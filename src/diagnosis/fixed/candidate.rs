@@ -2,10 +2,14 @@
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 
-const ANY: (f64, f64) = (0.0, f64::MAX);
-
+/// A size: positive.
 const fn parameter(name: &'static str, unit: &'static str) -> Parameter {
-    Parameter { name, unit, range: ANY }
+    Parameter { name, unit, range: (0.0, f64::MAX) }
+}
+
+/// Of either sign.
+const fn signed(name: &'static str, unit: &'static str) -> Parameter {
+    Parameter { name, unit, range: (f64::MIN, f64::MAX) }
 }
 
 const IEEE: &str = "IEEE Std 952-1997 (R2008), annex C";
@@ -61,7 +65,7 @@ pub const CANDIDATES: &[Candidate] = &[
         kind: Kind::Static,
         statement: "The bias drifts along a straight line.",
         equation: "b(t) = R t",
-        parameters: &[parameter("rate", "y/s")],
+        parameters: &[signed("rate", "y/s")],
         acts: "readout",
         signature: "The Allan deviation rises as τ.",
         confusable_with: &["warm-up", "random-walk"],
@@ -94,7 +98,7 @@ pub const CANDIDATES: &[Candidate] = &[
         kind: Kind::Static,
         statement: "The bias settles exponentially after switching on.",
         equation: "b(t) = A e^(−t/T)",
-        parameters: &[parameter("amplitude", "y"), parameter("T", "s")],
+        parameters: &[signed("amplitude", "y"), parameter("T", "s")],
         acts: "readout",
         signature: "A drift that is fast at first and dies out.",
         confusable_with: &["rate-ramp"],
@@ -105,7 +109,7 @@ pub const CANDIDATES: &[Candidate] = &[
         kind: Kind::Static,
         statement: "The bias follows temperature, or another slow cause that channels share.",
         equation: "b = s (θ − θ̄)",
-        parameters: &[parameter("slope", "y per unit of the environment")],
+        parameters: &[signed("slope", "y per unit of the environment")],
         acts: "readout",
         signature: "Channels drift together; the drift follows an environment column.",
         confusable_with: &["random-walk"],

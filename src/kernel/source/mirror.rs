@@ -1,0 +1,204 @@
+//! Tests of the shaders: each parses and validates, and its structs, columns, bindings, workgroups and bounds are the host's.
+
+use std::mem::offset_of;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::Shader;
+use crate::kernel::layout::{self, Bins, MisfitTile, OrbitTile, Partial, Report, Tile};
+use crate::kernel::member::column as member;
+use crate::kernel::misfit::{self, column};
+use crate::kernel::{cpu, source};
+
+/// A shader that parses and validates.
+fn parsed(shader: &Shader) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(&shader.text).map_err(|e| e.emit_to_string(&shader.text));
+    let module = module.unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_INT64);
+    validator.validate(&module).unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
+    module
+}
+
+#[test]
+fn shaders_parse_and_validate() {
+    let orbits = [source::lyapunov(false), source::lyapunov(true), source::poincare(false), source::poincare(true)];
+    let others = [
+        source::simulate(false),
+        source::simulate(true),
+        source::reduce(),
+        source::compensation(),
+        source::peak(),
+        source::misfit(),
+    ];
+    others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
+}
+
+/// What a struct of a shader must look like: bytes, members and their offsets.
+#[derive(Debug, PartialEq)]
+struct Mirror {
+    size: u32,
+    members: Vec<(String, u32)>,
+}
+
+macro_rules! mirror {
+    ($t:ty { $($field:ident),* } $($padding:literal at $at:expr),*) => {{
+        let mut members: Vec<(String, u32)> = vec![$((stringify!($field).into(), offset_of!($t, $field) as u32)),*];
+        members.extend([$(($padding.into(), $at)),*] as [(String, u32); 0 $(+ { let _ = $padding; 1 })*]);
+        members.sort_by_key(|m| m.1);
+        Mirror { size: size_of::<$t>() as u32, members }
+    }};
+}
+
+/// A struct as a shader has it.
+fn structure(module: &naga::Module, name: &str) -> Mirror {
+    let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
+    match &found.expect("the struct is there").1.inner {
+        naga::TypeInner::Struct { members, span } => Mirror {
+            size: *span,
+            members: members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+fn tile() -> Mirror {
+    mirror!(Tile {
+        seed,
+        first_member,
+        members,
+        stride,
+        first_sample,
+        samples,
+        flicker_terms,
+        tilt_gain,
+        sample_s,
+        zero,
+        flicker
+    })
+}
+
+#[test]
+fn structs_have_the_same_members_at_the_same_places() {
+    let orbit = || mirror!(OrbitTile { seed, first, points, steps, begin, periods, counted, strobe, padding });
+    let report = mirror!(Report { members, stride, number, blocks, counts }
+        "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
+    let misfit = mirror!(MisfitTile { points, run, first, samples, block, blocks, last, grid_end });
+    let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
+    for (shader, name, mirror) in [
+        (source::simulate(false), "Tile", tile()),
+        (source::simulate(false), "Bins", mirror!(Bins { begin, per_unit })),
+        (source::simulate(false), "Partial", partial),
+        (source::reduce(), "Report", report),
+        (source::lyapunov(false), "OrbitTile", orbit()),
+        (source::poincare(false), "OrbitTile", orbit()),
+        (source::misfit(), "MisfitTile", misfit),
+    ] {
+        assert_eq!(structure(&parsed(&shader), name), mirror, "{name} of {}", shader.name);
+    }
+}
+
+#[test]
+fn a_shifted_member_is_noticed() {
+    let moved = source::simulate(false).text.replacen("stride: u32,", "", 1);
+    let module = parsed(&Shader { name: "moved", text: moved.replace("tile.stride", "tile.members") });
+    assert_ne!(structure(&module, "Tile"), tile());
+}
+
+#[test]
+fn bindings_and_workgroups_are_what_the_host_dispatches() {
+    for (shader, bindings, size) in [
+        (source::simulate(false), 6, layout::SIMULATE_WORKGROUP),
+        (source::reduce(), 5, layout::BLOCK),
+        (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
+        (source::poincare(false), 5, layout::ORBIT_WORKGROUP),
+        (source::misfit(), 6, layout::MISFIT_WORKGROUP),
+        (source::peak(), 1, layout::PEAK_WORKGROUP),
+    ] {
+        let module = parsed(&shader);
+        let mut found: Vec<u32> =
+            module.global_variables.iter().filter_map(|(_, v)| v.binding.map(|b| b.binding)).collect();
+        found.sort_unstable();
+        assert_eq!(found, (0..bindings).collect::<Vec<u32>>(), "{}", shader.name);
+        let entry = &module.entry_points[0];
+        assert_eq!((entry.name.as_str(), entry.workgroup_size), (shader.name, [size, 1, 1]));
+    }
+}
+
+/// A constant of a shader as the host knows it.
+fn has(shader: &Shader, name: &str, value: &str) {
+    let line = format!("const {name} = {value};");
+    assert!(shader.text.lines().any(|l| l == line), "{}: no {line}", shader.name);
+}
+
+#[test]
+fn columns_states_and_bounds_agree() {
+    let simulate = source::simulate(false);
+    MEMBER.iter().for_each(|(name, place)| has(&simulate, name, &format!("{place}u")));
+    has(&simulate, "STATE_TERMS", &format!("{}u", layout::STATE));
+    has(&simulate, "BOUND_M_S2", "1e7");
+    assert_eq!(cpu::sums::BOUND_M_S2, 1e7);
+    assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
+    let shader = source::misfit();
+    MISFIT.iter().for_each(|(name, place)| has(&shader, name, &format!("{place}u")));
+    has(&shader, "MOST_DIRECTIONS", &format!("{}u", misfit::MOST_DIRECTIONS));
+    has(&shader, "LOST", "1e6");
+    assert_eq!(misfit::LOST, 1e6);
+    // Every part that the host switches on is an override of the shader.
+    let module = parsed(&shader);
+    for (name, _) in misfit::Parts::default().constants() {
+        assert!(module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)), "{name}");
+    }
+}
+
+/// A member's columns.
+const MEMBER: [(&str, usize); 15] = [
+    ("GAIN", member::GAIN),
+    ("SINE", member::SINE),
+    ("BIAS", member::BIAS),
+    ("SCALE", member::SCALE),
+    ("K2", member::K2),
+    ("WHITE", member::WHITE),
+    ("FLICKER", member::FLICKER),
+    ("WALK", member::WALK),
+    ("QUANTISATION", member::QUANTISATION),
+    ("RANGE", member::RANGE),
+    ("FORCE", member::FORCE),
+    ("GYRO_BIAS", member::GYRO_BIAS),
+    ("GYRO_WHITE", member::GYRO_WHITE),
+    ("GYRO_FLICKER", member::GYRO_FLICKER),
+    ("GYRO_WALK", member::GYRO_WALK),
+];
+
+/// The columns of a point of a misfit.
+const MISFIT: [(&str, usize); 30] = [
+    ("GAIN", column::GAIN),
+    ("STIFFNESS", column::STIFFNESS),
+    ("OFFSET", column::OFFSET),
+    ("CUBIC", column::CUBIC),
+    ("QUADRATIC", column::QUADRATIC),
+    ("SPEED_DAMPING", column::SPEED_DAMPING),
+    ("SQUEEZE_FILM", column::SQUEEZE_FILM),
+    ("FRICTION", column::FRICTION),
+    ("STIFFNESS_DRIFT", column::STIFFNESS_DRIFT),
+    ("DRIVE_SQUARE", column::DRIVE_SQUARE),
+    ("STOP_ABOVE", column::STOP_ABOVE),
+    ("GAP_ABOVE", column::GAP_ABOVE),
+    ("STOP_BELOW", column::STOP_BELOW),
+    ("GAP_BELOW", column::GAP_BELOW),
+    ("HYSTERESIS", column::HYSTERESIS),
+    ("YIELD", column::YIELD),
+    ("MODE_GAIN", column::MODE_GAIN),
+    ("MODE_DAMPING", column::MODE_DAMPING),
+    ("MODE_STIFFNESS", column::MODE_STIFFNESS),
+    ("LAG", column::LAG),
+    ("KEEPS", column::KEEPS),
+    ("FEEDTHROUGH", column::FEEDTHROUGH),
+    ("BEND_2", column::BEND_2),
+    ("BEND_3", column::BEND_3),
+    ("RAMP", column::RAMP),
+    ("FADE", column::FADE),
+    ("LOW", column::LOW),
+    ("HIGH", column::HIGH),
+    ("SHARE", column::SHARE),
+    ("SHIFT", column::SHIFT),
+];
