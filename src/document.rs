@@ -127,6 +127,15 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Finds out before the work whether its result can be kept: makes the folder and tries it.
+///
+/// # Errors
+/// When the folder cannot be made or written.
+pub fn writable(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
+    tempfile::tempfile_in(folder).map(drop).map_err(|e| Error::io("write in", folder, &e))
+}
+
 /// Writes a file beside its place and renames it, so that a reader never sees half of it.
 ///
 /// # Errors

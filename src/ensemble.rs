@@ -4,7 +4,7 @@
 //! order, and counts are integers.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::{Backend, Batch, Partial};
@@ -21,6 +21,9 @@ use state::State;
 
 /// Members that set the bins of the histograms: always the same first ones.
 const PILOT: u64 = 1024;
+
+/// What a long run has summed up is written this often.
+const KEEP_EVERY: Duration = Duration::from_secs(30);
 
 /// How to run.
 #[derive(Debug, Clone, Default)]
@@ -70,6 +73,7 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
         state.set_bins(bins);
     }
     let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
+    let mut kept = Instant::now();
     while state.next_member < job.members {
         let end = job.members.min(state.next_member.saturating_add(size));
         let batch = Batch { job, members: state.next_member..end, bins: &state.bins, progress: &|done| bar.inc(done) };
@@ -81,6 +85,11 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
             return Err(interrupted(options));
         };
         state.add(&partials, end);
+        // For those who are not asked to stop but killed.
+        if let Some(path) = options.state.as_ref().filter(|_| kept.elapsed() > KEEP_EVERY) {
+            state.write(path)?;
+            kept = Instant::now();
+        }
     }
     bar.finish_and_clear();
     if let Some(path) = options.state.as_ref().filter(|p| p.exists()) {

@@ -7,6 +7,8 @@ use std::path::Path;
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+const STOPPED: &str = "stopped by Ctrl-C";
+
 /// An error a person can act on. Printed by `main` alone, with exit code 2.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{attempt}\n  cause: {cause}\n  hint:  {hint}")]
@@ -30,6 +32,10 @@ impl Error {
         let hint = match cause.kind() {
             std::io::ErrorKind::NotFound => "check the spelling; paths inside a .toml are relative to that file",
             std::io::ErrorKind::PermissionDenied => "choose a folder you may write to, e.g. with --out DIR",
+            std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => {
+                "a file stands where a folder should be: give another, e.g. with --out DIR"
+            }
+            std::io::ErrorKind::StorageFull => "make room on that disk, or choose another folder with --out DIR",
             std::io::ErrorKind::IsADirectory => "give a file, not a folder",
             _ => "check the path, the permissions and the free space",
         };
@@ -38,7 +44,12 @@ impl Error {
 
     /// The run was stopped by Ctrl-C; `hint` says how to continue it.
     pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self::new(attempt, "stopped by Ctrl-C", hint)
+        Self::new(attempt, STOPPED, hint)
+    }
+
+    /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other errors stay as they are.
+    pub fn within(self, attempt: &str, hint: &str) -> Self {
+        if self.cause == STOPPED { Self::interrupted(attempt, hint) } else { self }
     }
 }
 

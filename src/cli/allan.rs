@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::document::write_whole;
+use crate::document::{writable, write_whole};
 use crate::error::{Error, Result};
 use crate::recording::Request;
 use crate::recording::noise;
@@ -61,6 +61,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "name a column once, under --columns, --accelerometer or --gyro",
         ));
     }
+    arguments.out.as_deref().map_or(Ok(()), writable)?;
     let request = Request { columns, rate_hz: arguments.rate_hz, time: arguments.time.clone(), ..Request::default() };
     let noise = noise::analyse(&arguments.recording, &request, |name| {
         let among = |columns: &[String]| columns.iter().any(|c| c == name);

@@ -7,9 +7,9 @@ use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
 use crate::benchmark::others::Ticks;
 use crate::benchmark::{self, Row};
-use crate::document::write_whole;
+use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::progress;
 use crate::report::bench;
 
@@ -36,12 +36,14 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         benchmark::peers::rows().iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
+    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let stopped = |e: Error| e.within("could not finish the measurements", "run them again");
     let bar = progress::bar("measuring", 0);
     let told = |what: &str| bar.set_message(what.to_owned());
     let begun = Ticks::now();
     let mut rows: Vec<Row> = Vec::new();
     if arguments.backend != Choice::Gpu {
-        rows.extend(benchmark::cpu(told)?);
+        rows.extend(benchmark::cpu(told).map_err(stopped)?);
     }
     let gpu = match arguments.backend {
         Choice::Cpu => None,
@@ -50,8 +52,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     if let Some(gpu) = gpu {
         let gpu = Arc::new(gpu);
-        rows.push(benchmark::misfit::gpu(&gpu)?);
-        rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told)?);
+        rows.push(benchmark::misfit::gpu(&gpu).map_err(stopped)?);
+        rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told).map_err(stopped)?);
     }
     bar.finish_and_clear();
     let others = Ticks::now().zip(begun).map(|(now, begun)| now.others_since(&begun));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::diagnosis::model;
 use crate::diagnosis::{self, Diagnosis, consequence, repair};
-use crate::document::{to_json, write_whole};
+use crate::document::{to_json, writable, write_whole};
 use crate::error::Result;
 use crate::report::diagnosis as page;
 
@@ -28,6 +28,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
     let recording = model::read_recording(&arguments.recording, &model)?;
+    arguments.out.as_deref().map_or(Ok(()), writable)?;
     let diagnosis = diagnosis::diagnose(&recording, &model)?;
     let costs = consequence::costs(&diagnosis)?;
     if let Some(folder) = &arguments.out {

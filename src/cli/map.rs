@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::backend::gpu::Gpu;
 use crate::backend::orbits::Device;
-use crate::document::{read_toml, write_whole};
+use crate::document::{read_toml, writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::Result;
 use crate::map::grid::Grid;
@@ -73,6 +73,7 @@ pub(super) fn open(choice: Choice) -> Result<Option<Gpu>> {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let document: crate::map::document::Document = read_toml(&arguments.map)?;
     document.check()?;
+    arguments.out.as_deref().map_or(Ok(()), writable)?;
     let gpu = open(arguments.backend)?;
     let atlas = compute(document, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
     if let Some(folder) = &arguments.out {
@@ -106,7 +107,7 @@ fn summary(atlas: &Atlas) -> serde_json::Value {
         .iter()
         .map(|b| json!({"title": b.diagram.title, "amplitudes_with_hysteresis": b.hysteresis_n().len()}))
         .collect();
-    json!({"name": atlas.document.name, "maps": maps, "bifurcations": diagrams})
+    json!({"schema": "proofmass.map/1", "name": atlas.document.name, "maps": maps, "bifurcations": diagrams})
 }
 
 /// x, y, exponent and period of every cell.

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::map::open;
 use crate::backend::orbits::Device;
-use crate::document::write_whole;
+use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
 use crate::paper::compute;
@@ -39,12 +39,14 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
         ));
     }
+    writable(&arguments.out)?;
     let data = arguments.data.clone().or_else(real::folder);
     let gpu = open(arguments.backend)?;
-    let paper = compute(data.as_deref(), true, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
+    let paper = compute(data.as_deref(), true, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))
+        .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
     write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
     if json {
-        println!("{:#}", json!({ "figures": paper.exhibits() }));
+        println!("{:#}", json!({ "schema": "proofmass.paper/1", "figures": paper.exhibits() }));
     } else {
         print!("{}", page::table(&paper));
         for failure in page::failures(&paper) {

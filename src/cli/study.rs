@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::document::{to_json, write_whole};
+use crate::document::{to_json, writable, write_whole};
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
 use crate::ensemble::{Backends, Choice, Options};
@@ -67,12 +67,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 /// As [`run`].
 pub fn run_default(json: bool) -> Result<()> {
     run(&Arguments::default(), json)
-}
-
-/// Finds out before the work whether its result can be kept.
-fn writable(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
-    tempfile::tempfile_in(folder).map(drop).map_err(|e| Error::io("write in", folder, &e))
 }
 
 fn write(folder: &Path, study: &Study, drift: &Drift) -> Result<()> {

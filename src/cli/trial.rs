@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let scratch = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
     if let Some(number) = arguments.case {
-        return one(&plan, number, folder);
+        return one(&plan, number, folder, json);
     }
     let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
     eprintln!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
@@ -183,7 +183,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
 }
 
 /// Reproduces one case of a plan.
-fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
+fn one(plan: &Plan, number: usize, folder: &Path, json: bool) -> Result<()> {
     let families = plan.families();
     let Some((family, nth)) = families.get(number).copied() else {
         let cause = format!("the trial has cases 0 to {}", families.len() - 1);
@@ -196,6 +196,12 @@ fn one(plan: &Plan, number: usize, folder: &Path) -> Result<()> {
     let case = plan.draw(number, family, nth);
     let files = case.write(folder)?;
     write_whole(&folder.join("truth.json"), to_json(&case)?.as_bytes())?;
+    if json {
+        let said = blind::ask(&case, &blind::tool)?;
+        let mark = judge::judge(&case, &said).word();
+        println!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?);
+        return Ok(());
+    }
     println!("case {number}: {}", family.name());
     for (id, size) in case.sizes_over_noise() {
         println!("planted: {id}, {size:.3} × noise");

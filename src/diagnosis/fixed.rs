@@ -30,6 +30,7 @@ pub use candidate::CANDIDATES;
 use super::Diagnosis;
 use super::model;
 use crate::error::{Error, Result};
+use crate::progress;
 use crate::recording::Recording;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
@@ -127,7 +128,16 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosi
     findings.extend(plausible::gravity(&means, &model.unit));
     let mut selected: Vec<_> =
         channels.par_iter().map(|c| selection::select(c, &environment, channels.len())).collect();
+    let heard = || match progress::interrupted() {
+        true => {
+            let attempt = format!("could not diagnose {}", recording.path.display());
+            Err(Error::interrupted(attempt, "start it again"))
+        }
+        false => Ok(()),
+    };
+    heard()?;
     agreement::agree(&channels, &mut selected, &environment);
+    heard()?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,

@@ -82,14 +82,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     match verdict.effects.is_empty() {
         true => page.paragraph(nothing_named(verdict.verdict)),
         false => {
-            let mut said = Vec::new();
-            for effect in &verdict.effects {
-                if !said.contains(&&effect.id) {
-                    said.push(&effect.id);
-                    let all: Vec<Effect> = verdict.effects.iter().filter(|e| e.id == effect.id).cloned().collect();
-                    page.paragraph(&format!("{}: {}", named(&all), effect.statement));
-                }
-            }
+            statements(&verdict.effects).iter().for_each(|s| page.paragraph(s));
             page.table(&effects_table(&verdict.effects));
         }
     }
@@ -176,7 +169,7 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
     let verdict = &diagnosis.verdict;
     let what = match verdict.effects.as_slice() {
         [] => nothing_named(verdict.verdict).to_owned(),
-        effects => named(effects),
+        effects => statements(effects).join(" "),
     };
     let mut out = vec![
         ("recording", recorded(verdict)),
@@ -189,6 +182,16 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
     out
+}
+
+/// A sentence for each effect: its name, its channels and what was left out.
+fn statements(effects: &[Effect]) -> Vec<String> {
+    let first = |n: &usize| effects[..*n].iter().all(|e| e.id != effects[*n].id);
+    let of = |n: usize| {
+        let all: Vec<Effect> = effects.iter().filter(|e| e.id == effects[n].id).cloned().collect();
+        format!("{}: {}", named(&all), effects[n].statement)
+    };
+    (0..effects.len()).filter(first).map(of).collect()
 }
 
 fn recorded(verdict: &Verdict) -> String {
@@ -225,14 +228,20 @@ fn cost(costs: &[Cost], repair: Option<&Repair>) -> Option<String> {
         .filter(|r| r.before.proof_mass.is_some() && !r.relation.is_empty())
         .map_or(String::new(), |r| format!(" ({})", r.relation));
     match (costs.iter().find(|c| c.of == DIFFERENCE), costs) {
+        // A driven base model counts its mismatch as noise: what it would drift by is no drift of the sensor.
+        (Some(difference), [_, after, ..]) if !taken.is_empty() => Some(format!(
+            "leaving it out errs by {}, under {}; with the named physics the position error is {}{taken}",
+            metres(difference),
+            difference.under,
+            metres(after)
+        )),
         (Some(difference), [before, after, ..]) => Some(format!(
-            "position error {}: {} {}, {} {}; leaving it out makes {}{taken}",
+            "position error {}: {} {}, {} {}",
             difference.under,
             metres(before),
             before.of,
             metres(after),
-            after.of,
-            metres(difference)
+            after.of
         )),
         (None, [only, ..]) => Some(format!("position error {}: {} {}{taken}", only.under, metres(only), only.of)),
         _ => None,

@@ -85,8 +85,9 @@ impl Page {
                 self.contents.iter().map(|(id, h)| format!("<li><a href=\"#{id}\">{}</a></li>", escape(h))).collect();
             format!("<nav><ol>{items}</ol></nav>\n")
         };
-        let body = match self.body.split_once("</header>\n") {
-            Some((header, rest)) => format!("{header}</header>\n{contents}{rest}"),
+        // What a page opens with, before its first heading, is its answer: the contents come after it.
+        let body = match self.body.split_once("<h2 ") {
+            Some((opening, rest)) => format!("{opening}{contents}<h2 {rest}"),
             None => self.body,
         };
         format!(

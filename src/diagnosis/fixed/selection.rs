@@ -6,6 +6,7 @@ use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
 use super::laws::{self, Rivals};
 use super::spectrum::Law;
 use crate::numerics::special::chi_squared_above;
+use crate::progress;
 
 /// Every candidate tried against a model, and the model with the best of those wanted.
 pub(super) struct Tried {
@@ -73,6 +74,10 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
     let mut alone = Vec::new();
     let mut rivals: Rivals = Vec::new();
     for round in 0..MOST {
+        // Whoever asked for the diagnosis hears of Ctrl-C from `fixed::diagnose`.
+        if progress::interrupted() {
+            break;
+        }
         let Tried { standings, best } = try_all(channel, &current, environment, |t| t.counts(correction));
         if round == 0 {
             alone.clone_from(&standings);
@@ -263,10 +268,13 @@ pub(super) fn searched(from: f64, to: f64, points: usize, fit: impl Fn(f64) -> F
     let step = (to - from) / (points - 1) as f64;
     let at = |i: f64| fit(from + i * step);
     let better = |a: &Fitted, b: &Fitted| a.log_likelihood().total_cmp(&b.log_likelihood());
-    let grid = (0..points).map(|i| (i as f64, at(i as f64)));
+    let grid = (0..points).take_while(|_| !progress::interrupted()).map(|i| (i as f64, at(i as f64)));
     let Some((mut centre, mut best)) = grid.max_by(|a, b| better(&a.1, &b.1)) else { return fit(from) };
     let mut width = 0.5;
     for _ in 0..5 {
+        if progress::interrupted() {
+            break;
+        }
         for side in [-width, width] {
             let other = at((centre + side).clamp(0.0, (points - 1) as f64));
             if better(&other, &best).is_gt() {

@@ -13,18 +13,18 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             "residual-by-pose",
             opening(detail),
             "Every pose's residual over what noise explains, all three kinds together, before and after the named physics. \
-             The grey line is noise alone: what lies well above it is left-out physics.",
+             The dashed line is noise alone: what lies well above it is left-out physics.",
         ),
         exhibit(
             Part::Improvement,
             "gravity-length",
-            by_pose(detail, "Length of gravity: |f| − g", "error, mm/s²", 0),
+            by_pose(detail, "Length of gravity: |f| − g", "error / (mm/s²)", 0),
             "How far each pose's specific force misses gravity's length. Bars: the noise of a pose (±2 standard deviations).",
         ),
         exhibit(
             Part::Improvement,
             "turn-direction",
-            by_pose(detail, "Gravity's direction after a turn", "error, mrad", 4),
+            by_pose(detail, "Gravity's direction after a turn", "error / mrad", 4),
             "The integrated gyro carries gravity from one pose to the next; how far it lands from what the accelerometer reads.",
         ),
     ];
@@ -33,7 +33,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         out.push(exhibit(
             Part::Improvement,
             &format!("still-{name}"),
-            by_pose(detail, &format!("Gyro at rest, {name}"), "rate, °/s", 1 + axis),
+            by_pose(detail, &format!("Gyro at rest, {name}"), "rate / (°/s)", 1 + axis),
             "The gyro's reading where the rate is zero, pose by pose.",
         ));
     }
@@ -79,9 +79,9 @@ fn opening(detail: &Detail) -> Chart {
     };
     let last = detail.poses.len() as f64;
     Chart::new("What is left in each pose", Axis::linear("pose"), Axis::log("residual over noise"))
-        .with("noise alone", Ink::Soft, Mark::Dashed, vec![(0.0, 1.0), (last + 1.0, 1.0)])
-        .with("as it was", Ink::Red, Mark::Dots(4), points(|p| &p.before))
-        .with("with the named physics", Ink::Blue, Mark::Dots(4), points(|p| &p.after))
+        .with("noise alone", Ink::Black, Mark::Dashed, vec![(0.0, 1.0), (last + 1.0, 1.0)])
+        .with("as it was", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
+        .with("with the named physics", Ink::Red, Mark::Dots(4), points(|p| &p.after))
 }
 
 /// One of a pose's five residuals, pose by pose, with the noise of each.
@@ -94,9 +94,9 @@ fn by_pose(detail: &Detail, title: &str, label: &str, channel: usize) -> Chart {
     // An error of direction has no sign.
     let below = points(&|p| if channel == 4 { 0.0 } else { -2.0 * p.noise[channel] });
     Chart::new(title, Axis::linear("pose"), Axis::linear(label))
-        .with("", Ink::Soft, Mark::Whiskers(noise), below)
-        .with("before", Ink::Red, Mark::Dots(4), points(&|p| p.before[channel]))
-        .with("after", Ink::Blue, Mark::Dots(4), points(&|p| p.after[channel]))
+        .with("", Ink::Black, Mark::Whiskers(noise), below)
+        .with("before", Ink::Soft, Mark::Dots(4), points(&|p| p.before[channel]))
+        .with("after", Ink::Red, Mark::Dots(4), points(&|p| p.after[channel]))
 }
 
 /// The gyro's axis against the component of gravity that it correlates with most.
@@ -113,19 +113,19 @@ fn follows(detail: &Detail, axis: usize) -> Chart {
     let names = ["x", "y", "z"];
     Chart::new(
         &format!("Gyro {} against gravity along {}", names[axis], names[along]),
-        Axis::linear(&format!("specific force along {}, g", names[along])),
-        Axis::linear("rate at rest, °/s"),
+        Axis::linear(&format!("specific force along {} / g", names[along])),
+        Axis::linear("rate at rest / (°/s)"),
     )
-    .with("as it was", Ink::Red, Mark::Dots(4), points(|p| &p.before))
-    .with("with the named physics", Ink::Blue, Mark::Dots(4), points(|p| &p.after))
+    .with("as it was", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
+    .with("with the named physics", Ink::Red, Mark::Dots(4), points(|p| &p.after))
 }
 
 fn stillness(detail: &Detail) -> Chart {
     let g = detail.gravity_m_s2;
     let mut chart = Chart::new(
         if detail.poses_found { "Still poses, found by the tool" } else { "Still poses, as given" },
-        Axis::linear("time, s"),
-        Axis::linear("|f|, m/s²").within(g - 3.0, g + 3.0),
+        Axis::linear("time / s"),
+        Axis::linear("|f| / (m/s²)").within(g - 3.0, g + 3.0),
     );
     for (k, pose) in detail.poses.iter().enumerate() {
         let name = if k == 0 { "pose" } else { "" };
@@ -141,7 +141,7 @@ fn intervals(detail: &Detail) -> Chart {
     let mut chart = Chart::new(
         "g-sensitivity of the gyro",
         Axis::linear("entry of K: xx xy xz, yx yy yz, zx zy zz").within(0.5, entries.len() as f64 + 0.5),
-        Axis::linear("°/s per g"),
+        Axis::linear("g-sensitivity / (°/s/g)"),
     )
     .with("", Ink::Soft, Mark::Dashed, vec![(0.5, 0.0), (entries.len() as f64 + 0.5, 0.0)]);
     chart.add(
