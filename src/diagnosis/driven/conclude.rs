@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::diagnosis::detection::Structure;
 use crate::diagnosis::verdict::Outcome;
 
+use super::fineness::enough;
 use super::fit::{Data, Fit, fit};
 use super::held_out::{Comparison, compare, held_out};
 use super::interval::{self, Spread};
@@ -33,8 +34,6 @@ const FAR_ABOVE: f64 = 30.0;
 const LEAST_PART: f64 = 1e-3;
 /// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
-/// How finely the terms of the final models are integrated.
-const FINENESS: f64 = 2.0;
 /// Part of the held-out error that must go before a coloured remainder may be called a detail.
 const NEARLY_ALL: f64 = 0.99;
 
@@ -76,16 +75,20 @@ pub struct Conclusion {
     pub lattice: Option<Lattice>,
     /// Uncertainty of the final model's parameters.
     pub spread: Spread,
+    /// How finely the terms of the final models are integrated, as `Scales::fineness`.
+    pub fineness: f64,
 }
 
 /// Draws the conclusion. `judge` holds all train samples to fit and the test samples to judge.
 pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
-    let scales = &Scales { fineness: FINENESS, ..scales.clone() };
-    let refit = |j: &Judged| -> Judged {
-        let fit: Fit = fit(data, &j.fit.shape, &j.fit.point, scales, 20).unwrap_or_else(|| j.fit.clone());
-        Judged { held_out: held_out(data, &fit, scales, &data.test), fit }
-    };
-    let (base, mut model) = rayon::join(|| refit(&selection.base), || refit(&selection.chosen));
+    let refit =
+        |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
+    let (base, model) = rayon::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
+    let fineness = enough(data, &model, scales);
+    let scales = &Scales { fineness, ..scales.clone() };
+    let model = if model.steps == model.shape.steps(&model.point, scales) { model } else { refit(&model, scales) };
+    let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, scales, &data.test), fit };
+    let (base, mut model) = rayon::join(|| judge(base), || judge(model));
     let before = left(data, &base.fit);
     let mut after = left(data, &model.fit);
     let mut dropped = Vec::new();
@@ -174,12 +177,12 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     if outcome != Outcome::Unexplained {
         interval::profiled(data, &model.fit, scales, named.iter().map(|n| n.index), &mut spread);
     }
-    Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread }
+    Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread, fineness }
 }
 
 /// The same conclusion with base and final model fitted to more samples than it was drawn on.
 pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
-    let scales = &Scales { fineness: FINENESS, ..scales.clone() };
+    let scales = &Scales { fineness: c.fineness, ..scales.clone() };
     let refit = |j: &Judged| -> Option<Judged> {
         let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })

@@ -34,8 +34,9 @@ impl Physics for Quadratic {
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {
+        let strength = &p[0];
         for l in 0..LANES {
-            acceleration[l] -= p[0][l] * at.v[l].abs() * at.v[l];
+            acceleration[l] -= strength[l] * at.v[l].abs() * at.v[l];
         }
     }
     fn moves(&self) -> bool {
@@ -76,8 +77,9 @@ impl Physics for SqueezeFilm {
     }
     #[inline(always)]
     fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {
+        let strength = &p[0];
         for l in 0..LANES {
-            acceleration[l] -= p[0][l] * at.x[l] * at.x[l] * at.v[l];
+            acceleration[l] -= strength[l] * at.x[l] * at.x[l] * at.v[l];
         }
     }
     fn moves(&self) -> bool {
@@ -119,20 +121,11 @@ impl Physics for Coulomb {
     fn has_corner(&self) -> bool {
         true
     }
-    fn fastest_rad_s(&self, _: &[f64], s: &Scales) -> f64 {
-        2.0 * s.omega_rad_s
-    }
-    /// The sign averaged over one step: its jump is spread over the velocity gained in a step, which trapezoid and
-    /// midpoint sums (hence Runge–Kutta's weights) integrate exactly whenever the crossing falls; and it can hold still.
-    #[inline(always)]
-    fn force(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], _: &mut [Lanes], acceleration: &mut Lanes) {
-        for l in 0..LANES {
-            let pull = at.base.gain[l] * at.input[l] - at.base.stiffness[l] * at.x[l];
-            let width = 0.5 * at.step_s * pull.abs().max(p[0][l].abs()).max(1e-300);
-            acceleration[l] -= p[0][l] * (at.v[l] / width).clamp(-1.0, 1.0);
-        }
-    }
     fn moves(&self) -> bool {
+        true
+    }
+    /// Its force is the pass's own, so that no step is taken across a turn with the wrong sign.
+    fn rubs(&self) -> bool {
         true
     }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {

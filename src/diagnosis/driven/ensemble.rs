@@ -95,7 +95,9 @@ impl<'a> Ensemble<'a> {
     /// The same for points of the fitted model itself, by the diagnosis' own filter where the kernel does not have a term.
     pub fn left_at(&self, points: &[Vec<f64>]) -> Option<Vec<f64>> {
         let (shape, steps) = (&self.fit.shape, self.fit.steps);
-        if let Some(placed) = points.iter().map(|p| placed(shape, p)).collect::<Option<Vec<Point>>>() {
+        // The kernel smooths friction: good enough for a start, not for a likelihood.
+        let smoothed = shape.terms.iter().any(Term::rubs);
+        if !smoothed && let Some(placed) = points.iter().map(|p| placed(shape, p)).collect::<Option<Vec<Point>>>() {
             return self.evaluate(&placed, steps);
         }
         let run = self.fit.run(self.data, true);

@@ -9,11 +9,14 @@
 
 use std::ops::Range;
 
+use super::friction::{self, Sliding};
 use super::gain::transition;
-use super::term::{BaseLanes, Instant, LANES, Lanes, Stride, Term};
+use super::term::{BaseLanes, Constants, Instant, LANES, Lanes, Stride, Term};
 
 /// Most own states of all terms of a model together.
 pub const MOST_STATES: usize = 8;
+/// Most of them that belong to terms which move the mass and so go through the stages with it; they come first.
+const MOST_STAGED: usize = 2;
 
 /// What one pass simulates.
 #[derive(Debug)]
@@ -117,24 +120,30 @@ impl Pass<'_> {
         let h = self.interval_s / self.steps as f64;
         let half = Transition::new(&self.oscillator, 0.5 * h);
         let full = Transition::new(&self.oscillator, h);
-        let moving: Vec<Mover<'_>> = movers(self.terms, self.first);
-        let linear = moving.is_empty();
-        let mut followers: Vec<Mover<'_>> = movers_all(self.terms, self.first);
-        followers.retain(|m| m.term.follows());
-        let mut readers: Vec<Mover<'_>> = movers_all(self.terms, self.first);
-        readers.retain(|m| m.term.reads().is_some());
+        let linear = !self.terms.iter().any(Term::moves);
+        let placed = |kept: fn(&Term) -> bool| -> Vec<Mover<'_>> {
+            let mut all = movers(self.terms, self.first);
+            all.retain(|m| kept(m.term));
+            all
+        };
+        let moving = placed(|t| t.moves() && !t.rubs());
+        let staged = moving.iter().any(|m| m.term.states() > 0);
+        let followers = placed(Term::follows);
+        let constants: Vec<Constants> =
+            followers.iter().map(|m| m.term.constants(&self.parameters[m.first..], h)).collect();
+        let mut readers = placed(|t| t.reads().is_some());
         readers.sort_by_key(|m| m.term.reads());
-        let states: usize = self.terms.iter().map(Term::states).sum::<usize>().min(MOST_STATES);
         let delay = self
             .terms
             .iter()
             .zip(self.first)
             .find(|(t, _)| t.delays())
             .map(|(_, f)| Shift::new(&self.parameters[*f], self.interval_s / (2 * self.steps) as f64));
+        let friction = self.terms.iter().zip(self.first).find(|(t, _)| t.rubs()).map(|(_, f)| &self.parameters[*f]);
         let [mut x, mut v] = self.initial;
         let mut bias = [0.0; LANES];
         let mut own = [[0.0; LANES]; MOST_STATES];
-        for m in movers_all(self.terms, self.first) {
+        for m in movers(self.terms, self.first) {
             m.term.begin(&x, &v, &self.parameters[m.first..], &mut own[m.state..]);
         }
         let mut out = Vec::with_capacity(self.run.len());
@@ -191,10 +200,10 @@ impl Pass<'_> {
                         nx[l] += h / 6.0 * (full.xv[l] * a[0][l] + 4.0 * half.xv[l] * a[1][l]);
                         nv[l] += h / 6.0 * (full.vv[l] * a[0][l] + 4.0 * half.vv[l] * a[1][l] + a[2][l]);
                     }
-                    let stride = Stride { step_s: h, x0: x, v0: v, x1: nx, v1: nv };
+                    let stride = Stride { step_s: h, x0: x, v0: v, x1: nx, v1: nv, input: u };
                     (x, v) = (nx, nv);
-                    for m in &followers {
-                        m.term.follow(&stride, &self.parameters[m.first..], &mut own[m.state..]);
+                    for (m, constants) in followers.iter().zip(&constants) {
+                        m.term.follow(&stride, constants, &self.parameters[m.first..], &mut own[m.state..]);
                     }
                     continue;
                 }
@@ -202,13 +211,18 @@ impl Pass<'_> {
                 let (hx, hv) = half.apply(&x, &v);
                 let (fx, fv) = full.apply(&x, &v);
                 let mut a = [[0.0; LANES]; 4];
-                let mut rate = [[0.0; LANES]; MOST_STATES];
-                let mut sums = [[0.0; LANES]; MOST_STATES];
-                let mut here = own;
+                let mut rate = [[0.0; LANES]; MOST_STAGED];
+                let mut sums = [[0.0; LANES]; MOST_STAGED];
+                let mut here = [own[0], own[1]];
+                let mut side = [0.0; LANES];
                 for stage in 0..4 {
                     let lead = if stage == 3 { h } else { 0.5 * h };
-                    if stage > 0 {
-                        add(states, &mut here, &own, lead, &rate);
+                    if staged && stage > 0 {
+                        for s in 0..MOST_STAGED {
+                            for l in 0..LANES {
+                                here[s][l] = own[s][l] + lead * rate[s][l];
+                            }
+                        }
                     }
                     match stage {
                         0 => (at.x, at.v, at.time_s, at.input) = (x, v, from, u[0]),
@@ -241,9 +255,22 @@ impl Pass<'_> {
                         let p = &self.parameters[m.first..];
                         m.term.force(&at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
                     }
+                    if let Some(friction) = friction {
+                        if stage == 0 {
+                            side = friction::sides(&self.base, friction, [&x, &v, &acceleration]);
+                        }
+                        for l in 0..LANES {
+                            acceleration[l] -= side[l] * friction[l];
+                        }
+                    }
                     let weight = if stage == 0 || stage == 3 { h / 6.0 } else { h / 3.0 };
-                    let before = sums;
-                    add(states, &mut sums, &before, weight, &rate);
+                    if staged {
+                        for s in 0..MOST_STAGED {
+                            for l in 0..LANES {
+                                sums[s][l] += weight * rate[s][l];
+                            }
+                        }
+                    }
                     a[stage] = acceleration;
                 }
                 let (x0, v0) = (x, v);
@@ -251,12 +278,21 @@ impl Pass<'_> {
                     x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
                     v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
                 }
-                let before = own;
-                add(states, &mut own, &before, 1.0, &sums);
+                if let Some(friction) = friction {
+                    let sliding = Sliding { step_s: h, base: &self.base, friction, side: &side, ends: [&a[0], &a[3]] };
+                    sliding.switch([&x0, &v0], [&mut x, &mut v]);
+                }
+                if staged {
+                    for s in 0..MOST_STAGED {
+                        for l in 0..LANES {
+                            own[s][l] += sums[s][l];
+                        }
+                    }
+                }
                 if !followers.is_empty() {
-                    let stride = Stride { step_s: h, x0, v0, x1: x, v1: v };
-                    for m in &followers {
-                        m.term.follow(&stride, &self.parameters[m.first..], &mut own[m.state..]);
+                    let stride = Stride { step_s: h, x0, v0, x1: x, v1: v, input: u };
+                    for (m, constants) in followers.iter().zip(&constants) {
+                        m.term.follow(&stride, constants, &self.parameters[m.first..], &mut own[m.state..]);
                     }
                 }
             }
@@ -286,25 +322,6 @@ impl Pass<'_> {
     }
 }
 
-/// a + k·b for as many states as there are. The loops have known lengths: of an unknown one the compiler makes gathers and
-/// scatters over the states, six times slower.
-#[inline(always)]
-fn add(states: usize, sum: &mut [Lanes; MOST_STATES], a: &[Lanes; MOST_STATES], k: f64, b: &[Lanes; MOST_STATES]) {
-    let mut part = |from: usize, to: usize| {
-        for s in from..to {
-            for l in 0..LANES {
-                sum[s][l] = a[s][l] + k * b[s][l];
-            }
-        }
-    };
-    if states > 0 {
-        part(0, 2);
-    }
-    if states > 2 {
-        part(2, MOST_STATES);
-    }
-}
-
 /// A term, where its parameters begin and where its states begin.
 struct Mover<'a> {
     term: &'a Term,
@@ -312,21 +329,16 @@ struct Mover<'a> {
     state: usize,
 }
 
-fn movers_all<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
-    let mut state = 0;
+fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+    let mut next = [0, MOST_STAGED];
     let mut all = Vec::new();
     for (term, first) in terms.iter().zip(first) {
-        if state + term.states() <= MOST_STATES {
-            all.push(Mover { term, first: *first, state });
-            state += term.states();
+        let (next, end) = if term.moves() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
+        if *next + term.states() <= end {
+            all.push(Mover { term, first: *first, state: *next });
+            *next += term.states();
         }
     }
-    all
-}
-
-fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
-    let mut all = movers_all(terms, first);
-    all.retain(|m| m.term.moves());
     all
 }
 

@@ -15,6 +15,8 @@ use super::term::Scales;
 const BLOCKS: usize = 32;
 /// Places tried on one side of a profile.
 const PLACES: usize = 4;
+/// A place this near to the level, in half-widths of the interval, is on it.
+const CLOSE: f64 = 0.1;
 /// Iterations of the other parameters at one place.
 const ITERATIONS: usize = 4;
 
@@ -104,19 +106,23 @@ fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, ind
     let (least, sign) = (fit.variance * fit.linear.residual.len() as f64, if side == 0 { -1.0 } else { 1.0 });
     let unit = fit.variance * spread.dispersion[index] * self::reach().powi(2);
     let mut reach = spread.reach[index][side];
+    // Along the ridge of the covariance, where the others would follow if the misfit were a parabola; then along where the
+    // last place led them.
+    let mut slopes: Vec<f64> = (0..best.len())
+        .map(|i| sign * spread.correlation[(i, index)] * spread.deviation[i] / spread.deviation[index].max(1e-300))
+        .collect();
+    slopes[index] = sign;
     for _ in 0..PLACES {
-        // Along the ridge of the covariance, where the others would follow if the misfit were a parabola.
-        let slope =
-            |i: usize| spread.correlation[(i, index)] * spread.deviation[i] / spread.deviation[index].max(1e-300);
-        let mut z: Vec<f64> = best.iter().enumerate().map(|(i, z)| z + slope(i) * sign * reach).collect();
-        z[index] = best[index] + sign * reach;
+        let mut z: Vec<f64> = best.iter().zip(&slopes).map(|(z, slope)| z + slope * reach).collect();
         all.confine(&mut z);
         others.point = all.point(&z);
         let Some(found) = others.minimise(ITERATIONS) else { break };
+        let places = (0..best.len()).filter(|i| *i != index);
+        places.zip(&found.z).for_each(|(i, z)| slopes[i] = (z - best[i]) / reach);
         // How many times the level the deviance is, as a ratio of distances.
         let ratio = ((found.sum - least).max(0.0) / unit).sqrt();
         reach *= (1.0 / ratio.max(1e-3)).clamp(0.3, 3.0);
-        if (ratio - 1.0).abs() < 0.05 {
+        if (ratio - 1.0).abs() < CLOSE {
             break;
         }
     }

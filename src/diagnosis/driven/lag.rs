@@ -3,7 +3,7 @@
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;
 
-use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
+use super::term::{Constants, Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
 
 /// y(t) = x(t − τ). A delay commutes with everything that does not depend on time, so it is applied to the input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,17 +83,28 @@ impl Physics for Lowpass {
             own[0][l] = x[l] - p[0][l] * v[l];
         }
     }
+    /// Time constant in steps, and what a step leaves of a difference.
+    fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
+        let mut constants = [[0.0; LANES]; 6];
+        for l in 0..LANES {
+            constants[0][l] = p[0][l] / step_s;
+            constants[1][l] = (-step_s / p[0][l]).exp();
+        }
+        constants
+    }
     /// The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
     #[inline(always)]
-    fn follow(&self, s: &Stride, p: &[Lanes], own: &mut [Lanes]) {
+    fn follow(&self, s: &Stride, constants: &Constants, _: &[Lanes], own: &mut [Lanes]) {
+        let [ratios, decays, ..] = constants;
+        let own = &mut own[0];
         for l in 0..LANES {
-            let ratio = p[0][l] / s.step_s;
+            let ratio = ratios[l];
             let (rise, a, b) = (s.x1[l] - s.x0[l], s.step_s * s.v0[l], s.step_s * s.v1[l]);
             let c3 = a + b - 2.0 * rise;
             let c2 = 3.0 * rise - 2.0 * a - b - 3.0 * ratio * c3;
             let c1 = a - 2.0 * ratio * c2;
             let c0 = s.x0[l] - ratio * c1;
-            own[0][l] = c0 + c1 + c2 + c3 + (own[0][l] - c0) * (-1.0 / ratio).exp();
+            own[l] = c0 + c1 + c2 + c3 + (own[l] - c0) * decays[l];
         }
     }
     fn follows(&self) -> bool {

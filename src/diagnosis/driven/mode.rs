@@ -6,7 +6,8 @@ use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::kernel::misfit::Point;
 
 use super::ensemble::Cloud;
-use super::term::{Coordinate, Instant, LANES, Lanes, Physics, Scales};
+use super::gain::transition;
+use super::term::{Constants, Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
 
 /// A parallel mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,28 +65,46 @@ impl Physics for Parasitic {
     fn begin(&self, _: &Lanes, _: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
         own[..2].copy_from_slice(&p[3..5]);
     }
+    /// Its own motion is exact; Simpson's rule over the input's push errs by (ω₂h)⁴/2880 of it, 2e-5 at half a radian.
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
-        1.2 * p[1]
+        0.35 * p[1]
     }
-    #[inline(always)]
-    fn force(&self, at: &Instant<'_>, p: &[Lanes], own: &[Lanes], rates: &mut [Lanes], _: &mut Lanes) {
-        // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
-        let (gain, omega, zeta) = (&p[0], &p[1], &p[2]);
-        let (x, v) = (&own[0], &own[1]);
-        rates[0] = *v;
-        let rate = &mut rates[1];
+    /// exp(At) over a step, and its answer to a push half a step before the end.
+    fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
+        let mut constants = [[0.0; LANES]; 6];
         for l in 0..LANES {
-            rate[l] = gain[l] * at.input[l] - 2.0 * zeta[l] * omega[l] * v[l] - omega[l] * omega[l] * x[l];
+            let full = transition(p[1][l], p[2][l], step_s);
+            let [_, xv, _, vv] = transition(p[1][l], p[2][l], 0.5 * step_s);
+            for (c, value) in constants.iter_mut().zip(full.into_iter().chain([xv, vv])) {
+                c[l] = value;
+            }
         }
+        constants
+    }
+    /// Linear and moved by the input alone, it needs no stages.
+    #[inline(always)]
+    fn follow(&self, s: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
+        let [xx, xv, vx, vv, half_xv, half_vv] = constants;
+        let [begin, middle, end] = &s.input;
+        let (gain, sixth) = (&p[0], s.step_s / 6.0);
+        let (x, v) = (own[0], own[1]);
+        let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let push = sixth * gain[l];
+            nx[l] = xx[l] * x[l] + xv[l] * v[l] + push * (xv[l] * begin[l] + 4.0 * half_xv[l] * middle[l]);
+            let rest = vv[l] * begin[l] + 4.0 * half_vv[l] * middle[l] + end[l];
+            nv[l] = vx[l] * x[l] + vv[l] * v[l] + push * rest;
+        }
+        (own[0], own[1]) = (nx, nv);
+    }
+    fn follows(&self) -> bool {
+        true
     }
     #[inline(always)]
     fn reading(&self, _: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
         for l in 0..LANES {
             y[l] += own[0][l];
         }
-    }
-    fn moves(&self) -> bool {
-        true
     }
     fn reads(&self) -> Option<u8> {
         Some(0)

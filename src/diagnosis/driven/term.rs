@@ -90,6 +90,9 @@ pub struct Instant<'a> {
     pub environment: &'a [f64],
 }
 
+/// What a term needs at every step and that does not change during a pass.
+pub type Constants = [Lanes; 6];
+
 /// One step that the mass has taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Stride {
@@ -103,6 +106,8 @@ pub struct Stride {
     pub x1: Lanes,
     /// Velocity after.
     pub v1: Lanes,
+    /// Input at its beginning, middle and end.
+    pub input: [Lanes; 3],
 }
 
 /// Noise that no simulation predicts sample by sample; it enters through the filter's gain.
@@ -146,9 +151,13 @@ pub trait Physics {
     fn reading(&self, _at: &Instant<'_>, _p: &[Lanes], _own: &[Lanes], _y: &mut Lanes) {}
     /// Its own states when the mass begins at `x`, `v`; at rest where nothing is known.
     fn begin(&self, _x: &Lanes, _v: &Lanes, _p: &[Lanes], _own: &mut [Lanes]) {}
+    /// What `follow` takes for granted during a pass of steps of this length.
+    fn constants(&self, _p: &[Lanes], _step_s: f64) -> Constants {
+        [[0.0; LANES]; 6]
+    }
     /// Carries its own states over one step of the mass, by exact solution.
     #[inline(always)]
-    fn follow(&self, _stride: &Stride, _p: &[Lanes], _own: &mut [Lanes]) {}
+    fn follow(&self, _stride: &Stride, _constants: &Constants, _p: &[Lanes], _own: &mut [Lanes]) {}
     /// Whether `follow` does anything.
     fn follows(&self) -> bool {
         false
@@ -167,6 +176,10 @@ pub trait Physics {
     }
     /// Whether parameter 0 is a delay of the input in s.
     fn delays(&self) -> bool {
+        false
+    }
+    /// Whether parameter 0 is dry friction, which the pass switches at its events.
+    fn rubs(&self) -> bool {
         false
     }
     /// Puts its parameters where the search kernel reads them; `false` where that kernel does not have the term.
@@ -208,8 +221,8 @@ macro_rules! terms {
             }
             /// As `Physics::follow`.
             #[inline(always)]
-            pub fn follow(&self, stride: &Stride, p: &[Lanes], own: &mut [Lanes]) {
-                match self { $(Term::$variant(t) => t.follow(stride, p, own)),* }
+            pub fn follow(&self, stride: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
+                match self { $(Term::$variant(t) => t.follow(stride, constants, p, own)),* }
             }
         }
     };
@@ -323,6 +336,11 @@ impl Term {
         self.physics().begin(x, v, p, own);
     }
 
+    /// As `Physics::constants`.
+    pub fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
+        self.physics().constants(p, step_s)
+    }
+
     /// As `Physics::follows`.
     pub fn follows(&self) -> bool {
         self.physics().follows()
@@ -336,6 +354,11 @@ impl Term {
     /// As `Physics::delays`.
     pub fn delays(&self) -> bool {
         self.physics().delays()
+    }
+
+    /// As `Physics::rubs`.
+    pub fn rubs(&self) -> bool {
+        self.physics().rubs()
     }
 
     /// As `Physics::place`.
