@@ -13,7 +13,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `error` `document` `progress` | how we name, fail, read and write |
+//! | 0 | `units` `number` `error` `document` `progress` | how we name, round, fail, read and write |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
@@ -42,6 +42,7 @@ pub mod excitation;
 pub mod kernel;
 pub mod map;
 pub mod navigation;
+pub mod number;
 pub mod numerics;
 pub mod paper;
 pub mod progress;

@@ -8,7 +8,6 @@ pub mod diagnosis;
 pub mod figure;
 pub mod html;
 pub mod map;
-pub mod number;
 pub mod paper;
 pub mod study;
 pub mod table;

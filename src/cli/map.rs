@@ -11,8 +11,8 @@ use crate::ensemble::Choice;
 use crate::error::Result;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, compute};
+use crate::number::significant;
 use crate::report::map as page;
-use crate::report::number::significant;
 
 const EXAMPLE: &str = "map.toml:
   name = \"my proof mass\"

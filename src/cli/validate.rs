@@ -2,8 +2,8 @@
 
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
+use crate::number::significant;
 use crate::progress;
-use crate::report::number::significant;
 use crate::report::table::Table;
 use crate::validation::{self, Row, jobs::Place};
 

@@ -8,6 +8,7 @@ use super::rectification;
 use super::repair::{Cost, Repair, Vibration};
 use crate::error::Result;
 use crate::navigation::closed_form::Process;
+use crate::number::short;
 use crate::sensor::Sensor;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -45,23 +46,13 @@ fn row(of: &str, metres: [f64; 2], repair: &Repair) -> Cost {
     let vibration = &repair.vibration;
     let (under, basis) = match repair.before.proof_mass {
         Some(_) => (
-            format!("{} m/s² at {} Hz", three(vibration.amplitude_m_s2), three(vibration.frequency_hz)),
+            format!("{} m/s² at {} Hz", short(vibration.amplitude_m_s2), short(vibration.frequency_hz)),
             "integrated in f64; noise by closed forms",
         ),
         None => ("at rest".to_owned(), "closed forms"),
     };
     let [ten, sixty] = metres;
     Cost { of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
-}
-
-/// Three digits; more would be no better known.
-fn three(value: f64) -> String {
-    let decimals = 2.0 - value.abs().max(1e-300).log10().floor();
-    let step = 10f64.powf(-decimals);
-    match value.abs() {
-        size if size > 0.0 && !(1e-3..1e6).contains(&size) => format!("{value:.2e}"),
-        _ => format!("{:.*}", decimals.max(0.0) as usize, (value / step).round() * step),
-    }
 }
 
 impl Drift {

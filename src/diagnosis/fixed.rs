@@ -30,6 +30,7 @@ pub use candidate::CANDIDATES;
 use super::Diagnosis;
 use super::model;
 use crate::error::{Error, Result};
+use crate::number::short;
 use crate::progress;
 use crate::recording::Recording;
 use crate::recording::health::Watch;
@@ -101,7 +102,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosi
         findings.push(format!(
             "{together} neighbouring samples were averaged: nothing faster than {} Hz is judged, and a disturbance faster \
              than that folds into what is",
-            words::short(rate_hz / 2.0)
+            short(rate_hz / 2.0)
         ));
     }
     let reduce = |values: &[f64]| -> Vec<f64> {

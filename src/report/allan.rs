@@ -10,7 +10,7 @@ pub use fragment::{Fragment, fragments};
 pub use words::{notes, table};
 
 use super::html::Page;
-use super::number::rounded;
+use crate::number::rounded;
 use crate::recording::noise::Noise;
 
 /// The page.

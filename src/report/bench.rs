@@ -2,12 +2,12 @@
 
 use super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::html::Page;
-use super::number::significant;
 use super::table::Table;
 use crate::backend::cpu::processor_name;
 use crate::benchmark::prediction::{CARDS, EXPECTED_SHARE};
 use crate::benchmark::published::PUBLISHED;
 use crate::benchmark::{FULL, Row, work};
+use crate::number::significant;
 
 const LEAD: &str = "Units per second, the fastest of repeated runs in one process. Compare rows with each other, not with rows \
                     of another day.";

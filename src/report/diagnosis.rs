@@ -14,8 +14,8 @@ use crate::diagnosis::{Detail, Diagnosis, Ranked};
 
 use super::figure::Figure;
 use super::html::Page;
-use super::number::{duration, rounded, significant, with_uncertainty};
 use super::table::Table;
+use crate::number::{duration, rounded, significant, with_uncertainty};
 
 /// The part of the page a figure belongs to, in the page's order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,11 +2,11 @@
 
 use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::html::Page;
-use super::number::significant;
 use super::table::Table;
 use crate::map::document::Quantity;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, Bifurcation};
+use crate::number::significant;
 
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {

@@ -7,8 +7,8 @@ mod mechanics;
 mod tilt;
 
 use super::html::Page;
-use super::number::significant;
 use super::table::Table;
+use crate::number::significant;
 use crate::paper::Paper;
 use crate::paper::check::{Check, Exhibit, Source};
 

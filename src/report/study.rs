@@ -7,11 +7,11 @@ mod sensor;
 mod share;
 
 use super::html::Page;
-use super::number::{duration, significant, with_uncertainty, worth};
 use super::table::Table;
 use crate::drift::Drift;
 use crate::drift::budget::Share;
 use crate::navigation::power_law::EXPONENTS;
+use crate::number::{duration, significant, with_uncertainty, worth};
 use crate::statistics::{Summary, quantity};
 use crate::study::Study;
 

@@ -4,8 +4,8 @@ pub mod figures;
 pub mod like;
 
 use crate::diagnosis::candidate::Kind;
+use crate::number::{duration, significant};
 use crate::report::html::Page;
-use crate::report::number::{duration, significant};
 use crate::report::table::Table;
 use crate::trial::blind::Verdicts;
 use crate::trial::campaign::Campaign;

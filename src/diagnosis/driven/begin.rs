@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::diagnosis::model;
+use crate::number::short;
 
 use super::fit::{Data, Fit, OMEGA, Shape, fit, trace};
 use super::held_out::held_out;
@@ -12,7 +13,6 @@ use super::prepare::Notes;
 use super::select::Judged;
 use super::start;
 use super::term::{Scales, Term};
-use super::words::short;
 
 /// Share of the reading's power that an oscillator must explain to be one.
 const LEAST_SHARE: f64 = 0.02;

@@ -4,10 +4,10 @@
 use std::ops::Range;
 
 use crate::diagnosis::verdict::{Stretch, Where};
+use crate::number::short;
 use crate::numerics::{special, spectrum};
 
 use super::remainder::correlation;
-use super::words::short;
 
 /// Share of the stretches named that may be chance (Benjamini & Hochberg 1995).
 const FALSE_DISCOVERY: f64 = 0.05;

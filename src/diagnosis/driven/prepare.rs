@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::diagnosis::model;
 use crate::error::{Error, Result, nearest};
+use crate::number::short;
 use crate::recording::Recording;
 
 use super::alignment::{self, align};
@@ -12,7 +13,6 @@ use super::fit::{BASE, Data};
 use super::input::{Input, Interpolation, REACH};
 use super::start::spread;
 use super::stretches::{Stretches, interleaved, merged, minus};
-use super::words::short;
 use super::work::Work;
 
 /// Fewer samples than this cannot carry a base model and a judgement on it.

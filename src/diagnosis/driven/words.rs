@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Ranked;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
+use crate::number::{short, with_uncertainty};
 
 use super::conclude::{Conclusion, Named};
 use super::fit::{Data, Fit};
@@ -270,7 +271,7 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
             let number = p.map_or(String::new(), |p| {
                 let half = 0.5 * (p.ci95[1] - p.ci95[0]);
                 let unit = p.unit.replace("^2", "²").replace("^3", "³");
-                format!(" ({} = {} {unit})", p.name, measured(p.value, half))
+                format!(" ({} = {} {unit})", p.name, with_uncertainty(p.value, half))
             });
             format!("{}{number}", e.id)
         })
@@ -354,29 +355,4 @@ fn listed(items: &[String], last: &str) -> String {
         [one] => one.clone(),
         [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
     }
-}
-
-/// A value and its uncertainty, to two digits of the latter.
-fn measured(value: f64, half: f64) -> String {
-    if !(half > 0.0 && half.is_finite() && value.is_finite()) {
-        return short(value);
-    }
-    let scale = value.abs().max(half).log10().floor() as i32;
-    let power = if (-3..4).contains(&scale) && half < 99.5 { 0 } else { scale };
-    let shrink = 10f64.powi(power);
-    let decimals = (1 - (half / shrink).log10().floor() as i32).clamp(0, 9) as usize;
-    let body = format!("{:.decimals$} ± {:.decimals$}", value / shrink, half / shrink);
-    if power == 0 { body } else { format!("({body})e{power}") }
-}
-
-/// Three significant digits.
-pub fn short(v: f64) -> String {
-    if v == 0.0 || !v.is_finite() {
-        return "0".into();
-    }
-    let power = v.abs().log10().floor() as i32;
-    if !(-3..5).contains(&power) {
-        return format!("{v:.2e}");
-    }
-    format!("{v:.*}", (2 - power).max(0) as usize)
 }

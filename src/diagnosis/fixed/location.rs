@@ -4,8 +4,8 @@ use super::channel::Channel;
 use super::check::{self, Remainder};
 use super::selection::{ALPHA, Selected};
 use super::telegraph::Telegraph;
-use super::words::{short, time};
 use crate::diagnosis::verdict::{Stretch, Where};
+use crate::number::{duration, short};
 
 /// Channels spoken of in the summary; the page shows all.
 const SPOKEN_OF: usize = 3;
@@ -69,7 +69,7 @@ fn jumps(channels: &[Channel], shown: &[Remainder], mut leaping: Vec<usize>) -> 
         out.push(format!(
             "{}: the bias jumps, most at {}; no law of noise or drift in the library does that.",
             names.join(", "),
-            time(at(first))
+            duration(at(first))
         ));
         leaping = others;
     }
@@ -78,7 +78,7 @@ fn jumps(channels: &[Channel], shown: &[Remainder], mut leaping: Vec<usize>) -> 
 
 /// A channel that hops, in a sentence.
 fn popcorn(channel: &Channel, hops: &Telegraph, unit: &str) -> String {
-    let [low, high] = hops.dwell.map(|samples| time(samples / channel.rate_hz));
+    let [low, high] = hops.dwell.map(|samples| duration(samples / channel.rate_hz));
     format!(
         "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
          and {high} at the higher level); a Gaussian drift such as `gauss-markov` may have that spectrum, but not two \
@@ -100,15 +100,15 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
             "{name}: most between {} and {} Hz (averaging times {} to {}), with {} times the power {by}.{}",
             short(s.from),
             short(s.to),
-            time(0.37 / s.to),
-            time(0.37 / s.from),
+            duration(0.37 / s.to),
+            duration(0.37 / s.from),
             short(s.excess),
             if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
         );
     }
-    let single = remainder
-        .outlier
-        .map(|(at, size)| format!(" A single reading at {} lies {} standard deviations off.", time(at), short(size)));
+    let single = remainder.outlier.map(|(at, size)| {
+        format!(" A single reading at {} lies {} standard deviations off.", duration(at), short(size))
+    });
     let [low, high] = remainder.power.map(short);
     let unsteady = match remainder.time_s.as_slice() {
         [] if remainder.creep.is_some() => format!(
@@ -121,8 +121,8 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
         [first, more @ ..] => format!(
             "{name}: its noise is not steady. From {} to {}{} it has up to {high} times the power modelled, at its quietest \
              {low} times{}.",
-            time(first.from),
-            time(first.to),
+            duration(first.from),
+            duration(first.to),
             match more.len() {
                 0 => String::new(),
                 1 => " and in one more stretch".into(),

@@ -4,8 +4,8 @@
 
 use super::channel::{Channel, Fitted};
 use super::describe;
-use super::words::short;
 use crate::diagnosis::model::Noise;
+use crate::number::short;
 use crate::recording::unit::{Quantity, Unit};
 use crate::units::STANDARD_GRAVITY_M_S2;
 

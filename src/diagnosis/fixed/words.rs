@@ -4,25 +4,7 @@ use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
 use super::telegraph::REPLICAS;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{self, Effect, Outcome};
-
-/// Three digits, without an exponent where a person would not write one.
-pub(super) fn short(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
-        return format!("{value:.2e}");
-    }
-    let digits = if size == 0.0 { 0 } else { (2 - size.log10().floor() as i32).max(0) as usize };
-    format!("{value:.digits$}")
-}
-
-/// A time in the unit that a person would use.
-pub(super) fn time(seconds: f64) -> String {
-    match seconds {
-        s if s >= 7200.0 => format!("{} h", short(s / 3600.0)),
-        s if s >= 300.0 => format!("{} min", short(s / 60.0)),
-        s => format!("{} s", short(s)),
-    }
-}
+use crate::number::short;
 
 /// The verdict in a sentence; `well` says of every channel whether its own model leaves noise.
 pub(super) fn sentence(
@@ -120,15 +102,4 @@ pub(super) fn popcorn(channel: &Channel, told: Option<usize>) -> Option<String> 
         channel.name,
         if 10 * told >= 9 * REPLICAS as usize { ", and none show" } else { ": they are not excluded" }
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_and_times_read_as_a_person_writes_them() {
-        assert_eq!([0.0, 11.17, 0.5641, 12345.0, 2.5e-7].map(short), ["0", "11.2", "0.564", "12345", "2.50e-7"]);
-        assert_eq!([0.02, 450.0, 192_200.0].map(time), ["0.0200 s", "7.50 min", "53.4 h"]);
-    }
 }

@@ -11,7 +11,7 @@ use super::remainder::Remainder;
 use super::rows::{GROUPS, Group};
 use super::selection::{Folds, Selection, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
-use super::words::{next_experiment, round};
+use super::words::next_experiment;
 use super::{Detail, pose_details};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::Tumble;
@@ -19,6 +19,7 @@ use crate::diagnosis::verdict::{
     Effect, Estimate, Evidence, Fit as FitScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness,
 };
 use crate::diagnosis::{Diagnosis, Ranked};
+use crate::number::short;
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -260,11 +261,11 @@ impl Case<'_> {
         };
         let unit = s.term.active().next().map(|p| name_and_unit(p, &self.covariate_unit()).1).unwrap_or_default();
         let power = if s.term.id == "earth-rate" {
-            format!("; the earth's rate is 15.04 °/h, and below {} °/h none could be seen", round(smallest))
+            format!("; the earth's rate is 15.04 °/h, and below {} °/h none could be seen", short(smallest))
         } else if s.visible.is_empty() {
             String::new()
         } else {
-            format!("; above {} {unit} it would have been seen", round(smallest))
+            format!("; above {} {unit} it would have been seen", short(smallest))
         };
         let added = if selection.named.is_empty() { "" } else { ", beside those named" };
         format!("{judged}{added}{power}")

@@ -7,9 +7,10 @@ use super::Detail;
 use super::calibration::Calibration;
 use super::conclusion::Case;
 use super::selection::Selection;
-use super::words::{round, spoken};
+use super::words::spoken;
 use crate::diagnosis::repair::{Cost, Repair, Vibration};
 use crate::navigation::closed_form::Process;
+use crate::number::short;
 use crate::sensor::{Sense, Sensor};
 use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 
@@ -66,10 +67,10 @@ impl Case<'_> {
                 "Counts became m/s² and rad/s by the calibration found here ({} counts per m/s², {} per rad/s). Without \
                  the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
                  that is the constant bias of the first row.",
-                round(detail.calibration.accelerometer.scale.mean()),
-                round(detail.calibration.gyro.scale.mean()),
-                round(force * 1e3),
-                round(rate / DEGREE_PER_HOUR)
+                short(detail.calibration.accelerometer.scale.mean()),
+                short(detail.calibration.gyro.scale.mean()),
+                short(force * 1e3),
+                short(rate / DEGREE_PER_HOUR)
             ),
             not_expressible: selection
                 .named

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::fit::Fit;
 use super::imu::Observed;
 use super::rows::{GROUPS, Group};
-use super::words::round;
 use crate::diagnosis::verdict::{Stretch, Where};
+use crate::number::short;
 use crate::numerics::special::{chi_squared_above, discoveries};
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
@@ -88,7 +88,7 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> W
         .iter()
         .map(|r| {
             let unit = r.group.unit();
-            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), round(r.rms), round(r.noise))
+            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), short(r.rms), short(r.noise))
         })
         .collect();
     let place = match (time_s.len(), state.is_empty()) {

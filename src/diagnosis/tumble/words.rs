@@ -7,6 +7,7 @@ use super::remainder::Remainder;
 use super::rows::{GROUPS, Group};
 use super::selection::Selection;
 use crate::diagnosis::verdict::Outcome;
+use crate::number::short;
 
 impl Case<'_> {
     /// One or two sentences for the first screen.
@@ -14,7 +15,7 @@ impl Case<'_> {
         let improvement = |group: Group| {
             let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
             let [before, after] = detail.held_out[n];
-            format!("{} {} → {} {}", group.words(), round(before), round(after), group.unit())
+            format!("{} {} → {} {}", group.words(), short(before), short(after), group.unit())
         };
         let names: Vec<String> = selection.named.iter().map(|s| spoken(s.term)).collect();
         match outcome {
@@ -35,7 +36,7 @@ impl Case<'_> {
                     true => "Nothing in the library accounts for the mismatch".to_owned(),
                     false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
                 };
-                format!("{part}: {} still errs by {} times its noise.", group.words(), round(times.sqrt()))
+                format!("{part}: {} still errs by {} times its noise.", group.words(), short(times.sqrt()))
             }
             Outcome::Undecidable if !selection.base.determined => {
                 "These poses do not span all directions, so that not even offsets and scales are determined.".into()
@@ -102,11 +103,4 @@ fn join(parts: &[String]) -> String {
 
 fn is_are(names: &[String]) -> &'static str {
     if names.len() == 1 { "is" } else { "are" }
-}
-
-/// Two digits, plainly.
-pub fn round(value: f64) -> String {
-    let size = value.abs().max(1e-12).log10().floor();
-    let digits = (1.0 - size).clamp(0.0, 8.0) as usize;
-    format!("{value:.digits$}")
 }

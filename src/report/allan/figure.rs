@@ -1,9 +1,9 @@
 //! A channel's Allan curve with its fitted terms, and its spectrum.
 
 use super::words;
+use crate::number::significant;
 use crate::recording::noise::Channel;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
-use crate::report::number::significant;
 
 pub(super) fn curve(channel: &Channel) -> Chart {
     let (unit, factor) = channel.unit.signal();

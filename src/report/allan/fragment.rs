@@ -1,9 +1,9 @@
 //! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro pair.
 
+use crate::number::rounded;
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
-use crate::report::number::rounded;
 
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! What an Allan curve says, in sentences: what each coefficient is, what the data do not support, and when a fit is bad.
 
+use crate::number::{duration, rounded, significant};
 use crate::numerics::allan::law::{TERMS, Term};
 use crate::recording::noise::{Channel, Noise};
-use crate::report::number::{duration, rounded, significant};
 use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \

@@ -3,9 +3,9 @@
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::super::html::Page;
 use super::super::map;
-use super::super::number::{significant, with_uncertainty};
 use super::{checks, head, thin};
 use crate::dynamics::estimate::Estimate;
+use crate::number::{significant, with_uncertainty};
 use crate::paper::Paper;
 use crate::paper::attractor::{Attractor, View};
 use crate::paper::forcing::Scan;

@@ -2,7 +2,7 @@
 
 use super::super::figure::Figure;
 use super::super::html::escape;
-use super::super::number::significant;
+use crate::number::significant;
 use crate::paper::fusion::Fusion;
 use crate::units::DEGREE;
 

@@ -2,8 +2,8 @@
 
 use super::super::figure::{Axis, Chart, Ink, Mark};
 use super::super::html::Page;
-use super::super::number::significant;
 use super::{checks, head, thin};
+use crate::number::significant;
 use crate::paper::Paper;
 use crate::paper::array::{self, SENSORS};
 use crate::paper::envelope::Envelope;

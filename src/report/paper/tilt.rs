@@ -2,9 +2,9 @@
 
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::super::html::Page;
-use super::super::number::{significant, with_uncertainty};
 use super::super::table::Table;
 use super::{checks, diagram, head, thin};
+use crate::number::{significant, with_uncertainty};
 use crate::numerics::order::quantile;
 use crate::paper::Paper;
 use crate::paper::check::Source;

@@ -1,9 +1,9 @@
 //! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
 
 use crate::drift::compare::{Departure, Likeness, Outcome};
+use crate::number::{duration, significant};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 use crate::report::html::Page;
-use crate::report::number::{duration, significant};
 use crate::sensor::Sense;
 use crate::units::{DEGREE_PER_HOUR, MICRO_G};
 

@@ -1,6 +1,6 @@
 //! The sensor as its datasheet would print it.
 
-use crate::report::number::rounded;
+use crate::number::rounded;
 use crate::report::table::Table;
 use crate::study::Study;
 use crate::study::number::Number;

@@ -1,9 +1,9 @@
 //! What one recording could have revealed: on the terminal and as a page.
 
 use crate::diagnosis;
+use crate::number::significant;
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
 use crate::report::html::Page;
-use crate::report::number::significant;
 use crate::report::table::Table;
 use crate::trial::like::{Power, Revealed, Tried};
 

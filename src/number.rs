@@ -26,6 +26,11 @@ pub fn significant(value: f64, digits: usize) -> String {
     text.replacen('-', "−", 1)
 }
 
+/// Three significant digits: what a sentence needs.
+pub fn short(value: f64) -> String {
+    significant(value, 3)
+}
+
 /// `value` as the nearest number of so many significant digits.
 pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
@@ -94,6 +99,8 @@ mod tests {
     fn values_carry_the_digits_they_are_worth() {
         assert_eq!([0.0, 0.1 + 0.2, 123_456.0].map(|v| rounded(v, 4)), [0.0, 0.3, 123_500.0]);
         assert_eq!(significant(1.7, 3), "1.70");
+        assert_eq!([0.0, 11.17, 0.5641, 12_345.0, 2.5e-7].map(short), ["0", "11.2", "0.564", "12300", "2.50×10⁻⁷"]);
+        assert_eq!([0.02, 450.0, 192_200.0].map(duration), ["20.0 ms", "7.50 min", "53.4 h"]);
         assert_eq!(significant(-0.00123456, 3), "−0.00123");
         assert_eq!(significant(7.3e5, 2), "730000");
         assert_eq!(significant(7.3e9, 2), "7.3×10⁹");
