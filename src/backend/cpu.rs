@@ -109,7 +109,7 @@ impl Cpu {
             .par_iter()
             .map(|&first| draw::<T>(job, first, members.end, shared.flicker.len()))
             .collect::<Result<Vec<Group<T>>>>()?;
-        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+        let sample_s = job.clock.sample_s();
         let size = members.end - members.start;
         let mut partials = Vec::with_capacity(job.clock.report_samples.len());
         let finished = self.tiles(job, &shared, &mut groups, |tile, groups| {
@@ -206,7 +206,7 @@ pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
     if !cpu.tiles(job, &shared, &mut groups, |_, _| ()) {
         return Err(Error::interrupted("could not finish the simulation", "run it again"));
     }
-    let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
+    let sample_s = job.clock.sample_s();
     let all = groups.iter().flat_map(|group| {
         let s = group.snapshot(job.clock.samples, sample_s);
         (0..LANES).map(move |l| std::array::from_fn(|q| s.values[q][l]))

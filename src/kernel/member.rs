@@ -48,7 +48,7 @@ const NO_LIMIT: f64 = 1e30;
 impl Column {
     /// Derives the numbers of a member.
     pub fn of(member: &Member, clock: &Clock, integrator: Integrator) -> Self {
-        let sample_s = clock.step_s * f64::from(clock.steps_per_sample);
+        let sample_s = clock.sample_s();
         let substep_s = clock.step_s / f64::from(integrator.substeps());
         let (root, sensor) = (sample_s.sqrt(), &member.sensor);
         let (a, g) = (&sensor.accelerometer, &sensor.gyro);

@@ -214,7 +214,8 @@ const INTEGRATED_OTHERWISE: [(&str, f64, f64); 2] = [("mode", 12.0, 22.0), ("fri
 fn methods_meet() -> Result<(), Failed> {
     let data = data(Interpolation::BandLimited);
     for (other, least, most) in INTEGRATED_OTHERWISE {
-        let Some((name, term, own, point)) = cases().into_iter().find(|c| c.0 == other) else { continue };
+        let found = cases().into_iter().find(|c| c.0 == other);
+        let (name, term, own, point) = found.ok_or_else(|| format!("no case is called {other}"))?;
         let exact = squares(&filtered(&data, &[term], &own, 32));
         let gap =
             |steps| Ok::<f64, Failed>(evaluate::<f64>(&job(&data, steps, &[]), &[point])?[0].squares[0] / exact - 1.0);

@@ -14,8 +14,6 @@ use crate::numerics::elementary::Real;
 /// What all members share.
 #[derive(Debug, Clone)]
 pub struct Shared<T> {
-    /// Key of the random numbers.
-    pub seed: u64,
     /// Substeps per sample.
     pub substeps: u32,
     /// How the proof mass is stepped.
@@ -29,12 +27,11 @@ pub struct Shared<T> {
 impl<T: Real> Shared<T> {
     /// What the members of a job share.
     pub fn of(job: &Job) -> Self {
-        let sample_s = job.clock.step_s * f64::from(job.clock.steps_per_sample);
         Self {
-            seed: job.seed,
-            substeps: job.clock.steps_per_sample * job.integrator.substeps(),
+            // `ensemble` refuses a job with more.
+            substeps: job.steps_per_sample().min(u64::from(u32::MAX)) as u32,
             integrator: job.integrator,
-            tilt_gain: T::of(job.gravity_m_s2 * sample_s),
+            tilt_gain: T::of(job.gravity_m_s2 * job.clock.sample_s()),
             flicker: flicker_amplitudes(&job.clock).into_iter().map(T::of).collect(),
         }
     }
