@@ -47,11 +47,9 @@ impl Sliding<'_> {
     #[inline(always)]
     pub fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
         let [x, v] = end;
-        let mut any = false;
-        for l in 0..LANES {
-            any |= self.side[l] == 0.0 || self.side[l] * v[l] < 0.0;
-        }
-        if any {
+        // No early end: the whole of it is vector code.
+        let happens = |any, (side, v): (&f64, &f64)| any | (*side == 0.0) | (side * v < 0.0);
+        if self.side.iter().zip(v.iter()).fold(false, happens) {
             self.resolve(begin, [x, v]);
         }
     }
