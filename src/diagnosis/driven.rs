@@ -10,6 +10,7 @@ pub mod defects;
 pub mod drift;
 pub mod drive;
 pub mod ensemble;
+pub mod excerpt;
 pub mod filter;
 pub mod fineness;
 pub mod fit;
@@ -139,7 +140,9 @@ pub struct Shown {
 /// # Errors
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
-    let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(recording, model)?;
+    let part = excerpt::excerpt(recording, model);
+    let Prepared { mut data, own_test, filled, mut notes } =
+        prepare::prepare(part.as_ref().unwrap_or(recording), model)?;
     let mut narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
     if narrow.hull != data.hull {
         notes.findings.push(format!(
