@@ -41,6 +41,7 @@ pub mod start;
 pub mod stretches;
 pub mod surface;
 pub mod term;
+pub mod valleys;
 pub mod words;
 pub mod work;
 

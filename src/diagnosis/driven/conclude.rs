@@ -14,6 +14,7 @@ use super::remainder::{left, loudest_by_chance, power_left};
 use super::rivals::{Rival, alike};
 use super::select::{Judged, SMALLEST_GAIN, Selection, without};
 use super::term::{Scales, Term};
+use super::valleys::deepest;
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
 const WHITE: f64 = 0.02;
@@ -84,6 +85,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let refit =
         |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
     let (base, model) = rayon::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
+    let model = deepest(data, model, scales);
     let fineness = enough(data, &model, scales);
     let scales = &Scales { fineness, ..scales.clone() };
     let model = if model.steps == model.shape.steps(&model.point, scales) { model } else { refit(&model, scales) };

@@ -17,6 +17,18 @@ pub enum Side {
     Lower,
 }
 
+impl Side {
+    /// How far the reading gets on this side.
+    fn reach(self, s: &Scales) -> f64 {
+        let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
+        match self {
+            Side::Both => above.max(below),
+            Side::Upper => above,
+            Side::Lower => below,
+        }
+    }
+}
+
 /// Elastic contact beyond a gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndStop(pub Side);
@@ -47,17 +59,18 @@ impl Physics for EndStop {
         vec![Coordinate::Log(0.3 * spring, 1e3 * spring), Coordinate::Log(0.3 * s.output, 10.0 * s.output)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
-        let reach = match self.0 {
-            Side::Both => above.max(below),
-            Side::Upper => above,
-            Side::Lower => below,
-        };
+        let reach = self.0.reach(s);
         let spring = s.omega_rad_s.powi(2);
         [0.55, 0.7, 0.8, 0.88, 0.95]
             .into_iter()
             .flat_map(|r| [1.0, 10.0].map(|k| vec![k * spring, r * reach.max(0.5 * s.output)]))
             .collect()
+    }
+    /// Harder and further away, softer and nearer: the same energy goes into it where the mass gets furthest.
+    fn elsewhere(&self, p: &[f64], s: &Scales) -> Vec<Vec<f64>> {
+        let reach = self.0.reach(s);
+        let depth = (reach - p[1]).max(0.0);
+        [0.25, 4.0, 16.0].map(|harder| vec![harder * p[0], reach - depth / f64::sqrt(harder)]).to_vec()
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt().min(7.0 * s.omega_rad_s)
@@ -80,13 +93,7 @@ impl Physics for EndStop {
     }
     /// Gaps from where the mass often is to where it hardly ever gets; stops from a bend to a wall.
     fn cloud(&self, s: &Scales) -> Option<Cloud> {
-        let (below, above) = (s.centre - s.output_range.0, s.output_range.1 - s.centre);
-        let reach = match self.0 {
-            Side::Both => above.max(below),
-            Side::Upper => above,
-            Side::Lower => below,
-        };
-        let (spring, reach) = (s.omega_rad_s.powi(2), reach.max(0.5 * s.output));
+        let (spring, reach) = (s.omega_rad_s.powi(2), self.0.reach(s).max(0.5 * s.output));
         let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
         let stops = [0.6, 2.0, 6.0, 18.0];
         Some(Cloud::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
@@ -99,5 +106,39 @@ impl Physics for EndStop {
             (point.stop_below, point.gap_below) = (p[0], p[1]);
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // ½ k (reach − gap)² is the same in every valley.
+    #[test]
+    fn other_valleys_take_up_the_same_energy() {
+        let scales = Scales {
+            output: 1.0,
+            output_range: (-1.5, 2.0),
+            velocity: 1.0,
+            input: 1.0,
+            omega_rad_s: 3.0,
+            zeta: 0.1,
+            gain: 1.0,
+            interval_s: 0.1,
+            duration_s: 100.0,
+            residual: 0.1,
+            lines_hz: Vec::new(),
+            environment: Vec::new(),
+            centre: 0.0,
+            fineness: 1.0,
+            lag_samples: 0.0,
+        };
+        let energy = |p: &[f64], reach: f64| p[0] * (reach - p[1]).powi(2);
+        for (side, reach) in [(Side::Both, 2.0), (Side::Upper, 2.0), (Side::Lower, 1.5)] {
+            let here = [40.0, 1.2];
+            for p in EndStop(side).elsewhere(&here, &scales) {
+                assert!((energy(&p, reach) / energy(&here, reach) - 1.0).abs() < 1e-12, "{side:?} {p:?}");
+            }
+        }
     }
 }

@@ -131,6 +131,10 @@ pub trait Physics {
     fn cloud(&self, _scales: &Scales) -> Option<Cloud> {
         None
     }
+    /// Where else, seen from a fit, its misfit may have another valley.
+    fn elsewhere(&self, _p: &[f64], _scales: &Scales) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
     /// Own state variables.
     fn states(&self) -> usize {
         0
@@ -309,6 +313,11 @@ impl Term {
     /// As `Physics::cloud`.
     pub fn cloud(&self, scales: &Scales) -> Option<Cloud> {
         self.physics().cloud(scales)
+    }
+
+    /// As `Physics::elsewhere`.
+    pub fn elsewhere(&self, p: &[f64], scales: &Scales) -> Vec<Vec<f64>> {
+        self.physics().elsewhere(p, scales)
     }
 
     /// As `Physics::states`.
