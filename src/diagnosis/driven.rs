@@ -17,6 +17,7 @@ pub mod fit;
 pub mod folds;
 pub mod friction;
 pub mod gain;
+pub mod guide;
 pub mod held_out;
 pub mod hysteresis;
 pub mod input;

@@ -9,8 +9,9 @@ use crate::progress;
 
 use super::ensemble::Ensemble;
 use super::filter::Nothing;
-use super::fit::{Data, Fit, Run, Search, Shape, fit, innovations, trace};
+use super::fit::{BASE, Data, Fit, Run, Search, Shape, fit, innovations, trace};
 use super::folds::{Fold, turned};
+use super::guide;
 use super::held_out::{Comparison, HeldOut, compare, held_out};
 use super::remainder::left;
 use super::rivals::{self, Rival};
@@ -229,27 +230,26 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         })
         .collect();
     promised.sort_by(|a, b| a.1.total_cmp(&b.1));
-    // Below this no linear step promises what a name would cost; far behind the best, none will catch up.
-    let rows = model.fit.linear.residual.len() as f64;
-    let best = promised.first().map_or(1.0, |p| p.1);
-    let worth = |rank: usize, promise: f64| {
-        0.5 * rows * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < sure || promise < best.sqrt())
-    };
+    let guide = guide::is_due(&model.fit, scales);
+    let worth = worth_fitting(&promised, model.fit.linear.residual.len(), sure);
     let mut trials: Vec<Trial> = promised
         .par_iter()
-        .enumerate()
-        .map(|(rank, (term, promised, starts))| {
+        .zip(worth)
+        .map(|((term, promised, starts), worth)| {
             let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
             let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
-            if rank >= FINALISTS || !worth(rank, *promised) || progress::interrupted() {
+            if !worth || progress::interrupted() {
                 return trial;
             }
-            let best = starts
-                .iter()
-                .filter_map(|start| {
-                    let (shape, point) = model.fit.with(*term, start);
-                    fit(data, &shape, &point, scales, HEAT)
-                })
+            let begun: Vec<(Shape, Vec<f64>)> = starts.iter().map(|start| model.fit.with(*term, start)).collect();
+            let held = begun.first().filter(|_| guide && term.noise().is_none()).and_then(|(shape, point)| {
+                let point = guide::guided(data, shape, point, scales)?;
+                Some((shape.clone(), point))
+            });
+            let best = begun
+                .into_iter()
+                .chain(held)
+                .filter_map(|(shape, point)| fit(data, &shape, &point, scales, HEAT))
                 .min_by(|a, b| a.variance.total_cmp(&b.variance));
             trial.judged = best.map(|found| judge(data, found, scales));
             trial
@@ -268,6 +268,22 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
     });
     by_score(&mut trials);
     trials
+}
+
+/// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises more than any law of motion
+/// can at first: the two are ranked apart.
+fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usize) -> Vec<bool> {
+    let mut worth = vec![false; promised.len()];
+    for noise in [false, true] {
+        let alike = || promised.iter().enumerate().filter(|(_, p)| p.0.noise().is_some() == noise);
+        let best = alike().next().map_or(1.0, |(_, p)| p.1);
+        for (rank, (index, (_, promise, _))) in alike().enumerate().take(FINALISTS) {
+            // Below this no linear step promises what a name would cost; far behind the best, none will catch up.
+            worth[index] =
+                0.5 * rows as f64 * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < sure || *promise < best.sqrt());
+        }
+    }
+    worth
 }
 
 fn by_score(trials: &mut [Trial]) {
@@ -367,8 +383,14 @@ pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> 
     model
 }
 
-/// A model refitted without one of its terms.
+/// A model refitted without one of its terms. Where the others, as they stood, leave no model that runs, they start afresh.
 pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
     let (shape, point): (Shape, Vec<f64>) = model.fit.without(index);
-    Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
+    let afresh = || {
+        let mut point = point[..BASE].to_vec();
+        shape.terms.iter().try_for_each(|t| t.starts(scales).first().map(|s| point.extend_from_slice(s)))?;
+        fit(data, &shape, &point, scales, ITERATIONS)
+    };
+    let found = fit(data, &shape, &point, scales, ITERATIONS).or_else(afresh)?;
+    Some(judge(data, found, scales))
 }
