@@ -21,6 +21,10 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("driven: nothing planted, nothing named", nothing),
         test("driven: a cubic spring of 5 % is named alone and its interval holds the truth", cubic),
+        test(
+            "driven: a spring so strong that the base model is lost is found, in any unit and with either sign",
+            strong,
+        ),
         test("driven: friction, a late readout and force noise are each named alone", several),
         test(
             "driven: of the whole library, planted one by one, nearly all are named alone and none is misnamed",
@@ -111,6 +115,26 @@ fn cubic() -> Result<(), Failed> {
     near("beta", beta.value, strength, beta.ci95[1] - beta.ci95[0])?;
     // Negative control: the interval is no catch-all.
     check(beta.ci95[1] - beta.ci95[0] < 0.05 * strength, format!("interval {:?}", beta.ci95))
+}
+
+fn strong() -> Result<(), Failed> {
+    let planted = plant(&Plan { size: Size::Visible(0.35), ..plan(Some(Physics::CubicStiffness), 0.0) })?;
+    for (unit, sign) in [(1.0, 1.0), (1000.0, 1.0), (1.0, -1.0), (3e-9, -1.0)] {
+        let input: Vec<f64> = planted.input.iter().map(|u| sign * u).collect();
+        let reading: Vec<f64> = planted.reading.iter().map(|y| unit * y).collect();
+        let found =
+            driven::diagnose(&recording(vec![("u", input), ("y", reading)]), &model(Some("u"), Split::default()))
+                .map_err(|e| e.to_string())?;
+        let v = &found.verdict;
+        // Control: the base model is lost indeed, by a hundred times the noise, a fifth of the output.
+        check(v.fit.test.rmse_before > 100.0 * v.fit.noise_floor, "the base model is not lost")?;
+        check(v.verdict == Outcome::Explained && ids(v) == ["cubic-stiffness"], format!("{unit} {sign} {:?}", ids(v)))?;
+        // βx² is a frequency squared: in other units of x it scales with their square.
+        let beta = &v.effects[0].parameters[0];
+        near("beta", beta.value * unit * unit, planted.strength, 0.01 * planted.strength)?;
+        check(v.fit.test.rmse_after < 1.1 * v.fit.noise_floor, "the spring does not bring the error to the noise")?;
+    }
+    Ok(())
 }
 
 fn several() -> Result<(), Failed> {
