@@ -171,9 +171,9 @@ impl Case {
     /// Ids of what is planted, sorted; foreign physics by its own name.
     pub fn planted(&self) -> Vec<String> {
         let mut ids: Vec<String> = match &self.body {
-            Body::Driven(d) => d.planted.iter().map(|p| id_of(&p.term.physics)).collect(),
-            Body::Still(s) => s.planted.iter().map(|p| id_of(&p.slow)).collect(),
-            Body::Turned(t) => t.planted.iter().map(|p| id_of(&p.fault)).collect(),
+            Body::Driven(d) => d.planted.iter().map(|p| p.term.physics.id()).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| p.slow.id()).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| p.fault.id()).collect(),
         };
         ids.sort();
         ids
@@ -199,11 +199,11 @@ impl Case {
     pub fn sizes_over_noise(&self) -> Vec<(String, f64)> {
         match &self.body {
             Body::Driven(d) => {
-                let ids = d.planted.iter().map(|p| id_of(&p.term.physics));
+                let ids = d.planted.iter().map(|p| p.term.physics.id());
                 ids.enumerate().map(|(n, id)| (id, d.over_noise(n))).collect()
             }
-            Body::Still(s) => s.planted.iter().map(|p| (id_of(&p.slow), p.visible())).collect(),
-            Body::Turned(t) => t.planted.iter().map(|p| (id_of(&p.fault), p.visible)).collect(),
+            Body::Still(s) => s.planted.iter().map(|p| (p.slow.id(), p.visible())).collect(),
+            Body::Turned(t) => t.planted.iter().map(|p| (p.fault.id(), p.visible)).collect(),
         }
     }
 
@@ -212,11 +212,11 @@ impl Case {
         let pick = |values: Vec<(&str, f64)>| values.into_iter().find(|(n, _)| *n == name).map(|(_, v)| v);
         match &self.body {
             Body::Driven(d) => {
-                let planted = d.planted.iter().find(|p| id_of(&p.term.physics) == id)?;
+                let planted = d.planted.iter().find(|p| p.term.physics.id() == id)?;
                 pick(planted.term.parameters(&d.scales))
             }
             Body::Still(s) => {
-                let planted = s.planted.iter().find(|p| id_of(&p.slow) == id)?;
+                let planted = s.planted.iter().find(|p| p.slow.id() == id)?;
                 let channel = ["x", "y", "z"].iter().position(|c| *c == channel)?;
                 pick(s.parameters(planted, channel))
             }
@@ -308,12 +308,4 @@ fn turned_files(case: &Turned) -> (String, String) {
         model += "environment = [\"temperature\"]\n";
     }
     (table(&headings, &values), model)
-}
-
-/// The public id that a planted thing serialises as.
-pub fn id_of(planted: &impl Serialize) -> String {
-    match serde_json::to_value(planted) {
-        Ok(serde_json::Value::String(id)) => id,
-        _ => String::new(),
-    }
 }

@@ -28,7 +28,10 @@ macro_rules! catalogue {
 
             /// The public id, or a name of the same form for foreign physics.
             pub fn id(self) -> String {
-                crate::trial::case::id_of(&self)
+                match serde_json::to_value(self) {
+                    Ok(serde_json::Value::String(id)) => id,
+                    _ => String::new(),
+                }
             }
 
             /// What a foreign effect is, in words; empty for the library's own.

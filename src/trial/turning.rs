@@ -273,7 +273,7 @@ impl Turned {
 
     /// A planted value by the library's symbol, where the frame that it refers to is the generator's own.
     pub fn parameter(&self, id: &str, name: &str) -> Option<f64> {
-        let planted = self.planted.iter().find(|p| super::case::id_of(&p.fault) == id)?;
+        let planted = self.planted.iter().find(|p| p.fault.id() == id)?;
         // K's entries, °/s/g, named by axes: k_xy is the y force in the x rate.
         let axes = name.strip_prefix("k_").filter(|_| planted.fault == Fault::GSensitivity)?;
         let mut index = axes.chars().map(|c| "xyz".find(c));

@@ -8,11 +8,11 @@
 //! coarser than their noise: those hop between counts anyway.
 
 use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
 use super::common::{is_slow, slow_part};
 use super::spectrum::Law;
+use crate::numerics::order::median;
 use crate::rng::{Philox, Stream};
 
 /// Fewer blocks hold too few dwells.
@@ -58,12 +58,12 @@ impl Chain {
     /// From a division of the values into low and high; `None` where one side is empty.
     fn divided(values: &[f64], high: &[bool], variance: f64) -> Option<Self> {
         let mut count = [0.0f64; 2];
-        let (mut sum, mut hops) = ([0.0; 2], 0.0);
+        let mut sum = [0.0; 2];
         for (value, side) in values.iter().zip(high) {
             count[usize::from(*side)] += 1.0;
             sum[usize::from(*side)] += value;
         }
-        hops += high.windows(2).filter(|w| w[0] != w[1]).count() as f64;
+        let hops = high.windows(2).filter(|w| w[0] != w[1]).count() as f64;
         let of = |side: usize| sum[side] / count[side];
         let leave = |side: usize| (0.5 * hops / count[side]).clamp(1e-6, 0.5);
         (count.iter().all(|c| *c > 0.0)).then(|| Self { level: [of(0), of(1)], variance, leave: [leave(0), leave(1)] })
@@ -178,9 +178,8 @@ fn contest(own: Channel, terms: Vec<Term>) -> Option<Contest> {
     let known = gaussian.log_likelihood() - 0.5 * gaussian.variances.first()?.ln();
     let mut slow = slow_part(&gaussian);
     slow.iter_mut().zip(gaussian.mean_curve(values.len())).for_each(|(s, c)| *s += c);
-    let mut sorted = slow.clone();
-    sorted.sort_by(f64::total_cmp);
-    let middles = [sorted[sorted.len() / 2], 0.5 * (sorted[0] + sorted[sorted.len() - 1])];
+    let [least, most] = slow.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, m], v| [l.min(*v), m.max(*v)]);
+    let middles = [median(slow.clone())?, 0.5 * (least + most)];
     let white = gaussian.white().0;
     let (chain, expected) = middles
         .into_iter()
@@ -272,8 +271,7 @@ pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<
                 if rng.random::<f64>() < 0.5 * (1.0 - (-1.0 / memory).exp()) {
                     level = -level;
                 }
-                let white: f64 = StandardNormal.sample(&mut rng);
-                level + noise * white
+                level + noise * rng.normal()
             })
             .collect();
         let own = Channel::new(&channel.name, &values, channel.rate_hz / block as f64);
@@ -288,10 +286,6 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
 
-    fn draw(rng: &mut Philox) -> f64 {
-        StandardNormal.sample(rng)
-    }
-
     fn p_value(values: &[f64], terms: Vec<Term>) -> f64 {
         let channel = Channel::new("x", values, 1.0);
         let fitted = channel.fit(terms);
@@ -305,10 +299,10 @@ mod tests {
 
     fn relaxation(count: usize, memory: f64, rng: &mut Philox) -> Vec<f64> {
         let keep = (-1.0 / memory).exp();
-        let mut state = draw(rng);
+        let mut state = rng.normal();
         (0..count)
             .map(|_| {
-                state = keep * state + (1.0 - keep * keep).sqrt() * draw(rng);
+                state = keep * state + (1.0 - keep * keep).sqrt() * rng.normal();
                 state
             })
             .collect()
@@ -343,7 +337,7 @@ mod tests {
                         let step = size / (count as f64 / 6.0).sqrt();
                         let walk = (0..count)
                             .map(|_| {
-                                sum += step * draw(&mut rng);
+                                sum += step * rng.normal();
                                 sum
                             })
                             .collect();
@@ -363,7 +357,7 @@ mod tests {
                         (drift, law("gauss-markov", Law::Markov(memory)))
                     }
                 };
-                let values: Vec<f64> = drift.into_iter().map(|d| d + draw(&mut rng)).collect();
+                let values: Vec<f64> = drift.into_iter().map(|d| d + rng.normal()).collect();
                 (seed, p_value(&values, vec![term]))
             })
             .filter(|(_, p)| *p < 0.01)
@@ -380,7 +374,7 @@ mod tests {
                 .filter(|seed| {
                     let mut rng = Philox::new(42, *seed, Stream::Host);
                     let hops = telegraph(count, dwell, &mut rng);
-                    let values: Vec<f64> = hops.into_iter().map(|h| size * h + draw(&mut rng)).collect();
+                    let values: Vec<f64> = hops.into_iter().map(|h| size * h + rng.normal()).collect();
                     let memory = 1.0 / (1.0 / dwell[0] + 1.0 / dwell[1]);
                     p_value(&values, vec![law("gauss-markov", Law::Markov(memory))]) < 1e-3
                 })
@@ -394,7 +388,7 @@ mod tests {
         for (size, dwell) in [(0.1, 10.0), (0.35, 100.0), (1.0, 100.0)] {
             let mut rng = Philox::new(43, 0, Stream::Host);
             let drift = relaxation(4000, dwell / 2.0, &mut rng);
-            let values: Vec<f64> = drift.into_iter().map(|d| size * d + draw(&mut rng)).collect();
+            let values: Vec<f64> = drift.into_iter().map(|d| size * d + rng.normal()).collect();
             let channel = Channel::new("x", &values, 1.0);
             let mut fitted = channel.fit(vec![law("gauss-markov", Law::Markov(dwell / 2.0))]);
             // As planted, not as estimated.
