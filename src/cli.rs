@@ -11,6 +11,7 @@ pub mod candidates;
 pub mod diagnose;
 pub mod map;
 pub mod paper;
+pub mod say;
 pub mod study;
 pub mod trial;
 pub mod validate;

@@ -1,5 +1,6 @@
 //! `proofmass adapters`: what could compute on this machine.
 
+use super::say::{say, sayln};
 use crate::backend::{cpu, gpu};
 use crate::error::Result;
 use crate::kernel::cpu::lanes::Level;
@@ -29,7 +30,7 @@ pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
         let cpu = serde_json::json!({
             "name": cpu::processor_name(), "threads": threads, "instructions": Level::best().name(),
         });
-        println!("{:#}", serde_json::json!({ "schema": "proofmass.adapters/1", "cpu": cpu, "gpu": list }));
+        sayln!("{:#}", serde_json::json!({ "schema": "proofmass.adapters/1", "cpu": cpu, "gpu": list }))?;
         return Ok(());
     }
     let mut table = Table::new(&["name", "kind", "driver", "64-bit integers", "largest buffer, MB"]);
@@ -44,9 +45,9 @@ pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
             (a.largest_binding >> 20).to_string(),
         ]);
     }
-    print!("{table}");
+    say(format_args!("{table}"))?;
     if !adapters.iter().any(|a| a.hardware) {
-        println!("no hardware GPU: `--backend auto` takes the CPU");
+        sayln!("no hardware GPU: `--backend auto` takes the CPU")?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::say::{remark, sayln};
 use crate::document::{writable, write_whole};
 use crate::error::{Error, Result};
 use crate::recording::Request;
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// What one unit of the gyro columns is: rad/s, deg/s, mdeg/s, deg/h, with a number if need be
     #[arg(long, value_name = "SCALE", default_value = "rad/s", requires = "gyro")]
     gyro_scale: String,
-    /// Folder for report.html and sensor.toml
+    /// Folder for report.html, sensor.toml and, where a scale is given, a study.toml that runs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -61,6 +62,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "name a column once, under --columns, --accelerometer or --gyro",
         ));
     }
+    std::fs::File::open(&arguments.recording).map_err(|e| Error::io("read", &arguments.recording, &e))?;
     arguments.out.as_deref().map_or(Ok(()), writable)?;
     let request = Request { columns, rate_hz: arguments.rate_hz, time: arguments.time.clone(), ..Request::default() };
     let noise = noise::analyse(&arguments.recording, &request, |name| {
@@ -78,13 +80,17 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             write_whole(&folder.join(&fragment.name), fragment.toml.as_bytes())?;
         }
         write_whole(&folder.join("report.html"), report::page(&file, &noise, &fragments).as_bytes())?;
-        eprintln!("wrote {} and {}", folder.join("report.html").display(), folder.join("sensor.toml").display());
+        remark!("wrote {} and {}", folder.join("report.html").display(), folder.join("sensor.toml").display());
+        if let Some(study) = report::study(&arguments.recording, &noise) {
+            write_whole(&folder.join("study.toml"), study.as_bytes())?;
+            remark!("simulate it beside its log: proofmass study {}", folder.join("study.toml").display());
+        }
     }
     if json {
-        println!("{:#}", report::document(&file, &noise));
+        sayln!("{:#}", report::document(&file, &noise))?;
     } else {
-        println!("{}", report::table(&noise));
-        report::notes(&noise).iter().for_each(|note| println!("{note}"));
+        sayln!("{}", report::table(&noise))?;
+        report::notes(&noise).iter().try_for_each(|note| sayln!("{note}"))?;
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::say::{remark, say, sayln};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
 use crate::benchmark::others::Ticks;
@@ -33,8 +34,7 @@ pub struct Arguments {
 /// An adapter that is not there; a folder that cannot be written; Ctrl-C.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.peers {
-        benchmark::peers::rows().iter().for_each(|row| println!("{row}"));
-        return Ok(());
+        return benchmark::peers::rows().iter().try_for_each(|row| sayln!("{row}"));
     }
     arguments.out.as_deref().map_or(Ok(()), writable)?;
     let stopped = |e: Error| e.within("could not finish the measurements", "run them again");
@@ -64,16 +64,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         for (name, text) in files {
             write_whole(&folder.join(name), text.as_bytes())?;
         }
-        eprintln!("wrote {}", folder.join("report.html").display());
+        remark!("wrote {}", folder.join("report.html").display());
     }
     if json {
-        println!(
-            "{:#}",
-            serde_json::json!({ "schema": "proofmass.bench/1", "others_cpu_share": others, "rows": rows })
-        );
+        sayln!("{:#}", serde_json::json!({ "schema": "proofmass.bench/1", "others_cpu_share": others, "rows": rows }))?;
     } else {
-        print!("{}", bench::table(&rows));
-        println!("{}", bench::busy(others));
+        say(format_args!("{}", bench::table(&rows)))?;
+        sayln!("{}", bench::busy(others))?;
     }
     Ok(())
 }

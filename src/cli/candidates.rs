@@ -1,5 +1,6 @@
 //! `proofmass candidates`: the physics that `diagnose` can name.
 
+use super::say::sayln;
 use crate::diagnosis;
 use crate::diagnosis::candidate::Candidate;
 use crate::document::to_json;
@@ -16,16 +17,16 @@ pub struct Arguments {}
 pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
     let library: Vec<&Candidate> = diagnosis::library().collect();
     if json {
-        println!("{}", to_json(&library)?);
+        sayln!("{}", to_json(&library)?)?;
         return Ok(());
     }
     let mut kind = "";
     for candidate in library {
         if candidate.kind.name() != kind {
             kind = candidate.kind.name();
-            println!("── kind = \"{kind}\" ──\n");
+            sayln!("── kind = \"{kind}\" ──\n")?;
         }
-        println!("{}", card(candidate));
+        sayln!("{}", card(candidate))?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::say::{say, sayln};
 use crate::diagnosis::model;
 use crate::diagnosis::{self, Diagnosis, consequence, repair};
 use crate::document::{to_json, writable, write_whole};
@@ -35,11 +36,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         write(folder, &diagnosis, &costs)?;
     }
     if json {
-        println!("{}", to_json(&diagnosis.verdict)?);
+        sayln!("{}", to_json(&diagnosis.verdict)?)?;
     } else {
-        print!("{}", page::terminal(&diagnosis, &costs));
+        say(format_args!("{}", page::terminal(&diagnosis, &costs)))?;
         if let Some(folder) = &arguments.out {
-            println!("report: {}", folder.join("report.html").display());
+            sayln!("report: {}", folder.join("report.html").display())?;
         }
     }
     Ok(())

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::say::{say, sayln};
 use crate::backend::gpu::Gpu;
 use crate::backend::orbits::Device;
 use crate::document::{read_toml, writable, write_whole};
@@ -80,11 +81,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         write(folder, &atlas)?;
     }
     if json {
-        println!("{:#}", summary(&atlas));
+        sayln!("{:#}", summary(&atlas))?;
     } else {
-        print!("{}", page::table(&atlas));
+        say(format_args!("{}", page::table(&atlas)))?;
         if let Some(folder) = &arguments.out {
-            println!("report: {}", folder.join("report.html").display());
+            sayln!("report: {}", folder.join("report.html").display())?;
         }
     }
     Ok(())

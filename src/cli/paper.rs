@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::map::open;
+use super::say::{say, sayln};
 use crate::backend::orbits::Device;
 use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
@@ -46,13 +47,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
     write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
     if json {
-        println!("{:#}", json!({ "schema": "proofmass.paper/1", "figures": paper.exhibits() }));
+        sayln!("{:#}", json!({ "schema": "proofmass.paper/1", "figures": paper.exhibits() }))?;
     } else {
-        print!("{}", page::table(&paper));
+        say(format_args!("{}", page::table(&paper)))?;
         for failure in page::failures(&paper) {
-            println!("does not hold: {failure}");
+            sayln!("does not hold: {failure}")?;
         }
-        println!("report: {}", arguments.out.join("report.html").display());
+        sayln!("report: {}", arguments.out.join("report.html").display())?;
     }
     Ok(())
 }

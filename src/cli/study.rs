@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::say::{say, sayln};
 use crate::document::{to_json, writable, write_whole};
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
@@ -53,10 +54,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     })?;
     write(&folder, &study, &drift)?;
     if json {
-        println!("{}", to_json(&Document::of(&study, &drift))?);
+        sayln!("{}", to_json(&Document::of(&study, &drift))?)?;
     } else {
-        print!("{}", page::terminal(&study, &drift));
-        println!("report:     {}", folder.join("report.html").display());
+        say(format_args!("{}", page::terminal(&study, &drift)))?;
+        sayln!("report:     {}", folder.join("report.html").display())?;
     }
     Ok(())
 }

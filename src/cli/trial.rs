@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::say::{remark, say, sayln};
 use crate::document::{to_json, write_whole};
 use crate::error::{Error, Result};
 use crate::report::trial as report;
@@ -99,7 +100,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         return one(&plan, number, folder, json);
     }
     let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
-    eprintln!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
+    remark!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
     let state = folder.join("verdicts.jsonl");
     let done = if arguments.resume { blind::earlier(&state, &sealed) } else { Verdicts::new() };
     if !arguments.resume && state.exists() {
@@ -121,15 +122,15 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         write_whole(&folder.join("trial.json"), document.as_bytes())?;
     }
     if json {
-        println!("{document}");
+        sayln!("{document}")?;
     } else {
-        println!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256);
-        print!("{}", report::terminal(&outcome));
+        sayln!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256)?;
+        say(format_args!("{}", report::terminal(&outcome)))?;
         if !real.is_empty() {
-            print!("\n{}", report::recordings(&real));
+            say(format_args!("\n{}", report::recordings(&real)))?;
         }
         if let Some(folder) = &arguments.out {
-            println!("\nreport: {}", folder.join("report.html").display());
+            sayln!("\nreport: {}", folder.join("report.html").display())?;
         }
     }
     Ok(())
@@ -149,7 +150,7 @@ fn recordings(arguments: &Arguments) -> Result<Vec<Found>> {
     let Some(recipe) = &arguments.recordings else { return Ok(Vec::new()) };
     let recipe = real::read(recipe)?;
     let Some(data) = real::folder() else {
-        eprintln!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
+        remark!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
         return Ok(Vec::new());
     };
     real::run(&recipe, &data, &blind::tool)
@@ -175,9 +176,9 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
         write_whole(&folder.join("power.html"), report::like::page(&power).as_bytes())?;
     }
     if json {
-        println!("{document}");
+        sayln!("{document}")?;
     } else {
-        print!("{}", report::like::terminal(&power));
+        say(format_args!("{}", report::like::terminal(&power)))?;
     }
     Ok(())
 }
@@ -199,22 +200,22 @@ fn one(plan: &Plan, number: usize, folder: &Path, json: bool) -> Result<()> {
     if json {
         let said = blind::ask(&case, &blind::tool)?;
         let mark = judge::judge(&case, &said).word();
-        println!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?);
+        sayln!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?)?;
         return Ok(());
     }
-    println!("case {number}: {}", family.name());
+    sayln!("case {number}: {}", family.name())?;
     for (id, size) in case.sizes_over_noise() {
-        println!("planted: {id}, {size:.3} × noise");
+        sayln!("planted: {id}, {size:.3} × noise")?;
     }
-    println!("files: {} and {}", files.recording.display(), files.model.display());
+    sayln!("files: {} and {}", files.recording.display(), files.model.display())?;
     let said = blind::ask(&case, &blind::tool)?;
-    println!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words);
-    println!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2]);
+    sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words)?;
+    sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
         let truth =
             case.parameter(&n.id, &n.channel, &n.name).map_or(String::new(), |t| format!("  (planted {t:.5e})"));
-        println!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1]);
+        sayln!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1])?;
     }
-    println!("mark: {}", judge::judge(&case, &said).word());
+    sayln!("mark: {}", judge::judge(&case, &said).word())?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `proofmass validate`: laws, closed forms, orders and parities on this machine.
 
+use super::say::{say, sayln};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
 use crate::number::significant;
@@ -34,9 +35,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let document = serde_json::json!({
             "schema": "proofmass.validation/1", "backends": backends, "holds": failed.is_empty(), "checks": rows,
         });
-        println!("{document:#}");
+        sayln!("{document:#}")?;
     } else {
-        print!("{}", table(&rows));
+        say(format_args!("{}", table(&rows)))?;
     }
     match failed.first() {
         None => Ok(()),

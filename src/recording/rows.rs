@@ -52,6 +52,14 @@ impl Rows {
         if about.is_dir() {
             return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
         }
+        if !about.is_file() {
+            // It is read more than once: for its headings, its rate and its rows.
+            return Err(Error::new(
+                format!("could not read {}", path.display()),
+                "it is a pipe or a device, not a file",
+                "save the recording as a file first",
+            ));
+        }
         let mut reader = BufReader::with_capacity(1 << 18, Hashed { file, digest: Sha256::new(), bytes: 0 });
         let format = format::sniff(path, reader.fill_buf().map_err(|e| Error::io("read", path, &e))?)?;
         reader.consume(format.skip);

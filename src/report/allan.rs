@@ -3,10 +3,12 @@
 mod document;
 mod figure;
 mod fragment;
+mod study;
 mod words;
 
 pub use document::document;
 pub use fragment::{Fragment, fragments};
+pub use study::study;
 pub use words::{notes, table};
 
 use super::html::Page;
@@ -37,7 +39,8 @@ pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
     }
     page.section("For a study");
     page.paragraph(
-        "Each fragment below is a sensor for `proofmass study`. Terms that the data do not support are zero; rounding to \
+        "Where a scale was given, study.toml beside this page holds the whole: `proofmass study study.toml` simulates this \
+         sensor and lays the log beside it. Each fragment below is a sensor for a study of your own. Terms that the data do not support are zero; rounding to \
          the reading's step is already in the white noise that was measured, so no quantisation is added.",
     );
     for fragment in fragments {

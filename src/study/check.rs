@@ -249,7 +249,7 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
         return Err(refuse(
             name,
             format!("a sample takes {steps_per_sample:.0e} steps of {step_s:?} s: at most {MOST_STEPS_PER_SAMPLE:.0e}"),
-            "a longer `step_s` does: the linear map is exact at any step, and other integrators sub-step by themselves",
+            "lengthen `step_s`: the linear map is exact at any step, and other integrators sub-step by themselves",
         ));
     }
     if step_s > duration_s {
@@ -282,9 +282,7 @@ fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f6
             name,
             format!("the {whole_name} of {whole_s:?} s is {} times the {part_name} of {part_s:?} s", times(ratio)),
             match nearest {
-                n if n > f64::from(u32::MAX) * 4096.0 => {
-                    "a longer step does: the linear map is exact at any step".into()
-                }
+                n if n > f64::from(u32::MAX) * 4096.0 => "lengthen `step_s` or raise `sensor.sample_rate_hz`".into(),
                 n => format!("it must be a whole multiple, e.g. {:?} s", (n.max(1.0) * part_s * 1e9).round() / 1e9),
             },
         ));

@@ -112,6 +112,12 @@ fn command() -> Result<(), Failed> {
     let written = sensor["accelerometer"]["velocity_random_walk_m_s_rth"].as_float().unwrap_or(f64::NAN);
     check((written / 6.0 - 1.0).abs() < 0.05, format!("sensor.toml has {written} m/s/√h, 6 went in"))?;
     check(std::fs::read_to_string(folder.path().join("noise/report.html"))?.contains("<svg"), "no figure")?;
+    // From the log to its simulation without writing a line: study.toml runs and lays the log beside itself.
+    let study = folder.path().join("noise/study.toml");
+    let simulated = program().arg("study").arg(&study).arg("--out").arg(folder.path().join("run")).output()?;
+    check(simulated.status.success(), String::from_utf8_lossy(&simulated.stderr))?;
+    let said = String::from_utf8_lossy(&simulated.stdout).into_owned();
+    check(said.contains("beside the recording") && said.contains("ax"), said)?;
     for (arguments, said) in [
         (&["--rate-hz", "0"][..], "rate"),
         (&[], "neither a sampling rate"),

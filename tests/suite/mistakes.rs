@@ -14,6 +14,7 @@ pub fn tests() -> Vec<Trial> {
         test("mistakes: a command line is answered with attempt, cause and hint", command_lines),
         test("mistakes: every wrong key of a model.toml has its line and column", models),
         test("mistakes: a study that no sensor can follow is refused, not answered", studies),
+        test("mistakes: a full disk under stdout, a pipe as recording and a file as folder", places),
         test("mistakes: a map beyond arithmetic is refused", maps),
         test("mistakes: a log with an open quotation mark, without headings or with impossible numbers", logs),
     ]
@@ -92,7 +93,7 @@ fn studies() -> Result<(), Failed> {
         (sine("1.0", "500.0"), "cannot be seen"),
         (study("[gyro]\nbias_deg_h = 1e300"), "no sensor has that"),
         (study("[sensor]\nresonance_hz = 1e-300"), "too small"),
-        (study("[sensor]\nsample_rate_hz = 1e-300"), "whole multiple"),
+        (study("[sensor]\nsample_rate_hz = 1e-300"), "1.0e302 times"),
         ("duration_s = 1e300\nstep_s = 0.01\n".into(), "1e300 s"),
         (study("[accelerometer]\nbias_mg = \"much\""), "study.toml:5:11: "),
     ];
@@ -144,4 +145,22 @@ fn logs() -> Result<(), Failed> {
     }
     let output = run_on(folder.path(), "log.csv", &rows("2"), &["allan", "log.csv", "--rate-hz", "1e300"])?;
     refused("a rate of 1e300 Hz", &output, &["1e300 Hz"])
+}
+
+/// Linux only where a device stands for a full disk.
+fn places() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    if cfg!(target_os = "linux") {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full")?;
+        let output = program().arg("candidates").stdout(full).output()?;
+        refused("a full disk", &output, &["could not print the result"])?;
+        let output = program().args(["allan", "/dev/zero", "--rate-hz", "1"]).output()?;
+        refused("a device", &output, &["a pipe or a device"])?;
+    }
+    std::fs::write(folder.path().join("taken"), "")?;
+    for command in ["study", "bench", "paper"] {
+        let output = program().current_dir(folder.path()).args([command, "--out", "taken"]).output()?;
+        refused(command, &output, &["a file stands where a folder should be"])?;
+    }
+    Ok(())
 }

@@ -51,14 +51,14 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     }
 }
 
-type Keys = [(Term, &'static str, f64); 3];
+pub(super) type Keys = [(Term, &'static str, f64); 3];
 /// Key, and how many of its unit one of `Unit::coefficient`'s is.
-const ACCELEROMETER: Keys = [
+pub(super) const ACCELEROMETER: Keys = [
     (Term::White, "velocity_random_walk_m_s_rth", 1.0),
     (Term::Flicker, "bias_instability_ug", 1000.0),
     (Term::Walk, "acceleration_random_walk_ug_rts", 1.0),
 ];
-const GYRO: Keys = [
+pub(super) const GYRO: Keys = [
     (Term::White, "angle_random_walk_deg_rth", 1.0),
     (Term::Flicker, "bias_instability_deg_h", 1.0),
     (Term::Walk, "rate_random_walk_deg_h_rth", 1.0),
@@ -107,6 +107,6 @@ fn commented(channel: &Channel) -> String {
 }
 
 /// Five significant digits: more than any log supports.
-fn five(value: f64) -> f64 {
+pub(super) fn five(value: f64) -> f64 {
     rounded(value, 5)
 }

@@ -1,0 +1,71 @@
+//! A whole study from a log: the sensor as its coefficients have it, and the log laid beside its simulation.
+//!
+//! Two commands from a recording to a simulation that is checked against it: `allan --out DIR`, `study DIR/study.toml`.
+
+use std::path::Path;
+
+use super::fragment::{ACCELEROMETER, GYRO, Keys, five};
+use crate::recording::noise::{Channel, Noise};
+use crate::recording::unit::Quantity;
+use crate::units::{DEGREE, MILLI_G};
+
+/// The run is this long, s, and at least so many samples.
+const LASTS_S: f64 = 60.0;
+const LEAST_SAMPLES: f64 = 100.0;
+
+/// The study of the log at `path`; `None` where no column has a scale.
+pub fn study(path: &Path, noise: &Noise) -> Option<String> {
+    let of = |quantity| -> Vec<&Channel> {
+        noise.channels.iter().filter(|c| c.unit.quantity == quantity && c.fit.is_some()).collect()
+    };
+    let (accelerometers, gyros) = (of(Quantity::Accelerometer), of(Quantity::Gyro));
+    if accelerometers.is_empty() && gyros.is_empty() {
+        return None;
+    }
+    let rate_hz = noise.source.rate_hz;
+    let path = path.canonicalize().unwrap_or_else(|_| path.into());
+    let samples = (LASTS_S * rate_hz).round().max(LEAST_SAMPLES);
+    let mut toml = format!(
+        "# The sensor of a log at rest, and the log beside its simulation: run it with `proofmass study`.\n# Each coefficient \
+         is drawn from the intervals of all axes that support it (95 %). Bias is absent: a log at rest cannot tell it\n# from \
+         gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet.\nname = \"sensor\"\nseed = 1\nmembers = \
+         4096\nduration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
+        samples / rate_hz
+    );
+    for (name, channels, keys) in [("accelerometer", &accelerometers, ACCELEROMETER), ("gyro", &gyros, GYRO)] {
+        if !channels.is_empty() {
+            toml += &format!("\n[{name}]\n{}", drawn(channels, keys));
+        }
+    }
+    toml += &format!("\n[compare]\nfile = {:?}\nrate_hz = {rate_hz:?}\n", path.display().to_string());
+    for (name, scale, unit, channels, keys) in [
+        ("accelerometer", "scale_mg", MILLI_G, &accelerometers, ACCELEROMETER),
+        ("gyro", "scale_deg_s", DEGREE, &gyros, GYRO),
+    ] {
+        for channel in channels {
+            toml += &format!(
+                "\n[[compare.axis]]\ncolumn = {:?}\n{scale} = {:?}\n[compare.axis.{name}]\n{}",
+                channel.name,
+                channel.unit.si / unit,
+                drawn(&[channel], keys)
+            );
+        }
+    }
+    Some(toml)
+}
+
+/// Each supported coefficient between the lowest and the highest end of the channels' intervals.
+fn drawn(channels: &[&Channel], keys: Keys) -> String {
+    let mut out = String::new();
+    for (term, key, factor) in keys {
+        let supported = channels.iter().filter_map(|c| {
+            let coefficient = c.fit.as_ref()?.coefficients[term as usize];
+            let scale = c.unit.coefficient(term).1 * factor;
+            coefficient.supported().then(|| coefficient.ci95.map(|e| five(e * scale)))
+        });
+        if let Some([low, high]) = supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
+            out += &format!("{key} = {{ min = {low:?}, max = {high:?} }}\n");
+        }
+    }
+    out
+}
