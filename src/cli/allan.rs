@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if json {
         sayln!("{:#}", report::document(&file, &noise))?;
     } else {
-        sayln!("{}", report::table(&noise))?;
+        report::tables(&noise).iter().try_for_each(|table| sayln!("{table}"))?;
         report::notes(&noise).iter().try_for_each(|note| sayln!("{note}"))?;
     }
     Ok(())

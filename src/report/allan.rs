@@ -9,7 +9,7 @@ mod words;
 pub use document::document;
 pub use fragment::{Fragment, fragments};
 pub use study::study;
-pub use words::{notes, table};
+pub use words::{notes, tables};
 
 use super::html::Page;
 use crate::number::rounded;
@@ -18,7 +18,7 @@ use crate::recording::noise::Noise;
 /// The page.
 pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
     let mut page = Page::new(&format!("Noise of {file}"), &words::lede(noise));
-    page.table(&words::table(noise));
+    words::tables(noise).iter().for_each(|t| page.table(t));
     page.paragraph(words::TABLE_NOTE);
     if !noise.source.findings.is_empty() {
         page.subsection("Found in the file");

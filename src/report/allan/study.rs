@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use super::fragment::{ACCELEROMETER, GYRO, Keys, five};
+use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
 use crate::units::{DEGREE, MILLI_G};
@@ -65,6 +66,13 @@ fn drawn(channels: &[&Channel], keys: Keys) -> String {
         });
         if let Some([low, high]) = supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
             out += &format!("{key} = {{ min = {low:?}, max = {high:?} }}\n");
+        }
+    }
+    for (term, what) in [(Term::Ramp, "ramp R"), (Term::Quantisation, "quantisation Q")] {
+        let holds = |c: &&&Channel| c.fit.as_ref().is_some_and(|f| f.coefficients[term as usize].supported());
+        let names: Vec<&str> = channels.iter().filter(holds).map(|c| c.name.as_str()).collect();
+        if !names.is_empty() {
+            out += &format!("# also found, not simulated: {what} in {}\n", names.join(", "));
         }
     }
     out

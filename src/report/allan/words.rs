@@ -41,9 +41,11 @@ fn interval(value: f64, ci95: [f64; 2]) -> String {
     format!("{} ({} – {})", significant(value, 3), significant(ci95[0], 3), significant(ci95[1], 3))
 }
 
-/// One row per channel: every coefficient with its interval or upper limit.
-pub fn table(noise: &Noise) -> Table {
-    let mut table = Table::new(&["channel", "σ(1 s)", "N", "density n", "B by minimum", "B", "K", "R", "Q"]);
+/// One row per channel: every coefficient with its interval or upper limit. Two tables, as one would be wider than a screen:
+/// white noise and bias instability, then what is slower or faster.
+pub fn tables(noise: &Noise) -> [Table; 2] {
+    let mut first = Table::new(&["channel", "N", "density n", "B by minimum", "B"]);
+    let mut second = Table::new(&["channel", "σ(1 s)", "K", "R", "Q"]);
     for channel in &noise.channels {
         let with_unit = |term| format!("{} {}", coefficient(channel, term), channel.unit.coefficient(term).0);
         let density = channel.fit.as_ref().map_or("–".into(), |fit| {
@@ -62,19 +64,12 @@ pub fn table(noise: &Noise) -> Table {
             let (unit, factor) = channel.unit.coefficient(Term::White);
             format!("{} {unit}", interval(d.value * factor, d.ci95.map(|e| e * factor)))
         });
-        table.row([
-            format!("{}{star}", channel.name),
-            at_one_second,
-            with_unit(Term::White),
-            density,
-            stability,
-            with_unit(Term::Flicker),
-            with_unit(Term::Walk),
-            with_unit(Term::Ramp),
-            with_unit(Term::Quantisation),
-        ]);
+        let name = format!("{}{star}", channel.name);
+        first.row([name.clone(), with_unit(Term::White), density, stability, with_unit(Term::Flicker)]);
+        let slower = [Term::Walk, Term::Ramp, Term::Quantisation].map(with_unit);
+        second.row([name, at_one_second].into_iter().chain(slower));
     }
-    table
+    [first, second]
 }
 
 /// What a person at a terminal should know beside the table.
