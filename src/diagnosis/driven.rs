@@ -39,6 +39,7 @@ pub mod sensor;
 pub mod shape;
 pub mod spring;
 pub mod start;
+pub mod stepwise;
 pub mod stretches;
 pub mod surface;
 pub mod term;
@@ -185,12 +186,12 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         None => base,
     };
     let base = select::judge(&narrow, base, &scales);
-    let mut selection = select::search(&narrow, base, &scales, &candidates);
+    let mut selection = stepwise::search(&narrow, base, &scales, &candidates);
     if let Some(how) = begin::other_input(&mut narrow, &selection.chosen, &scales) {
         notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
         let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
         let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
-        selection = select::search(&narrow, base, &scales, &candidates);
+        selection = stepwise::search(&narrow, base, &scales, &candidates);
     }
     if selection.cut_short {
         notes

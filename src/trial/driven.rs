@@ -16,6 +16,9 @@ const RUN_IN: usize = 300;
 /// Integration steps per sample; twice as many for abrupt physics.
 const SUBSTEPS: usize = 20;
 
+/// Log-likelihood that an effect must be worth to one who knows all else, or it does not act: odds of 3000 to 1.
+const LEAST_LOG_LIKELIHOOD: f64 = 8.0;
+
 /// A planted effect with its size.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Planted {
@@ -158,6 +161,17 @@ impl Driven {
 }
 
 impl Driven {
+    /// Whether the nth effect does anything beside the others: a stop that they keep the mass from reaching does not. By the
+    /// most that anyone could see of it, who knew all else: the log-likelihood that its change of the reading gives.
+    pub fn acts(&self, nth: usize) -> bool {
+        let scene = Scene::coarse(self);
+        let mut terms: Vec<Term> = self.planted.iter().map(|p| p.term).collect();
+        let with = scene.output(&terms, 0.0);
+        terms.remove(nth);
+        let change: f64 = with.iter().zip(scene.output(&terms, 0.0)).map(|(a, b)| (a - b).powi(2)).sum();
+        0.5 * change / self.noise.powi(2) > LEAST_LOG_LIKELIHOOD
+    }
+
     /// Visible size of the nth effect over the noise that it must be seen in: the readout's, and that of any planted
     /// effect that is itself noise.
     pub fn over_noise(&self, nth: usize) -> f64 {

@@ -224,8 +224,12 @@ impl Plan {
             Family::RingDown => add(&mut case, rng, RING_DOWN[nth % RING_DOWN.len()], Size::Visible(0.02)),
             _ => false,
         };
-        // Together two effects may do what neither does alone: a recording that diverges is no recording.
-        (good && (case.planted.len() < 2 || case.render().reading.iter().all(|y| y.is_finite()))).then_some(case)
+        // Together two effects may do what neither does alone: a recording that diverges is no recording, and an effect that
+        // the other keeps from acting is not in it.
+        let whole = |case: &Driven| {
+            case.render().reading.iter().all(|y| y.is_finite()) && (0..case.planted.len()).all(|nth| case.acts(nth))
+        };
+        (good && (case.planted.len() < 2 || whole(&case))).then_some(case)
     }
 }
 

@@ -51,6 +51,8 @@ pub struct Named {
     pub free_without: f64,
     /// Mean log-likelihood per test sample without it.
     pub log_score_without: f64,
+    /// Log-likelihood that it gains where readings are known to be rounded, less the price of its parameters; else `None`.
+    pub rounded_lead: Option<f64>,
     /// Candidates that would do as well.
     pub rivals: Vec<Rival>,
 }
@@ -100,8 +102,11 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let need = if share <= COLOURED { share } else { FAR_ABOVE * share };
     let mut named = weighed(data, selection, &model, scales, &rivals);
     // A term that the test samples speak against goes, and the others are weighed again without it.
-    while let Some(n) = named.iter().find(|n| worse(n, &model)) {
-        let index = n.index;
+    let worst = |named: &[Named], model: &Judged| {
+        let all = named.iter().filter(|n| worse(n, model));
+        all.min_by(|a, b| a.free_without.total_cmp(&b.free_without)).map(|n| n.index)
+    };
+    while let Some(index) = worst(&named, &model) {
         dropped.push((model.fit.shape.terms[index], "made the prediction of the test samples worse"));
         let Some(poorer) = without(data, &model, index, scales) else { break };
         model = Judged { held_out: held_out(data, &poorer.fit, scales, &data.test), fit: poorer.fit };
@@ -111,13 +116,28 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         after = left(data, &model.fit);
         named = weighed(data, selection, &model, scales, &rivals);
     }
+    // What is known of rounded readings does not bear out what only follows the rounding.
+    let bar = (selection.tried.max(1) as f64).ln() + 3.0;
+    named.retain(|n| {
+        let holds = n.rounded_lead.is_none_or(|lead| lead > bar);
+        if !holds {
+            dropped.push((
+                model.fit.shape.terms[n.index],
+                "follows only the rounding of the readings; carried along, not named",
+            ));
+        }
+        holds
+    });
     // What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
     // the others, but is not named.
     let need = need.max(SMALLEST_GAIN);
     let removed = base.fit.variance / model.fit.variance.max(1e-300) - 1.0;
     let (holds, carried): (Vec<Named>, Vec<Named>) = named.into_iter().partition(|n| {
-        let noise = model.fit.shape.terms[n.index].noise().is_some();
-        n.growth >= need.max(removed * if noise { LEAST_PART_OF_NOISE } else { LEAST_PART })
+        if model.fit.shape.terms[n.index].noise().is_some() {
+            // Noise follows whatever is left: beside it, what is left must be next to nothing.
+            return n.growth >= need.max(FAR_ABOVE * share).max(removed * LEAST_PART_OF_NOISE);
+        }
+        n.growth >= need.max(removed * LEAST_PART)
     });
     named = holds;
     let is_noise = |n: &&Named| model.fit.shape.terms[n.index].noise().is_some();
@@ -141,7 +161,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let power = power_left(data, &model.fit);
     let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
-    let lattice = lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01);
+    let lattice = rounding(data, &model);
     let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
     let white = tidy && even && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
     // By what has a name: what is carried without one does not explain.
@@ -198,6 +218,11 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
     Conclusion { base, model, before, after, spread, ..c }
 }
 
+/// Coarse rounding, where it explains what a model leaves.
+fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
+    lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01)
+}
+
 /// A term that the test samples speak against.
 fn worse(named: &Named, model: &Judged) -> bool {
     let term = model.fit.shape.terms[named.index];
@@ -210,6 +235,8 @@ fn validation_is_fitted(data: &Data) -> bool {
 }
 
 fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, rivals: &[Vec<Rival>]) -> Vec<Named> {
+    let rounded = rounding(data, model);
+    let price = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
     (0..model.fit.shape.terms.len())
         .into_par_iter()
         .filter_map(|index| {
@@ -227,6 +254,11 @@ fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, 
                 comparison,
                 free_without: judged.free(),
                 log_score_without: judged.log_score(poorer.fit.variance),
+                rounded_lead: rounded.and_then(|l| {
+                    let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
+                    let rows = data.train_len() as f64;
+                    Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
+                }),
                 rivals: rivals.get(index).cloned().unwrap_or_default(),
             })
         })

@@ -84,7 +84,7 @@ impl Physics for Feedthrough {
         }
     }
     fn reads(&self) -> Option<u8> {
-        Some(2)
+        Some(3)
     }
     fn needs_input(&self) -> bool {
         true

@@ -145,7 +145,11 @@ fn placed(shape: &Shape, p: &[f64]) -> Option<Point> {
         Point { gain, omega_rad_s, zeta, offset: p[OFFSET], x0: p[INITIAL], v0: p[BASE - 1], ..Point::default() };
     let mut point = base;
     let all = shape.terms.iter().enumerate().all(|(i, term)| term.place(shape.of(i, p), &mut point));
-    all.then_some(point)
+    // The kernel bends the displacement alone, and lets feedthrough be as late as the rest.
+    let bends = point.bend_2 != 0.0 || point.bend_3 != 0.0;
+    let composed = bends && (point.lowpass_s != 0.0 || point.mode_gain != 0.0);
+    let late = point.delay_s != 0.0 && point.feedthrough != 0.0;
+    (all && !composed && !late).then_some(point)
 }
 
 /// An orthonormal basis of columns on the fitted rows, as sequences over the hull: modified Gram–Schmidt, twice.

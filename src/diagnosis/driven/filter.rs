@@ -17,6 +17,10 @@ use super::term::{BaseLanes, Constants, Instant, LANES, Lanes, Stride, Term};
 pub const MOST_STATES: usize = 8;
 /// Most of them that belong to terms which move the mass and so go through the stages with it; they come first.
 const MOST_STAGED: usize = 2;
+/// Place in the chain of the readout of what moves beside the mass; its states 0 and 1 are displacement and velocity.
+const MODES: u8 = 0;
+/// Place of the offset in the chain of the readout: what comes before it sees the displacement alone.
+const OFFSET: u8 = 3;
 
 /// What one pass simulates.
 #[derive(Debug)]
@@ -52,7 +56,7 @@ pub struct Pass<'a> {
     /// Displacement and velocity at the beginning.
     pub initial: [Lanes; 2],
     /// Corrections per unit innovation; `None` for free simulation.
-    pub gains: Option<[Lanes; 3]>,
+    pub gains: Option<[Lanes; 4]>,
 }
 
 /// What a pass wants to keep of the state besides the innovations.
@@ -128,11 +132,15 @@ impl Pass<'_> {
         };
         let moving = placed(|t| t.moves() && !t.rubs());
         let staged = moving.iter().any(|m| m.term.states() > 0);
-        let followers = placed(Term::follows);
+        let mut followers = placed(Term::follows);
+        // A low-pass sees the others where they have come to.
+        followers.sort_by_key(|m| m.term.lags());
         let constants: Vec<Constants> =
             followers.iter().map(|m| m.term.constants(&self.parameters[m.first..], h)).collect();
         let mut readers = placed(|t| t.reads().is_some());
         readers.sort_by_key(|m| m.term.reads());
+        let (sensing, adding): (Vec<_>, Vec<_>) = readers.into_iter().partition(|m| m.term.reads() < Some(OFFSET));
+        let modes: Vec<usize> = sensing.iter().filter(|m| m.term.reads() == Some(MODES)).map(|m| m.state).collect();
         let delay = self
             .terms
             .iter()
@@ -143,7 +151,13 @@ impl Pass<'_> {
         let [mut x, mut v] = self.initial;
         let mut bias = [0.0; LANES];
         let mut own = [[0.0; LANES]; MOST_STATES];
-        for m in movers(self.terms, self.first) {
+        let (later, earlier): (Vec<_>, Vec<_>) =
+            movers(self.terms, self.first).into_iter().partition(|m| m.term.lags());
+        for m in &earlier {
+            m.term.begin(&x, &v, &self.parameters[m.first..], &mut own[m.state..]);
+        }
+        for m in &later {
+            let (x, v) = together(&modes, &own, [&x, &v]);
             m.term.begin(&x, &v, &self.parameters[m.first..], &mut own[m.state..]);
         }
         let mut out = Vec::with_capacity(self.run.len());
@@ -153,17 +167,20 @@ impl Pass<'_> {
             let mut at = Instant {
                 time_s: k as f64 * self.interval_s,
                 step_s: h,
-                input: self.input(k * per_sample, delay.as_ref()),
+                input: self.input(k * per_sample, None),
                 x,
                 v,
                 base: &self.base,
                 environment,
             };
-            let mut y = [0.0; LANES];
-            for l in 0..LANES {
-                y[l] = x[l] + self.offset[l] + bias[l];
+            let mut y = x;
+            for r in &sensing {
+                r.term.reading(&at, &self.parameters[r.first..], &own[r.state..], &mut y);
             }
-            for r in &readers {
+            for l in 0..LANES {
+                y[l] += self.offset[l] + bias[l];
+            }
+            for r in &adding {
                 r.term.reading(&at, &self.parameters[r.first..], &own[r.state..], &mut y);
             }
             keep.keep(k, &x, &v);
@@ -178,6 +195,11 @@ impl Pass<'_> {
                     x[l] += gains[0][l] * e[l];
                     v[l] += gains[1][l] * e[l];
                     bias[l] += gains[2][l] * e[l];
+                }
+                if let Some(Mover { state, .. }) = later.first() {
+                    for l in 0..LANES {
+                        own[*state][l] += gains[3][l] * e[l];
+                    }
                 }
             }
             let begin = at.time_s;
@@ -202,9 +224,7 @@ impl Pass<'_> {
                     }
                     let stride = Stride { step_s: h, x0: x, v0: v, x1: nx, v1: nv, input: u };
                     (x, v) = (nx, nv);
-                    for (m, constants) in followers.iter().zip(&constants) {
-                        m.term.follow(&stride, constants, &self.parameters[m.first..], &mut own[m.state..]);
-                    }
+                    self.follow(stride, &followers, &constants, &modes, &mut own);
                     continue;
                 }
                 let from = begin + step as f64 * h;
@@ -289,15 +309,33 @@ impl Pass<'_> {
                         }
                     }
                 }
-                if !followers.is_empty() {
-                    let stride = Stride { step_s: h, x0, v0, x1: x, v1: v, input: u };
-                    for (m, constants) in followers.iter().zip(&constants) {
-                        m.term.follow(&stride, constants, &self.parameters[m.first..], &mut own[m.state..]);
-                    }
-                }
+                let stride = Stride { step_s: h, x0, v0, x1: x, v1: v, input: u };
+                self.follow(stride, &followers, &constants, &modes, &mut own);
             }
         }
         out
+    }
+
+    /// Carries the terms that follow the mass over one step of it.
+    #[inline(always)]
+    fn follow(
+        &self,
+        stride: Stride,
+        followers: &[Mover<'_>],
+        constants: &[Constants],
+        modes: &[usize],
+        own: &mut [Lanes; MOST_STATES],
+    ) {
+        let (x0, v0) =
+            if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };
+        for (m, constants) in followers.iter().zip(constants) {
+            let mut seen = stride;
+            if m.term.lags() && !modes.is_empty() {
+                let (x1, v1) = together(modes, own, [&stride.x1, &stride.v1]);
+                seen = Stride { x0, v0, x1, v1, ..stride };
+            }
+            m.term.follow(&seen, constants, &self.parameters[m.first..], &mut own[m.state..]);
+        }
     }
 
     #[inline(always)]
@@ -340,6 +378,19 @@ fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
         }
     }
     all
+}
+
+/// Displacement and velocity of mass and modes together; those of modes are states at these places.
+#[inline(always)]
+fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]) -> (Lanes, Lanes) {
+    let (mut x, mut v) = (*x, *v);
+    for m in modes {
+        for l in 0..LANES {
+            x[l] += own[*m][l];
+            v[l] += own[m + 1][l];
+        }
+    }
+    (x, v)
 }
 
 /// exp(At) in every lane.

@@ -79,7 +79,7 @@ pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run
     let parameters: Vec<Lanes> = (BASE..shape.parameters).map(lane).collect();
     let first: Vec<usize> = shape.first.iter().map(|f| f - BASE).collect();
     let gains = (run.corrected && shape.is_noisy()).then(|| {
-        let mut gains = [[0.0; LANES]; 3];
+        let mut gains = [[0.0; LANES]; 4];
         for l in 0..LANES {
             let gain = shape.gain(&points[l.min(points.len() - 1)], data.interval_s());
             for (g, k) in gains.iter_mut().zip(gain.k) {

@@ -1,6 +1,7 @@
 //! Other ways to part the samples that are fitted from those that judge: for what is rare, and happens to lie on one side only.
 
 use super::fit::{Data, Fit, trace};
+use super::held_out::LEAD;
 use super::stretches::{Stretches, merged};
 
 /// How many times louder than the fitted samples the judging ones must be before they change sides.
@@ -15,16 +16,21 @@ pub struct Fold {
     pub validation: Stretches,
 }
 
-/// Two other ways: halves of what is fitted judge in turn.
+/// Two other ways: halves of what is fitted judge in turn. The first samples are fitted in both, for they say where the mass
+/// began: from later ones alone, by when that has faded, any beginning may follow.
 pub fn turned(data: &Data) -> [Fold; 2] {
     let (mut first, mut second) = (Vec::new(), Vec::new());
+    let mut beginning = Vec::new();
     for r in &data.train {
         let middle = usize::midpoint(r.start, r.end);
-        first.push(r.start..middle);
+        let start = if r.start == data.hull.start { (r.start + LEAD).min(middle) } else { r.start };
+        beginning.push(r.start..start);
+        first.push(start..middle);
         second.push(middle..r.end);
     }
     let with_validation = |half: &Stretches| {
-        let mut all: Stretches = half.iter().chain(&data.validation).cloned().collect();
+        let mut all: Stretches = half.iter().chain(&data.validation).chain(&beginning).cloned().collect();
+        all.retain(|r| !r.is_empty());
         all.sort_by_key(|r| r.start);
         merged(all)
     };

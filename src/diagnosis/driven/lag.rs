@@ -5,7 +5,8 @@ use crate::kernel::misfit::Point;
 
 use super::term::{Constants, Coordinate, Instant, LANES, Lanes, Physics, Scales, Stride};
 
-/// y(t) = x(t − τ). A delay commutes with everything that does not depend on time, so it is applied to the input.
+/// y(t) = x(t − τ). A delay commutes with everything that does not depend on time, so it is applied to the input that moves
+/// the mass; what reaches the reading past the mass is not late.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay;
 
@@ -111,13 +112,14 @@ impl Physics for Lowpass {
         true
     }
     #[inline(always)]
-    fn reading(&self, at: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
-        for l in 0..LANES {
-            y[l] += own[0][l] - at.x[l];
-        }
+    fn reading(&self, _: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
+        *y = own[0];
     }
     fn reads(&self) -> Option<u8> {
         Some(1)
+    }
+    fn lags(&self) -> bool {
+        true
     }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {
         point.lowpass_s = p[0];

@@ -11,6 +11,8 @@ pub struct Lattice {
     pub noise: f64,
     /// Mean log-likelihood per sample that rounding adds to plain Gaussian noise.
     pub gain: f64,
+    /// Mean log-likelihood per sample, rounding and all.
+    pub log_score: f64,
 }
 
 /// The lattice of `reading` and its likelihood, given the innovations of a model; `None` where values do not fall on one or
@@ -23,7 +25,7 @@ pub fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
         return None;
     }
     let gaussian = -0.5 * ((2.0 * std::f64::consts::PI * variance).ln() + 1.0);
-    let mut best = Lattice { step, noise: sigma, gain: f64::NEG_INFINITY };
+    let mut best = Lattice { step, noise: sigma, gain: f64::NEG_INFINITY, log_score: f64::NEG_INFINITY };
     for k in 0..24 {
         let noise = sigma * 0.03 * 1.19f64.powi(k);
         let sum: f64 = innovations
@@ -33,9 +35,9 @@ pub fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
                 (share.max(1e-12) / step).ln()
             })
             .sum();
-        let gain = sum / innovations.len() as f64 - gaussian;
-        if gain > best.gain {
-            best = Lattice { step, noise, gain };
+        let log_score = sum / innovations.len() as f64;
+        if log_score > best.log_score {
+            best = Lattice { step, noise, gain: log_score - gaussian, log_score };
         }
     }
     Some(best)
@@ -47,6 +49,9 @@ fn spacing(values: &[f64]) -> Option<f64> {
     sorted.sort_by(f64::total_cmp);
     let reach = sorted.last()? - sorted.first()?;
     sorted.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * reach);
+    // The outermost values may be rails, which need not lie on it.
+    sorted.pop();
+    sorted.drain(..sorted.len().min(1));
     // Many samples on few values, or there is no lattice to speak of.
     if sorted.len() < 3 || sorted.len() * 4 > values.len() {
         return None;

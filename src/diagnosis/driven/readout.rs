@@ -130,14 +130,14 @@ impl Physics for Polynomial {
         vec![vec![0.0, 0.0]]
     }
     #[inline(always)]
-    fn reading(&self, at: &Instant<'_>, p: &[Lanes], _: &[Lanes], y: &mut Lanes) {
+    fn reading(&self, _: &Instant<'_>, p: &[Lanes], _: &[Lanes], y: &mut Lanes) {
         for l in 0..LANES {
-            let x = at.x[l];
+            let x = y[l];
             y[l] += x * x * (p[0][l] + p[1][l] * x);
         }
     }
     fn reads(&self) -> Option<u8> {
-        Some(3)
+        Some(2)
     }
     fn place(&self, p: &[f64], point: &mut Point) -> bool {
         (point.bend_2, point.bend_3) = (p[0], p[1]);

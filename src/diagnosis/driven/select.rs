@@ -1,5 +1,6 @@
-//! Which terms the recording asks for: screened by one linear step each, fitted together with the base, added while they
-//! predict samples that were not fitted, dropped again when others have made them needless.
+//! Which terms the recording asks for: screened by one linear step each, fitted together with the base, worth a place where
+//! they predict samples that were not fitted, dropped again when others have made them needless. Not the order in which they
+//! are added (`stepwise`).
 
 use rayon::prelude::*;
 
@@ -13,8 +14,7 @@ use super::fit::{BASE, Data, Fit, Run, Search, Shape, fit, innovations, trace};
 use super::folds::{Fold, turned};
 use super::guide;
 use super::held_out::{Comparison, HeldOut, compare, held_out};
-use super::remainder::left;
-use super::rivals::{self, Rival};
+use super::rivals::Rival;
 use super::term::{LANES, Scales, Term};
 
 /// Candidates that are fitted in full in one round; the rest stop at the linear step.
@@ -24,28 +24,16 @@ const STARTS: usize = 2;
 /// The same where its law has a corner, so that valleys are many.
 const CORNER_STARTS: usize = 4;
 /// Candidates that are fitted whatever the best one promises.
-const SURE: usize = 3;
+pub const SURE: usize = 3;
 /// Log-likelihood that a candidate must promise to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
 /// Candidates that are fitted to the end in one round.
 const POLISHED: usize = 3;
-/// Most terms in a model.
-const MOST_TERMS: usize = 6;
 /// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
 /// price there of ln(tried), so that no further correction is due.
 const LEVEL: f64 = 0.002;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
 pub const SMALLEST_GAIN: f64 = 0.005;
-/// A term must gain at least this part of what is still unexplained with it: first things first.
-const LEAST_OF_REST: f64 = 0.03;
-/// The same for the third term and later ones: what takes so many terms and is not done is something else.
-const FAIR_PART_OF_REST: f64 = 0.2;
-/// Unless next to nothing is left of the base model's error: the rest is detail then.
-const NEARLY_NOTHING: f64 = 0.01;
-/// Share of the variance that may still be foreseen in a model that is done.
-const DONE: f64 = 0.02;
-/// The same for a model of several terms that will not be.
-const FAR_FROM_DONE: f64 = 0.15;
 /// Lead on the fitted samples at which validation samples that show nothing are doubted: what is rare may have missed them.
 const DOUBT: f64 = 25.0;
 /// Iterations after which the laggards are left behind.
@@ -318,52 +306,6 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
         }
     }
     Some(compare(&both[0], &both[1]))
-}
-
-/// Stepwise forward, with backward pruning after every step.
-pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -> Selection {
-    let bar = progress::bar("candidates", MOST_TERMS as u64);
-    let tried = candidates.len();
-    let mut chosen = base.clone();
-    let mut alone = Vec::new();
-    let mut cut_short = false;
-    for step in 0..=MOST_TERMS {
-        let here = refined(data, &chosen.fit, scales);
-        let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
-        let trials = round(data, &chosen, &open, &here, SURE);
-        let nearly_done = chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
-        let rest = if chosen.fit.shape.terms.len() < 2 || nearly_done { LEAST_OF_REST } else { FAIR_PART_OF_REST };
-        let best = trials
-            .iter()
-            .filter_map(|t| t.judged.as_ref())
-            .take(3)
-            .find(|j| {
-                let comparison = earned(data, &chosen, j, scales, tried);
-                comparison.is_some_and(|c| c.gain > left(data, &j.fit).share * rest)
-            })
-            .cloned();
-        if step == 0 {
-            alone = trials;
-        }
-        bar.inc(1);
-        let Some(best) = best else { break };
-        chosen = pruned(data, best, scales, tried);
-        if chosen.fit.shape.terms.len() >= MOST_TERMS || progress::interrupted() {
-            break;
-        }
-        if data.work.is_spent(data.hull.len()) && left(data, &chosen.fit).share > DONE {
-            cut_short = true;
-            break;
-        }
-    }
-    // What is far from explained needs no rivals: it will not be named.
-    let hopeless = chosen.fit.shape.terms.len() > 2 && left(data, &chosen.fit).share > FAR_FROM_DONE;
-    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short };
-    if !cut_short && !hopeless {
-        rivals::settle(data, &mut selection, scales, candidates);
-    }
-    bar.finish_and_clear();
-    selection
 }
 
 /// Drops every term whose absence costs nothing, the cheapest first.

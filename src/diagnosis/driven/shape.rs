@@ -67,11 +67,13 @@ impl Shape {
 
     /// The stationary gain at a point.
     pub fn gain(&self, point: &[f64], interval_s: f64) -> gain::Gain {
-        let mut noisy = Noisy { omega_rad_s: point[OMEGA], zeta: point[ZETA], interval_s, force: 0.0, walk: 0.0 };
+        let (omega_rad_s, zeta) = (point[OMEGA], point[ZETA]);
+        let mut noisy = Noisy { omega_rad_s, zeta, interval_s, force: 0.0, walk: 0.0, lag_s: 0.0 };
         for (term, first) in self.terms.iter().zip(&self.first) {
             match term.noise() {
                 Some(Noise::Force) => noisy.force = point[*first],
                 Some(Noise::Walk) => noisy.walk = point[*first],
+                None if term.lags() => noisy.lag_s = point[*first],
                 None => {}
             }
         }

@@ -78,7 +78,7 @@ pub struct Instant<'a> {
     pub time_s: f64,
     /// Integration step.
     pub step_s: f64,
-    /// Input (delayed where a delay is modelled).
+    /// Input: for forces late where the reading is late (a delay is applied there), for readings as it is.
     pub input: Lanes,
     /// Displacement.
     pub x: Lanes,
@@ -184,6 +184,10 @@ pub trait Physics {
     }
     /// Whether parameter 0 is dry friction, which the pass switches at its events.
     fn rubs(&self) -> bool {
+        false
+    }
+    /// Whether parameter 0 is the time constant of a low-pass, state 0 its own, through which the displacement is read.
+    fn lags(&self) -> bool {
         false
     }
     /// Puts its parameters where the search kernel reads them; `false` where that kernel does not have the term.
@@ -368,6 +372,11 @@ impl Term {
     /// As `Physics::rubs`.
     pub fn rubs(&self) -> bool {
         self.physics().rubs()
+    }
+
+    /// As `Physics::lags`.
+    pub fn lags(&self) -> bool {
+        self.physics().lags()
     }
 
     /// As `Physics::place`.
