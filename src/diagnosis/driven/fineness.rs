@@ -8,8 +8,10 @@ use super::fit::{Data, Fit, Run, innovations};
 use super::term::Scales;
 use crate::numerics::least_squares::Linear;
 
-/// Steps turn the terms' fastest rate by a quarter of a radian over this: tried in this order, the last is not surpassed.
-const TRIED: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
+/// Steps turn the terms' fastest rate by a quarter of a radian over this: tried in this order.
+const TRIED: [f64; 9] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
+/// The finest for laws without a corner, whose errors are of fourth order; a corner's are of second.
+const SMOOTH: f64 = 2.0;
 /// By how much of its standard deviation, all parameters taken together, integration may move the answer.
 const SHIFT: f64 = 0.2;
 /// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns a name.
@@ -18,7 +20,8 @@ const SHARE: f64 = 5e-4;
 /// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
 /// they may. `fit` must have been fitted to this data.
 pub fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
-    let finest = TRIED[TRIED.len() - 1];
+    let corner = fit.shape.terms.iter().any(|t| t.has_corner() && t.moves());
+    let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };
     let steps = |fineness: f64| fit.shape.steps(&fit.point, &Scales { fineness, ..scales.clone() });
     let errors = |steps: usize| -> Vec<f64> {
         let run = Run { range: data.hull.clone(), steps, corrected: true };
