@@ -99,8 +99,6 @@ pub struct Detail {
     pub shown: Shown,
     /// Displacement (base model) on the fitted stretch.
     pub state: Vec<f64>,
-    /// Velocity there.
-    pub velocity: Vec<f64>,
     /// Error of the base model's free simulation there.
     pub before: Vec<f64>,
     /// Error of the repaired model's free simulation there.

@@ -131,7 +131,6 @@ pub fn answer(
         rate_hz: data.rate_hz,
         shown: shown(data, c, scales, [&before, &after]),
         state: states.x,
-        velocity: states.v,
         before,
         after,
         innovations,

@@ -70,8 +70,6 @@ pub struct Conclusion {
     pub named: Vec<Named>,
     /// Terms that were in the model and do not hold, with the reason.
     pub dropped: Vec<(Term, &'static str)>,
-    /// What is left of the base model's innovations.
-    pub before: Structure,
     /// What is left of the final model's innovations.
     pub after: Structure,
     /// Coarse rounding, where it explains the remainder.
@@ -93,7 +91,6 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let model = if model.steps == model.shape.steps(&model.point, scales) { model } else { refit(&model, scales) };
     let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, scales, &data.test), fit };
     let (base, mut model) = rayon::join(|| judge(base), || judge(model));
-    let before = left(data, &base.fit);
     let mut after = left(data, &model.fit);
     let mut dropped = Vec::new();
     let mut rivals = selection.rivals.clone();
@@ -199,7 +196,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     if outcome != Outcome::Unexplained {
         interval::profiled(data, &model.fit, scales, named.iter().map(|n| n.index), &mut spread);
     }
-    Conclusion { outcome, base, model, named, dropped, before, after, lattice, spread, fineness }
+    Conclusion { outcome, base, model, named, dropped, after, lattice, spread, fineness }
 }
 
 /// The same conclusion with base and final model fitted to more samples than it was drawn on.
@@ -210,12 +207,12 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
     let (Some(base), Some(model)) = rayon::join(|| refit(&c.base), || refit(&c.model)) else { return c };
-    let (before, after) = rayon::join(|| left(data, &base.fit), || left(data, &model.fit));
+    let after = left(data, &model.fit);
     let mut spread = interval::spread(&model.fit);
     if c.outcome != Outcome::Unexplained {
         interval::profiled(data, &model.fit, scales, c.named.iter().map(|n| n.index), &mut spread);
     }
-    Conclusion { base, model, before, after, spread, ..c }
+    Conclusion { base, model, after, spread, ..c }
 }
 
 /// Coarse rounding, where it explains what a model leaves.

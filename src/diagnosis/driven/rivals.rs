@@ -21,8 +21,6 @@ pub struct Rival {
     pub judged: Judged,
     /// Its id.
     pub id: &'static str,
-    /// By how much the chosen model is more likely, in units of log-likelihood.
-    pub behind: f64,
 }
 
 /// Whether the library says that one can be mistaken for the other.
@@ -61,7 +59,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, candidate
             .zip(trials)
             .map(|(term, others)| {
                 let others = others.into_iter().filter(|t| t.term.id() != term.id());
-                let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), behind: 0.0, judged: t.judged? }));
+                let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
                 fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect()
             })
             .collect();
@@ -76,7 +74,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, candidate
             }
             // Too late to look around from there: what has been seen from here is weighed against it.
             Some((place, better)) => {
-                let old = Rival { judged: selection.chosen.clone(), id: terms[place].id(), behind: 0.0 };
+                let old = Rival { judged: selection.chosen.clone(), id: terms[place].id() };
                 selection.chosen = better.judged.clone();
                 let mut others = stand_ins.clone();
                 others.remove(place);
@@ -100,7 +98,7 @@ fn tied(chosen: &Judged, stand_ins: Vec<Vec<Rival>>) -> Vec<Vec<Rival>> {
         for rival in others {
             let behind = score - rival.judged.score();
             if behind < TIE && !chosen.has(rival.id) && !equal.iter().any(|e| e.id == rival.id) {
-                equal.push(Rival { behind, ..rival });
+                equal.push(rival);
             }
         }
         equal
