@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Trial> {
         test("static: rounding coarser than the noise is named alone, wherever the value lies", coarse),
         test("static: physics outside the library is unexplained and gets no name", foreign),
         test("static: a bias that jumps, in one channel or in all, is not called drift", jumps),
+        test("static: popcorn noise is told from a Gauss–Markov process of the same spectrum", popcorn),
         data_test("static: the ADIS16405's vibration is located, not named, and its roll-off is a finding", adis),
         data_test("static: the Sense HAT's accelerometer follows a common cause, its gyro none", sense_hat),
     ]
@@ -308,6 +309,38 @@ fn jumps() -> Result<(), Failed> {
     check(honest >= 22, format!("{honest} of 24 unexplained\n{}", wrong.join("\n")))
 }
 
+/// Hops between two levels, and as a control a Gaussian process of the same strength and correlation.
+fn popcorn() -> Result<(), Failed> {
+    const COUNT: usize = 10_000;
+    let cases: Vec<(u64, f64, f64)> =
+        (0..24u64).map(|k| (k, [0.5, 1.0, 3.0][k as usize % 3], 100.0 * (1 + k % 12) as f64)).collect();
+    let right = |gaussian: bool, (seed, size, dwell): (u64, f64, f64)| {
+        let mut rng = Philox::new(10, seed, Stream::Host);
+        let mut level = 1.0;
+        let mut hop = |rng: &mut Philox| {
+            level *= if rng.random::<f64>() < 1.0 / dwell { -1.0 } else { 1.0 };
+            level
+        };
+        let drift: Vec<f64> = match gaussian {
+            true => relaxation(COUNT, dwell / 2.0, &mut rng),
+            false => (0..COUNT).map(|_| hop(&mut rng)).collect(),
+        };
+        let values = white(COUNT, &mut rng).iter().zip(drift).map(|(n, d)| n + size * d).collect();
+        let Ok(verdict) = judged(vec![values], None) else { return false };
+        let two_levels = verdict.sentence.contains("two levels") || verdict.sentence.contains("jumps");
+        match gaussian {
+            true => verdict.verdict != Outcome::Unexplained,
+            false => verdict.verdict == Outcome::Unexplained && verdict.effects.is_empty() && two_levels,
+        }
+    };
+    let judge = |gaussian: bool| cases.par_iter().filter(|case| right(gaussian, **case)).count();
+    let (found, alarms) = (judge(false), cases.len() - judge(true));
+    // Each would be found nearly always (the power simulated beside the unit tests is 20 of 20 from half the noise on).
+    check(found >= 23, format!("{found} of 24 unexplained and without a name"))?;
+    // Verdicts on true drift are wrong in 1 % or so: three of 24 come by chance once in 400.
+    check(alarms <= 2, format!("{alarms} of 24 Gaussian processes unexplained"))
+}
+
 /// The first 200,000 rows (33 min) of a gyro that nothing shakes, one with a vibration near 20 Hz (a spectrum shows ten times
 /// the noise between 18 and 22 Hz) and an accelerometer that sways with its building at 0.564 Hz.
 fn adis(folder: &std::path::Path) -> Result<(), Failed> {
@@ -363,9 +396,12 @@ fn sense_hat(folder: &std::path::Path) -> Result<(), Failed> {
     let still = diagnose(&recording::read(&imu, &request(&gyro))?, &model(&gyro, &[]))?.verdict;
     check(follows(&still).is_empty(), format!("gyro: {}", still.sentence))?;
     // The power of gy goes from 0.14 to 1.8 of its median over the log (64 stretches, differences of neighbours); the other
-    // two are steady within 20 %.
+    // two are steady within 20 %. Their spectrum falls towards slow frequencies, as no law of the library does: squared cosine
+    // coefficients of gx, means over bands half as wide again as they begin, in 10⁻⁸ (rad/s)²: 3.2 from 14 mHz, 10 from
+    // 3.8 mHz, 26 from 1.0 mHz, 42 from 0.43 mHz (so far nearly 1/f), but 6.3 from 0.049 mHz and 2.9 from 0.012 mHz.
     check(still.location.summary.contains("gy_rad_s: its noise is not steady"), still.location.summary.clone())?;
-    check(still.sentence.contains("What is left of gx_rad_s, gz_rad_s is noise"), still.sentence.clone())?;
+    check(still.location.summary.contains("gx_rad_s: below"), still.location.summary.clone())?;
+    check(still.effects.iter().all(|e| e.channels == ["gz_rad_s"]), still.sentence.clone())?;
 
     // Both files side by side, as a user would log them.
     let temperature = std::fs::read_to_string(folder.join("sensehat/temperature.csv"))?;

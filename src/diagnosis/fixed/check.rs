@@ -1,5 +1,7 @@
 //! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where it does not.
 
+use std::f64::consts::PI;
+
 use super::channel::{Channel, Fitted};
 use super::jump;
 use super::selection::ALPHA;
@@ -32,6 +34,8 @@ pub(super) struct Remainder {
     pub(super) jump: Option<f64>,
     /// Hops between two levels that a Gaussian drift does not make.
     pub(super) telegraph: Option<Telegraph>,
+    /// Frequency below which the model has more power than there is, and the share of it that there is.
+    pub(super) fading: Option<[f64; 2]>,
     /// Change of the noise's power from end to end over its mean, where it creeps.
     pub(super) creep: Option<f64>,
     /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
@@ -40,7 +44,10 @@ pub(super) struct Remainder {
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
 pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Remainder {
-    let (of_bands, centres, frequency_hz) = bands(channel, fitted, tolerance);
+    let (mut of_bands, mut centres, frequency_hz) = bands(channel, fitted, tolerance);
+    let slowest = from_below(fitted, tolerance);
+    of_bands.extend(slowest.iter().map(|s| s.p_value));
+    centres.extend(slowest.iter().map(|s| 0.5 * s.below));
     let mut white = fitted.residual.to_vec();
     white[0] = 0.0;
     for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
@@ -72,12 +79,15 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
+    let least = slowest.iter().filter(|s| s.share < 1.0).min_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    let fading = least.filter(|s| s.p_value * tests < ALPHA);
     let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < ALPHA).count();
     Remainder {
         p_value: smallest.min(1.0),
         p_value_in_time: in_time.min(1.0),
         jump: jump.filter(|_| p_jump < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
         telegraph: None,
+        fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.share]),
         creep: (p_creep < ALPHA).then_some(creeping.0),
         only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= ALPHA && 4 * amiss <= of_time.len(),
         failing,
@@ -119,6 +129,33 @@ fn named(p_values: &[f64], at: impl Fn(usize) -> Stretch) -> Vec<Stretch> {
                 last.excess = last.excess.max(stretch.excess);
             }
             _ => out.push(stretch),
+        }
+    }
+    out
+}
+
+/// All coefficients below an angle together.
+struct FromBelow {
+    /// Of the first one that is not in.
+    below: f64,
+    p_value: f64,
+    /// Power over that modelled.
+    share: f64,
+}
+
+/// From the slowest coefficient up to every octave: what a law has too much of, or too little, over decades shows in none
+/// of the narrow bands, of which each holds few coefficients there.
+fn from_below(fitted: &Fitted, tolerance: f64) -> Vec<FromBelow> {
+    let (mut sum, mut count, mut next) = (0.0, 0.0, 16.0);
+    let mut out = Vec::new();
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        sum += (bin.sum[0] + bin.sum[1]) / variance;
+        count += bin.count[0] + bin.count[1];
+        if count >= next {
+            // The middle of a bin lies half its width below its end.
+            let below = bin.theta * bin.to as f64 / (0.5 * (bin.from + bin.to - 1) as f64);
+            out.push(FromBelow { below, p_value: off(sum / count, count, tolerance), share: sum / count });
+            next = 2.0 * count;
         }
     }
     out

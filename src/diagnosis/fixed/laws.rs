@@ -56,6 +56,9 @@ pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (F
         };
         if ids.contains(&"gauss-markov") { searched(1.5f64.ln(), longest, 14, |m| with(m.exp())) } else { with(1.0) }
     };
+    // A memory was searched for when it was taken, beside fewer terms than there are now.
+    let again = fit(&chosen);
+    let selected = if again.log_likelihood() > selected.log_likelihood() { again } else { selected };
     // Four laws beside white noise are all that one spectrum can tell apart; and no sum may hold a law it does not need.
     let open = |ids: &Vec<&'static str>| {
         laws + ids.len() < 5 && !(ids.len() == chosen.len() && ids.iter().all(|i| chosen.contains(i)))

@@ -106,6 +106,17 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
             if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
         );
     }
+    let fading = remainder.fading.map(|[below_hz, share]| {
+        format!(
+            "below {} Hz it has only {} times the power that the best model has there: what fluctuates slowly is held back, \
+             as where the sensor tracks and removes its own bias",
+            short(below_hz),
+            short(share)
+        )
+    });
+    if let (Some(fading), true) = (&fading, remainder.p_value_in_time >= ALPHA) {
+        return format!("{name}: {fading}.");
+    }
     let single = remainder.outlier.map(|(at, size)| {
         format!(" A single reading at {} lies {} standard deviations off.", duration(at), short(size))
     });
@@ -131,5 +142,5 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
             if remainder.only_there { "; outside that what is left is noise" } else { "" }
         ),
     };
-    unsteady + &single.unwrap_or_default()
+    unsteady + &single.unwrap_or_default() + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()
 }

@@ -58,6 +58,13 @@ impl Standing {
     }
 }
 
+impl Standing {
+    /// Whether it carries most of what it is judged by, with values outside the range that the library allows.
+    pub fn would_but_for_its_size(&self) -> bool {
+        !self.plausible && self.p_value < FALSE_NAME && self.ci95[0] > 0.5 && self.criterion > 0.0 && self.determined
+    }
+}
+
 /// The outcome of the search.
 #[derive(Debug, Clone)]
 pub struct Selection {

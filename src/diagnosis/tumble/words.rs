@@ -36,7 +36,14 @@ impl Case<'_> {
                     true => "Nothing in the library accounts for the mismatch".to_owned(),
                     false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
                 };
-                format!("{part}: {} still errs by {} times its noise.", group.words(), short(times.sqrt()))
+                let beyond = selection.others.iter().filter(|s| s.would_but_for_its_size()).map(|s| {
+                    format!(
+                        " {} would carry it, but only with values that no sensor has: are units and columns right?",
+                        spoken(s.term)
+                    )
+                });
+                let still = format!("{part}: {} still errs by {} times its noise.", group.words(), short(times.sqrt()));
+                still + &beyond.collect::<String>()
             }
             Outcome::Undecidable if !selection.base.determined => {
                 "These poses do not span all directions, so that not even offsets and scales are determined.".into()

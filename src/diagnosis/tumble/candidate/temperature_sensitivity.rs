@@ -11,7 +11,12 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     kind: Kind::Tumble,
     statement: "The offsets follow temperature; where no temperature was recorded, they drift slowly with time.",
     equation: "y = o + s (v + c (T − T̄))",
-    parameters: &[Parameter { name: "c", unit: "u per unit of the column, or per minute", range: (-1.0, 1.0) }],
+    // Unbounded: the column's unit is its owner's, so that no slope over it is too steep.
+    parameters: &[Parameter {
+        name: "c",
+        unit: "u per unit of the column, or per minute",
+        range: (f64::NEG_INFINITY, f64::INFINITY),
+    }],
     acts: "readout",
     signature: "poses of equal attitude differ by when they were taken",
     confusable_with: &["g-sensitivity"],
