@@ -21,6 +21,7 @@ pub mod diffusion;
 pub mod duffing;
 pub mod lorenz;
 pub mod misfit;
+pub mod normal;
 pub mod operations;
 pub mod others;
 pub mod peak;
@@ -63,6 +64,10 @@ pub const LORENZ: &str = "Lorenz, 1000 Runge-Kutta steps";
 pub const DIFFUSION: &str = "three states, 256 Euler-Maruyama steps";
 /// Name of the rows of ensembles by the full path.
 pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";
+/// Name of the rows of the same without its numbers.
+pub const NOISELESS: &str = "full without force noise";
+/// Name of the rows of its numbers alone.
+pub const NORMAL: &str = "normal numbers, one a member-step";
 const MAP: &str = "Lyapunov map: orbit and tangent by Runge-Kutta";
 const STEPS: &str = "member-steps";
 
@@ -158,6 +163,8 @@ fn kernels<T: Real>() -> Result<Vec<Row>> {
     let noisy = timed(name, T::NAME, members, steps, || problem.run(true, level))?;
     // Beside the step and its number: the force noise added thrice, and its deviation.
     rows.push(noisy.counted(operations::DUFFING + 4.0 + operations::normal::<T>()));
+    let numbers = timed(NORMAL, T::NAME, members, steps, || normal::run::<T>(level))?;
+    rows.push(numbers.counted(operations::normal::<T>()));
     let (members, steps) = (lorenz::MEMBERS, (lorenz::MEMBERS * lorenz::STEPS) as f64);
     rows.push(timed(LORENZ, T::NAME, members, steps, || lorenz::run::<T>(level))?.counted(operations::LORENZ));
     let (members, steps) = (diffusion::MEMBERS, (diffusion::MEMBERS * diffusion::STEPS) as f64);
@@ -219,6 +226,8 @@ pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
             }
             rows.push(measured);
         }
+        told(NOISELESS);
+        rows.push(ensemble(NOISELESS, "cpu", &mut cpu, &work::noiseless(8192))?);
     }
     told("misfit");
     rows.extend(misfit::cpu()?);

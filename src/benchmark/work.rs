@@ -44,6 +44,12 @@ pub fn full(members: u64) -> Job {
     job(sensor, members, samples, Integrator::RungeKutta4 { substeps: 1 })
 }
 
+/// The same without force noise: what is left of its time is the generator's.
+pub fn noiseless(members: u64) -> Job {
+    let sensor = Sensor { proof_mass: Some(duffing(30.0, 0.7)), ..Sensor::default() };
+    Job { draw: Arc::new(move |_| Member { sensor, sine: None }), ..full(members) }
+}
+
 /// The full path over that many samples, one report at its end: what cost per member-step depends on if it is not constant.
 pub fn long(members: u64, samples: u64) -> Job {
     let mut job = full(members);

@@ -6,7 +6,7 @@ use super::table::Table;
 use crate::backend::cpu::processor_name;
 use crate::benchmark::prediction::{CARDS, EXPECTED_SHARE};
 use crate::benchmark::published::PUBLISHED;
-use crate::benchmark::{FULL, Row, work};
+use crate::benchmark::{FULL, NOISELESS, NORMAL, Row, work};
 use crate::number::significant;
 
 const LEAD: &str = "Units per second, the fastest of repeated runs in one process. Compare rows with each other, not with rows \
@@ -153,6 +153,22 @@ fn linearity(rows: &[Row]) -> Option<String> {
     ))
 }
 
+/// How much longer the full path takes than its dynamics and its numbers, each alone.
+fn parts(rows: &[Row]) -> Option<String> {
+    let seconds = |work: &str, precision: &str| {
+        let row = rows.iter().find(|r| r.work == work && r.precision == precision && r.place == "cpu")?;
+        Some(1.0 / row.per_second)
+    };
+    let of = |precision: &str| {
+        let ratio = seconds(FULL, precision)? / (seconds(NOISELESS, precision)? + seconds(NORMAL, precision)?);
+        Some(format!("{} in {precision}", percent(ratio)))
+    };
+    let both: Vec<String> = ["f32", "f64"].into_iter().filter_map(of).collect();
+    (!both.is_empty()).then(|| {
+        format!("The full path takes this much of what its dynamics and its numbers take alone: {}.", both.join(", "))
+    })
+}
+
 const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to a fleet, drawing of \
                            members and sums included. Sixty-four members share a group of lanes, so fewer cost the same.";
 
@@ -163,6 +179,7 @@ pub fn page(rows: &[Row], others: Option<f64>) -> String {
     page.paragraph(&busy(others));
     page.paragraph(&counting(rows));
     page.table(&table(rows));
+    page.paragraph(&parts(rows).unwrap_or_default());
     page.section("Small and large ensembles, short and long runs");
     page.figure(&sizes(rows), SIZES_WORDS);
     page.figure(&lengths(rows), &linearity(rows).unwrap_or_default());
@@ -182,6 +199,7 @@ pub fn summary(rows: &[Row], others: Option<f64>) -> String {
         busy(others),
         counting(rows),
         table(rows).to_markdown(),
+        parts(rows).unwrap_or_default(),
         linearity(rows).unwrap_or_default(),
         "## Beside what others have published".to_owned(),
         published(rows).to_markdown(),

@@ -29,18 +29,29 @@ impl Default for Moments {
 impl Moments {
     /// Of a few values, two passes, in their order.
     pub fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
-        let mut m = Self::default();
-        for x in values.clone() {
-            m.count += 1;
-            m.mean += x;
-            m.min = m.min.min(x);
-            m.max = m.max.max(x);
-        }
-        if m.count > 0 {
-            m.mean /= m.count as f64;
-            m.squares = values.map(|x| (x - m.mean) * (x - m.mean)).sum();
-        }
-        m
+        let [moments] = Self::of_each(values.map(|x| [x]));
+        moments
+    }
+
+    /// Of several quantities, each as [`Moments::of`] has it, bit for bit: side by side, because a sum waits for its last
+    /// addition and the others need not.
+    pub fn of_each<const N: usize>(rows: impl Iterator<Item = [f64; N]> + Clone) -> [Self; N] {
+        let mut all = [Self::default(); N];
+        rows.clone().for_each(|row| {
+            for (m, x) in all.iter_mut().zip(row) {
+                m.count += 1;
+                m.mean += x;
+                m.min = m.min.min(x);
+                m.max = m.max.max(x);
+            }
+        });
+        all.iter_mut().filter(|m| m.count > 0).for_each(|m| m.mean /= m.count as f64);
+        rows.for_each(|row| {
+            for (m, x) in all.iter_mut().zip(row) {
+                m.squares += (x - m.mean) * (x - m.mean);
+            }
+        });
+        all
     }
 
     /// Adds the values behind `other`.
@@ -70,6 +81,16 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quantities_side_by_side_are_those_alone() {
+        let row = |i: u32| [f64::from(i).sin(), 1e6 + f64::from(i * i % 97), -3.0];
+        let all = Moments::of_each((0..100).map(row));
+        for (q, got) in all.iter().enumerate() {
+            assert_eq!(*got, Moments::of((0..100).map(|i| row(i)[q])));
+        }
+        assert_eq!(Moments::of_each(std::iter::empty::<[f64; 2]>()), [Moments::default(); 2]);
+    }
 
     #[test]
     fn merging_blocks_gives_the_moments_of_the_whole() {

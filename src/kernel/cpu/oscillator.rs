@@ -176,24 +176,30 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
         let m = self.1;
         let zero = Lane::splat(T::of(0.0));
         let (mut e, mut q) = (*m.e, *m.q);
-        let mut half = m.sine.map_or(0, |(_, half)| half);
-        let own = m.gain || m.sine.is_some();
-        let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps));
-        for (i, ((error, felt), steps)) in samples.enumerate() {
-            let push = m.push.map_or(&zero, |p| &p[i]);
-            for f in steps {
-                if own {
+        // Two loops: with the choice inside one, the state goes through memory (Runge-Kutta a fifth slower, the exact map a third).
+        let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
+        if m.gain || m.sine.is_some() {
+            let mut half = m.sine.map_or(0, |(_, half)| half);
+            for (i, ((error, felt), steps)) in samples {
+                let push = m.push.map_or(&zero, |p| &p[i]);
+                for f in steps {
                     let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
                     half += 2;
                     pushed_each::<T, O, FMA>(m.k, f, &sine, push, &mut e, &mut q, felt);
-                } else if O::MOVES {
-                    pushed_alike::<T, O, FMA>(m.k, f, push, &mut e, &mut q);
                 }
+                read::<T, FMA>(m.k, &e, felt, m.scaled, error);
             }
-            if let Some(last) = steps.last().filter(|_| !own) {
-                *felt = Lane::splat(last.end);
+        } else {
+            for (i, ((error, felt), steps)) in samples {
+                let push = m.push.map_or(&zero, |p| &p[i]);
+                for f in steps {
+                    if O::MOVES {
+                        pushed_alike::<T, O, FMA>(m.k, f, push, &mut e, &mut q);
+                    }
+                    *felt = Lane::splat(f.end);
+                }
+                read::<T, FMA>(m.k, &e, felt, m.scaled, error);
             }
-            read::<T, FMA>(m.k, &e, felt, m.scaled, error);
         }
         (*m.e, *m.q) = (e, q);
     }

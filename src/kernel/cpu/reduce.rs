@@ -12,17 +12,15 @@ pub const BLOCK: usize = 256;
 
 /// Moments of the four quantities over a block that has `members` members, without those that failed.
 pub fn moments(block: &[Snapshot], members: usize) -> [Moments; 4] {
-    std::array::from_fn(|q| Moments::of(values(block, members, q)))
+    Moments::of_each(rows(block, members))
 }
 
 /// Counts the members of a block.
 pub fn count(block: &[Snapshot], members: usize, histograms: &mut [Histogram; 4]) {
-    for (q, histogram) in histograms.iter_mut().enumerate() {
-        values(block, members, q).for_each(|v| histogram.add(v));
-    }
+    rows(block, members).for_each(|row| histograms.iter_mut().zip(row).for_each(|(h, v)| h.add(v)));
 }
 
-fn values(block: &[Snapshot], members: usize, quantity: usize) -> impl Iterator<Item = f64> + Clone {
-    let lanes = block.iter().flat_map(move |s| (0..LANES).map(move |l| (s.values[quantity][l], s.failed[l])));
-    lanes.take(members).filter(|(_, failed)| !failed).map(|(value, _)| value)
+fn rows(block: &[Snapshot], members: usize) -> impl Iterator<Item = [f64; 4]> + Clone {
+    let lanes = block.iter().flat_map(|s| (0..LANES).map(move |l| (s, l))).take(members);
+    lanes.filter(|(s, l)| !s.failed[*l]).map(|(s, l)| std::array::from_fn(|q| s.values[q][l]))
 }

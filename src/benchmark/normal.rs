@@ -1,0 +1,26 @@
+//! Normal numbers alone, as many as the noisy Duffing unit needs: the generator's part of an ensemble's time.
+
+use rayon::prelude::*;
+
+use super::duffing::{MEMBERS, STEPS};
+use crate::kernel::cpu::lanes::{LANES, Lane, Level};
+use crate::kernel::cpu::noise::{Draw, Drawer};
+use crate::numerics::elementary::Real;
+use crate::rng::Stream;
+
+/// Numbers drawn at a time, as the ensemble's own kernel does.
+const STRETCH: usize = 16;
+
+/// One run on all threads; the sum of the first member's last numbers of every block.
+pub fn run<T: Real>(level: Level) -> f64 {
+    let one = |block: usize| {
+        let drawer = Drawer { seed: 1, first_member: (block * LANES) as u64 };
+        let mut numbers = [Lane::splat(T::of(0.0)); STRETCH];
+        for i in 0..STEPS / STRETCH {
+            let counter = (i * STRETCH / 4) as u32;
+            level.run(Draw { drawer, stream: Stream::Force as u32, counter, each: 4, out: &mut numbers });
+        }
+        numbers[STRETCH - 1][0].f64()
+    };
+    (0..MEMBERS / LANES).into_par_iter().map(one).sum()
+}
