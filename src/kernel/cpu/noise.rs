@@ -27,7 +27,7 @@ impl Drawer {
     /// halves is one instruction there, and what piles up in the upper half is never looked at.
     ///
     /// Each round waits for the one before: two members at a time, half the lanes apart, give the processor twice as much
-    /// to do meanwhile (Zen 5: a fifth fewer cycles with SSE2 and AVX-512, a tenth with AVX2; four at a time are ten times slower,
+    /// to do meanwhile (Zen 5: a sixth fewer cycles with SSE2 and AVX-512, a twentieth with AVX2; four at a time are ten times slower,
     /// for the compiler then keeps them in memory).
     #[inline(always)]
     fn words(&self, counter: u32, stream: u32, out: &mut [Lane<u32>; 4]) {
