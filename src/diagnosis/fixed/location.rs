@@ -46,6 +46,9 @@ pub(super) fn locate(
         off.into_iter().partition(|i| !described && shown[*i].jump.is_some());
     let mut spoken = jumps(channels, shown, leaping);
     spoken.extend(hopping.iter().filter_map(|i| Some(popcorn(&channels[*i], shown[*i].telegraph.as_ref()?, unit))));
+    if !hopping.is_empty() {
+        spoken.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
+    }
     spoken.extend(off.iter().take(SPOKEN_OF).map(|i| in_words(&channels[*i].name, &shown[*i], described)));
     if off.len() > SPOKEN_OF {
         let names: Vec<&str> = off[SPOKEN_OF..].iter().map(|i| channels[*i].name.as_str()).collect();
@@ -81,8 +84,7 @@ fn popcorn(channel: &Channel, hops: &Telegraph, unit: &str) -> String {
     let [low, high] = hops.dwell.map(|samples| duration(samples / channel.rate_hz));
     format!(
         "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
-         and {high} at the higher level); a Gaussian drift such as `gauss-markov` may have that spectrum, but not two \
-         levels.",
+         and {high} at the higher level).",
         channel.name,
         short(hops.apart * channel.scale),
         hops.hops
