@@ -232,7 +232,10 @@ impl Rows {
         let text = String::from_utf8_lossy(record.get(place).unwrap_or_default()).into_owned();
         let line = line_of(record);
         let (what, hint) = if text.trim().parse::<f64>().is_ok() {
-            ("is larger than any reading", "check the exponent and the unit; leave missing numbers empty")
+            (
+                "is larger than any reading: powers of it leave double precision",
+                "check the exponent and the unit of the column",
+            )
         } else if text.replacen(',', ".", 1).trim().parse::<f64>().is_ok() {
             ("is no number", "write numbers with a decimal point, not a comma")
         } else if line == 2 {
