@@ -154,23 +154,34 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         faint.iter().copied().filter(|i| faint.iter().any(|j| i != j && alike(&term(*i), &term(*j)))).collect();
     dropped.extend(twins.iter().map(|i| (term(*i), "only together with another that it can be mistaken for")));
     named.retain(|n| !twins.contains(&n.index));
+    // Three that can all be mistaken for each other are the beginning of a series for something else, and whatever stands
+    // beside them was fitted to what they leave.
+    let look_alikes = |i: usize| named.iter().filter(|n| n.index != i && alike(&term(i), &term(n.index))).count();
+    let series = named.iter().any(|n| look_alikes(n.index) > 1);
+    if series {
+        let reason = "only in a model of three that can be mistaken for each other";
+        dropped.extend(named.drain(..).map(|n| (term(n.index), reason)));
+    }
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
     let power = power_left(data, &model.fit);
     let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
     named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
     let lattice = rounding(data, &model);
     let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
-    let white = tidy && even && twins.is_empty() && (after.share < WHITE || after.p_value > LEVEL);
+    let single = twins.is_empty() && !series;
+    let white = tidy && even && single && (after.share < WHITE || after.p_value > LEVEL);
     // By what has a name: what is carried without one does not explain.
     let gone = 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300);
     let something = !named.is_empty() || lattice.is_some();
+    // A base model whose error goes only with terms that earn no name is not adequate.
+    let nothing = !something && removed < FAINT;
     let outcome = if named.iter().any(|n| !n.rivals.is_empty()) {
         Outcome::Undecidable
-    } else if something && (white || gone > NEARLY_ALL && !selection.cut_short) {
+    } else if something && (white || gone > NEARLY_ALL && single && !selection.cut_short) {
         Outcome::Explained
-    } else if white {
+    } else if white && nothing {
         Outcome::Adequate
-    } else if named.is_empty() && twins.is_empty() && after.share < FAINT {
+    } else if named.is_empty() && single && nothing && after.share < FAINT {
         Outcome::Undecidable
     } else {
         Outcome::Unexplained
