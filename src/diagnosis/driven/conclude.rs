@@ -17,7 +17,7 @@ use super::term::{Scales, Term};
 use super::valleys::deepest;
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
-const WHITE: f64 = 0.02;
+pub const WHITE: f64 = 0.02;
 /// A remainder of less than this share, with no candidate that earns a name, is too faint to say that the library fails.
 const FAINT: f64 = 0.05;
 /// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
@@ -37,6 +37,9 @@ const LEAST_PART: f64 = 1e-3;
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
 /// Part of the held-out error that must go before a coloured remainder may be called a detail.
 const NEARLY_ALL: f64 = 0.99;
+
+/// Laws that may be named together: to say that a model left out more at once claims more than one recording can show.
+const MOST_LAWS: usize = 3;
 
 /// One named term.
 #[derive(Debug, Clone)]
@@ -154,12 +157,13 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         faint.iter().copied().filter(|i| faint.iter().any(|j| i != j && alike(&term(*i), &term(*j)))).collect();
     dropped.extend(twins.iter().map(|i| (term(*i), "only together with another that it can be mistaken for")));
     named.retain(|n| !twins.contains(&n.index));
-    // Three that can all be mistaken for each other are the beginning of a series for something else, and whatever stands
-    // beside them was fitted to what they leave.
+    // Three that can all be mistaken for each other, or many laws at once, are the beginning of a series for something else;
+    // whatever stands beside them was fitted to what they leave.
     let look_alikes = |i: usize| named.iter().filter(|n| n.index != i && alike(&term(i), &term(n.index))).count();
-    let series = named.iter().any(|n| look_alikes(n.index) > 1);
+    let laws = named.iter().filter(|n| term(n.index).noise().is_none()).count();
+    let series = laws > MOST_LAWS || named.iter().any(|n| look_alikes(n.index) > 1);
     if series {
-        let reason = "only in a model of three that can be mistaken for each other";
+        let reason = "only in a series: three that can be mistaken for each other, or more than three laws at once";
         dropped.extend(named.drain(..).map(|n| (term(n.index), reason)));
     }
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.

@@ -4,7 +4,7 @@ use crate::diagnosis::Ranked;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
 use crate::number::{short, with_uncertainty};
 
-use super::conclude::{Conclusion, Named};
+use super::conclude::{Conclusion, Named, WHITE};
 use super::fit::{Data, Fit};
 use super::interval;
 use super::select::{Selection, Trial};
@@ -289,6 +289,10 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
                 "Something is missing, and this recording cannot tell {} apart; with either, {fall}.",
                 listed(&also, "and")
             )
+        }
+        Outcome::Unexplained if named.is_empty() && c.after.share < WHITE => {
+            "The mismatch is real, and the library has only a series of stand-ins for it, none of which holds by itself."
+                .into()
         }
         Outcome::Unexplained if named.is_empty() => format!(
             "The mismatch is real, and nothing in the library accounts for it: {} % of what is left can be foreseen from the \
