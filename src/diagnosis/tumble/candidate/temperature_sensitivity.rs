@@ -15,7 +15,7 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     parameters: &[Parameter {
         name: "c",
         unit: "u per unit of the column, or per minute",
-        range: (f64::NEG_INFINITY, f64::INFINITY),
+        range: (f64::MIN, f64::MAX),
     }],
     acts: "readout",
     signature: "poses of equal attitude differ by when they were taken",
