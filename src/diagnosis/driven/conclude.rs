@@ -83,7 +83,7 @@ pub struct Conclusion {
     pub fineness: f64,
 }
 
-/// Draws the conclusion. `judge` holds all train samples to fit and the test samples to judge.
+/// Draws the conclusion: models fitted to the train samples of `data`, judged on its test samples.
 pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
     let refit =
         |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());

@@ -10,7 +10,7 @@
 use std::ops::Range;
 
 use super::friction::{self, Sliding};
-use super::gain::transition;
+use super::propagator::{Shift, Transition};
 use super::term::{BaseLanes, Constants, Instant, LANES, Lanes, Stride, Term};
 
 /// Most own states of all terms of a model together.
@@ -391,54 +391,4 @@ fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]) ->
         }
     }
     (x, v)
-}
-
-/// exp(At) in every lane.
-struct Transition {
-    xx: Lanes,
-    xv: Lanes,
-    vx: Lanes,
-    vv: Lanes,
-}
-
-impl Transition {
-    fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
-        let mut m = Self { xx: [0.0; LANES], xv: [0.0; LANES], vx: [0.0; LANES], vv: [0.0; LANES] };
-        for l in 0..LANES {
-            [m.xx[l], m.xv[l], m.vx[l], m.vv[l]] = transition(oscillator[0][l], oscillator[1][l], t);
-        }
-        m
-    }
-
-    #[inline(always)]
-    fn apply(&self, x: &Lanes, v: &Lanes) -> (Lanes, Lanes) {
-        let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            nx[l] = self.xx[l] * x[l] + self.xv[l] * v[l];
-            nv[l] = self.vx[l] * x[l] + self.vv[l] * v[l];
-        }
-        (nx, nv)
-    }
-}
-
-/// A delay in grid points: a whole part, and cubic Lagrange weights for the rest.
-struct Shift {
-    whole: isize,
-    weights: [Lanes; 4],
-}
-
-impl Shift {
-    fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
-        let whole = (delay_s[0] / spacing_s).ceil();
-        let mut weights = [[0.0; LANES]; 4];
-        for l in 0..LANES {
-            // Position right of the node `index − whole`, normally in [0, 1).
-            let t = whole - delay_s[l] / spacing_s;
-            weights[0][l] = -t * (t - 1.0) * (t - 2.0) / 6.0;
-            weights[1][l] = (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0;
-            weights[2][l] = -(t + 1.0) * t * (t - 2.0) / 2.0;
-            weights[3][l] = (t + 1.0) * t * (t - 1.0) / 6.0;
-        }
-        Self { whole: whole as isize, weights }
-    }
 }

@@ -10,9 +10,8 @@ use crate::progress;
 
 use super::ensemble::Ensemble;
 use super::filter::Nothing;
-use super::fit::{BASE, Data, Fit, Run, Search, Shape, fit, innovations, trace};
+use super::fit::{Data, Fit, Run, Search, Shape, fit, innovations, trace};
 use super::folds::{Fold, turned};
-use super::guide;
 use super::held_out::{Comparison, HeldOut, compare, held_out};
 use super::rivals::Rival;
 use super::term::{LANES, Scales, Term};
@@ -218,7 +217,6 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         })
         .collect();
     promised.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let guide = guide::is_due(&model.fit, scales);
     let worth = worth_fitting(&promised, model.fit.linear.residual.len(), sure);
     let mut trials: Vec<Trial> = promised
         .par_iter()
@@ -229,15 +227,12 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
             if !worth || progress::interrupted() {
                 return trial;
             }
-            let begun: Vec<(Shape, Vec<f64>)> = starts.iter().map(|start| model.fit.with(*term, start)).collect();
-            let held = begun.first().filter(|_| guide && term.noise().is_none()).and_then(|(shape, point)| {
-                let point = guide::guided(data, shape, point, scales)?;
-                Some((shape.clone(), point))
-            });
-            let best = begun
-                .into_iter()
-                .chain(held)
-                .filter_map(|(shape, point)| fit(data, &shape, &point, scales, HEAT))
+            let best = starts
+                .iter()
+                .filter_map(|start| {
+                    let (shape, point) = model.fit.with(*term, start);
+                    fit(data, &shape, &point, scales, HEAT)
+                })
                 .min_by(|a, b| a.variance.total_cmp(&b.variance));
             trial.judged = best.map(|found| judge(data, found, scales));
             trial
@@ -325,14 +320,8 @@ pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> 
     model
 }
 
-/// A model refitted without one of its terms. Where the others, as they stood, leave no model that runs, they start afresh.
+/// A model refitted without one of its terms.
 pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
     let (shape, point): (Shape, Vec<f64>) = model.fit.without(index);
-    let afresh = || {
-        let mut point = point[..BASE].to_vec();
-        shape.terms.iter().try_for_each(|t| t.starts(scales).first().map(|s| point.extend_from_slice(s)))?;
-        fit(data, &shape, &point, scales, ITERATIONS)
-    };
-    let found = fit(data, &shape, &point, scales, ITERATIONS).or_else(afresh)?;
-    Some(judge(data, found, scales))
+    Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
 }

@@ -70,7 +70,7 @@ impl Chain {
     }
 
     /// Forward and backward (Baum et al. 1970), scaled at every value.
-    fn expect(&self, values: &[f64]) -> Expected {
+    fn responsibilities(&self, values: &[f64]) -> Expected {
         let stay = self.leave.map(|l| 1.0 - l);
         let emitted = |value: f64| -> ([f64; 2], f64) {
             let exponent = self.level.map(|l| -0.5 * (value - l).powi(2) / self.variance);
@@ -138,10 +138,10 @@ impl Chain {
 
 /// The best chain found from a start, with what it expects.
 fn climb(mut chain: Chain, values: &[f64], least: f64) -> (Chain, Expected) {
-    let mut expected = chain.expect(values);
+    let mut expected = chain.responsibilities(values);
     for _ in 0..STEPS {
         let next = chain.improved(values, &expected, least);
-        let then = next.expect(values);
+        let then = next.responsibilities(values);
         let gained = then.log_likelihood - expected.log_likelihood;
         if gained > 0.0 {
             (chain, expected) = (next, then);
