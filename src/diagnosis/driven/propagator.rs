@@ -1,6 +1,9 @@
 //! What carries a state or an input over a fixed time and is known before a pass begins: the free oscillator, and an input
 //! moved by part of a grid point. Not the pass itself (`filter`).
 
+// Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
+#![allow(clippy::needless_range_loop)]
+
 use super::gain::transition;
 use super::term::{LANES, Lanes};
 
