@@ -57,6 +57,9 @@ pub fn holes(values: &[f64]) -> Vec<Range<usize>> {
     all
 }
 
+/// Values that lie off whole steps by less than this are whole multiples, rounded in print.
+const ON_GRID: f64 = 0.05;
+
 /// Looks at the values of a channel as they pass.
 #[derive(Debug, Clone)]
 pub struct Watch {
@@ -73,7 +76,7 @@ pub struct Watch {
     /// Smallest change between neighbours.
     step: f64,
     origin: f64,
-    /// How far values lie off the grid of the smallest change, at most, in steps.
+    /// How far values lie off the grid of the smallest change, in steps: at most, or one value found off it.
     off_grid: f64,
 }
 
@@ -157,8 +160,10 @@ impl Watch {
         if self.run > self.longest.1 {
             self.longest = (self.count + 1 - self.run, self.run, value);
         }
-        let steps = (value - self.origin) / self.step;
-        self.off_grid = self.off_grid.max((steps - steps.round()).abs());
+        if self.off_grid < ON_GRID {
+            let steps = (value - self.origin) / self.step;
+            self.off_grid = self.off_grid.max((steps - steps.round()).abs());
+        }
         self.before = value;
         self.count += 1;
     }
@@ -167,7 +172,7 @@ impl Watch {
     /// accident of printing.
     pub fn step(&self) -> Option<f64> {
         let span = (self.high.value + self.low.value) / self.step;
-        (self.step.is_finite() && self.off_grid < 0.05 && 20.0 * span < self.count as f64).then_some(self.step)
+        (self.step.is_finite() && self.off_grid < ON_GRID && 20.0 * span < self.count as f64).then_some(self.step)
     }
 
     /// Whether all values are the same.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::Request;
 use super::glitch::Glitch;
 use super::health::Watch;
-use super::stream::{self, Event, Streamed};
+use super::stream::{self, Streamed};
 use super::unit::Unit;
 use crate::error::{Error, Result};
 use crate::numerics::allan::covariance::Covariance;
@@ -99,9 +99,13 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     let mut meters = names.iter().map(|n| Meter::new(n)).collect::<Option<Vec<Meter>>>().ok_or_else(|| {
         Error::new("could not analyse noise", "segments of the spectrum are too short", "report this as a defect")
     })?;
-    let mut source = stream::read(path, request, |event| match event {
-        Event::Sample(values) => meters.iter_mut().zip(values).for_each(|(m, v)| m.push(*v)),
-        Event::Break => meters.iter_mut().for_each(Meter::interrupt),
+    let mut source = stream::read(path, request, |block| {
+        meters.par_iter_mut().zip(&block.columns).for_each(|(meter, values)| {
+            values.iter().for_each(|v| meter.push(*v));
+            if block.broken_off {
+                meter.interrupt();
+            }
+        });
     })?;
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));

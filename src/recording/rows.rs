@@ -85,8 +85,9 @@ impl Rows {
     }
 
     fn read_header(&mut self, columns: &[String]) -> Result<()> {
-        let mut header = ByteRecord::new();
-        if !self.read_record(&mut header)? || header.as_slice().len() as u64 > LONGEST_HEADER_BYTES {
+        let some = self.advance()?;
+        let header = std::mem::take(&mut self.record);
+        if !some || header.as_slice().len() as u64 > LONGEST_HEADER_BYTES {
             return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
         }
         self.refuse_open_quote(&header)?;
@@ -109,9 +110,8 @@ impl Rows {
 
     fn numeric_places(&mut self, headings: &[String]) -> Result<Vec<usize>> {
         if self.first.is_none() {
-            let mut row = ByteRecord::new();
-            if self.read_record(&mut row)? {
-                self.first = Some(row);
+            if self.advance()? {
+                self.first = Some(std::mem::take(&mut self.record));
             }
         }
         let numeric = |place: usize| match &self.first {
@@ -190,21 +190,16 @@ impl Rows {
     /// # Errors
     /// A row with too few or too many cells and a cell that is text, each with its line.
     pub fn next(&mut self, values: &mut [f64]) -> Result<bool> {
-        let mut record = match self.first.take() {
-            Some(first) => first,
-            None => {
-                let mut record = std::mem::take(&mut self.record);
-                if !self.read_record(&mut record)? {
-                    return Ok(false);
-                }
-                record
-            }
-        };
-        if record.len() != self.width {
-            self.refuse_open_quote(&record)?;
-            let line = line_of(&record);
-            let got = record.len();
-            let last = !self.read_record(&mut record)?;
+        match self.first.take() {
+            Some(first) => self.record = first,
+            None if self.advance()? => {}
+            None => return Ok(false),
+        }
+        if self.record.len() != self.width {
+            self.refuse_open_quote(&self.record)?;
+            let line = line_of(&self.record);
+            let got = self.record.len();
+            let last = !self.advance()?;
             if last && got < self.width {
                 self.findings.push(format!("the last line ({line}) is cut short; it was left out"));
                 return Ok(false);
@@ -215,13 +210,12 @@ impl Rows {
             ));
         }
         for (value, place) in values.iter_mut().zip(&self.places) {
-            let cell = record.get(*place).unwrap_or_default();
+            let cell = self.record.get(*place).unwrap_or_default();
             *value = match format::number(cell) {
                 Some(number) => number,
-                None => return Err(self.no_number(&record, *place)),
+                None => return Err(self.no_number(&self.record, *place)),
             };
         }
-        self.record = record;
         Ok(true)
     }
 
@@ -246,8 +240,9 @@ impl Rows {
         self.fail(&format!("line {line}, column {}: `{}` {what}", place + 1, shortened(&text)), hint)
     }
 
-    fn read_record(&mut self, record: &mut ByteRecord) -> Result<bool> {
-        self.table.read_byte_record(record).map_err(|e| self.fail(&e.to_string(), "is the file complete?"))
+    /// Reads a row into `record`; false at the end.
+    fn advance(&mut self) -> Result<bool> {
+        self.table.read_byte_record(&mut self.record).map_err(|e| self.fail(&e.to_string(), "is the file complete?"))
     }
 
     fn fail(&self, cause: &str, hint: &str) -> Error {

@@ -3,6 +3,8 @@
 //! For what needs a whole column at once, see `recording::read`.
 
 use std::path::Path;
+use std::sync::mpsc::{self, SyncSender};
+use std::thread;
 
 use super::rows::Rows;
 use super::{FILL_LIMIT, Request, checked_rate};
@@ -11,16 +13,20 @@ use crate::progress;
 
 /// Holes up to this many samples are bridged by straight lines.
 const BRIDGED: usize = 10;
+/// Samples handed on at once: what work is divided over threads must outweigh waking them.
+const BLOCK: usize = 8192;
+/// Blocks read before they are worked on.
+const AHEAD: usize = 2;
 /// Rows looked at to learn the rate from a time column.
 const LOOKED_AT: usize = 1000;
 
-/// What comes next.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event<'a> {
-    /// A sample: one value per column, none missing.
-    Sample(&'a [f64]),
-    /// Too much is missing to bridge.
-    Break,
+/// Samples in a row, none missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// One per column, all of one length.
+    pub columns: Vec<Vec<f64>>,
+    /// Too much is missing behind them to bridge.
+    pub broken_off: bool,
 }
 
 /// What is known of a file once it has been streamed.
@@ -45,22 +51,36 @@ pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
     Ok(names.into_iter().filter(|n| Some(n) != request.time.as_ref()).collect())
 }
 
-/// Streams the columns of `request` (`rows` is ignored) into `take`.
+/// Streams the columns of `request` (`rows` is ignored) into `take`: one thread reads while this one works on what was read.
 ///
 /// # Errors
 /// As [`super::read`], except that gaps of any length are survived.
-pub fn read(path: &Path, request: &Request, mut take: impl FnMut(Event<'_>)) -> Result<Streamed> {
-    let names = headings(path, request)?;
-    let mut wanted = names.clone();
+pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Result<Streamed> {
+    let mut wanted = headings(path, request)?;
     wanted.splice(0..0, request.time.clone());
-    let rate_hz = match &request.time {
-        Some(_) => rate_of(path, &wanted, request.rate_hz)?,
-        None => checked_rate(path, request.rate_hz)?,
+    let (clock, rate_hz) = match &request.time {
+        Some(_) => {
+            let rate_hz = rate_of(path, &wanted, request.rate_hz)?;
+            (Some(Clock { rate_hz, before: None, repeats: 0 }), rate_hz)
+        }
+        None => (None, checked_rate(path, request.rate_hz)?),
     };
-    let mut table = Rows::open(path, &wanted)?;
-    let mut row = vec![0.0; wanted.len()];
-    let mut bridge = Bridge::new(names.len());
-    let mut clock = request.time.as_ref().map(|_| Clock { rate_hz, before: None, repeats: 0 });
+    let table = Rows::open(path, &wanted)?;
+    thread::scope(|scope| {
+        let (send, receive) = mpsc::sync_channel(AHEAD);
+        let reader = thread::Builder::new()
+            .spawn_scoped(scope, move || hand_on(path, table, clock, &send))
+            .map_err(|e| Error::io("start a thread that reads", path, &e))?;
+        receive.iter().for_each(|block| take(&block));
+        let source = reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        Ok(Streamed { rate_hz, ..source })
+    })
+}
+
+/// Reads to the end, in blocks; the rate is for the caller to know.
+fn hand_on(path: &Path, mut table: Rows, mut clock: Option<Clock>, send: &SyncSender<Block>) -> Result<Streamed> {
+    let mut row = vec![0.0; table.names().len()];
+    let mut bridge = Bridge::new(row.len() - usize::from(clock.is_some()), send);
     let bar = progress::bar("reading", table.length_bytes());
     let mut index = 0usize;
     while table.next(&mut row)? {
@@ -81,8 +101,9 @@ pub fn read(path: &Path, request: &Request, mut take: impl FnMut(Event<'_>)) -> 
                 &row[1..]
             }
         };
-        bridge.push(values, &mut take);
+        bridge.push(values);
     }
+    bridge.send(false);
     bar.finish_and_clear();
     let source = table.finish()?;
     let mut findings = source.findings;
@@ -91,7 +112,7 @@ pub fn read(path: &Path, request: &Request, mut take: impl FnMut(Event<'_>)) -> 
     }
     let samples = bridge.given;
     bridge.judge(path, index, &mut findings)?;
-    Ok(Streamed { sha256: source.sha256, rate_hz, samples, findings })
+    Ok(Streamed { sha256: source.sha256, rate_hz: f64::NAN, samples, findings })
 }
 
 fn rate_of(path: &Path, wanted: &[String], stated: Option<f64>) -> Result<f64> {
@@ -145,47 +166,56 @@ impl Clock {
     }
 }
 
-/// Bridges short holes and announces long ones.
-struct Bridge {
+/// Bridges short holes, announces long ones and hands blocks on.
+struct Bridge<'a> {
+    send: &'a SyncSender<Block>,
+    columns: Vec<Vec<f64>>,
     last: Vec<f64>,
-    between: Vec<f64>,
-    begun: bool,
     missing: usize,
     given: usize,
     filled: usize,
     breaks: usize,
 }
 
-impl Bridge {
-    fn new(width: usize) -> Self {
-        let (last, between) = (vec![0.0; width], vec![0.0; width]);
-        Self { last, between, begun: false, missing: 0, given: 0, filled: 0, breaks: 0 }
+impl<'a> Bridge<'a> {
+    fn new(width: usize, send: &'a SyncSender<Block>) -> Self {
+        let (columns, last) = (vec![Vec::new(); width], vec![0.0; width]);
+        Self { send, columns, last, missing: 0, given: 0, filled: 0, breaks: 0 }
     }
 
-    fn push(&mut self, values: &[f64], take: &mut impl FnMut(Event<'_>)) {
+    fn push(&mut self, values: &[f64]) {
         if values.iter().any(|v| v.is_nan()) {
             self.missing += 1;
             return;
         }
-        if self.begun && self.missing > BRIDGED {
+        if self.given > 0 && self.missing > BRIDGED {
             self.breaks += 1;
-            take(Event::Break);
-        } else if self.begun {
+            self.send(true);
+        } else if self.given > 0 {
             for k in 1..=self.missing {
                 let share = k as f64 / (self.missing + 1) as f64;
-                for ((to, from), value) in self.between.iter_mut().zip(&self.last).zip(values) {
-                    *to = from + share * (value - from);
+                for ((column, from), value) in self.columns.iter_mut().zip(&self.last).zip(values) {
+                    column.push(from + share * (value - from));
                 }
-                take(Event::Sample(&self.between));
             }
             self.filled += self.missing;
             self.given += self.missing;
         }
         self.missing = 0;
-        self.begun = true;
         self.given += 1;
-        take(Event::Sample(values));
+        self.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
         self.last.copy_from_slice(values);
+        if self.columns.first().is_some_and(|c| c.len() >= BLOCK) {
+            self.send(false);
+        }
+    }
+
+    /// Hands on what has gathered.
+    fn send(&mut self, broken_off: bool) {
+        let room = self.columns.iter().map(|c| Vec::with_capacity(c.len())).collect();
+        let columns = std::mem::replace(&mut self.columns, room);
+        // Nobody listens only when the other side has panicked, and then that is what the user hears.
+        let _ = self.send.send(Block { columns, broken_off });
     }
 
     fn judge(self, path: &Path, rows: usize, findings: &mut Vec<String>) -> Result<()> {
