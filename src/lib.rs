@@ -13,7 +13,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `error` `document` `progress` | how we name, round, fail, read and write |
+//! | 0 | `units` `number` `error` `document` `progress` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
@@ -45,6 +45,7 @@ pub mod navigation;
 pub mod number;
 pub mod numerics;
 pub mod paper;
+pub mod parallel;
 pub mod progress;
 pub mod recording;
 pub mod report;

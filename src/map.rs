@@ -7,11 +7,10 @@
 pub mod document;
 pub mod grid;
 
-use rayon::prelude::*;
-
 use crate::backend::orbits::Device;
 use crate::dynamics::bifurcation::{Sweep, sweep};
 use crate::error::Result;
+use crate::parallel;
 use crate::progress;
 use document::{Diagram, Document};
 use grid::Grid;
@@ -71,28 +70,26 @@ pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
     for map in &document.map {
         grids.push(grid::compute(&document, map, device, &bar)?);
     }
-    let diagrams: Result<Vec<Bifurcation>> = document
-        .bifurcation
-        .par_iter()
-        .map(|d| {
-            let omega_rad_s = document.drive.omega_rad_s();
-            let up = Sweep {
-                from_n: d.from_n,
-                to_n: d.to_n,
-                points: d.points,
-                omega_rad_s,
-                transient_periods: d.transient_periods,
-                strobes: d.strobes,
-                noise_n_rts: d.noise_n_rts,
-                seed: document.seed,
-            };
-            let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed.wrapping_add(1), ..up };
-            let oscillator = document.oscillator.into();
-            let (up, down) = rayon::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
-            bar.inc(1);
-            Ok(Bifurcation { diagram: d.clone(), up: up?, down: down? })
-        })
-        .collect();
+    let diagrams: Result<Vec<Bifurcation>> = parallel::map(&document.bifurcation, |d| {
+        let omega_rad_s = document.drive.omega_rad_s();
+        let up = Sweep {
+            from_n: d.from_n,
+            to_n: d.to_n,
+            points: d.points,
+            omega_rad_s,
+            transient_periods: d.transient_periods,
+            strobes: d.strobes,
+            noise_n_rts: d.noise_n_rts,
+            seed: document.seed,
+        };
+        let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed.wrapping_add(1), ..up };
+        let oscillator = document.oscillator.into();
+        let (up, down) = parallel::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
+        bar.inc(1);
+        Ok(Bifurcation { diagram: d.clone(), up: up?, down: down? })
+    })
+    .into_iter()
+    .collect();
     bar.finish_and_clear();
     Ok(Atlas { grids, diagrams: diagrams?, document })
 }

@@ -1,8 +1,6 @@
 //! The CPU backend: lanes × threads. Members in groups of 64 go to the threads; time is cut into tiles so that the
 //! table of the excitation stays small and Ctrl-C is heard.
 
-use rayon::prelude::*;
-
 use super::tile;
 use super::{Backend, Batch, Partial};
 use crate::error::{Error, Result};
@@ -14,6 +12,7 @@ use crate::kernel::force;
 use crate::kernel::job::Job;
 use crate::kernel::member::Column;
 use crate::numerics::elementary::Real;
+use crate::parallel;
 use crate::progress;
 use crate::statistics::{Bins, Histogram, Machine};
 
@@ -54,7 +53,7 @@ impl Backend for Cpu {
         Machine {
             kind: "cpu".to_owned(),
             name: processor_name(),
-            driver: format!("{}, {} threads", self.level.name(), rayon::current_num_threads()),
+            driver: format!("{}, {} threads", self.level.name(), parallel::threads()),
             precision: if self.precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
             fused_multiply_add: if self.level.fused() { "yes" } else { "no" }.to_owned(),
             integrator: job.integrator.to_string(),
@@ -105,9 +104,8 @@ impl Cpu {
         let (job, members) = (batch.job, &batch.members);
         let shared = Shared::<T>::of(job);
         let starts: Vec<u64> = members.clone().step_by(LANES).collect();
-        let mut groups = starts
-            .par_iter()
-            .map(|&first| draw::<T>(job, first, members.end, shared.flicker.len()))
+        let mut groups = parallel::map(&starts, |first| draw::<T>(job, *first, members.end, shared.flicker.len()))
+            .into_iter()
             .collect::<Result<Vec<Group<T>>>>()?;
         let sample_s = job.clock.sample_s();
         let size = members.end - members.start;
@@ -138,7 +136,7 @@ impl Cpu {
             }
             let count = tile.samples.end - from;
             let table = force::table::<T>(job, from, count);
-            groups.par_iter_mut().for_each(|members| {
+            parallel::for_each_mut(groups, |_, members| {
                 let work = Simulate { shared, members, force: &table, first: from, count, observer: None };
                 work.run(self.level);
             });
@@ -160,26 +158,22 @@ fn partial<T: Real>(
     let empty = || bins.map(|b| b.map(Histogram::new));
     // Counting is by threads in stretches of blocks; counts are integers, so their order is free.
     let stretch = 16;
-    let parts: Vec<Partial> = groups
-        .par_chunks(stretch * BLOCK / LANES)
-        .enumerate()
-        .map(|(i, groups)| {
-            let mut part = Partial::default();
-            let mut histograms = empty();
-            for (j, block) in groups.chunks(BLOCK / LANES).enumerate() {
-                let size = (members - (i * stretch + j) * BLOCK).min(BLOCK);
-                let snapshots: Vec<Snapshot> = block.iter().map(|m| m.snapshot(samples, sample_s)).collect();
-                let moments = reduce::moments(&snapshots, size);
-                part.failed += size as u64 - moments[0].count;
-                part.blocks.push(moments);
-                if let Some(histograms) = &mut histograms {
-                    reduce::count(&snapshots, size, histograms);
-                }
+    let parts: Vec<Partial> = parallel::map_chunks(groups, stretch * BLOCK / LANES, |i, groups| {
+        let mut part = Partial::default();
+        let mut histograms = empty();
+        for (j, block) in groups.chunks(BLOCK / LANES).enumerate() {
+            let size = (members - (i * stretch + j) * BLOCK).min(BLOCK);
+            let snapshots: Vec<Snapshot> = block.iter().map(|m| m.snapshot(samples, sample_s)).collect();
+            let moments = reduce::moments(&snapshots, size);
+            part.failed += size as u64 - moments[0].count;
+            part.blocks.push(moments);
+            if let Some(histograms) = &mut histograms {
+                reduce::count(&snapshots, size, histograms);
             }
-            part.histograms = histograms.map_or_else(Vec::new, Vec::from);
-            part
-        })
-        .collect();
+        }
+        part.histograms = histograms.map_or_else(Vec::new, Vec::from);
+        part
+    });
     let mut whole = Partial { histograms: empty().map_or_else(Vec::new, Vec::from), ..Partial::default() };
     for part in parts {
         whole.failed += part.failed;
@@ -198,9 +192,8 @@ fn partial<T: Real>(
 pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
     let shared = Shared::<T>::of(job);
     let starts: Vec<u64> = (0..job.members).step_by(LANES).collect();
-    let mut groups = starts
-        .par_iter()
-        .map(|&first| draw::<T>(job, first, job.members, shared.flicker.len()))
+    let mut groups = parallel::map(&starts, |first| draw::<T>(job, *first, job.members, shared.flicker.len()))
+        .into_iter()
         .collect::<Result<Vec<Group<T>>>>()?;
     let cpu = Cpu::default();
     if !cpu.tiles(job, &shared, &mut groups, |_, _| ()) {

@@ -1,13 +1,12 @@
 //! How far many models of one recording stay from its readings: on the CPU in groups of 64 points over all threads. Its
 //! twin on a GPU is `gpu::misfits`.
 
-use rayon::prelude::*;
-
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::{LANES, Level};
 use crate::kernel::cpu::misfit::{Group, Misfit as Work, Shared};
 use crate::kernel::misfit::{Job, Misfit, Parts, Point, stretches};
 use crate::numerics::elementary::Real;
+use crate::parallel;
 use crate::progress;
 
 /// Evaluates every point; the result does not depend on the number of threads. `T` is f32, or f64 for references.
@@ -17,7 +16,7 @@ use crate::progress;
 pub fn evaluate<T: Real>(job: &Job<'_>, points: &[Point]) -> Result<Vec<Misfit>> {
     let shared = Shared::<T>::of(job, Parts::of(points));
     let (stretches, level) = (stretches(job), Level::best());
-    let group = |points: &[Point]| {
+    let group = |_, points: &[Point]| {
         let mut group = Group::<T>::load(job, points);
         for (samples, block) in &stretches {
             if progress::interrupted() {
@@ -29,7 +28,7 @@ pub fn evaluate<T: Real>(job: &Job<'_>, points: &[Point]) -> Result<Vec<Misfit>>
         let sums = |l: usize| group.sums.iter().map(|s| s[l]).collect::<Vec<f64>>();
         (0..points.len()).map(|l| finish(job, &sums(l), group.lost(l))).collect::<Vec<Misfit>>()
     };
-    let all: Vec<Vec<Misfit>> = points.par_chunks(LANES).map(group).collect();
+    let all: Vec<Vec<Misfit>> = parallel::map_chunks(points, LANES, group);
     if progress::interrupted() {
         return Err(stopped());
     }

@@ -1,8 +1,6 @@
 //! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector unit the
 //! host has, or on a GPU.
 
-use rayon::prelude::*;
-
 use super::gpu::{self, Gpu};
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::{Kernel, LANES, Level};
@@ -10,6 +8,7 @@ use crate::kernel::cpu::lyapunov::exponents;
 use crate::kernel::cpu::poincare::{Block, strobes};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::numerics::elementary::Real;
+use crate::parallel;
 use crate::progress;
 
 /// Where orbits are integrated.
@@ -40,21 +39,16 @@ pub fn explore<T: Real>(points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
     let halves = 2 * plan.steps_per_period;
     let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);
     let table: Vec<T> = (0..=halves).map(|j| T::of(angle(j).cos())).collect();
-    let blocks: Vec<Vec<Orbit>> = points
-        .par_chunks(LANES)
-        .enumerate()
-        .map(|(number, chunk)| {
-            if progress::interrupted() {
-                return Vec::new();
-            }
-            let mut block = Block::<T>::load(chunk, plan, (number * LANES) as u64);
-            let mut recorded = Vec::with_capacity(plan.strobes as usize);
-            let exponents = Level::best().run(Both { block: &mut block, plan, table: &table, out: &mut recorded });
-            let orbit =
-                |l: usize| Orbit { exponent_per_s: exponents[l], strobes: recorded.iter().map(|s| s[l]).collect() };
-            (0..chunk.len()).map(orbit).collect()
-        })
-        .collect();
+    let blocks: Vec<Vec<Orbit>> = parallel::map_chunks(points, LANES, |number, chunk| {
+        if progress::interrupted() {
+            return Vec::new();
+        }
+        let mut block = Block::<T>::load(chunk, plan, (number * LANES) as u64);
+        let mut recorded = Vec::with_capacity(plan.strobes as usize);
+        let exponents = Level::best().run(Both { block: &mut block, plan, table: &table, out: &mut recorded });
+        let orbit = |l: usize| Orbit { exponent_per_s: exponents[l], strobes: recorded.iter().map(|s| s[l]).collect() };
+        (0..chunk.len()).map(orbit).collect()
+    });
     if progress::interrupted() {
         return Err(Error::interrupted("could not finish the map", "run it again; a smaller map takes less time"));
     }

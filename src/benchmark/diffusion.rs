@@ -3,11 +3,10 @@
 //!
 //! A yardstick; the tool itself solves no such equation.
 
-use rayon::prelude::*;
-
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::kernel::cpu::noise::Drawer;
 use crate::numerics::elementary::{Real, fma};
+use crate::parallel;
 use crate::rng::Stream;
 
 /// Trajectories.
@@ -22,7 +21,7 @@ const START: f64 = 0.1;
 /// One run on all threads; the mean of the first state at its end, over all trajectories.
 pub fn run<T: Real>(level: Level) -> f64 {
     let one = |block: usize| level.run(Paths::<T>::new(Drawer { seed: 1, first_member: (block * LANES) as u64 }));
-    let sums: Vec<f64> = (0..MEMBERS / LANES).into_par_iter().map(one).collect();
+    let sums: Vec<f64> = parallel::map_indices(MEMBERS / LANES, one);
     sums.iter().sum::<f64>() / MEMBERS as f64
 }
 

@@ -3,11 +3,10 @@
 //!
 //! In displacement coordinates, as the others have it; the ensemble's own kernel works on the error and does more.
 
-use rayon::prelude::*;
-
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::kernel::cpu::noise::{Draw, Drawer};
 use crate::numerics::elementary::{Real, fma};
+use crate::parallel;
 use crate::rng::Stream;
 use crate::units::MICRO_G;
 
@@ -64,7 +63,7 @@ impl<T: Real> Problem<T> {
             let force = &self.force;
             if noise { Noisy { block, force }.run(level) } else { level.run(Quiet { block, force }) }
         };
-        let ends: Vec<f64> = self.blocks.par_iter().map(one).collect();
+        let ends: Vec<f64> = parallel::map(&self.blocks, one);
         ends[0]
     }
 }

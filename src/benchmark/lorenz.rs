@@ -3,10 +3,9 @@
 //!
 //! A yardstick; the tool itself solves no Lorenz system.
 
-use rayon::prelude::*;
-
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::numerics::elementary::{Real, fma};
+use crate::parallel;
 
 /// Systems.
 pub const MEMBERS: usize = 16_384;
@@ -34,7 +33,7 @@ pub fn run<T: Real>(level: Level) -> [f64; 3] {
         }
         level.run(Systems { rho: rho_lanes, steps: STEPS })
     };
-    let ends: Vec<[f64; 3]> = (0..MEMBERS / LANES).into_par_iter().map(one).collect();
+    let ends: Vec<[f64; 3]> = parallel::map_indices(MEMBERS / LANES, one);
     ends[0]
 }
 

@@ -1,11 +1,10 @@
 //! Normal numbers alone, as many as the noisy Duffing unit needs: the generator's part of an ensemble's time.
 
-use rayon::prelude::*;
-
 use super::duffing::{MEMBERS, STEPS};
 use crate::kernel::cpu::lanes::{LANES, Lane, Level};
 use crate::kernel::cpu::noise::{Draw, Drawer};
 use crate::numerics::elementary::Real;
+use crate::parallel;
 use crate::rng::Stream;
 
 /// Numbers drawn at a time, as the ensemble's own kernel does.
@@ -22,5 +21,5 @@ pub fn run<T: Real>(level: Level) -> f64 {
         }
         numbers[STRETCH - 1][0].f64()
     };
-    (0..MEMBERS / LANES).into_par_iter().map(one).sum()
+    parallel::map_indices(MEMBERS / LANES, one).iter().sum()
 }

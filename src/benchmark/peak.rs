@@ -2,10 +2,9 @@
 
 use std::hint::black_box;
 
-use rayon::prelude::*;
-
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::numerics::elementary::{Real, fma};
+use crate::parallel;
 
 /// Multiply-adds per number and call.
 const LENGTH: usize = 100_000;
@@ -34,9 +33,9 @@ impl<T: Real, const N: usize> Kernel for Chains<T, N> {
 ///
 /// Which `N` fills the registers without spilling depends on the machine: take the best of 1, 2 and 3.
 pub fn multiply_adds<T: Real, const N: usize>() -> f64 {
-    let threads = rayon::current_num_threads();
+    let threads = parallel::threads();
     let one = |_| Level::best().run(Chains::<T, N>(black_box(T::of(0.999_999))));
-    let sums: Vec<f64> = (0..threads).into_par_iter().map(one).collect();
+    let sums: Vec<f64> = parallel::map_indices(threads, one);
     black_box(sums);
     (threads * LENGTH * N * LANES) as f64
 }

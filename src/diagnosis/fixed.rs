@@ -23,14 +23,13 @@ mod spectrum;
 mod telegraph;
 mod words;
 
-use rayon::prelude::*;
-
 pub use candidate::CANDIDATES;
 
 use super::Diagnosis;
 use super::model;
 use crate::error::{Error, Result};
 use crate::number::short;
+use crate::parallel;
 use crate::progress;
 use crate::recording::Recording;
 use crate::recording::health::Watch;
@@ -127,8 +126,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosi
         .collect();
     let means: Vec<f64> = live.iter().map(|v| v.iter().sum::<f64>() / v.len() as f64).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
-    let mut selected: Vec<_> =
-        channels.par_iter().map(|c| selection::select(c, &environment, channels.len())).collect();
+    let mut selected: Vec<_> = parallel::map(&channels, |c| selection::select(c, &environment, channels.len()));
     let heard = || match progress::interrupted() {
         true => {
             let attempt = format!("could not diagnose {}", recording.path.display());

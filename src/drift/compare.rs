@@ -3,14 +3,13 @@
 //! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest, as often as the kernel
 //! has lanes, for as long as the log lasts. Not a diagnosis: it says where the two leave each other, `diagnose` says why.
 
-use rayon::prelude::*;
-
 use crate::backend::cpu;
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::integrator::Integrator;
 use crate::numerics::allan::{Accumulator, curve};
 use crate::numerics::order;
+use crate::parallel;
 use crate::recording::{self, Recording};
 use crate::sensor::Sense;
 use crate::study::Study;
@@ -90,15 +89,13 @@ pub fn run(study: &Study) -> Result<Outcome> {
     let request = recording::Request { columns, rate_hz: Some(compare.rate_hz), time: None, rows: None };
     let log = recording::read(&path, &request)?;
     let bar = crate::progress::bar("comparing", compare.axis.len() as u64);
-    let axes: Result<Vec<Likeness>> = compare
-        .axis
-        .par_iter()
-        .map(|axis| {
-            let likeness = likeness(study, axis, &log);
-            bar.inc(1);
-            likeness
-        })
-        .collect();
+    let axes: Result<Vec<Likeness>> = parallel::map(&compare.axis, |axis| {
+        let likeness = likeness(study, axis, &log);
+        bar.inc(1);
+        likeness
+    })
+    .into_iter()
+    .collect();
     bar.finish_and_clear();
     Ok(Outcome::Compared(axes?, log.findings))
 }

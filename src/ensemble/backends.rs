@@ -9,6 +9,7 @@ use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
+use crate::parallel;
 use crate::statistics::Statistics;
 
 /// Where to integrate.
@@ -69,7 +70,7 @@ impl Backends {
                 }
                 self.gpu.clone().flatten()
             }
-            (Choice::Auto, Precision::F32) if worth_a_gpu(job, rayon::current_num_threads()) => {
+            (Choice::Auto, Precision::F32) if worth_a_gpu(job, parallel::threads()) => {
                 self.gpu.get_or_insert_with(|| Gpu::open(true).ok().map(Arc::new)).clone()
             }
             _ => None,

@@ -1,10 +1,9 @@
 //! The shared excitation over one tile, tabulated once in f64 for all members: at the beginning, the middle and the end
 //! of each substep, and the differences, which f32 would lose.
 
-use rayon::prelude::*;
-
 use super::job::Job;
 use crate::numerics::elementary::Real;
+use crate::parallel;
 
 /// The specific force over one substep, m/s². Twin of `Force` in `shaders/shared/layout.wgsl`.
 #[repr(C)]
@@ -22,6 +21,9 @@ pub struct Force<T> {
     pub to_end: T,
 }
 
+/// Substeps that a thread tabulates at a time.
+const STRETCH: u64 = 1024;
+
 /// The force over the substeps of `count` samples from `first_sample` on.
 pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>> {
     let per_step = u64::from(job.integrator.substeps());
@@ -29,19 +31,20 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
     let half_s = 0.5 * job.clock.step_s / per_step as f64;
     let first = first_sample * per_sample;
     let at = |half: u64| job.waveform.specific_force_m_s2(half as f64 * half_s);
-    (0..(count * per_sample) as usize)
-        .into_par_iter()
-        .with_min_len(1024)
-        .map(|i| {
-            let substep = first + i as u64;
-            let [begin, middle, end] = [at(2 * substep), at(2 * substep + 1), at(2 * substep + 2)];
-            Force {
-                begin: T::of(begin),
-                middle: T::of(middle),
-                end: T::of(end),
-                to_middle: T::of(middle - begin),
-                to_end: T::of(end - begin),
-            }
-        })
-        .collect()
+    let one = |substep: u64| {
+        let [begin, middle, end] = [at(2 * substep), at(2 * substep + 1), at(2 * substep + 2)];
+        Force {
+            begin: T::of(begin),
+            middle: T::of(middle),
+            end: T::of(end),
+            to_middle: T::of(middle - begin),
+            to_end: T::of(end - begin),
+        }
+    };
+    let substeps = count * per_sample;
+    let stretch = |n: usize| -> Vec<Force<T>> {
+        let begin = n as u64 * STRETCH;
+        (begin..substeps.min(begin + STRETCH)).map(|i| one(first + i)).collect()
+    };
+    parallel::map_indices(substeps.div_ceil(STRETCH) as usize, stretch).concat()
 }

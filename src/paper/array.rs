@@ -2,12 +2,11 @@
 //!
 //! Every sensor has white noise of its own; all share one slow walk, as a common temperature would make it.
 
-use rayon::prelude::*;
-
 use super::check::{Check, Exhibit};
 use crate::numerics::allan::covariance::Covariance;
 use crate::numerics::allan::{Point, curve, law};
 use crate::numerics::special::chi_squared_quantile;
+use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// Sensors in the array.
@@ -71,8 +70,7 @@ fn deviation(values: &[f64], sensors: f64) -> Deviation {
 /// Computes the figure.
 pub fn compute() -> Array {
     let white = WHITE_M_S_RTS * RATE_HZ.sqrt();
-    let own: Vec<Vec<f64>> =
-        (0..SENSORS).into_par_iter().map(|m| noise(m, Stream::AccelerometerWhite, white)).collect();
+    let own: Vec<Vec<f64>> = parallel::map_members(0..SENSORS, |m| noise(m, Stream::AccelerometerWhite, white));
     let mut level = 0.0;
     let common: Vec<f64> = noise(0, Stream::AccelerometerWalk, WALK_M_S2_RTS / RATE_HZ.sqrt())
         .into_iter()

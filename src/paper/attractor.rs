@@ -2,8 +2,6 @@
 //!
 //! Not for other oscillators: `map` takes any.
 
-use rayon::prelude::*;
-
 use super::check::{Check, Exhibit};
 use super::forcing::{OMEGA_OF_HERTZ_RAD_S, OMEGA_RAD_S, Scan, choose, scan};
 use crate::backend::orbits::explore;
@@ -14,6 +12,7 @@ use crate::dynamics::lyapunov::{Span, kaplan_yorke_dimension, spectrum};
 use crate::dynamics::poincare::{Window, portrait};
 use crate::error::Result;
 use crate::kernel::orbit::{Orbit, Plan, Point};
+use crate::parallel;
 
 /// Groups of orbits between which errors are estimated.
 const GROUPS: usize = 8;
@@ -89,13 +88,10 @@ pub fn compute() -> Result<Attractor> {
     let second = densest(&all, &first);
     let views = [whole, first, second].map(|window| view(&orbits, window));
     let parts = [1, 2].map(|n| parts(&orbits, &whole, ENLARGEMENT.powi(n)));
-    let spectra: Vec<[f64; 2]> = (0..8)
-        .into_par_iter()
-        .map(|i| {
-            let span = Span { steps_per_period: 400, transient_periods: 200, periods: 1500 };
-            spectrum(&PAPER, &drive, State { x_m: 0.1 * f64::from(i), v_m_s: 0.0 }, span)
-        })
-        .collect();
+    let spectra: Vec<[f64; 2]> = parallel::map_indices(8, |i| {
+        let span = Span { steps_per_period: 400, transient_periods: 200, periods: 1500 };
+        spectrum(&PAPER, &drive, State { x_m: 0.1 * i as f64, v_m_s: 0.0 }, span)
+    });
     let exhibits = [
         Exhibit::simulated(
             17,
@@ -202,10 +198,9 @@ fn parts(orbits: &[Orbit], whole: &Window, factor: f64) -> Estimate {
     let every = orbits.len() / PARTS;
     let windows: Vec<Window> =
         orbits.iter().step_by(every).filter_map(|o| o.strobes.first()).map(|p| whole.scaled(*p, factor)).collect();
-    let dimensions: Vec<f64> = windows
-        .par_iter()
-        .map(|w| correlation(&[inside(orbits, w, 5000)], Scales { coarse: 3, fine: 6 }).estimate.value)
-        .collect();
+    let dimensions: Vec<f64> = parallel::map(&windows, |w| {
+        correlation(&[inside(orbits, w, 5000)], Scales { coarse: 3, fine: 6 }).estimate.value
+    });
     Estimate::of_mean(&dimensions)
 }
 

@@ -4,13 +4,12 @@
 //! did is seen apart from the noise; and on the moves of a recording. The filter's beliefs come from printed or fitted
 //! noise, never from the outcome.
 
-use rayon::prelude::*;
-
 use super::check::{Check, Exhibit};
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use super::moved::{Moved, moved_checks};
 use crate::navigation::kalman::{Filter, Model, Reading, Weighting};
 use crate::numerics::order::quantile;
+use crate::parallel;
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
 
@@ -113,31 +112,28 @@ fn at_rest(model: &Model) -> AtRest {
     let steps = 6000;
     let scale = 1.0 / STEP_S.sqrt();
     // Per member: errors of tilt and bias at every step, and the sum of NIS over the second half.
-    let runs: Vec<(Vec<[f64; 2]>, f64, f64)> = (0..MEMBERS)
-        .into_par_iter()
-        .map(|m| {
-            let (mut g, mut b, mut a) =
-                (normals(m, Stream::GyroWhite), normals(m, Stream::GyroWalk), normals(m, Stream::AccelerometerWhite));
-            let mut filter = Filter::new(*model, Weighting::Plain, model.start_deviation[0] * a());
-            let mut bias = model.start_deviation[1] * b();
-            let (mut errors, mut nis, mut nees) = (Vec::with_capacity(steps), 0.0, f64::NAN);
-            for step in 0..steps {
-                // The tilt is zero throughout; the gyro reads its bias and its noise.
-                let rate_rad_s = bias + model.angle_walk_rad_rts * scale * g();
-                let tilt_rad = model.tilt_noise_rad * a();
-                let update = filter.step(Reading { rate_rad_s, tilt_rad, force_m_s2: model.gravity_m_s2 });
-                bias += model.bias_walk_rad_s_rts * STEP_S.sqrt() * b();
-                let error = update.state - nalgebra::Vector2::new(0.0, bias);
-                errors.push([error[0], error[1]]);
-                if step >= steps / 2 {
-                    nis += update.nis / (steps / 2) as f64;
-                }
-                let inverse = update.covariance.try_inverse();
-                nees = inverse.map_or(f64::NAN, |p| (error.transpose() * p * error)[0]);
+    let runs: Vec<(Vec<[f64; 2]>, f64, f64)> = parallel::map_members(0..MEMBERS, |m| {
+        let (mut g, mut b, mut a) =
+            (normals(m, Stream::GyroWhite), normals(m, Stream::GyroWalk), normals(m, Stream::AccelerometerWhite));
+        let mut filter = Filter::new(*model, Weighting::Plain, model.start_deviation[0] * a());
+        let mut bias = model.start_deviation[1] * b();
+        let (mut errors, mut nis, mut nees) = (Vec::with_capacity(steps), 0.0, f64::NAN);
+        for step in 0..steps {
+            // The tilt is zero throughout; the gyro reads its bias and its noise.
+            let rate_rad_s = bias + model.angle_walk_rad_rts * scale * g();
+            let tilt_rad = model.tilt_noise_rad * a();
+            let update = filter.step(Reading { rate_rad_s, tilt_rad, force_m_s2: model.gravity_m_s2 });
+            bias += model.bias_walk_rad_s_rts * STEP_S.sqrt() * b();
+            let error = update.state - nalgebra::Vector2::new(0.0, bias);
+            errors.push([error[0], error[1]]);
+            if step >= steps / 2 {
+                nis += update.nis / (steps / 2) as f64;
             }
-            (errors, nis, nees)
-        })
-        .collect();
+            let inverse = update.covariance.try_inverse();
+            nees = inverse.map_or(f64::NAN, |p| (error.transpose() * p * error)[0]);
+        }
+        (errors, nis, nees)
+    });
     let mut filter = Filter::new(*model, Weighting::Plain, 0.0);
     let still = Reading { rate_rad_s: 0.0, tilt_rad: 0.0, force_m_s2: model.gravity_m_s2 };
     let mut rest = AtRest {
@@ -216,20 +212,17 @@ fn in_motion(model: &Model) -> InMotion {
         InMotion { example: vec![], recovery_s: Default::default(), peak_rad: Default::default(), nis: [[0.0; 3]; 3] };
     for (w, weighting) in WEIGHTINGS.into_iter().enumerate() {
         // Recovery time, largest error, NIS by phase.
-        let members: Vec<(f64, f64, [f64; 3])> = (0..MEMBERS)
-            .into_par_iter()
-            .map(|m| {
-                let (moved, quiet) = (run(model, weighting, m, true), run(model, weighting, m, false));
-                // What the motion did, against what the filter itself holds possible at that time.
-                let left: Vec<f64> = moved.tilt_rad.iter().zip(&quiet.tilt_rad).map(|(a, b)| (a - b).abs()).collect();
-                let visible = |i: &usize| left[*i] > moved.believed_rad[*i];
-                let back = (0..left.len()).rev().find(visible).map_or(0, |i| i + 1);
-                let mean = |r: std::ops::Range<usize>| moved.nis[r.clone()].iter().sum::<f64>() / r.len() as f64;
-                let recovery_s = back.saturating_sub(end) as f64 * STEP_S;
-                let peak = left.iter().copied().fold(0.0, f64::max);
-                (recovery_s, peak, [mean(0..begin), mean(begin..end), mean(end..end + 50)])
-            })
-            .collect();
+        let members: Vec<(f64, f64, [f64; 3])> = parallel::map_members(0..MEMBERS, |m| {
+            let (moved, quiet) = (run(model, weighting, m, true), run(model, weighting, m, false));
+            // What the motion did, against what the filter itself holds possible at that time.
+            let left: Vec<f64> = moved.tilt_rad.iter().zip(&quiet.tilt_rad).map(|(a, b)| (a - b).abs()).collect();
+            let visible = |i: &usize| left[*i] > moved.believed_rad[*i];
+            let back = (0..left.len()).rev().find(visible).map_or(0, |i| i + 1);
+            let mean = |r: std::ops::Range<usize>| moved.nis[r.clone()].iter().sum::<f64>() / r.len() as f64;
+            let recovery_s = back.saturating_sub(end) as f64 * STEP_S;
+            let peak = left.iter().copied().fold(0.0, f64::max);
+            (recovery_s, peak, [mean(0..begin), mean(begin..end), mean(end..end + 50)])
+        });
         let sorted = |pick: fn(&(f64, f64, [f64; 3])) -> f64| {
             let mut values: Vec<f64> = members.iter().map(pick).collect();
             values.sort_by(f64::total_cmp);

@@ -1,13 +1,12 @@
 //! Figures 2 to 4: how errors grow. A tilt bias becomes metres (eq. 1 and 2), white rate noise becomes a walk, and the two
 //! kinds of bias become t² and t³.
 
-use rayon::prelude::*;
-
 use super::check::{Check, Exhibit};
 use super::envelope::Envelope;
 use crate::dynamics::estimate::{Estimate, slope};
 use crate::navigation::closed_form::Process;
 use crate::navigation::dead_reckoning::Drift;
+use crate::parallel;
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MILLI_G, STANDARD_GRAVITY_M_S2};
 
@@ -57,23 +56,20 @@ fn normals(member: u64, stream: Stream) -> impl FnMut() -> f64 {
 fn drift(duration_s: f64, every: u32, draw: impl Fn(u64) -> (f64, f64) + Sync, white: (f64, f64)) -> Envelope {
     let steps = (duration_s / STEP_S).round() as u32;
     let scale = 1.0 / STEP_S.sqrt();
-    let members: Vec<Vec<f64>> = (0..MEMBERS)
-        .into_par_iter()
-        .map(|m| {
-            let (acceleration, rate) = draw(m);
-            let (mut a, mut g) = (normals(m, Stream::AccelerometerWhite), normals(m, Stream::GyroWhite));
-            let mut drift = Drift::default();
-            let mut path = Vec::new();
-            for step in 1..=steps {
-                let acceleration = acceleration + white.0 * scale * a();
-                drift.step(acceleration, rate + white.1 * scale * g(), STANDARD_GRAVITY_M_S2, STEP_S);
-                if step % every == 0 {
-                    path.push(drift.distance_m);
-                }
+    let members: Vec<Vec<f64>> = parallel::map_members(0..MEMBERS, |m| {
+        let (acceleration, rate) = draw(m);
+        let (mut a, mut g) = (normals(m, Stream::AccelerometerWhite), normals(m, Stream::GyroWhite));
+        let mut drift = Drift::default();
+        let mut path = Vec::new();
+        for step in 1..=steps {
+            let acceleration = acceleration + white.0 * scale * a();
+            drift.step(acceleration, rate + white.1 * scale * g(), STANDARD_GRAVITY_M_S2, STEP_S);
+            if step % every == 0 {
+                path.push(drift.distance_m);
             }
-            path
-        })
-        .collect();
+        }
+        path
+    });
     let time_s = (1..=steps / every).map(|i| f64::from(i * every) * STEP_S).collect();
     Envelope::of(time_s, &members)
 }
@@ -112,18 +108,15 @@ type Walk = Vec<(f64, f64)>;
 /// Some walks, the RMS distance of all, and where all end.
 fn walk() -> (Vec<Walk>, Walk, Walk) {
     let sigma = ANGLE_WALK_RAD_RTS * STEP_S.sqrt();
-    let all: Vec<Walk> = (0..MEMBERS)
-        .into_par_iter()
-        .map(|m| {
-            let (mut x, mut y) = (normals(m, Stream::GyroWhite), normals(m, Stream::GyroWalk));
-            let mut at = (0.0, 0.0);
-            let step = |_| {
-                at = (at.0 + sigma * x(), at.1 + sigma * y());
-                at
-            };
-            (0..1000).map(step).collect()
-        })
-        .collect();
+    let all: Vec<Walk> = parallel::map_members(0..MEMBERS, |m| {
+        let (mut x, mut y) = (normals(m, Stream::GyroWhite), normals(m, Stream::GyroWalk));
+        let mut at = (0.0, 0.0);
+        let step = |_| {
+            at = (at.0 + sigma * x(), at.1 + sigma * y());
+            at
+        };
+        (0..1000).map(step).collect()
+    });
     let rms = |i: usize| (all.iter().map(|w| w[i].0.powi(2) + w[i].1.powi(2)).sum::<f64>() / all.len() as f64).sqrt();
     let curve = (0..1000).map(|i| ((i + 1) as f64 * STEP_S, rms(i))).collect();
     let last = all.iter().map(|w| w[999]).collect();

@@ -3,11 +3,10 @@
 //!
 //! The noise is a force on the proof mass, far below the drive, as its Brownian motion would be.
 
-use rayon::prelude::*;
-
 use super::check::{Check, Exhibit};
 use crate::dynamics::duffing::{Drive, Oscillator, PAPER, State};
 use crate::dynamics::estimate::{Estimate, slope};
+use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// Force noise, two-sided coefficient, N·√s.
@@ -94,10 +93,8 @@ fn settled(oscillator: &Oscillator, drive: &Drive, index: u64) -> State {
 
 fn spread(oscillator: &Oscillator, drive: &Drive) -> Spread {
     let start = settled(oscillator, drive, 0);
-    let distance_error_m: Vec<Vec<f64>> = (0..MEMBERS)
-        .into_par_iter()
-        .map(|m| follow(oscillator, drive, start, m, NOISE_N_RTS).distance_error_m)
-        .collect();
+    let distance_error_m: Vec<Vec<f64>> =
+        parallel::map_members(0..MEMBERS, |m| follow(oscillator, drive, start, m, NOISE_N_RTS).distance_error_m);
     let samples = distance_error_m[0].len();
     let every = drive.period_s() / 8.0;
     let sd_m = (0..samples).map(|i| {
@@ -111,15 +108,12 @@ fn spread(oscillator: &Oscillator, drive: &Drive) -> Spread {
 pub fn compute(drive: &Drive, exponent: Estimate) -> Parting {
     let (cubic, linear) = (spread(&PAPER, drive), spread(&PAPER.linear(), drive));
     // Twins: same start, other noise, from 128 places on the attractor, so that the mean does not hang on one orbit.
-    let twins: Vec<Vec<f64>> = (0..128u64)
-        .into_par_iter()
-        .map(|i| {
-            let start = settled(&PAPER, drive, i);
-            let path = |m| follow(&PAPER, drive, start, m, TWIN_NOISE_N_RTS).states;
-            let (a, b) = (path(1000 + 2 * i), path(1001 + 2 * i));
-            a.iter().zip(&b).map(|(a, b)| (a.x_m - b.x_m).hypot(a.v_m_s - b.v_m_s).ln()).collect()
-        })
-        .collect();
+    let twins: Vec<Vec<f64>> = parallel::map_members(0..128, |i| {
+        let start = settled(&PAPER, drive, i);
+        let path = |m| follow(&PAPER, drive, start, m, TWIN_NOISE_N_RTS).states;
+        let (a, b) = (path(1000 + 2 * i), path(1001 + 2 * i));
+        a.iter().zip(&b).map(|(a, b)| (a.x_m - b.x_m).hypot(a.v_m_s - b.v_m_s).ln()).collect()
+    });
     let mean = |i: usize| twins.iter().map(|t| t[i]).sum::<f64>() / twins.len() as f64;
     let separation: Vec<(f64, f64)> = cubic.time_s.iter().enumerate().map(|(i, t)| (*t, mean(i))).skip(1).collect();
     // Between the noise's own beginning and the size of the attractor the growth is exponential.

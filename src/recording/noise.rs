@@ -4,8 +4,6 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
-
 use super::Request;
 use super::glitch::Glitch;
 use super::health::Watch;
@@ -18,6 +16,7 @@ use crate::numerics::allan::law::FLICKER_FLOOR;
 use crate::numerics::allan::{Accumulator, Point};
 use crate::numerics::special::{chi_squared_above, chi_squared_quantile, discoveries};
 use crate::numerics::spectrum::{Density, Welch};
+use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// Samples per segment of the spectrum.
@@ -109,12 +108,9 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     })?;
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
     source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));
-    let channels = meters
-        .into_par_iter()
-        .zip(&names)
-        .enumerate()
-        .map(|(index, (meter, name))| meter.finish(name, unit_of(name), source.rate_hz, index as u64))
-        .collect();
+    let channels = parallel::map_indices(meters.len(), |i| {
+        meters[i].finish(&names[i], unit_of(&names[i]), source.rate_hz, i as u64)
+    });
     Ok(Noise { source, channels })
 }
 
@@ -146,9 +142,9 @@ impl Meter {
         self.spectra.iter_mut().for_each(Welch::interrupt);
     }
 
-    fn finish(self, name: &str, unit: Unit, rate_hz: f64, index: u64) -> Channel {
+    fn finish(&self, name: &str, unit: Unit, rate_hz: f64, index: u64) -> Channel {
         let points = if self.watch.constant() { Vec::new() } else { self.allan.points(rate_hz) };
-        let [long, short] = self.spectra.map(|s| s.density(rate_hz));
+        let [long, short] = self.spectra.each_ref().map(|s| s.density(rate_hz));
         let density = if long.averages >= 16.0 { long } else { short };
         let (lines, line_power) = lines(&density);
         let quiet: Vec<Point> = points.iter().map(|p| without_lines(p, &line_power, rate_hz)).collect();

@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Files};
@@ -17,6 +16,7 @@ use super::workers::side_by_side;
 use crate::diagnosis::verdict::Verdict;
 use crate::diagnosis::{self, model};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::progress;
 
 /// Anything that turns a recording and a base model into a verdict.
@@ -52,15 +52,12 @@ pub fn prepare(plan: Plan, folder: &Path, resume: bool) -> Result<(Sealed, Vec<C
     }
     let families = plan.families();
     let bar = progress::bar("planting effects", families.len() as u64);
-    let cases: Vec<Option<Case>> = families
-        .par_iter()
-        .enumerate()
-        .map(|(number, (family, nth))| {
-            let case = (!progress::interrupted()).then(|| plan.draw(number, *family, *nth));
-            bar.inc(1);
-            case
-        })
-        .collect();
+    let cases: Vec<Option<Case>> = parallel::map_indices(families.len(), |number| {
+        let (family, nth) = families[number];
+        let case = (!progress::interrupted()).then(|| plan.draw(number, family, nth));
+        bar.inc(1);
+        case
+    });
     bar.finish_and_clear();
     let cases: Vec<Case> =
         cases.into_iter().collect::<Option<_>>().ok_or_else(|| stopped("nothing is lost; run it again"))?;

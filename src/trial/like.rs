@@ -5,7 +5,6 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::blind::{self, Subject};
@@ -19,6 +18,7 @@ use super::workers::side_by_side;
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::{self, Model};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::progress;
 
 /// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of a quick answer.
@@ -151,15 +151,11 @@ fn planted<P: Copy + Sync>(
     let effects = library.iter().flat_map(|physics| sizes.iter().map(|size| Some((*physics, *size))));
     let jobs: Vec<Option<(P, f64)>> = sizes.iter().map(|_| None).chain(effects).collect();
     let bar = progress::bar("planting effects", jobs.len() as u64);
-    let made: Vec<Option<(Family, Body)>> = jobs
-        .par_iter()
-        .enumerate()
-        .map(|(n, job)| {
-            let made = if progress::interrupted() { None } else { plant(n as u64, *job) };
-            bar.inc(1);
-            made
-        })
-        .collect();
+    let made: Vec<Option<(Family, Body)>> = parallel::map_indices(jobs.len(), |n| {
+        let made = if progress::interrupted() { None } else { plant(n as u64, jobs[n]) };
+        bar.inc(1);
+        made
+    });
     bar.finish_and_clear();
     let bodies = made.into_iter().flatten().enumerate();
     bodies.map(|(number, (family, body))| Case { number, family, body }).collect()

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::ThreadPoolBuilder;
 
 use crate::error::{Error, Result};
+use crate::parallel;
 
 /// Does `work` for every item in their order, as many at a time as there are threads; the first error ends it.
 ///
@@ -46,7 +47,7 @@ pub fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Result<R
         });
     };
     std::thread::scope(|scope| {
-        for _ in 0..rayon::current_num_threads().min(items.len()) {
+        for _ in 0..parallel::threads().min(items.len()) {
             if let Err(e) = std::thread::Builder::new().spawn_scoped(scope, worker) {
                 note(Err(no_thread(&e.to_string())));
             }
@@ -63,7 +64,6 @@ fn no_thread(cause: &str) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use rayon::prelude::*;
 
     use super::*;
 

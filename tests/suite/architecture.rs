@@ -26,8 +26,12 @@ fn read(file: &str) -> String {
 }
 
 /// Crate, and the places that may name it.
-const OWNERS: [(&str, &[&str]); 3] =
-    [("wgpu", &["src/backend/gpu"]), ("naga", &["src/kernel/source"]), ("plotters", &["src/report/figure"])];
+const OWNERS: [(&str, &[&str]); 4] = [
+    ("wgpu", &["src/backend/gpu"]),
+    ("naga", &["src/kernel/source"]),
+    ("plotters", &["src/report/figure"]),
+    ("rayon", &["src/parallel", "src/trial/workers"]),
+];
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {

@@ -12,7 +12,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
-use rayon::prelude::*;
 
 use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::cpu::column;
@@ -24,6 +23,7 @@ use crate::kernel::job::Job;
 use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, STATE};
 use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
 use crate::kernel::source;
+use crate::parallel;
 use crate::progress;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Histogram, Machine, Moments};
@@ -124,12 +124,15 @@ impl Plan {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
-        let drawn = batch.members.clone().into_par_iter().map(|i| column(job, i)).collect::<Result<Vec<Column>>>()?;
-        let place = |c: usize| drawn.par_iter().map(move |d| d.values[c] as f32);
+        let drawn = parallel::map_members(batch.members.clone(), |i| column(job, i))
+            .into_iter()
+            .collect::<Result<Vec<Column>>>()?;
+        let place =
+            |c: usize| parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| d.values[c] as f32).collect());
         let pad = (stride - members) as usize;
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
         for c in 0..COLUMNS {
-            columns.extend(place(c).collect::<Vec<f32>>());
+            place(c).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
             columns.extend(std::iter::repeat_n(0.0, pad));
         }
         let turns: Vec<u32> =

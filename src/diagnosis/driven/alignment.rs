@@ -7,11 +7,11 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use super::start::spread;
+use crate::parallel;
 
 /// Longest stretch that is looked at.
 const LOOKED_AT: usize = 8192;
@@ -186,7 +186,7 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
     let count = ((3.0 / slowest).ln() / RATIO.ln()).ceil().max(1.0) as usize;
     let places: Vec<Place> =
         (0..count).flat_map(|i| ZETAS.map(|zeta| [slowest * RATIO.powi(i as i32), zeta])).collect();
-    let shares: Vec<Vec<f64>> = places.par_iter().filter_map(|place| pair.shares(*place, most)).collect();
+    let shares: Vec<Vec<f64>> = parallel::filter_map(&places, |place| pair.shares(*place, most));
     if shares.len() < places.len() {
         return None;
     }

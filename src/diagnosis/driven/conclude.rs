@@ -1,9 +1,8 @@
 //! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
 
-use rayon::prelude::*;
-
 use crate::diagnosis::detection::Structure;
 use crate::diagnosis::verdict::Outcome;
+use crate::parallel;
 
 use super::fineness::enough;
 use super::fit::{Data, Fit, fit};
@@ -87,13 +86,13 @@ pub struct Conclusion {
 pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
     let refit =
         |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
-    let (base, model) = rayon::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
+    let (base, model) = parallel::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
     let model = deepest(data, model, scales);
     let fineness = enough(data, &model, scales);
     let scales = &Scales { fineness, ..scales.clone() };
     let model = if model.steps == model.shape.steps(&model.point, scales) { model } else { refit(&model, scales) };
     let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, scales, &data.test), fit };
-    let (base, mut model) = rayon::join(|| judge(base), || judge(model));
+    let (base, mut model) = parallel::join(|| judge(base), || judge(model));
     let mut after = left(data, &model.fit);
     let mut dropped = Vec::new();
     let mut rivals = selection.rivals.clone();
@@ -221,7 +220,7 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
         let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
-    let (Some(base), Some(model)) = rayon::join(|| refit(&c.base), || refit(&c.model)) else { return c };
+    let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
     let after = left(data, &model.fit);
     let mut spread = interval::spread(&model.fit);
     if c.outcome != Outcome::Unexplained {
@@ -249,30 +248,28 @@ fn validation_is_fitted(data: &Data) -> bool {
 fn weighed(data: &Data, selection: &Selection, model: &Judged, scales: &Scales, rivals: &[Vec<Rival>]) -> Vec<Named> {
     let rounded = rounding(data, model);
     let price = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
-    (0..model.fit.shape.terms.len())
-        .into_par_iter()
-        .filter_map(|index| {
-            let poorer = without(data, model, index, scales)?;
-            let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
-            let mut comparison =
-                compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
-            comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
-            let judged = held_out(data, &poorer.fit, scales, &data.test);
-            Some(Named {
-                index,
-                growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
-                    .max(judged.free() / model.held_out.free().max(1e-300))
-                    - 1.0,
-                comparison,
-                free_without: judged.free(),
-                log_score_without: judged.log_score(poorer.fit.variance),
-                rounded_lead: rounded.and_then(|l| {
-                    let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
-                    let rows = data.train_len() as f64;
-                    Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
-                }),
-                rivals: rivals.get(index).cloned().unwrap_or_default(),
-            })
+    let weigh = |index: usize| {
+        let poorer = without(data, model, index, scales)?;
+        let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
+        let mut comparison =
+            compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
+        comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
+        let judged = held_out(data, &poorer.fit, scales, &data.test);
+        Some(Named {
+            index,
+            growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
+                .max(judged.free() / model.held_out.free().max(1e-300))
+                - 1.0,
+            comparison,
+            free_without: judged.free(),
+            log_score_without: judged.log_score(poorer.fit.variance),
+            rounded_lead: rounded.and_then(|l| {
+                let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
+                let rows = data.train_len() as f64;
+                Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
+            }),
+            rivals: rivals.get(index).cloned().unwrap_or_default(),
         })
-        .collect()
+    };
+    parallel::map_indices(model.fit.shape.terms.len(), weigh).into_iter().flatten().collect()
 }

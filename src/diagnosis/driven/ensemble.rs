@@ -4,11 +4,10 @@
 //! leave after the parameters fitted so far had moved along: its errors less their projection on the model's own
 //! derivatives. The best few are where the fit begins. Not for noise terms, which no free simulation shows.
 
-use rayon::prelude::*;
-
 use crate::backend::misfits::evaluate;
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::misfit::{Job, MOST_DIRECTIONS, Misfit, Point, Units};
+use crate::parallel;
 
 use super::filter::Nothing;
 use super::fit::{BASE, Data, Fit, GAIN, INITIAL, OFFSET, OMEGA, Shape, ZETA, innovations};
@@ -102,7 +101,7 @@ impl<'a> Ensemble<'a> {
         }
         let run = self.fit.run(self.data, true);
         let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
-        let of_group = |group: &[Vec<f64>]| {
+        let of_group = |_, group: &[Vec<f64>]| {
             let lanes = innovations(self.data, shape, group, &run, &mut Nothing);
             let one = |l: usize| {
                 let sum: f64 = rows.iter().map(|k| lanes[*k][l].powi(2)).sum();
@@ -111,7 +110,7 @@ impl<'a> Ensemble<'a> {
             };
             (0..group.len()).map(one).collect::<Vec<f64>>()
         };
-        Some(points.par_chunks(term::LANES).flat_map_iter(of_group).collect())
+        Some(parallel::map_chunks(points, term::LANES, of_group).concat())
     }
 
     /// What points of the kernel leave; `None` when stopped.

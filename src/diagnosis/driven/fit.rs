@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
+use crate::parallel;
 
 use super::filter::{Keep, Nothing, Pass, States};
 use super::input::Input;
@@ -203,10 +202,9 @@ impl Residuals for Search<'_> {
         }
         let mut residual = Vec::new();
         let mut columns = Vec::with_capacity(z.len());
-        let passes: Vec<Vec<Lanes>> = points
-            .par_chunks(LANES)
-            .map(|group| innovations(self.data, self.shape, group, &self.run, &mut Nothing))
-            .collect();
+        let passes: Vec<Vec<Lanes>> = parallel::map_chunks(&points, LANES, |_, group| {
+            innovations(self.data, self.shape, group, &self.run, &mut Nothing)
+        });
         for (chunk, (group, lanes)) in points.chunks(LANES).zip(&passes).enumerate() {
             for l in 0..group.len() {
                 if chunk == 0 && l == 0 {

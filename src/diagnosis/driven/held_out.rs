@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::numerics::special;
+use crate::parallel;
 
 use super::filter::Nothing;
 use super::fit::{Data, Fit, INITIAL, OFFSET, Run, Search, coordinates, innovations};
@@ -195,7 +196,7 @@ impl Evaluation {
             let run = Run { range: range.clone(), steps: fit.steps, corrected };
             innovations(data, &fit.shape, &[point.to_vec()], &run, &mut Nothing)
         };
-        let (free, one_step) = rayon::join(|| run(false, free), || fit.shape.is_noisy().then(|| run(true, point)));
+        let (free, one_step) = parallel::join(|| run(false, free), || fit.shape.is_noisy().then(|| run(true, point)));
         Self { start: range.start, free, one_step }
     }
 

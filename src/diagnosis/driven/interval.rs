@@ -3,10 +3,10 @@
 //! parabola, and the interval is that of the profile likelihood.
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::special;
+use crate::parallel;
 
 use super::fit::{Data, Fit, Search};
 use super::term::Scales;
@@ -87,7 +87,7 @@ pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: impl Iterator<It
         .flat_map(|(_, index)| [(index, 0), (index, 1)])
         .collect();
     let found: Vec<f64> =
-        places.par_iter().map(|(index, side)| side_of_profile(data, fit, scales, spread, *index, *side)).collect();
+        parallel::map(&places, |(index, side)| side_of_profile(data, fit, scales, spread, *index, *side));
     for ((index, side), reach) in places.into_iter().zip(found) {
         spread.reach[index][side] = reach;
     }

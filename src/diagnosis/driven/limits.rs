@@ -5,11 +5,10 @@
 //! hide of it, must rise above the noise by what the selection asks for. A forecast from one recording, not a trial: `trial
 //! --like` plants and counts. Noise terms, rounding and contacts are left out: no derivative tells when they begin to show.
 
-use rayon::prelude::*;
-
 use crate::diagnosis::verdict::Detectable;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::special;
+use crate::parallel;
 
 use super::filter::Nothing;
 use super::fit::{Data, Fit, Run, innovations};
@@ -66,7 +65,7 @@ pub fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], cha
         .max(2.0 * (z(1.0 - LEVEL) + z(POWER)) / judging.max(1.0).sqrt())
         .max((SMALLEST_GAIN / (1.0 - SMALLEST_GAIN)).sqrt());
     let found: Vec<Signature> =
-        candidates.par_iter().flat_map_iter(|term| signatures(data, base, scales, *term)).collect();
+        parallel::map(candidates, |term| signatures(data, base, scales, *term)).into_iter().flatten().collect();
     let mut limits = Limits { least_over_noise: least, ..Limits::default() };
     for s in &found {
         let strength = if s.left > 1e-6 * s.raw { s.strength * least * noise / s.left } else { f64::INFINITY };

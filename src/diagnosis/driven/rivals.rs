@@ -1,8 +1,7 @@
 //! Which other candidates would do as well in the place of a term that was chosen: a better one takes it, an equal one is
 //! remembered, so that no name is given where the recording cannot tell two apart.
 
-use rayon::prelude::*;
-
+use crate::parallel;
 use crate::progress;
 
 use super::fit::Data;
@@ -34,7 +33,7 @@ pub fn one_for_two(data: &Data, chosen: &Judged, scales: &Scales, candidates: &[
     let terms = &chosen.fit.shape.terms;
     let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let twins: Vec<(usize, usize)> = pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])).collect();
-    let in_place = |(i, j): (usize, usize)| {
+    let in_place = |&(i, j): &(usize, usize)| {
         let open = candidates.iter().copied().filter(|t| !chosen.has(t.id()));
         let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
         let poorer = without(data, &without(data, chosen, i, scales)?, j, scales)?;
@@ -42,7 +41,7 @@ pub fn one_for_two(data: &Data, chosen: &Judged, scales: &Scales, candidates: &[
         let tried = round(data, &poorer, &open, &here, open.len());
         tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here))
     };
-    let found: Vec<Judged> = twins.into_par_iter().filter_map(in_place).collect();
+    let found: Vec<Judged> = parallel::filter_map(&twins, in_place);
     let better = found.into_iter().filter(|j| j.score() > chosen.score());
     better.max_by(|a, b| a.score().total_cmp(&b.score()))
 }
@@ -53,7 +52,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, candidate
         let here = refined(data, &selection.chosen.fit, scales);
         let terms = selection.chosen.fit.shape.terms.clone();
         let trials: Vec<Vec<Trial>> =
-            (0..terms.len()).into_par_iter().map(|i| in_place_of(data, selection, i, &here, candidates)).collect();
+            parallel::map_indices(terms.len(), |i| in_place_of(data, selection, i, &here, candidates));
         let stand_ins: Vec<Vec<Rival>> = terms
             .iter()
             .zip(trials)

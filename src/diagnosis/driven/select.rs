@@ -2,10 +2,9 @@
 //! they predict samples that were not fitted, dropped again when others have made them needless. Not the order in which they
 //! are added (`stepwise`).
 
-use rayon::prelude::*;
-
 use crate::numerics::least_squares::Linear;
 use crate::numerics::spectrum;
+use crate::parallel;
 use crate::progress;
 
 use super::ensemble::Ensemble;
@@ -206,40 +205,36 @@ fn screen(
 pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, sure: usize) -> Vec<Trial> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
     let ensemble = Ensemble::around(data, &model.fit, scales);
-    let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = candidates
-        .par_iter()
-        .filter(|t| !progress::interrupted() && t.parameters() > 0)
-        .map(|term| {
-            let promises = screen(data, &model.fit, ensemble.as_ref(), *term, scales);
-            let best = promises.first().map_or(f64::INFINITY, |p| p.0 / sum);
-            let starts = if term.has_corner() { CORNER_STARTS } else { STARTS };
-            (*term, best, promises.into_iter().take(starts).map(|p| p.1).collect())
-        })
-        .collect();
+    let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = parallel::filter_map(candidates, |term| {
+        if progress::interrupted() || term.parameters() == 0 {
+            return None;
+        }
+        let promises = screen(data, &model.fit, ensemble.as_ref(), *term, scales);
+        let best = promises.first().map_or(f64::INFINITY, |p| p.0 / sum);
+        let starts = if term.has_corner() { CORNER_STARTS } else { STARTS };
+        Some((*term, best, promises.into_iter().take(starts).map(|p| p.1).collect()))
+    });
     promised.sort_by(|a, b| a.1.total_cmp(&b.1));
     let worth = worth_fitting(&promised, model.fit.linear.residual.len(), sure);
-    let mut trials: Vec<Trial> = promised
-        .par_iter()
-        .zip(worth)
-        .map(|((term, promised, starts), worth)| {
-            let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
-            let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
-            if !worth || progress::interrupted() {
-                return trial;
-            }
-            let best = starts
-                .iter()
-                .filter_map(|start| {
-                    let (shape, point) = model.fit.with(*term, start);
-                    fit(data, &shape, &point, scales, HEAT)
-                })
-                .min_by(|a, b| a.variance.total_cmp(&b.variance));
-            trial.judged = best.map(|found| judge(data, found, scales));
-            trial
-        })
-        .collect();
+    let mut trials: Vec<Trial> = parallel::map_indices(promised.len(), |i| {
+        let (term, promised, starts) = &promised[i];
+        let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
+        let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
+        if !worth[i] || progress::interrupted() {
+            return trial;
+        }
+        let best = starts
+            .iter()
+            .filter_map(|start| {
+                let (shape, point) = model.fit.with(*term, start);
+                fit(data, &shape, &point, scales, HEAT)
+            })
+            .min_by(|a, b| a.variance.total_cmp(&b.variance));
+        trial.judged = best.map(|found| judge(data, found, scales));
+        trial
+    });
     by_score(&mut trials);
-    trials.par_iter_mut().enumerate().for_each(|(rank, trial)| {
+    parallel::for_each_mut(&mut trials, |rank, trial| {
         let Some(judged) = &mut trial.judged else { return };
         if rank < POLISHED
             && !judged.fit.converged
@@ -306,10 +301,10 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
 /// Drops every term whose absence costs nothing, the cheapest first.
 pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
     while model.fit.shape.terms.len() > 1 {
-        let poorer: Vec<Judged> =
-            (0..model.fit.shape.terms.len()).into_par_iter().filter_map(|i| without(data, &model, i, scales)).collect();
+        let poorer = parallel::map_indices(model.fit.shape.terms.len(), |i| without(data, &model, i, scales));
         let cheapest = poorer
             .into_iter()
+            .flatten()
             .filter(|p| earned(data, p, &model, scales, tried).is_none())
             .max_by(|a, b| a.score().total_cmp(&b.score()));
         match cheapest {

@@ -4,10 +4,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use rayon::prelude::*;
-
 use crate::diagnosis::model;
 use crate::numerics::spectrum;
+use crate::parallel;
 
 use super::alignment::{Alignment, align};
 use super::fit::{BASE, Data, Fit, Shape, fit};
@@ -100,7 +99,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
         here.gain = if data.input.is_some() { found.point[0] } else { 1.0 };
         Some((found, here))
     };
-    let found: Vec<Option<(Fit, Scales)>> = places.par_iter().map(begin).collect();
+    let found: Vec<Option<(Fit, Scales)>> = parallel::map(&places, begin);
     found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
 }
 

@@ -3,10 +3,9 @@
 //!
 //! For the model that was chosen, once; where a search begins is not decided here (`ensemble`).
 
-use rayon::prelude::*;
-
 use super::fit::{Data, Fit, fit};
 use super::term::Scales;
+use crate::parallel;
 
 /// Log-likelihood that another valley must gain before the first is left.
 const DEEPER: f64 = 2.0;
@@ -32,8 +31,7 @@ pub fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
             })
         })
         .collect();
-    let others: Vec<Fit> =
-        starts.par_iter().filter_map(|start| fit(data, &found.shape, start, scales, ITERATIONS)).collect();
+    let others: Vec<Fit> = parallel::filter_map(&starts, |start| fit(data, &found.shape, start, scales, ITERATIONS));
     let best = others.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
     match best {
         Some(best) if 0.5 * rows * (found.variance / best.variance).ln() > DEEPER => best,

@@ -4,11 +4,10 @@
 //! of three; that look-alike has to be better by the price of a name of its own. Only names that leave noise in their own
 //! channel are given to others. Not a joint fit: strengths differ freely.
 
-use rayon::prelude::*;
-
 use super::channel::Channel;
 use super::check::{TOLERANCE, remainder};
 use super::selection::{self, ALPHA, Environment, Selected, Standing, Tried, others, try_all};
+use crate::parallel;
 
 /// Twice the log-likelihood that a name must gain over one that another channel bears. Before any data each of the nine
 /// candidates is as likely as another, and one that is at work in a neighbour is the likelier by far: 2 ln 9 and a factor
@@ -24,7 +23,7 @@ pub(super) fn agree(channels: &[Channel], selected: &mut [Selected], environment
     let count = channels.len() as f64;
     let noise = |c: &Channel, s: &Selected| remainder(c, &s.fitted, TOLERANCE).p_value * count >= ALPHA;
     let described: Vec<bool> =
-        channels.par_iter().zip(&*selected).zip(&needed).map(|((c, s), n)| *n && noise(c, s)).collect();
+        parallel::map_indices(channels.len(), |i| needed[i] && noise(&channels[i], &selected[i]));
     for i in 0..channels.len() {
         let mut index = 0;
         while index < selected[i].fitted.terms.len() {

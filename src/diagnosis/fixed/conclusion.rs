@@ -1,7 +1,5 @@
 //! From what was selected to a verdict: which effects stand, what is left, how well it fits.
 
-use rayon::prelude::*;
-
 use super::channel::{BAND_LIMIT, Channel, Fitted};
 use super::check::{self, TOLERANCE};
 use super::common::Common;
@@ -13,6 +11,7 @@ use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{Effect, Fit, LogScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness};
 use crate::diagnosis::{Detail as AnyDetail, Diagnosis, Ranked};
+use crate::parallel;
 use crate::recording::Recording;
 
 pub(super) struct Material<'a> {
@@ -53,7 +52,7 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
     }
     // What channels share is a common cause, whatever its course.
     let alone: Vec<usize> = (0..channels.len()).filter(|i| !shared(*i)).collect();
-    let hops: Vec<_> = alone.par_iter().map(|i| (*i, telegraph::hops(&channels[*i], &selected[*i].fitted))).collect();
+    let hops: Vec<_> = parallel::map(&alone, |i| (*i, telegraph::hops(&channels[*i], &selected[*i].fitted)));
     for (i, found) in hops {
         remainders[i].telegraph = found.filter(|t| t.hops > 1 && t.p_value * count < ALPHA);
         remainders[i].p_value = remainders[i].telegraph.map_or(1.0, |t| t.p_value).min(remainders[i].p_value);
