@@ -17,6 +17,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::numerics::order;
 use crate::progress;
 
 /// A named column in the recording's own unit.
@@ -122,7 +123,7 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
     for column in &filled {
         findings.extend(health::Watch::of(&column.name, &column.values).findings());
     }
-    holes.sort_by_key(|r| r.start);
+    order::sort_by_key(&mut holes, |r| r.start as f64);
     Ok(Recording { path: path.into(), sha256: source.sha256, rate_hz, columns: filled, findings, filled: holes })
 }
 

@@ -50,6 +50,7 @@ pub mod work;
 use std::ops::Range;
 
 use crate::error::{Error, Result};
+use crate::numerics::order;
 use crate::progress;
 use crate::recording::Recording;
 
@@ -202,7 +203,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
     }
     if own_test {
         data.train = std::mem::take(&mut data.train).into_iter().chain(data.validation.iter().cloned()).collect();
-        data.train.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut data.train, |r| r.start as f64);
     }
     let conclusion = if narrow.hull == data.hull {
         conclude::conclude(&data, &selection, &scales)

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::error::Result;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
+use crate::numerics::order;
 use crate::sensor::source::Source;
 use crate::statistics::{Statistics, quantity};
 use crate::study::Study;
@@ -97,7 +98,7 @@ pub fn make(
     if let (Some(mechanics), Some(force)) = (mechanics, shares.iter_mut().find(|s| s.source == Source::ForceNoise)) {
         force.variance_m2.iter_mut().zip(mechanics).for_each(|(v, m)| *v = (*v - m).max(0.0));
     }
-    shares.sort_by(|a, b| b.variance_m2.last().unwrap_or(&0.0).total_cmp(a.variance_m2.last().unwrap_or(&0.0)));
+    order::sort_by_key(&mut shares, |s| -s.variance_m2.last().unwrap_or(&0.0));
     Ok(Budget { time_s, shares, members })
 }
 

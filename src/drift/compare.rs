@@ -124,7 +124,7 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
     // The log and the members are of one length: their curves have the same averaging times.
     let quantile = |k: usize, p: f64| {
         let mut at: Vec<f64> = curves.iter().filter_map(|c| c.get(k).copied()).collect();
-        at.sort_by(f64::total_cmp);
+        order::sort(&mut at);
         order::quantile(&at, p)
     };
     let column = |p: f64| (0..recorded.len()).map(|k| quantile(k, p)).collect();

@@ -1,6 +1,33 @@
-//! The value at a share of a sorted sequence: median and quantiles of numbers in memory.
+//! Numbers in memory by rank: sorted, their median and quantiles; other things sorted by a number of theirs. One sort is
+//! compiled for all of them.
 //!
 //! Not for ensembles, whose quantiles come from histograms (`statistics`), and not for distributions (`special`).
+
+/// Sorts from −∞ to ∞, NaN at the ends.
+pub fn sort(values: &mut [f64]) {
+    values.sort_unstable_by(f64::total_cmp);
+}
+
+/// Sorts by a number, smallest first, equal ones in the order they came in. Largest first is by the number with its
+/// sign changed.
+pub fn sort_by_key<T>(items: &mut [T], key: impl Fn(&T) -> f64) {
+    let keys: Vec<f64> = items.iter().map(key).collect();
+    let order = ranked(&keys);
+    for (place, mut from) in order.iter().copied().enumerate() {
+        // What stood at a place already filled has been swapped to where its successor came from.
+        while from < place {
+            from = order[from];
+        }
+        items.swap(place, from);
+    }
+}
+
+/// Indices of `keys`, smallest key first, equal ones in order.
+pub fn ranked(keys: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..keys.len()).collect();
+    order.sort_unstable_by(|a, b| keys[*a].total_cmp(&keys[*b]).then(a.cmp(b)));
+    order
+}
 
 /// The middle value, the upper one of an even number; `None` of nothing.
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -20,6 +47,25 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sorting_by_a_number_keeps_equal_ones_in_order() {
+        // Every arrangement of six with two pairs of equal keys, against the stable sort of the standard library.
+        for code in 0..6_usize.pow(6) {
+            let keys: Vec<usize> = (0..6).map(|i| code / 6_usize.pow(i) % 6).collect();
+            let mut expected: Vec<(usize, usize)> = keys.iter().copied().zip(0..).collect();
+            let mut found = expected.clone();
+            expected.sort_by_key(|e| e.0);
+            sort_by_key(&mut found, |e| e.0 as f64);
+            assert_eq!(found, expected);
+            expected.sort_by_key(|e| std::cmp::Reverse(e.0));
+            sort_by_key(&mut found, |e| -(e.0 as f64));
+            assert_eq!(found, expected);
+        }
+        let mut values = [f64::NAN, 1.0, f64::NEG_INFINITY, -0.0, 0.0];
+        sort(&mut values);
+        assert_eq!(values.map(f64::to_bits)[..4], [f64::NEG_INFINITY, -0.0, 0.0, 1.0].map(f64::to_bits));
+    }
 
     #[test]
     fn quantiles_of_a_ramp_and_the_median_of_a_few() {

@@ -4,6 +4,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
+use super::order::ranked;
+
 /// Φ(z) of the standard normal distribution.
 pub fn normal_cdf(z: f64) -> f64 {
     Normal::standard().cdf(z)
@@ -48,8 +50,8 @@ pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
 /// Which of many tests are discoveries when at most `rate` of those named may be false on average
 /// (Benjamini & Hochberg, J. R. Stat. Soc. B 57, 1995). NaN is never a discovery.
 pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
-    let mut order: Vec<usize> = (0..p_values.len()).filter(|i| !p_values[*i].is_nan()).collect();
-    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
+    let mut order = ranked(p_values);
+    order.retain(|i| !p_values[*i].is_nan());
     let limit = |rank: usize| rate * (rank + 1) as f64 / p_values.len() as f64;
     let last = order.iter().enumerate().rev().find(|(rank, i)| p_values[**i] <= limit(*rank)).map(|(rank, _)| rank);
     let mut found = vec![false; p_values.len()];

@@ -2,7 +2,7 @@
 //!
 //! Small ensembles held in memory; large ones stream through `statistics`.
 
-use crate::numerics::order::quantile;
+use crate::numerics::order;
 
 /// What an ensemble does over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,12 +26,12 @@ impl Envelope {
         let mut envelope = Self { time_s, mean: vec![], sd: vec![], p05: vec![], p95: vec![] };
         for i in 0..envelope.time_s.len() {
             let mut values: Vec<f64> = members.iter().map(|m| m[i]).collect();
-            values.sort_by(f64::total_cmp);
+            order::sort(&mut values);
             let mean = values.iter().sum::<f64>() / n;
             envelope.mean.push(mean);
             envelope.sd.push((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt());
-            envelope.p05.push(quantile(&values, 0.05));
-            envelope.p95.push(quantile(&values, 0.95));
+            envelope.p05.push(order::quantile(&values, 0.05));
+            envelope.p95.push(order::quantile(&values, 0.95));
         }
         envelope
     }

@@ -8,6 +8,7 @@ use crate::backend::orbits::explore;
 use crate::dynamics::duffing::{Drive, PAPER};
 use crate::error::Result;
 use crate::kernel::orbit::{Orbit, Plan, Point};
+use crate::numerics::order;
 
 /// "f = 1.5 Hz" read as an angular frequency.
 pub const OMEGA_RAD_S: f64 = 1.5;
@@ -51,7 +52,7 @@ impl Scan {
     fn everywhere(&self) -> Vec<(f64, f64)> {
         let least = self.exponents.iter().map(|(f, e)| (*f, e[0]));
         let mut found: Vec<_> = least.filter(|p| positive(p.1)).collect();
-        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        order::sort_by_key(&mut found, |f| -f.1);
         found
     }
 
@@ -92,7 +93,7 @@ pub fn scan(omega_rad_s: f64, to_n: f64, points: u32) -> Result<Scan> {
     let kept = explore::<f32>(&starts.collect::<Vec<_>>(), &late)?;
     let exponents = kept.chunks(STARTS.len()).enumerate().map(|(i, orbits)| {
         let mut e: Vec<f64> = orbits.iter().map(settled).collect();
-        e.sort_by(f64::total_cmp);
+        order::sort(&mut e);
         (force(i as u32), e)
     });
     let first = explore::<f32>(&(0..points).map(at_rest).collect::<Vec<_>>(), &early)?;

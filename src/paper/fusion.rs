@@ -8,7 +8,7 @@ use super::check::{Check, Exhibit};
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use super::moved::{Moved, moved_checks};
 use crate::navigation::kalman::{Filter, Model, Reading, Weighting};
-use crate::numerics::order::quantile;
+use crate::numerics::order;
 use crate::parallel;
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
@@ -225,7 +225,7 @@ fn in_motion(model: &Model) -> InMotion {
         });
         let sorted = |pick: fn(&(f64, f64, [f64; 3])) -> f64| {
             let mut values: Vec<f64> = members.iter().map(pick).collect();
-            values.sort_by(f64::total_cmp);
+            order::sort(&mut values);
             values
         };
         out.recovery_s[w] = sorted(|m| m.0);
@@ -273,13 +273,13 @@ fn eleven(model: &Model, rest: &AtRest) -> Vec<Check> {
 
 fn twelve(motion: &InMotion) -> Vec<Check> {
     let [plain, magnitude, adaptive] = &motion.recovery_s;
-    let half = |times: &[f64]| quantile(times, 0.5) / quantile(plain, 0.5);
+    let half = |times: &[f64]| order::quantile(times, 0.5) / order::quantile(plain, 0.5);
     vec![
         Check::near(
             "plain filter: time at which it is back / s, median of 400 moves",
             "the paper: after 3 s, read off a plot to about 0.5 s, its tuning not given; ours follows from printed noise",
             BACK_AFTER_S,
-            MOVED_UNTIL_S + quantile(plain, 0.5),
+            MOVED_UNTIL_S + order::quantile(plain, 0.5),
             0.5,
         ),
         Check::between(

@@ -9,7 +9,7 @@ use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
 use crate::navigation::kalman::{Filter, Model, Reading};
 use crate::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
-use crate::numerics::order::quantile;
+use crate::numerics::order;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
 /// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each filter's noise.
@@ -67,8 +67,8 @@ pub fn compute(imu: &Inertial, pitch: &Pitch) -> Moved {
         }
     }
     for w in 0..3 {
-        moved.peak_rad[w].sort_by(f64::total_cmp);
-        moved.recovery_s[w].sort_by(f64::total_cmp);
+        order::sort(&mut moved.peak_rad[w]);
+        order::sort(&mut moved.recovery_s[w]);
         moved.nis_still[w] /= usable;
     }
     moved
@@ -149,7 +149,7 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
 
 /// Checks on the moves.
 pub fn moved_checks(moved: &Moved) -> Vec<Check> {
-    let median = |values: &[f64]| quantile(values, 0.5);
+    let median = |values: &[f64]| order::quantile(values, 0.5);
     let [plain, magnitude, adaptive] = &moved.peak_rad;
     vec![
         Check::between(

@@ -14,6 +14,7 @@ use crate::numerics::allan::covariance::Covariance;
 use crate::numerics::allan::fit::{self, Fit};
 use crate::numerics::allan::law::FLICKER_FLOOR;
 use crate::numerics::allan::{Accumulator, Point};
+use crate::numerics::order;
 use crate::numerics::special::{chi_squared_above, chi_squared_quantile, discoveries};
 use crate::numerics::spectrum::{Density, Welch};
 use crate::parallel;
@@ -214,7 +215,7 @@ fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
     };
     let mut lines: Vec<Line> =
         (0..count).filter(peak).map(|i| Line { frequency_hz: density.frequency_hz[i], excess: excess[i] }).collect();
-    lines.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    order::sort_by_key(&mut lines, |l| -l.excess);
     let width_hz = density.frequency_hz[0];
     let beyond = |i: usize| density.density[i] * (1.0 - 1.0 / excess[i]) * width_hz;
     let near = |f: f64| lines.iter().any(|l| (l.frequency_hz - f).abs() < 4.5 * width_hz);

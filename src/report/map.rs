@@ -7,6 +7,7 @@ use crate::map::document::Quantity;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, Bifurcation};
 use crate::number::significant;
+use crate::numerics::order;
 
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {
@@ -69,7 +70,7 @@ fn heat(atlas: &Atlas, grid: &Grid, title: &str, values: &[f64], limits: (f64, f
 /// Exponent and period of one grid.
 pub fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
     let mut sorted: Vec<f64> = grid.exponent_per_s.iter().copied().filter(|e| e.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
+    order::sort(&mut sorted);
     // All but a few cells at either end, so that single ones do not take the ramp.
     let high = sorted.get(sorted.len() * 999 / 1000).copied().unwrap_or(1.0).max(0.02);
     let low = sorted.get(sorted.len() / 50).copied().unwrap_or(-1.0).min(-0.25 * high);

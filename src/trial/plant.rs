@@ -175,7 +175,8 @@ pub fn plant_rare_stop(case: &mut Driven, contacts: usize, stiffness: f64) {
     let undisturbed = Scene::coarse(case).output(&[], 0.0);
     let motion: Vec<f64> = undisturbed.iter().map(|y| (y - case.offset).abs()).collect();
     let mut swings: Vec<f64> = motion.windows(3).filter(|w| w[1] >= w[0] && w[1] > w[2]).map(|w| w[1]).collect();
-    swings.sort_by(|a, b| b.total_cmp(a));
+    swings.sort_unstable_by(f64::total_cmp);
+    swings.reverse();
     let gap = swings.get(contacts).or(swings.last()).copied().unwrap_or(case.scales.peak).min(0.98 * case.scales.peak);
     let term = Term { physics: Physics::EndStop, amplitude: case.scales.peak / gap - 1.0, shape: [stiffness, 0.0] };
     case.planted.push(Planted { term, visible: 0.0, raw: 0.0 });

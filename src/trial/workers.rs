@@ -64,7 +64,6 @@ fn no_thread(cause: &str) -> Error {
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
 
     #[test]
@@ -72,7 +71,8 @@ mod tests {
         let items: Vec<usize> = (0..40).collect();
         let found = side_by_side(&items, |n| {
             let own = std::thread::current().id();
-            let elsewhere = (0..64).into_par_iter().filter(|_| std::thread::current().id() != own).count();
+            let threads = parallel::map_indices(64, |_| std::thread::current().id());
+            let elsewhere = threads.iter().filter(|thread| **thread != own).count();
             Ok((*n, elsewhere))
         });
         assert_eq!(found.expect("no error"), items.iter().map(|n| (*n, 0)).collect::<Vec<_>>());

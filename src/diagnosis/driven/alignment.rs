@@ -11,6 +11,7 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use super::start::spread;
+use crate::numerics::order;
 use crate::parallel;
 
 /// Longest stretch that is looked at.
@@ -204,7 +205,7 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
         place.map_or(1.0, |p| (1.0 - pair.polished(p, index as isize - most)).max(0.0))
     };
     let mut sorted = best.clone();
-    sorted.sort_by(f64::total_cmp);
+    order::sort(&mut sorted);
     Some(Alignment {
         lag: index as isize - most,
         left: left(index),

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::detection::Structure;
 use crate::diagnosis::verdict::Outcome;
+use crate::numerics::order;
 use crate::parallel;
 
 use super::fineness::enough;
@@ -168,7 +169,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
     let power = power_left(data, &model.fit);
     let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
-    named.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+    order::sort_by_key(&mut named, |n| -n.growth);
     let lattice = rounding(data, &model);
     let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
     let single = twins.is_empty() && !series;

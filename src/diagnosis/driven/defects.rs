@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use crate::numerics::least_squares::Linear;
+use crate::numerics::order;
 
 use super::start::spread;
 
@@ -47,7 +48,7 @@ pub fn glitches(values: &mut [f64]) -> Vec<usize> {
     let off = |v: &[f64], k: usize| v[k] - 0.5 * (v[k - 1] + v[k + 1]);
     let usual = typical((1..n - 1).map(|k| off(values, k)));
     let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    order::sort(&mut sorted);
     // A wave as large as the signal, and far from smooth.
     let least = FAR_OFF * usual + 0.5 * (sorted[n - 1 - n / 100] - sorted[n / 100]);
     let found: Vec<usize> = (2..n - 2)

@@ -7,6 +7,7 @@
 use crate::backend::misfits::evaluate;
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::misfit::{Job, MOST_DIRECTIONS, Misfit, Point, Units};
+use crate::numerics::order;
 use crate::parallel;
 
 use super::filter::Nothing;
@@ -78,7 +79,7 @@ impl<'a> Ensemble<'a> {
             }
         };
         ranked.retain(|r| r.0.is_finite());
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order::sort_by_key(&mut ranked, |r| r.0);
         Some(apart(ranked.into_iter().map(|r| r.1), most))
     }
 

@@ -3,6 +3,7 @@
 use super::fit::{Data, Fit, trace};
 use super::held_out::LEAD;
 use super::stretches::{Stretches, merged};
+use crate::numerics::order;
 
 /// How many times louder than the fitted samples the judging ones must be before they change sides.
 const LOUDER: f64 = 1.5;
@@ -31,7 +32,7 @@ pub fn turned(data: &Data) -> [Fold; 2] {
     let with_validation = |half: &Stretches| {
         let mut all: Stretches = half.iter().chain(&data.validation).chain(&beginning).cloned().collect();
         all.retain(|r| !r.is_empty());
-        all.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut all, |r| r.start as f64);
         merged(all)
     };
     let trains = [with_validation(&second), with_validation(&first)];

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::number::short;
+use crate::numerics::order;
 use crate::numerics::{special, spectrum};
 
 use super::remainder::correlation;
@@ -51,8 +52,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> Where {
         .map(|i| (n * i / TIMES, n * (i + 1) / TIMES))
         .map(|(a, b)| (second(a)..second(b), power(&c.error[a..b]) / floor, independent(&c.error[a..b])))
         .collect();
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| c.state[*a].total_cmp(&c.state[*b]));
+    let order = order::ranked(&c.state[..n]);
     let states: Vec<(Range<f64>, f64, f64)> = (0..STATES)
         .map(|i| &order[n * i / STATES..n * (i + 1) / STATES])
         .map(|part| {

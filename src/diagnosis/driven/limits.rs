@@ -7,6 +7,7 @@
 
 use crate::diagnosis::verdict::Detectable;
 use crate::numerics::least_squares::Linear;
+use crate::numerics::order;
 use crate::numerics::special;
 use crate::parallel;
 
@@ -123,7 +124,7 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
                     })
                 })
                 .collect();
-            shapes.sort_by(|a, b| (a.strength / a.left).total_cmp(&(b.strength / b.left)));
+            order::sort_by_key(&mut shapes, |s| s.strength / s.left);
             let middle = shapes.len() / 2;
             (!shapes.is_empty()).then(|| shapes.swap_remove(middle))
         })

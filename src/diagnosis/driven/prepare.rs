@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::diagnosis::model;
 use crate::error::{Error, Result, nearest};
 use crate::number::short;
+use crate::numerics::order;
 use crate::recording::Recording;
 
 use super::alignment::{self, align};
@@ -87,7 +88,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         let clause = format!("{} stray readings of {}, the first in row {first}", stray.len(), model.columns.output);
         notes.doubt(clause, ", lie far off their neighbours: replaced by straight lines and not fitted");
         filled.extend(stray.iter().map(|k| *k..k + 1));
-        filled.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut filled, |r| r.start as f64);
     }
     let mut ends = REACH..samples - REACH;
     let mut input = None;
@@ -126,7 +127,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         let whole = |r: &Range<usize>| filled.iter().all(|f| f.end <= r.start || f.start >= r.end);
         let (mut all, torn): (Stretches, Stretches) = ranges.iter().cloned().partition(whole);
         all.extend(minus(&torn, &filled).into_iter().filter(|r| r.len() >= PIECE));
-        all.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut all, |r| r.start as f64);
         all
     };
     let (fitted, validation) = (minus(&fitted, &filled), recorded(&validation));
@@ -302,7 +303,7 @@ fn ranges(
     let clip = |ranges: &[[usize; 2]]| -> Vec<Range<usize>> {
         let mut all: Vec<Range<usize>> =
             ranges.iter().map(|[a, b]| (*a).max(ends.start)..(*b).min(ends.end)).filter(|r| r.start < r.end).collect();
-        all.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut all, |r| r.start as f64);
         merged(all)
     };
     let (mut train, test) = (clip(&split.train), clip(&split.test));

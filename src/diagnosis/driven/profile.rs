@@ -7,6 +7,7 @@
 
 use crate::diagnosis::verdict::Effect;
 use crate::numerics::least_squares::Linear;
+use crate::numerics::order;
 
 use super::ensemble::Ensemble;
 use super::fit::{Data, Fit, Search};
@@ -133,7 +134,7 @@ fn rise(
         .filter(|(_, s)| s.is_finite())
         .map(|(p, s)| (p[place], 0.5 * rows * (s / least).ln()))
         .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by_key(&mut points, |p| p.0);
     Some(points)
 }
 

@@ -1,5 +1,6 @@
 //! Whether readings are rounded coarsely: found in the values themselves, judged by the likelihood of a rounded reading.
 
+use crate::numerics::order;
 use crate::numerics::special::normal_cdf;
 
 /// A lattice that readings fall on, and what it explains.
@@ -46,7 +47,7 @@ pub fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
 /// The spacing that all values share, if there is one.
 fn spacing(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    order::sort(&mut sorted);
     let reach = sorted.last()? - sorted.first()?;
     sorted.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * reach);
     // The outermost values may be rails, which need not lie on it.
@@ -57,7 +58,7 @@ fn spacing(values: &[f64]) -> Option<f64> {
         return None;
     }
     let mut gaps: Vec<f64> = sorted.windows(2).map(|w| w[1] - w[0]).collect();
-    gaps.sort_by(f64::total_cmp);
+    order::sort(&mut gaps);
     // The smallest gap, averaged over all that round to it, shrugs off decimal rounding in the file.
     let least = gaps[0];
     let near: Vec<f64> = gaps.iter().copied().filter(|g| *g < 1.5 * least).collect();

@@ -1,6 +1,7 @@
 //! What a model leaves: how much of its innovations, and of their power, can still be foreseen. Noise gives nothing away.
 
 use crate::diagnosis::detection::{Structure, structure};
+use crate::numerics::order;
 use crate::numerics::special;
 
 use super::fit::{Data, Fit, trace};
@@ -84,7 +85,7 @@ pub fn loudest_by_chance(residual: &[f64]) -> f64 {
     }
     let mut powers: Vec<f64> = residual.chunks_exact(length).map(|c| c.iter().map(|e| e * e).sum()).collect();
     let freedom = length as f64 / correlation(residual, MEMORY);
-    powers.sort_by(f64::total_cmp);
+    order::sort(&mut powers);
     let (middle, most) = (powers[powers.len() / 2], powers[powers.len() - 1]);
     // The median of χ² with k degrees of freedom lies at k(1 − 2/(9k))³ (Wilson & Hilferty 1931).
     let mean = middle / (1.0 - 2.0 / (9.0 * freedom)).powi(3);

@@ -3,6 +3,7 @@
 //! are added (`stepwise`).
 
 use crate::numerics::least_squares::Linear;
+use crate::numerics::order;
 use crate::numerics::spectrum;
 use crate::parallel;
 use crate::progress;
@@ -126,7 +127,7 @@ fn lines(values: &[f64], rate_hz: f64) -> Vec<f64> {
             (raw.density[i] / ((sums[b] - sums[a]) / (b - a) as f64).max(1e-300), i)
         })
         .collect();
-    stands.sort_by(|a, b| b.0.total_cmp(&a.0));
+    order::sort_by_key(&mut stands, |s| -s.0);
     let mut chosen: Vec<usize> = Vec::new();
     // The highest density itself, and then what stands out locally.
     if let Some((i, _)) = raw.density.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -196,7 +197,7 @@ fn screen(
             (Linear { residual: group[0].clone(), columns }.normal().predicted(), start)
         })
         .collect();
-    promises.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order::sort_by_key(&mut promises, |p| p.0);
     promises
 }
 
@@ -214,7 +215,7 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         let starts = if term.has_corner() { CORNER_STARTS } else { STARTS };
         Some((*term, best, promises.into_iter().take(starts).map(|p| p.1).collect()))
     });
-    promised.sort_by(|a, b| a.1.total_cmp(&b.1));
+    order::sort_by_key(&mut promised, |p| p.1);
     let worth = worth_fitting(&promised, model.fit.linear.residual.len(), sure);
     let mut trials: Vec<Trial> = parallel::map_indices(promised.len(), |i| {
         let (term, promised, starts) = &promised[i];
@@ -265,10 +266,8 @@ fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usi
 }
 
 fn by_score(trials: &mut [Trial]) {
-    trials.sort_by(|a, b| {
-        let score = |t: &Trial| t.judged.as_ref().map_or(f64::NEG_INFINITY, Judged::score);
-        score(b).total_cmp(&score(a)).then(a.promised.total_cmp(&b.promised))
-    });
+    order::sort_by_key(trials, |t| t.promised);
+    order::sort_by_key(trials, |t| -t.judged.as_ref().map_or(f64::NEG_INFINITY, Judged::score));
 }
 
 /// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show

@@ -5,6 +5,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::diagnosis::model;
+use crate::numerics::order;
 use crate::numerics::spectrum;
 use crate::parallel;
 
@@ -135,7 +136,7 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
 /// The best places, no two of them neighbours.
 fn polished(mut places: Vec<Place>) -> Vec<Place> {
     places.retain(|p| p.left.is_finite() && p.gain.is_finite() && p.gain != 0.0);
-    places.sort_by(|a, b| a.left.total_cmp(&b.left));
+    order::sort_by_key(&mut places, |p| p.left);
     let mut chosen: Vec<Place> = Vec::new();
     for p in places {
         let near = |c: &Place| (p.omega / c.omega).ln().abs() < 0.15 && (p.zeta / c.zeta).ln().abs() < 0.8;

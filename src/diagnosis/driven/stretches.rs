@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::fit::Data;
 use super::start::spread;
+use crate::numerics::order;
 
 /// Half-open ranges of samples, ascending.
 pub type Stretches = Vec<Range<usize>>;
@@ -54,7 +55,7 @@ pub fn loudest(data: &Data) -> Option<Data> {
     let hull = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
     let known = merged({
         let mut all: Vec<Range<usize>> = data.train.iter().chain(&data.validation).cloned().collect();
-        all.sort_by_key(|r| r.start);
+        order::sort_by_key(&mut all, |r| r.start as f64);
         all
     });
     let missing = minus(std::slice::from_ref(&hull), &known);

@@ -12,6 +12,7 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::verdict::StateCell;
+use crate::numerics::order;
 use crate::numerics::special;
 
 /// Cells along either axis: as many as leave this many samples to one, between the fewest and the most worth drawing.
@@ -97,7 +98,7 @@ impl Surface {
                 }
             })
             .collect();
-        all.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+        order::sort_by_key(&mut all, |c| -c.excess);
         all.truncate(most);
         all
     }
@@ -138,7 +139,7 @@ pub fn surface(m: &Motion<'_>) -> Surface {
     let rows = edge..n - edge;
     let limits = |values: &[f64]| {
         let mut sorted = values[rows.clone()].to_vec();
-        sorted.sort_by(f64::total_cmp);
+        order::sort(&mut sorted);
         let tail = (TAIL * sorted.len() as f64) as usize;
         (sorted[tail], sorted[sorted.len() - 1 - tail])
     };

@@ -11,6 +11,7 @@ use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{Effect, Fit, LogScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness};
 use crate::diagnosis::{Detail as AnyDetail, Diagnosis, Ranked};
+use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
 
@@ -80,7 +81,7 @@ pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
             && (at.iter().all(|i| well[*i])
                 || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i])))
     });
-    effects.sort_by(|a, b| b.evidence.held_out_gain.total_cmp(&a.evidence.held_out_gain));
+    order::sort_by_key(&mut effects, |e| -e.evidence.held_out_gain);
     let tied = effects.iter().any(|e| !e.confusable_with.is_empty());
     let outcome = match (described, effects.is_empty(), tied) {
         (false, _, _) => Outcome::Unexplained,
@@ -190,6 +191,7 @@ fn ranking(channels: &[Channel], selected: &[Selected], effects: &[Effect]) -> V
             });
         }
     }
-    out.sort_by(|a, b| b.named.cmp(&a.named).then(b.held_out_gain.total_cmp(&a.held_out_gain)));
+    order::sort_by_key(&mut out, |r| -r.held_out_gain);
+    order::sort_by_key(&mut out, |r| if r.named { 0.0 } else { 1.0 });
     out
 }

@@ -6,6 +6,7 @@ use super::spectrum::{self, Bin, Law};
 use crate::diagnosis::model::Noise;
 use crate::diagnosis::verdict::Estimate;
 use crate::numerics::allan;
+use crate::numerics::order;
 use crate::numerics::special::{chi_squared_quantile, normal_quantile};
 
 /// Variance per bin that a datasheet promises beyond white noise, in the channel's scale.
@@ -42,7 +43,7 @@ fn root(name: &str, unit: String, factor: f64, (value, error): (f64, f64)) -> Es
 fn straight(name: &str, unit: String, factor: f64, (value, error): (f64, f64)) -> Estimate {
     let half = normal_quantile(0.975) * error;
     let mut ci95 = [(value - half) * factor, (value + half) * factor];
-    ci95.sort_by(f64::total_cmp);
+    order::sort(&mut ci95);
     Estimate { name: name.into(), value: value * factor, unit, ci95 }
 }
 

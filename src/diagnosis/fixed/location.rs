@@ -6,6 +6,7 @@ use super::selection::{ALPHA, Selected};
 use super::telegraph::Telegraph;
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::number::{duration, short};
+use crate::numerics::order;
 
 /// Channels spoken of in the summary; the page shows all.
 const SPOKEN_OF: usize = 3;
@@ -26,10 +27,11 @@ pub(super) fn locate(
     } else {
         remainders
     };
-    let mut order: Vec<usize> = (0..shown.len()).collect();
     // Probabilities below the smallest number are all the same; then the excess decides.
     let excess = |i: usize| shown[i].frequency_hz.iter().chain(&shown[i].time_s).map(|s| s.excess).fold(0.0, f64::max);
-    order.sort_by(|a, b| shown[*a].p_value.total_cmp(&shown[*b].p_value).then(excess(*b).total_cmp(&excess(*a))));
+    let mut order: Vec<usize> = (0..shown.len()).collect();
+    order::sort_by_key(&mut order, |i| -excess(*i));
+    order::sort_by_key(&mut order, |i| shown[*i].p_value);
     let Some(worst) = order.first().copied() else { return Where::default() };
     let frequency_hz = shown[worst].frequency_hz.clone();
     // Averaging times that a band of frequency shows in: a third to a half of its period.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
 use super::laws::{self, Rivals};
 use super::spectrum::Law;
+use crate::numerics::order;
 use crate::numerics::special::chi_squared_above;
 use crate::progress;
 
@@ -88,7 +89,7 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
             .filter(|t| t.id != best.id && t.id != BAND_LIMIT && !contains(t.id, best.id))
             .filter(|t| best.merit() - t.merit() < CLOSE)
             .collect();
-        close.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
+        order::sort_by_key(&mut close, |t| -t.merit());
         rivals.push((best.id, close.iter().map(|t| t.id).collect()));
         current = prune(channel, fitted, correction);
     }

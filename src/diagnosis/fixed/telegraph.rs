@@ -284,7 +284,7 @@ pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayon::prelude::*;
+    use crate::parallel;
 
     fn p_value(values: &[f64], terms: Vec<Term>) -> f64 {
         let channel = Channel::new("x", values, 1.0);
@@ -324,44 +324,41 @@ mod tests {
     #[test]
     fn a_gaussian_drift_is_not_taken_for_hops() {
         // Memories of 4 to 2000 samples, a fifth to five times the noise; walks and sums of relaxations (flicker).
-        let alarms: Vec<(u64, f64)> = (0..500u64)
-            .into_par_iter()
-            .map(|seed| {
-                let mut rng = Philox::new(41, seed, Stream::Host);
-                let size = 0.2 * 25f64.powf(rng.random::<f64>());
-                let memory = 4.0 * 500f64.powf(rng.random::<f64>());
-                let count = 4000;
-                let (drift, term) = match seed % 5 {
-                    0 => {
-                        let mut sum = 0.0;
-                        let step = size / (count as f64 / 6.0).sqrt();
-                        let walk = (0..count)
-                            .map(|_| {
-                                sum += step * rng.normal();
-                                sum
-                            })
-                            .collect();
-                        (walk, law("random-walk", Law::Walk))
+        let all: Vec<(u64, f64)> = parallel::map_members(0..500, |seed| {
+            let mut rng = Philox::new(41, seed, Stream::Host);
+            let size = 0.2 * 25f64.powf(rng.random::<f64>());
+            let memory = 4.0 * 500f64.powf(rng.random::<f64>());
+            let count = 4000;
+            let (drift, term) = match seed % 5 {
+                0 => {
+                    let mut sum = 0.0;
+                    let step = size / (count as f64 / 6.0).sqrt();
+                    let walk = (0..count)
+                        .map(|_| {
+                            sum += step * rng.normal();
+                            sum
+                        })
+                        .collect();
+                    (walk, law("random-walk", Law::Walk))
+                }
+                1 => {
+                    let mut sum = vec![0.0; count];
+                    for octave in 0..14 {
+                        let part = relaxation(count, 2f64.powi(octave), &mut rng);
+                        sum.iter_mut().zip(part).for_each(|(s, p)| *s += size / 14f64.sqrt() * p);
                     }
-                    1 => {
-                        let mut sum = vec![0.0; count];
-                        for octave in 0..14 {
-                            let part = relaxation(count, 2f64.powi(octave), &mut rng);
-                            sum.iter_mut().zip(part).for_each(|(s, p)| *s += size / 14f64.sqrt() * p);
-                        }
-                        (sum, law("flicker-noise", Law::Flicker))
-                    }
-                    _ => {
-                        let mut drift = relaxation(count, memory, &mut rng);
-                        drift.iter_mut().for_each(|d| *d *= size);
-                        (drift, law("gauss-markov", Law::Markov(memory)))
-                    }
-                };
-                let values: Vec<f64> = drift.into_iter().map(|d| d + rng.normal()).collect();
-                (seed, p_value(&values, vec![term]))
-            })
-            .filter(|(_, p)| *p < 0.01)
-            .collect();
+                    (sum, law("flicker-noise", Law::Flicker))
+                }
+                _ => {
+                    let mut drift = relaxation(count, memory, &mut rng);
+                    drift.iter_mut().for_each(|d| *d *= size);
+                    (drift, law("gauss-markov", Law::Markov(memory)))
+                }
+            };
+            let values: Vec<f64> = drift.into_iter().map(|d| d + rng.normal()).collect();
+            (seed, p_value(&values, vec![term]))
+        });
+        let alarms: Vec<(u64, f64)> = all.into_iter().filter(|(_, p)| *p < 0.01).collect();
         // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the price keeps it far below.
         assert!(alarms.len() <= 1, "{alarms:?}");
     }
@@ -369,16 +366,14 @@ mod tests {
     #[test]
     fn hops_are_found_at_half_the_noise_and_their_power_is_foreseen() {
         let found = |size: f64, dwell: [f64; 2], count: usize| -> usize {
-            (0..20u64)
-                .into_par_iter()
-                .filter(|seed| {
-                    let mut rng = Philox::new(42, *seed, Stream::Host);
-                    let hops = telegraph(count, dwell, &mut rng);
-                    let values: Vec<f64> = hops.into_iter().map(|h| size * h + rng.normal()).collect();
-                    let memory = 1.0 / (1.0 / dwell[0] + 1.0 / dwell[1]);
-                    p_value(&values, vec![law("gauss-markov", Law::Markov(memory))]) < 1e-3
-                })
-                .count()
+            let found = parallel::map_members(0..20, |seed| {
+                let mut rng = Philox::new(42, seed, Stream::Host);
+                let hops = telegraph(count, dwell, &mut rng);
+                let values: Vec<f64> = hops.into_iter().map(|h| size * h + rng.normal()).collect();
+                let memory = 1.0 / (1.0 / dwell[0] + 1.0 / dwell[1]);
+                p_value(&values, vec![law("gauss-markov", Law::Markov(memory))]) < 1e-3
+            });
+            found.iter().filter(|found| **found).count()
         };
         for (size, dwell) in [(0.5, [100.0; 2]), (1.0, [10.0; 2]), (1.0, [1000.0, 100.0]), (3.0, [300.0; 2])] {
             let found = found(size, dwell, 4000);

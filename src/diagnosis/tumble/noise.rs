@@ -5,6 +5,8 @@
 //! σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C. A reading whose noise is finer than its step errs by up to half a
 //! step in the whole of a pose, however long: see `rounding`.
 
+use crate::numerics::order;
+
 use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
 
@@ -133,7 +135,7 @@ impl Rounding {
         };
         // Less the top tenth, as a pose may have slipped.
         let mut within: Vec<f64> = inside().map(scatter).collect();
-        within.sort_by(f64::total_cmp);
+        order::sort(&mut within);
         let mean_of = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
         let within = mean_of(&within[..within.len() - within.len() / 10]) / (q * q);
         Self { of_mean: q * q * of_mean(noise_before_rounding(within)), step: q }

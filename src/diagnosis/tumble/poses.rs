@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::imu::Imu;
 use crate::error::{Error, Result};
+use crate::numerics::order;
 use crate::recording::rows::Rows;
 
 /// Window of the variance, s.
@@ -63,7 +64,7 @@ pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
         return Vec::new();
     }
     let mut sorted = unrest.clone();
-    sorted.sort_by(f64::total_cmp);
+    order::sort(&mut sorted);
     // The quietest hundredth: below it lies chance, above it motion may begin.
     let quiet = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
     let tried: Vec<Vec<Range<usize>>> =
@@ -105,7 +106,7 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
             }
         }
         let mut sorted = sum.clone();
-        sorted.sort_by(f64::total_cmp);
+        order::sort(&mut sorted);
         let level = sorted[sorted.len() / 100].max(finest).max(f64::MIN_POSITIVE);
         total.iter_mut().zip(&sum).for_each(|(t, s)| *t += s / level);
     }

@@ -2,6 +2,7 @@
 
 use super::fit::Fit;
 use super::rows::{GROUPS, Group};
+use crate::numerics::order;
 use crate::numerics::special::{f_above, normal_cdf};
 
 /// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard deviation.
@@ -34,7 +35,7 @@ impl Remainder {
                 above.push((group, ratio));
             }
         }
-        above.sort_by(|a, b| b.1.total_cmp(&a.1));
+        order::sort_by_key(&mut above, |a| -a.1);
         // Per pose one row of gravity, then three of the gyro at rest.
         let at_rest: Vec<usize> = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] != Group::Turn).collect();
         for channel in 0..4 {

@@ -8,6 +8,7 @@ use super::imu::Observed;
 use super::remainder::Remainder;
 use super::rows::{GROUPS, Group};
 use super::units::factor;
+use crate::numerics::order;
 use crate::numerics::special::{f_above, normal_quantile};
 use crate::rng::{Philox, Stream};
 
@@ -116,9 +117,9 @@ pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
         model = without(observed, &model, standing.term);
         others.push(Standing { withdrawn: true, ..standing });
     }
-    kept.sort_by(|a, b| b.criterion.total_cmp(&a.criterion));
+    order::sort_by_key(&mut kept, |s| -s.criterion);
     let tied = kept.iter().map(|s| ties(observed, &model, s, &others)).collect();
-    others.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    order::sort_by_key(&mut others, |s| s.p_value);
     Selection { base, repaired: model, named: kept, others, tied }
 }
 
@@ -217,7 +218,7 @@ fn held_out_gain(smaller: &Fit, larger: &Fit, group: Group, folds: &Folds) -> (f
     let mut resampled: Vec<f64> = (0..RESAMPLES)
         .map(|_| gain(&mut (0..pairs.len()).map(|_| rng.random_range(0..pairs.len())).collect::<Vec<_>>().into_iter()))
         .collect();
-    resampled.sort_by(f64::total_cmp);
+    order::sort(&mut resampled);
     let quantile = |q: f64| resampled[((RESAMPLES - 1) as f64 * q).round() as usize];
     (gain(&mut (0..pairs.len())), [quantile(0.025), quantile(0.975)])
 }

@@ -6,6 +6,7 @@
 //! pairs of averaging times. Lags are summed in steps of an eighth of the shorter time.
 
 use super::law::{TERMS, Term};
+use crate::numerics::order;
 
 /// Lags per shorter averaging time.
 const LAGS: usize = 8;
@@ -127,7 +128,7 @@ impl Pair {
         }
         let mut single: Vec<f64> =
             [0.0, 1.0, 2.0].iter().flat_map(|a| [0.0, 1.0, 2.0].map(|b| a * m - b * n)).collect();
-        single.sort_by(f64::total_cmp);
+        order::sort(&mut single);
         single.dedup();
         single.iter().for_each(|lag| add(*lag, 1.0, true));
         let all = self.windows[0] * self.windows[1];

@@ -5,6 +5,7 @@
 
 use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::surface::Surface;
+use crate::numerics::order;
 use crate::numerics::spectrum;
 
 use super::{Exhibit, Part};
@@ -154,8 +155,7 @@ fn spectra(detail: &Detail) -> Exhibit {
 }
 
 fn states(detail: &Detail) -> Exhibit {
-    let mut order: Vec<usize> = (0..detail.state.len().min(detail.before.len())).collect();
-    order.sort_by(|a, b| detail.state[*a].total_cmp(&detail.state[*b]));
+    let order = order::ranked(&detail.state[..detail.state.len().min(detail.before.len())]);
     let cells = 40.min(order.len().max(1));
     let profile = |errors: &[f64]| -> Vec<(f64, f64)> {
         (0..cells)

@@ -2,6 +2,7 @@
 
 use crate::drift::Drift;
 use crate::drift::budget::Share;
+use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Sources shown by name; the rest is one band.
@@ -12,7 +13,7 @@ fn named(drift: &Drift) -> Vec<&Share> {
     let budget = &drift.budget;
     let peak = |s: &Share| (0..budget.time_s.len()).map(|k| budget.fraction(s, k)).fold(0.0, f64::max);
     let mut shares: Vec<(&Share, f64)> = budget.shares.iter().map(|s| (s, peak(s))).filter(|s| s.1 > 0.005).collect();
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    order::sort_by_key(&mut shares, |s| -s.1);
     shares.into_iter().take(NAMED).map(|s| s.0).collect()
 }
 

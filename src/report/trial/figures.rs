@@ -1,5 +1,6 @@
 //! Power against size, and the detection limit of each effect.
 
+use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
 use crate::trial::interval::{Power, Share};
 use crate::trial::outcome::{Limit, Outcome, Planted};
@@ -48,7 +49,7 @@ pub fn power(outcome: &Outcome) -> Figure {
 pub fn limits(outcome: &Outcome) -> Figure {
     let of = |l: &Limit| Some((format!("{} ({})", l.id, l.kind.name()), l.effect_over_noise?, l.ci95?));
     let mut found: Vec<(String, f64, [f64; 2])> = outcome.detection_limit.iter().filter_map(of).collect();
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    order::sort_by_key(&mut found, |f| f.1);
     let (least, most) = (0.003, 2000.0);
     let x = Axis::log("size noticed in 9 of 10 / noise (rms)").within(least, most);
     let y = Axis::linear("rank, most visible first").within(0.0, found.len() as f64 + 1.0);

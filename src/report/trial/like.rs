@@ -2,6 +2,7 @@
 
 use crate::diagnosis;
 use crate::number::significant;
+use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
 use crate::report::html::Page;
 use crate::report::table::Table;
@@ -88,14 +89,14 @@ pub fn terminal(power: &Power) -> String {
 /// Every copy as a dot: what was said of it.
 fn ladder(power: &Power) -> Figure {
     let (least, most) = (0.03, 100.0);
-    let mut order: Vec<&Revealed> = power.effects.iter().collect();
+    let mut rows: Vec<&Revealed> = power.effects.iter().collect();
     let from = |e: &Revealed| e.named_from.or(e.noticed_from.map(|s| 10.0 * s)).unwrap_or(f64::INFINITY);
-    order.sort_by(|a, b| from(b).total_cmp(&from(a)));
+    order::sort_by_key(&mut rows, |e| -from(e));
     let x = Axis::log("size of the effect / noise (rms)").within(least, most);
-    let y = Axis::linear("").within(0.0, order.len() as f64 + 1.0);
+    let y = Axis::linear("").within(0.0, rows.len() as f64 + 1.0);
     let mut chart = Chart::new("What would have been said", x, y);
     let mut dots: [Vec<(f64, f64)>; 4] = Default::default();
-    for (n, effect) in order.iter().enumerate() {
+    for (n, effect) in rows.iter().enumerate() {
         let rank = n as f64 + 1.0;
         for tried in &effect.tried {
             let way = match (tried.noticed, tried.named, tried.said.starts_with("explained")) {
@@ -120,7 +121,7 @@ fn ladder(power: &Power) -> Figure {
             chart.add(name, ink, Mark::Dots(radius), points);
         }
     }
-    chart.size = (560, 140 + 18 * order.len() as u32);
+    chart.size = (560, 140 + 18 * rows.len() as u32);
     chart.draw()
 }
 
