@@ -100,7 +100,8 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
         Error::new("could not analyse noise", "segments of the spectrum are too short", "report this as a defect")
     })?;
     let mut source = stream::read(path, request, |block| {
-        meters.par_iter_mut().zip(&block.columns).for_each(|(meter, values)| {
+        parallel::for_each_mut(&mut meters, |i, meter| {
+            let values = &block.columns[i];
             values.iter().for_each(|v| meter.push(*v));
             if block.broken_off {
                 meter.interrupt();
