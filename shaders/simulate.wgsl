@@ -128,6 +128,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let k2 = column(i, K2);
     let range = column(i, RANGE);
     let lsb = column(i, QUANTISATION);
+    let steps = column(i, STEPS);
     let force_sigma = column(i, FORCE);
     let white_sigma = column(i, WHITE);
     let walk_sigma = column(i, WALK);
@@ -183,8 +184,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     // Four samples at a time, which one draw serves. The four are a loop of known length, so that a compiler unrolls it,
     // and samples outside the tile are masked: software adapters run both sides of a branch and gain nothing by skipping.
     let stop = tile.first_sample + tile.samples;
-    var shared_force = gain * forces[0].x;
-    for (var counter = tile.first_sample / 4u; 4u * counter < stop; counter++) {
+    var before = forces[0].x;
+    for (var counter = tile.first_sample >> 2u; 4u * counter < stop; counter++) {
         if HAS_FORCE {
             pushes = gaussians(counter, member, STREAM_FORCE, seed);
         }
@@ -218,22 +219,22 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                 let push = force_sigma * pick(pushes, number);
                 var felt = 0.0;
                 for (var substep = 0u; substep < SUBSTEPS; substep++) {
-                    let now = gain * forces[(n - tile.first_sample) * SUBSTEPS + substep + 1u];
-                    var f = Force(shared_force, now.y, now.x, now.z, now.w);
-                    shared_force = now.x;
+                    let now = forces[(n - tile.first_sample) * SUBSTEPS + substep + 1u];
+                    var own = vec3<f32>();
                     if HAS_SINE {
                         let half = (n * SUBSTEPS + substep) * 2u;
-                        let begin = sine * sin_cos_turns(phase + half * phase_step).x;
-                        let middle = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
-                        let end = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
-                        f = Force(
-                            f.begin + begin,
-                            f.middle + middle,
-                            f.end + end,
-                            f.to_middle + (middle - begin),
-                            f.to_end + (end - begin),
-                        );
+                        own.x = sine * sin_cos_turns(phase + half * phase_step).x;
+                        own.y = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
+                        own.z = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
                     }
+                    let f = Force(
+                        fma(gain, before, own.x),
+                        fma(gain, now.y, own.y),
+                        fma(gain, now.x, own.z),
+                        fma(gain, now.z, own.y - own.x),
+                        fma(gain, now.w, own.z - own.x),
+                    );
+                    before = now.x;
                     s = advance(k, s, f, push);
                     felt = f.end;
                 }
@@ -260,7 +261,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     error = max(min(error, range - felt), -range - felt);
                 }
                 if HAS_QUANTISATION {
-                    let reading = (felt + error) / max(lsb, 1e-30);
+                    // Opaque, so that no compiler fuses what must round to the same whole number everywhere.
+                    let reading = opaque((opaque(felt, zero) + error) * steps, zero);
                     error = fma(lsb, round(reading) - reading, error);
                 }
 

@@ -76,6 +76,7 @@ const GYRO_BIAS = 19u;
 const GYRO_WHITE = 20u;
 const GYRO_FLICKER = 21u;
 const GYRO_WALK = 22u;
+const STEPS = 23u;
 
 // Places in a member's state; flicker terms follow, the accelerometer's and then the gyro's.
 const STATE_E = 0u;

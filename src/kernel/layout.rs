@@ -9,6 +9,8 @@ pub const SIMULATE_WORKGROUP: u32 = 64;
 pub const PEAK_WORKGROUP: u32 = 64;
 /// Entries of the uniform array of forces, 16 bytes each: 64 KB, which every adapter offers.
 pub const FORCES: usize = 4096;
+/// Invocations of a workgroup of `reduce`.
+pub const REDUCE_WORKGROUP: u32 = 64;
 /// Members that a workgroup of `reduce` sums up.
 pub const BLOCK: u32 = 256;
 /// Numbers of a member's state before its flicker terms.

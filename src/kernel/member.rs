@@ -9,7 +9,7 @@ use super::job::{Clock, Member};
 use crate::sensor::ProofMass;
 
 /// Numbers of one member.
-pub const COLUMNS: usize = 23;
+pub const COLUMNS: usize = 24;
 /// Coefficients of the oscillator, the first columns.
 pub const COEFFICIENTS: usize = 8;
 
@@ -31,6 +31,7 @@ pub mod column {
     pub const GYRO_WHITE: usize = 20;
     pub const GYRO_FLICKER: usize = 21;
     pub const GYRO_WALK: usize = 22;
+    pub const STEPS: usize = 23;
 }
 
 /// A member, ready for a kernel.
@@ -66,6 +67,7 @@ impl Column {
         values[column::FLICKER] = a.bias_instability_m_s2;
         values[column::WALK] = a.acceleration_random_walk_m_s2_rts * root;
         values[column::QUANTISATION] = a.quantisation_m_s2;
+        values[column::STEPS] = steps_per_m_s2(a.quantisation_m_s2);
         values[column::RANGE] = a.range_m_s2.min(NO_LIMIT);
         values[column::GYRO_BIAS] = g.bias_rad_s;
         values[column::GYRO_WHITE] = g.angle_random_walk_rad_rts / root;
@@ -79,6 +81,14 @@ impl Column {
         }
         Self { values, turns }
     }
+}
+
+/// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a GPU's own division may be
+/// off by 2.5 units in the last place, and one that multiplied by a reciprocal took one member in 150 to another step within
+/// 50 samples, and with them a 99th percentile by 0.011 sd.
+fn steps_per_m_s2(quantisation_m_s2: f64) -> f64 {
+    const SMALLEST: f64 = 1e-30;
+    if quantisation_m_s2 > SMALLEST { 1.0 / quantisation_m_s2 } else { 0.0 }
 }
 
 /// Amplitudes of the flicker terms of a run.

@@ -4,9 +4,7 @@
 //! the device works on the last.
 //!
 //! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until a batch ends, 96 bytes
-//! for 256 members and a report, 6 MB for sixteen reports of a million members. Subgroups would only shorten those sums,
-//! which read 20 MB for a million members, some tens of microseconds on a card, beside milliseconds for the steps between
-//! two reports; llvmpipe, whose barriers are loops, spends a fifth of the benchmark's full path on sixteen reports.
+//! for 256 members and a report, 6 MB for sixteen reports of a million members.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -52,8 +52,8 @@ impl<T: Real> Kernel for AddWalk<'_, T> {
 pub(super) struct Limit<'a, T> {
     /// Largest magnitude of a reading.
     pub range: Option<&'a Lane<T>>,
-    /// Size of a step; 0 for none.
-    pub lsb: Option<&'a Lane<T>>,
+    /// Size of a step, and steps per m/s²; 0 for none.
+    pub steps: Option<[&'a Lane<T>; 2]>,
     pub felt: &'a [Lane<T>],
     pub error: &'a mut [Lane<T>],
 }
@@ -68,10 +68,10 @@ impl<T: Real> Kernel for Limit<'_, T> {
                     error[l] = error[l].min(range[l] - felt[l]).max(-range[l] - felt[l]);
                 }
             }
-            if let Some(lsb) = self.lsb {
+            if let Some([size, steps]) = self.steps {
                 for l in 0..LANES {
-                    let reading = (felt[l] + error[l]) / lsb[l].max(T::of(1e-30));
-                    error[l] = fma::<T, FMA>(lsb[l], reading.round() - reading, error[l]);
+                    let reading = (felt[l] + error[l]) * steps[l];
+                    error[l] = fma::<T, FMA>(size[l], reading.round() - reading, error[l]);
                 }
             }
         }

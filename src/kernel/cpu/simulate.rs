@@ -121,7 +121,8 @@ impl<T: Real> Simulate<'_, T> {
         }
         if on.range || on.quantisation {
             let range = on.range.then_some(&k[column::RANGE]);
-            level.run(Limit { range, lsb: on.quantisation.then_some(&k[column::QUANTISATION]), felt, error });
+            let steps = on.quantisation.then_some([&k[column::QUANTISATION], &k[column::STEPS]]);
+            level.run(Limit { range, steps, felt, error });
         }
         if on.gyro {
             turn.fill(k[column::GYRO_BIAS]);

@@ -108,7 +108,7 @@ fn a_shifted_member_is_noticed() {
 fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
         (source::simulate(false), 6, layout::SIMULATE_WORKGROUP),
-        (source::reduce(), 5, layout::BLOCK),
+        (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
         (source::poincare(false), 5, layout::ORBIT_WORKGROUP),
         (source::misfit(), 6, layout::MISFIT_WORKGROUP),
@@ -122,6 +122,24 @@ fn bindings_and_workgroups_are_what_the_host_dispatches() {
         let entry = &module.entry_points[0];
         assert_eq!((entry.name.as_str(), entry.workgroup_size), (shader.name, [size, 1, 1]));
     }
+}
+
+/// Whether the entry point divides.
+fn divides(shader: &Shader) -> bool {
+    let module = parsed(shader);
+    let mut expressions = module.entry_points[0].function.expressions.iter();
+    expressions.any(|(_, e)| matches!(e, naga::Expression::Binary { op: naga::BinaryOperator::Divide, .. }))
+}
+
+/// WGSL promises a division to 2.5 units in the last place only, and less than that takes a quantised reading to another
+/// step: the host divides.
+#[test]
+fn no_reading_hangs_on_a_division() {
+    let simulate = source::simulate(false);
+    assert!(!divides(&simulate));
+    let (product, quotient) = ("(opaque(felt, zero) + error) * steps", "(felt + error) / max(lsb, 1e-30)");
+    assert!(simulate.text.contains(product));
+    assert!(divides(&Shader { name: "divided", text: simulate.text.replace(product, quotient) }));
 }
 
 /// A constant of a shader as the host knows it.
@@ -138,6 +156,9 @@ fn columns_states_and_bounds_agree() {
     has(&simulate, "BOUND_M_S2", "1e7");
     assert_eq!(cpu::sums::BOUND_M_S2, 1e7);
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
+    let reduce = source::reduce();
+    has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
+    has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));
     let shader = source::misfit();
     MISFIT.iter().for_each(|(name, place)| has(&shader, name, &format!("{place}u")));
     has(&shader, "MOST_DIRECTIONS", &format!("{}u", misfit::MOST_DIRECTIONS));
@@ -151,7 +172,7 @@ fn columns_states_and_bounds_agree() {
 }
 
 /// A member's columns.
-const MEMBER: [(&str, usize); 15] = [
+const MEMBER: [(&str, usize); 16] = [
     ("GAIN", member::GAIN),
     ("SINE", member::SINE),
     ("BIAS", member::BIAS),
@@ -167,6 +188,7 @@ const MEMBER: [(&str, usize); 15] = [
     ("GYRO_WHITE", member::GYRO_WHITE),
     ("GYRO_FLICKER", member::GYRO_FLICKER),
     ("GYRO_WALK", member::GYRO_WALK),
+    ("STEPS", member::STEPS),
 ];
 
 /// The columns of a point of a misfit.
