@@ -123,7 +123,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
         ),
         Check::near(
             "least deviation of the single sensor over that of the array",
-            "16^¼ = 2: the minimum of N²/τ + K²τ/3 is 2NK/√3; a quarter for the few degrees of freedom at the minimum",
+            "√√16 = 2: the minimum of N²/τ + K²τ/3 is 2NK/√3; a quarter for the few degrees of freedom at the minimum",
             2.0,
             least(single) / least(array),
             0.5,

@@ -149,7 +149,7 @@ fn checks(drive: &Drive, exponent: Estimate, rate: Estimate, cubic: &Spread, lin
         ),
         Check::near(
             "linear sensor: spread of the distance at the end over its law",
-            "N·t^1.5/√3 (white force noise integrated twice; the sensor passes low frequencies unchanged); four standard \
+            "N√(t³/3) (white force noise integrated twice; the sensor passes low frequencies unchanged); four standard \
              errors 1/√(2·200) of a standard deviation",
             1.0,
             end(linear) / law,

@@ -48,17 +48,24 @@ fn published(rows: &[Row]) -> Table {
             let here = [format!("proofmass, {}", r.precision), place, millions(r.per_second), "this run".to_owned()];
             table.row([p.work.to_owned()].into_iter().chain(here));
         }
-        table.row([p.work, p.solver, p.machine, &millions(p.per_second), p.source]);
+        table.row([p.work, p.solver, p.machine, &millions(p.per_second()), p.source]);
     }
     table
 }
 
 /// What the full path is predicted to reach on cards that are not here.
 fn predicted() -> Table {
-    let mut table = Table::new(&["card", "bound, million member-steps per s", "expected", "peak from"]);
+    let mut table =
+        Table::new(&["card", "f32 lanes × boost clock", "TFLOP/s", "bound, million member-steps per s", "expected"]);
     for card in CARDS {
         let bound = card.bound_per_s();
-        table.row([card.name.to_owned(), millions(bound), millions(EXPECTED_SHARE * bound), card.source.to_owned()]);
+        table.row([
+            card.name.to_owned(),
+            format!("{} × {} GHz", card.lanes, card.boost_ghz),
+            significant(card.flops() / 1e12, 3),
+            millions(bound),
+            millions(EXPECTED_SHARE * bound),
+        ]);
     }
     table
 }
@@ -100,8 +107,9 @@ fn counting(rows: &[Row]) -> String {
 
 fn prediction_words() -> String {
     format!(
-        "A prediction, not a measurement: the full path's counted instructions against the card's published rate, all slots \
-         used, and {} of that, which is what is expected of a kernel bound by arithmetic.",
+        "A prediction, not a measurement: the card's lanes times its boost clock over the full path's counted instructions, all \
+         slots used, and {} of that, which is a guess for a kernel bound by arithmetic. Lanes and clocks are from lists of \
+         specifications; the maker's own sheets were not at hand.",
         percent(EXPECTED_SHARE)
     )
 }

@@ -8,7 +8,7 @@ mod draw;
 pub mod raster;
 pub mod theme;
 
-pub use axis::{Axis, Scale};
+pub use axis::{Axis, Scale, labelled};
 pub use raster::Raster;
 pub use theme::Ink;
 

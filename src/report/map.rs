@@ -11,7 +11,8 @@ use crate::numerics::order;
 
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {
-    let mut table = Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period"]);
+    let mut table =
+        Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period", "differ up and down"]);
     for g in &atlas.grids {
         let largest = g.exponent_per_s.iter().copied().filter(|e| e.is_finite()).fold(f64::NAN, f64::max);
         let lost = match g.lost() {
@@ -31,7 +32,10 @@ pub fn table(atlas: &Atlas) -> Table {
         table.row([
             format!("bifurcation, {}", b.diagram.title),
             b.diagram.points.to_string(),
-            format!("{apart} amplitudes differ between up and down"),
+            String::new(),
+            String::new(),
+            String::new(),
+            apart.to_string(),
         ]);
     }
     table
@@ -91,7 +95,8 @@ pub fn diagram(b: &Bifurcation) -> [Figure; 2] {
             Axis::linear("amplitude of the force F₀ / N").within(x.0, x.1),
             Axis::linear("displacement at the strobe / m").within(y.0, y.1),
         );
-        chart.raster = Some(Raster::cloud(points.iter().copied(), (900, 600), x, y));
+        // A pixel of the picture for one on the screen: finer ones would fade where sixty strobes fall on one.
+        chart.raster = Some(Raster::cloud(points.iter().copied(), (480, 320), x, y));
         chart.draw()
     };
     [cloud(&b.up, "force rising"), cloud(&b.down, "force falling")]
@@ -124,8 +129,9 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
             String::new()
         };
         let first = format!(
-            "Largest Lyapunov exponent of eq. 6, each cell from rest, averaged over {} periods after {}; {} to {} \
-             Runge–Kutta steps a period in f32. Dark is periodic; above zero neighbours part: {} % of the cells are chaotic.{noise}",
+            "Largest Lyapunov exponent of the Duffing equation, each cell from rest, averaged over {} periods after {}; {} to {} \
+             Runge–Kutta steps a period in f32. Below zero the motion is periodic, above it neighbours part: {} % of the cells \
+             are chaotic.{noise}",
             g.map.periods,
             g.map.transient_periods,
             g.steps.0,

@@ -8,7 +8,7 @@ mod tilt;
 
 use super::html::Page;
 use super::table::Table;
-use crate::number::significant;
+use crate::number::{significant, worth};
 use crate::paper::Paper;
 use crate::paper::check::{Check, Exhibit, Source};
 
@@ -66,13 +66,16 @@ fn head(page: &mut Page, exhibit: &Exhibit) {
 /// The checks of a figure, a sentence each: tables of so many words do not fit a phone.
 fn checks(page: &mut Page, exhibit: &Exhibit) {
     let sentence = |c: &Check| {
-        let expected = if c.range {
-            format!("{} to {}", significant(c.expected - c.tolerance, 3), significant(c.expected + c.tolerance, 3))
+        let (got, expected) = if c.range {
+            let ends = [c.expected - c.tolerance, c.expected + c.tolerance].map(|v| significant(v, 3));
+            (significant(c.got, 3), ends.join(" to "))
         } else {
-            format!("{} ± {}", significant(c.expected, 4), significant(c.tolerance, 2))
+            // One digit more than the tolerance has, so that a near miss can be seen.
+            let shown = |v| worth(v, 0.1 * c.tolerance);
+            (shown(c.got), format!("{} ± {}", shown(c.expected), significant(c.tolerance, 2)))
         };
         let verdict = if c.holds { "Holds" } else { "DOES NOT HOLD" };
-        format!("{verdict}. {}: {}, expected {expected}. Source: {}.", c.name, significant(c.got, 4), c.because)
+        format!("{verdict}. {}: {got}, expected {expected}. Source: {}.", c.name, c.because)
     };
     page.list(&exhibit.checks.iter().map(sentence).collect::<Vec<_>>());
 }

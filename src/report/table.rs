@@ -41,7 +41,9 @@ impl Table {
         let class = |c: usize| if numeric[c] { " class=\"n\"" } else { "" };
         let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
         for (c, heading) in self.headings.iter().enumerate() {
-            out += &format!("<th{}>{}</th>", class(c), escape(heading));
+            // A line ends before the quantity, not before its unit.
+            let heading = escape(heading).replace(" / ", "\u{a0}/\u{a0}");
+            out += &format!("<th{}>{heading}</th>", class(c));
         }
         out += "</tr></thead><tbody>";
         for r in 0..self.rows.len() {

@@ -74,7 +74,14 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     };
     for (i, term) in fit.shape.terms.iter().enumerate() {
         let p = fit.shape.of(i, &fit.point);
+        let damps = matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilm(_) | Term::Coulomb(_));
         match term {
+            // Within its interval a damping may come out below zero; a study takes none that drives.
+            _ if damps && p[0] < 0.0 => {
+                if let Some(list) = not_expressible.as_deref_mut() {
+                    list.push(format!("{}, which came out negative: {}", term.id(), term.words().equation));
+                }
+            }
             Term::CubicStiffness(_) => mass.cubic_per_m2_s2 = p[0] * gain * gain,
             Term::QuadraticStiffness(_) => mass.quadratic_per_m_s2 = p[0] * gain,
             Term::QuadraticDamping(_) => mass.quadratic_damping_per_m = p[0] * gain.abs(),

@@ -3,7 +3,7 @@
 use super::words;
 use crate::number::significant;
 use crate::recording::noise::Channel;
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 
 pub(super) fn curve(channel: &Channel) -> Chart {
     let (unit, factor) = channel.unit.signal();
@@ -15,7 +15,7 @@ pub(super) fn curve(channel: &Channel) -> Chart {
     let mut chart = Chart::new(
         &format!("Allan deviation of {}", channel.name),
         Axis::log("averaging time τ / s"),
-        Axis::log(&format!("Allan deviation / {unit}")).within(low / 2.5, high * 2.0),
+        Axis::log(&labelled("Allan deviation", unit)).within(low / 2.5, high * 2.0),
     );
     if let Some(fit) = &channel.fit {
         for term in words::dominant(channel) {
@@ -58,7 +58,7 @@ pub(super) fn density(channel: &Channel) -> Chart {
     let mut chart = Chart::new(
         &format!("Noise density of {}", channel.name),
         Axis::log("frequency / Hz"),
-        Axis::log(&format!("density / {unit}")),
+        Axis::log(&labelled("density", unit)),
     );
     // Twenty points per decade read better than thousands; each is the mean of the bins it stands for.
     let mut thinned: Vec<(f64, f64)> = Vec::new();

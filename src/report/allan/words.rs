@@ -1,6 +1,6 @@
 //! What an Allan curve says, in sentences: what each coefficient is, what the data do not support, and when a fit is bad.
 
-use crate::number::{duration, rounded, significant};
+use crate::number::{duration, rounded, significant, superscript};
 use crate::numerics::allan::law::{TERMS, Term};
 use crate::recording::noise::{Channel, Noise};
 use crate::report::table::Table;
@@ -16,7 +16,7 @@ pub(super) const CONVENTIONS: [&str; 7] = [
      starts per averaging time; averaging times up to a third of the recording.",
     "Whiskers: 95 % intervals from χ² with the equivalent degrees of freedom of overlapping windows, computed for the fitted \
      mixture of noises.",
-    "Laws of the variance: Q 3Q²/τ², N N²/τ, B (2 ln 2/π)B², K K²τ/3, R R²τ²/2.",
+    "Laws of the Allan variance: quantisation 3Q²/τ²; white noise N²/τ; flicker (2 ln 2/π)B²; random walk K²τ/3; ramp R²τ²/2.",
     "Fit: generalised least squares on the variance at octave-spaced averaging times with the full covariance of the points, \
      no coefficient negative.",
     "Intervals: Monte Carlo test inversion, 400 simulated curves per hypothesis; the other coefficients are refitted under \
@@ -37,8 +37,16 @@ fn coefficient(channel: &Channel, term: Term) -> String {
     }
 }
 
+/// A value and its ends; a power of ten stands once, behind all three.
 fn interval(value: f64, ci95: [f64; 2]) -> String {
-    format!("{} ({} – {})", significant(value, 3), significant(ci95[0], 3), significant(ci95[1], 3))
+    let power = if value > 0.0 { value.log10().floor() as i32 } else { 0 };
+    let (shrink, times) = if (-3..6).contains(&power) {
+        (1.0, String::new())
+    } else {
+        (10f64.powi(power), format!(" ×10{}", superscript(power)))
+    };
+    let [value, low, high] = [value, ci95[0], ci95[1]].map(|v| significant(v / shrink, 3));
+    format!("{value} ({low} – {high}){times}")
 }
 
 /// One row per channel: every coefficient with its interval or upper limit. Two tables, as one would be wider than a screen:

@@ -9,7 +9,7 @@ use crate::numerics::order;
 use crate::numerics::spectrum;
 
 use super::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark, Raster};
+use crate::report::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
 
 /// Points that a line needs at most.
 const POINTS: usize = 1500;
@@ -37,7 +37,7 @@ fn zoom(detail: &Detail) -> Exhibit {
     let mut chart = Chart::new(
         "Recording and models where they differ most",
         Axis::linear("time / s"),
-        Axis::linear(&format!("{} / {}", detail.output, detail.unit)),
+        Axis::linear(&labelled(&detail.output, &detail.unit)),
     );
     let size = if s.reading.len() > 250 { 2 } else { 3 };
     for (name, ink, wanted) in [("recorded, held out", Ink::Blue, true), ("recorded, fitted", Ink::Soft, false)] {
@@ -85,7 +85,7 @@ fn zoomed_errors(detail: &Detail) -> Exhibit {
     let mut chart = Chart::new(
         "Its error there",
         Axis::linear("time / s"),
-        Axis::linear(&format!("recorded − simulated / {}", detail.unit)),
+        Axis::linear(&labelled("recorded − simulated", &detail.unit)),
     );
     both(&mut chart, detail, ["base model", "repaired model"], [&s.base, &s.repaired].map(|m| errors(m)));
     chart.size = (620, 400);
@@ -114,7 +114,7 @@ fn errors(detail: &Detail) -> Exhibit {
     let mut chart = Chart::new(
         "Error of free simulation over time",
         Axis::linear("time / s"),
-        Axis::log(&format!("root mean square / {}", detail.unit)),
+        Axis::log(&labelled("root mean square", &detail.unit)),
     );
     let levels = |values: &Vec<f64>| levels(values, detail.rate_hz, detail.from);
     both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(levels));
@@ -139,7 +139,7 @@ fn spectra(detail: &Detail) -> Exhibit {
     let mut chart = Chart::new(
         "Error over frequency",
         Axis::log("frequency / Hz"),
-        Axis::log(&format!("one-sided density / {}/√Hz", detail.unit)),
+        Axis::log(&labelled("one-sided density", &format!("{}/√Hz", detail.unit))),
     )
     .with("displacement", Ink::Blue, Mark::Line, lines(&detail.state));
     let names = ["error of the base model", "error of the repaired model"];
@@ -171,8 +171,8 @@ fn states(detail: &Detail) -> Exhibit {
     };
     let mut chart = Chart::new(
         "Error over displacement",
-        Axis::linear(&format!("displacement / {}", detail.unit)),
-        Axis::log(&format!("root mean square / {}", detail.unit)),
+        Axis::linear(&labelled("displacement", &detail.unit)),
+        Axis::log(&labelled("root mean square", &detail.unit)),
     );
     both(&mut chart, detail, ["base model", "repaired model"], [&detail.before, &detail.after].map(|e| profile(e)));
     Exhibit {
@@ -206,8 +206,8 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
         }
         let mut chart = Chart::new(
             title,
-            Axis::linear(&format!("displacement / {}", detail.unit)).within(surface.x.0, surface.x.1),
-            Axis::linear(&format!("velocity / {}/s", detail.unit)).within(surface.v.0, surface.v.1),
+            Axis::linear(&labelled("displacement", &detail.unit)).within(surface.x.0, surface.x.1),
+            Axis::linear(&labelled("velocity", &format!("{}/s", detail.unit))).within(surface.v.0, surface.v.1),
         );
         chart.raster = Some(raster);
         let (found, judged) = surface.found();

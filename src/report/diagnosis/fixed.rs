@@ -3,7 +3,7 @@
 use crate::diagnosis::fixed::{ChannelDetail, Detail};
 
 use super::{Exhibit, Part};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 
 /// Its figures; one of them is the opening: the channel in which most was named.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
@@ -33,7 +33,7 @@ fn allan(channel: &ChannelDetail, unit: &str, part: Part) -> Exhibit {
     let chart = Chart::new(
         &format!("Allan deviation of {}", channel.name),
         Axis::log("averaging time τ / s"),
-        Axis::log(&format!("Allan deviation / {unit}")),
+        Axis::log(&labelled("Allan deviation", unit)),
     )
     .with("base model", Ink::Soft, Mark::Dashed, series(&channel.allan, 2))
     .with("repaired model", Ink::Red, Mark::Line, series(&channel.allan, 3))
@@ -54,7 +54,7 @@ fn density(channel: &ChannelDetail, unit: &str) -> Exhibit {
     let chart = Chart::new(
         &format!("Noise density of {}", channel.name),
         Axis::log("frequency / Hz"),
-        Axis::log(&format!("one-sided density / {unit}/√Hz")),
+        Axis::log(&labelled("one-sided density", &format!("{unit}/√Hz"))),
     )
     .with("recorded", Ink::Blue, Mark::Line, series(&channel.density, 1))
     .with("base model", Ink::Soft, Mark::Dashed, series(&channel.density, 2))
@@ -78,7 +78,7 @@ fn trace(channel: &ChannelDetail, unit: &str) -> Exhibit {
     let mut chart = Chart::new(
         &format!("{} over time", channel.name),
         Axis::linear(label),
-        Axis::linear(&format!("reading less its mean / {unit}")),
+        Axis::linear(&labelled("reading less its mean", unit)),
     )
     .with("recorded, block means", Ink::Blue, Mark::Dots(2), points(1));
     let has_curve = channel.trace.iter().any(|t| t[2] != 0.0);

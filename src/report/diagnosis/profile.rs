@@ -32,7 +32,7 @@ pub fn exhibit(profiles: &[Profile]) -> Option<Exhibit> {
         let points = profile.points.iter().map(|(v, loss)| (place(*v), *loss)).filter(|p| p.1 <= HIGHEST);
         chart.add(&profile.label, Ink::nth(n), Mark::Line, points.collect());
     }
-    chart.size = (860, 390);
+    chart.size = (620, 390);
     Some(Exhibit {
         part: Part::Identification,
         name: "how-sure".into(),

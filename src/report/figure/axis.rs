@@ -28,6 +28,11 @@ pub struct Axis {
     pub marked: bool,
 }
 
+/// "quantity / unit", the unit in brackets where it is a quotient itself.
+pub fn labelled(quantity: &str, unit: &str) -> String {
+    if unit.contains('/') { format!("{quantity} / ({unit})") } else { format!("{quantity} / {unit}") }
+}
+
 impl Axis {
     /// A linear axis.
     pub fn linear(label: &str) -> Self {

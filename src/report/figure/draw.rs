@@ -260,8 +260,8 @@ fn colour_bar(area: &Area<'_>, label: &str, limits: (f64, f64), frame: &Frame) -
     let height = (bottom - top).max(1);
     for k in 0..64 {
         let [r, g, b, _] = colour(1.0 - f64::from(k) / 63.0);
-        let (from, to) = (top + k * height / 64, top + (k + 1) * height / 64);
-        area.draw(&Rectangle::new([(left, from), (left + 12, to)], RGBColor(r, g, b).filled()))?;
+        // Each reaches to the bottom, over the ones before: edge to edge, the paper would shine through the seams.
+        area.draw(&Rectangle::new([(left, top + k * height / 64), (left + 12, bottom)], RGBColor(r, g, b).filled()))?;
     }
     let span = Span { scale: super::Scale::Linear, low: limits.0, high: limits.1, marked: true };
     for tick in span.ticks() {

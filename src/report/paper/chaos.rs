@@ -201,7 +201,7 @@ fn twenty(page: &mut Page, parting: &Parting, attractor: &Attractor) {
         Chart::new("Spread over 200 members", Axis::linear("time / s"), Axis::log("distance, standard deviation / m"))
             .with("cubic", Ink::Red, Mark::Line, curve(&parting.cubic))
             .with("linear", Ink::Blue, Mark::Line, curve(&parting.linear))
-            .with("N t^1.5/√3", Ink::Black, Mark::Dashed, thin(&law, 200))
+            .with("N√(t³/3)", Ink::Black, Mark::Dashed, thin(&law, 200))
             .draw();
     let apart: Vec<(f64, f64)> = parting.separation.iter().map(|p| (p.0, p.1.exp())).collect();
     let anchor = parting.separation.iter().find(|p| p.1 > -18.0).copied().unwrap_or((0.0, 0.0));

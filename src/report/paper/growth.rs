@@ -113,7 +113,7 @@ fn three(page: &mut Page, growth: &Growth) {
         ),
         (
             &growth_chart,
-            "Root mean square over 2000 walks against the law: slope one half. The tests below also ask whether \
+            "Root mean square over 2000 walks against the law: slope one half. The checks below also ask whether \
                   any direction is preferred.",
         ),
     ]);

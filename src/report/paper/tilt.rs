@@ -79,7 +79,7 @@ fn still(page: &mut Page, pitch: &Pitch) {
         .draw();
     page.figure(
         &gyro,
-        "The first minute of the recording, motionless: the rate, less the offset that the calibration found over all poses, \
+        "The motionless start of the recording: the rate, less the offset that the calibration found over all poses, \
          integrated. Nothing moves, and the angle does.",
     );
     checks(page, seven);
@@ -90,7 +90,7 @@ fn still(page: &mut Page, pitch: &Pitch) {
     );
     page.figure(
         &pitches("Lying still", &pitch.still_force, &pitch.still_gyro).draw(),
-        "The same minute. Red: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias is here as much random \
+        "The same stretch. Orange: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias is here as much random \
          walk: the drift at the end is of the size that white noise of the rate alone explains.",
     );
     checks(page, eight);
@@ -100,7 +100,7 @@ fn still(page: &mut Page, pitch: &Pitch) {
     let hourly = |v: f64| significant(v / DEGREE * 60.0, 3);
     page.paragraph(&format!(
         "How fast it leaves is one number, the angle random walk N: the angle's standard deviation after a time t is N√t. \
-         Fitted to the Allan deviation of this minute, N = {} °/√h (95 %: {} to {}).",
+         Fitted to the Allan deviation of this stretch, N = {} °/√h (95 %: {} to {}).",
         hourly(n.value),
         hourly(n.ci95[0]),
         hourly(n.ci95[1])
@@ -118,10 +118,14 @@ fn still(page: &mut Page, pitch: &Pitch) {
         .with("", Ink::Soft, Mark::Dashed, arch(-1.0))
         .draw();
     let law: Curve = pitch.allan.iter().map(|p| (p.0, n.value / DEGREE / p.0.sqrt())).collect();
-    let allan = Chart::new("Allan deviation of the rate", Axis::log("averaging time τ / s"), Axis::log("rate / (°/s)"))
-        .with("this minute", Ink::Blue, Mark::Dots(3), degrees(&pitch.allan, 200))
-        .with("N/√τ", Ink::Black, Mark::Dashed, law)
-        .draw();
+    let allan = Chart::new(
+        "Allan deviation of the rate",
+        Axis::log("averaging time τ / s"),
+        Axis::log("Allan deviation / (°/s)"),
+    )
+    .with("this stretch", Ink::Blue, Mark::Dots(3), degrees(&pitch.allan, 200))
+    .with("N/√τ", Ink::Black, Mark::Dashed, law)
+    .draw();
     page.figure_row(&[
         (&walk, "The gyro's angle with its own mean rate taken off, so that it is tied to zero at both ends; the dashed arch \
                  is the standard deviation N√(t(T − t)/T) of such a walk."),
@@ -168,11 +172,18 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     .with("accelerometer", Ink::Red, Mark::Bars(width), histogram(&pitch.still_force))
     .with("gyro, mean rate off", Ink::Black, Mark::Bars(width), histogram(&pitch.still_walk))
     .draw();
+    // What makes the teeth is known for the recording alone; the simulation does not round.
+    let teeth = match ten.source {
+        Source::Recorded => " The teeth of the accelerometer's are the steps of its digital reading.",
+        Source::Simulated => "",
+    };
     page.figure(
         &chart,
-        "The samples of figure 9 as densities. The accelerometer's are nearly independent, so that their width is known to a \
-         per cent; the gyro's are one single walk, and its width is known only to about a third: another minute would draw \
-         another shape.",
+        &format!(
+            "The samples of figure 9 as densities. The accelerometer's are nearly independent, so that their width is known to \
+             a per cent; the gyro's are one single walk, and its width is known only to about a third: another minute would \
+             draw another shape.{teeth}"
+        ),
     );
     checks(page, ten);
 }

@@ -2,7 +2,7 @@
 
 use crate::drift::compare::{Departure, Likeness, Outcome};
 use crate::number::{duration, significant};
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 use crate::report::html::Page;
 use crate::sensor::Sense;
 use crate::units::{DEGREE_PER_HOUR, MICRO_G};
@@ -81,7 +81,7 @@ fn chart(axis: &Likeness) -> Chart {
         |values: &[f64]| -> Vec<(f64, f64)> { axis.tau_s.iter().zip(values).map(|(t, v)| (*t, v / factor)).collect() };
     let top = points(&axis.simulated[2]).iter().map(|p| p.1).collect();
     let mut chart =
-        Chart::new(&axis.column, Axis::log("averaging time / s"), Axis::log(&format!("Allan deviation / {unit}")))
+        Chart::new(&axis.column, Axis::log("averaging time / s"), Axis::log(&labelled("Allan deviation", unit)))
             .with("simulated, 5–95 %", Ink::Blue, Mark::Band(top), points(&axis.simulated[0]))
             .with("median", Ink::Blue, Mark::Line, points(&axis.simulated[1]))
             .with("recorded", Ink::Red, Mark::Dots(3), points(&axis.recorded));

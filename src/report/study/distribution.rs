@@ -1,7 +1,7 @@
 //! How errors are distributed over the members at the report times, with percentiles and the normal of the same mean and sd.
 
 use crate::drift::Drift;
-use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 use crate::statistics::{Summary, quantity};
 
 /// Bars of a shown histogram.
@@ -47,7 +47,7 @@ fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
         Some((above, below)) => format!("density / ({below}/{above})"),
         None => format!("density / (1/{unit})"),
     };
-    let mut chart = Chart::new(&title, Axis::linear(&format!("{name} / {unit}")), Axis::linear(&density));
+    let mut chart = Chart::new(&title, Axis::linear(&labelled(name, unit)), Axis::linear(&density));
     chart.size = (560, 330);
     let (low, high) = (summary.mean - 4.0 * summary.sd, summary.mean + 4.0 * summary.sd);
     let width = (high - low) / BARS as f64;
