@@ -185,7 +185,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     // and samples outside the tile are masked: software adapters run both sides of a branch and gain nothing by skipping.
     let stop = tile.first_sample + tile.samples;
     var before = forces[0].x;
-    for (var counter = tile.first_sample >> 2u; 4u * counter < stop; counter++) {
+    for (var counter = tile.first_sample >> 2u; counter <= (stop - 1u) >> 2u; counter++) {
         if HAS_FORCE {
             pushes = gaussians(counter, member, STREAM_FORCE, seed);
         }

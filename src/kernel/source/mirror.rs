@@ -19,18 +19,38 @@ fn parsed(shader: &Shader) -> naga::Module {
     module
 }
 
+/// Every shader there is.
+fn all() -> Vec<Shader> {
+    let drawing =
+        [false, true].map(|int64| [source::simulate(int64), source::lyapunov(int64), source::poincare(int64)]);
+    let others = [source::reduce(), source::compensation(), source::peak(), source::misfit()];
+    drawing.into_iter().flatten().chain(others).collect()
+}
+
 #[test]
 fn shaders_parse_and_validate() {
-    let orbits = [source::lyapunov(false), source::lyapunov(true), source::poincare(false), source::poincare(true)];
-    let others = [
-        source::simulate(false),
-        source::simulate(true),
-        source::reduce(),
-        source::compensation(),
-        source::peak(),
-        source::misfit(),
-    ];
-    others.iter().chain(&orbits).for_each(|s| drop(parsed(s)));
+    all().iter().for_each(|s| drop(parsed(s)));
+}
+
+/// Whether a line that begins a loop steps its variable by a constant towards a bound.
+fn counts(line: &str) -> bool {
+    let Some((name, rest)) = line.strip_prefix("for (var ").and_then(|l| l.split_once(" = ")) else { return false };
+    let mut parts = rest.trim_end_matches(") {").split("; ").skip(1);
+    let (bound, step) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    let [up, down] = ["<", ">"].map(|sign| bound.starts_with(&format!("{name} {sign}")));
+    up && (step == format!("{name}++") || step == format!("{name} += PARTIAL"))
+        || down && step == format!("{name} >>= 1u")
+}
+
+/// The device is given them as they are (`gpu::kernel`), so one that does not end would hang it.
+#[test]
+fn every_loop_counts_to_a_bound() {
+    let texts = all();
+    let lines = || texts.iter().flat_map(|s| s.text.lines()).map(str::trim);
+    let begins = |line: &&str| ["for ", "for(", "while", "loop"].iter().any(|word| line.starts_with(word));
+    assert!(lines().filter(begins).count() > 20);
+    lines().filter(begins).for_each(|line| assert!(counts(line), "{line}"));
+    assert!(!counts("for (var i = 0u; i < n; i += step) {") && !counts("loop {"));
 }
 
 /// What a struct of a shader must look like: bytes, members and their offsets.
