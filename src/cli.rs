@@ -74,7 +74,17 @@ pub fn not_understood(error: clap::Error) -> Error {
     let usage = lines.iter().find_map(|l| l.strip_prefix("Usage: "));
     let see = usage.map_or("see `proofmass --help`".to_owned(), |u| format!("usage: {u}; `--help` says more"));
     let hint: Vec<String> = tips.map(str::to_owned).chain([see]).collect();
-    Error::new("could not understand the command line", cause.join(" "), hint.join("; "))
+    // The parser's words for a number that is none are a programmer's.
+    let cause =
+        ["invalid digit found in string", "invalid float literal"].iter().fold(cause.join(" "), |c, technical| {
+            let plain = if technical.contains("digit") {
+                "need a whole number, zero or more, in digits"
+            } else {
+                "need a number"
+            };
+            c.replace(technical, plain)
+        });
+    Error::new("could not understand the command line", cause, hint.join("; "))
 }
 
 /// Does what the arguments ask.

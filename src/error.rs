@@ -31,6 +31,7 @@ impl Error {
     pub fn io(verb: &str, path: &Path, cause: &std::io::Error) -> Self {
         let hint = match cause.kind() {
             std::io::ErrorKind::NotFound => "check the spelling; paths inside a .toml are relative to that file",
+            std::io::ErrorKind::PermissionDenied if verb == "read" => "give yourself the right to read it",
             std::io::ErrorKind::PermissionDenied => "choose a folder you may write to, e.g. with --out DIR",
             std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => {
                 "a file stands where a folder should be: give another, e.g. with --out DIR"
@@ -58,7 +59,8 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     known
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(word, k), k))
-        .filter(|(d, k)| *d <= 2 + k.len() / 4)
+        // A word of which no letter is kept is another one, however short.
+        .filter(|(d, k)| *d <= 2 + k.len() / 4 && *d < word.chars().count().max(k.chars().count()))
         .min_by_key(|(d, _)| *d)
         .map(|(_, k)| k)
 }
@@ -72,5 +74,6 @@ mod tests {
         let known = ["duration_s", "step_s", "members"];
         assert_eq!(nearest("durations", known), Some("duration_s"));
         assert_eq!(nearest("zzzzzzzzzz", known), None);
+        assert_eq!([nearest("zz", ["t"]), nearest("tz", ["t"])], [None, Some("t")]);
     }
 }

@@ -17,7 +17,7 @@ pub struct Arguments {
     /// CSV file: a header, one row per sample
     recording: PathBuf,
     /// Sampling rate, Hz
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
     /// Column that holds the time in s, instead of or beside the rate
     #[arg(long, value_name = "NAME")]

@@ -20,10 +20,10 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     pub backend: Choice,
     /// Members, instead of the study's own number
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub members: Option<u64>,
     /// Seed, instead of the study's own
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
-use crate::document::{to_json, write_whole};
+use crate::document::{to_json, writable, write_whole};
 use crate::error::{Error, Result};
 use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
@@ -13,7 +13,7 @@ use crate::trial::judge;
 use crate::trial::like;
 use crate::trial::outcome::Outcome;
 use crate::trial::plan::Plan;
-use crate::trial::real::{self, Found};
+use crate::trial::real::{self, Found, Recipe};
 
 /// Arguments of `trial`.
 #[derive(Debug, clap::Args)]
@@ -32,13 +32,13 @@ pub struct Arguments {
     #[arg(long, requires = "out")]
     pub resume: bool,
     /// About how many recordings
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub cases: Option<usize>,
     /// Seed of everything that is drawn
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows per recording
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// What could this recording reveal? Plant every candidate into copies of it (needs --model)
     #[arg(long, value_name = "RECORDING", requires = "model")]
@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
     /// Only this case: write its recording, model and truth to --out and say what the verdict is
-    #[arg(long, value_name = "NUMBER", requires = "out")]
+    #[arg(long, value_name = "NUMBER", requires = "out", allow_negative_numbers = true)]
     pub case: Option<usize>,
 }
 
@@ -94,6 +94,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let cause = format!("{} cases of {} samples", plan.cases, plan.samples);
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));
     }
+    // Tried before the long work, so that a slip shows at once.
+    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
     let scratch = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
     if let Some(number) = arguments.case {
@@ -115,7 +118,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
     let document = to_json(&outcome)?;
-    let real = recordings(arguments)?;
+    let real = recordings(recipe.as_ref())?;
     if let Some(folder) = &arguments.out {
         let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
         write(folder, &run, &arguments.command())?;
@@ -146,14 +149,13 @@ struct Run<'a> {
 }
 
 /// The real recordings of the recipe, where both it and the data are there.
-fn recordings(arguments: &Arguments) -> Result<Vec<Found>> {
-    let Some(recipe) = &arguments.recordings else { return Ok(Vec::new()) };
-    let recipe = real::read(recipe)?;
+fn recordings(recipe: Option<&Recipe>) -> Result<Vec<Found>> {
+    let Some(recipe) = recipe else { return Ok(Vec::new()) };
     let Some(data) = real::folder() else {
         remark!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
         return Ok(Vec::new());
     };
-    real::run(&recipe, &data, &blind::tool)
+    real::run(recipe, &data, &blind::tool)
 }
 
 fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {

@@ -109,10 +109,8 @@ impl Rows {
     }
 
     fn numeric_places(&mut self, headings: &[String]) -> Result<Vec<usize>> {
-        if self.first.is_none() {
-            if self.advance()? {
-                self.first = Some(std::mem::take(&mut self.record));
-            }
+        if self.first.is_none() && self.advance()? {
+            self.first = Some(std::mem::take(&mut self.record));
         }
         let numeric = |place: usize| match &self.first {
             Some(row) => row.get(place).is_some_and(|c| format::number(c).is_some()),
@@ -121,9 +119,18 @@ impl Rows {
         let places: Vec<usize> =
             (0..self.width).filter(|p| numeric(*p) && !format::names_a_clock(&headings[*p])).collect();
         match places.len() {
-            0 => Err(self.fail("no column holds numbers", "name the columns wanted")),
+            0 => Err(self.fail("no column holds numbers", self.why_no_numbers())),
             1..=64 => Ok(places),
             n => Err(self.fail(&format!("it has {n} columns of numbers"), "name the columns wanted")),
+        }
+    }
+
+    /// What may have kept all cells of the first row from being numbers.
+    fn why_no_numbers(&self) -> &'static str {
+        let comma = |cell: &[u8]| with_comma(&String::from_utf8_lossy(cell));
+        match &self.first {
+            Some(row) if row.iter().any(comma) => POINT,
+            _ => "name the columns wanted",
         }
     }
 
@@ -230,8 +237,8 @@ impl Rows {
                 "is larger than any reading: powers of it leave double precision",
                 "check the exponent and the unit of the column",
             )
-        } else if text.replacen(',', ".", 1).trim().parse::<f64>().is_ok() {
-            ("is no number", "write numbers with a decimal point, not a comma")
+        } else if with_comma(&text) {
+            ("is no number", POINT)
         } else if line == 2 {
             ("is no number", "one line of headings is read; if this is a second one (units), delete it")
         } else {
@@ -268,6 +275,14 @@ fn shortened(text: &str) -> String {
         out.push('…');
     }
     out
+}
+
+/// What to do about decimal commas.
+const POINT: &str = "write numbers with a decimal point, not a comma";
+
+/// Whether a cell would be a number with a point for its comma.
+fn with_comma(text: &str) -> bool {
+    text.replacen(',', ".", 1).trim().parse::<f64>().is_ok()
 }
 
 fn line_of(record: &ByteRecord) -> u64 {
