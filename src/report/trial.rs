@@ -52,14 +52,10 @@ pub fn headline(outcome: &Outcome) -> Table {
 pub fn families(outcome: &Outcome) -> Table {
     let mut table = Table::new(&["how it is concealed", "cases", "right", "silent", "seen, not named", "false name"]);
     for row in &outcome.families {
-        table.row([
-            row.name.clone(),
-            row.cases.to_string(),
-            percent(row.named_correctly),
-            percent(row.silent),
-            percent(row.unnamed),
-            percent(row.confidently_wrong),
-        ]);
+        // Counts: a share of four cases has no decimals.
+        let shares = [1.0, row.named_correctly, row.silent, row.unnamed, row.confidently_wrong];
+        let counts = shares.map(|s| format!("{:.0}", s * row.cases as f64));
+        table.row(std::iter::once(row.name.clone()).chain(counts));
     }
     table
 }
@@ -228,7 +224,8 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
             "Share noticed and share named against the visible size, all effects planted alone. Bars: exact 95 %; bands: all \
              curves within 95 %.",
         ),
-        (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect."),
+        (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect, with its 95 % interval; those that reach beyond \
+          20 are cut there."),
     ]);
     page.section("What was taken for what");
     page.table(&effects(outcome));

@@ -52,7 +52,7 @@ pub fn limits(outcome: &Outcome) -> Figure {
     order::sort_by_key(&mut found, |f| f.1);
     let (least, most) = (0.003, 2000.0);
     let x = Axis::log("size noticed in 9 of 10 / noise (rms)").within(least, most);
-    let y = Axis::linear("rank, most visible first").within(0.0, found.len() as f64 + 1.0);
+    let y = Axis::linear("most visible lowest").unmarked().within(0.0, found.len() as f64 + 1.0);
     let mut chart = Chart::new("Detection limit of each effect", x, y);
     let mut points = Vec::new();
     for (n, (id, limit, [low, high])) in found.iter().enumerate() {
