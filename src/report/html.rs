@@ -113,7 +113,7 @@ figcaption{font-size:.9rem;color:var(--soft);max-width:40rem;margin:.3rem auto 0
 .row{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:0 1.2rem}
 .scroll{overflow-x:auto;margin:.8rem 0}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .7rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:top}
-td:first-child{min-width:6.6rem}th{color:var(--soft);font-weight:600}td.n,th.n{text-align:right}td.n{white-space:nowrap}
+td:first-child{min-width:6.6rem}td.w{min-width:11rem}th{color:var(--soft);font-weight:600}td.n,th.n{text-align:right}td.n{white-space:nowrap}
 pre{background:var(--tint);padding:.7rem;overflow-x:auto;font-size:.85rem}a{color:var(--c1)}
 nav ol{columns:2 16rem;column-gap:2.5rem;font-size:.95rem}
 @media print{body{max-width:none}h2{break-after:avoid}figure{break-inside:avoid}}

@@ -35,14 +35,23 @@ impl Table {
         column > 0 && (0..self.rows.len()).all(|r| starts_numeric(self.cell(r, column)))
     }
 
+    /// A column of sentences, which a narrow screen must not squeeze into one word a line.
+    fn worded(&self, column: usize) -> bool {
+        column > 0 && (0..self.rows.len()).any(|r| self.cell(r, column).chars().count() > 24)
+    }
+
     /// The table as HTML, escaped.
     pub fn to_html(&self) -> String {
         let numeric: Vec<bool> = (0..self.headings.len()).map(|c| self.numeric(c)).collect();
-        let class = |c: usize| if numeric[c] { " class=\"n\"" } else { "" };
+        let class = |c: usize| match numeric[c] {
+            true => " class=\"n\"",
+            false if self.worded(c) => " class=\"w\"",
+            false => "",
+        };
         let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
         for (c, heading) in self.headings.iter().enumerate() {
             // A line ends before the quantity, not before its unit.
-            let heading = escape(heading).replace(" / ", "\u{a0}/\u{a0}");
+            let heading = escape(heading).replace(" / ", "\u{a0}/\u{a0}").replace(" %", "\u{a0}%");
             out += &format!("<th{}>{heading}</th>", class(c));
         }
         out += "</tr></thead><tbody>";
