@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 pub trait Residuals {
     /// Residual and its derivatives (one column per coordinate) at a point; `None` where the model breaks down.
     fn linearise(&self, z: &[f64]) -> Option<Linear>;
-    /// Sums of squares at several points; infinite where the model breaks down.
+    /// Sums of squares at several points; not finite where the model breaks down.
     fn sums(&self, points: &[Vec<f64>]) -> Vec<f64>;
     /// Moves a point into the allowed region.
     fn confine(&self, z: &mut [f64]);
@@ -89,12 +89,13 @@ pub struct Minimum {
     pub sum: f64,
     /// Residual and derivatives there.
     pub linear: Linear,
-    /// Whether a further step promises less than the tolerance.
+    /// Whether a further step promises less than the tolerance, or none that lowers the sum and has derivatives can be had.
     pub converged: bool,
 }
 
 /// Minimises the sum of squares from `start`. Stops when a step gains less than `tolerance` in ½ n ln(sum), the
-/// log-likelihood of Gaussian residuals. `None` where the model breaks down at the start.
+/// log-likelihood of Gaussian residuals. `None` where the model breaks down at the start; where it does so further on, the
+/// search stays at the last good point and takes shorter steps.
 pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: usize) -> Option<Minimum> {
     let mut z = start.to_vec();
     problem.confine(&mut z);
@@ -119,19 +120,21 @@ pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: 
             })
             .collect();
         let sums = problem.sums(&points);
-        let Some((best, sum)) = sums.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        if sum.is_nan() || sum >= normal.sum {
+        let lower = sums.iter().copied().enumerate().filter(|(_, sum)| *sum < normal.sum);
+        let best = lower.min_by(|a, b| a.1.total_cmp(&b.1));
+        // A step to where derivatives break down is no better than one that raises the cost.
+        let Some((best, there)) = best.and_then(|(k, _)| Some((k, problem.linearise(&points[k])?))) else {
             if centre >= 1e6 {
                 converged = true;
                 break;
             }
             centre = if centre == 0.0 { 1e3 } else { centre * 1e4 };
             continue;
-        }
-        let done = gain(sum) < tolerance;
+        };
+        let done = gain(sums[best]) < tolerance;
         z = points[best].clone();
         centre = if dampings[best] > 10.0 { dampings[best] } else { 0.0 };
-        linear = problem.linearise(&z)?;
+        linear = there;
         normal = linear.normal();
         if done {
             converged = true;
@@ -184,5 +187,59 @@ mod tests {
     fn a_curved_valley_is_followed_to_its_known_end() {
         let found = minimise(&Rosenbrock, &[-1.2, 1.0], 1e-9, 100).map(|m| m.z).unwrap_or_default();
         assert!((found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6, "{found:?}");
+    }
+
+    /// eᶻ − eᵐ and a small pull on the second coordinate, whose lowest point is (m, 1); beyond the wall nothing is a number, and
+    /// derivatives, taken by a step forward, end that step before it.
+    struct Walled {
+        lowest: f64,
+        wall: f64,
+    }
+
+    const FORWARD: f64 = 1e-5;
+
+    impl Walled {
+        fn errors(&self, z: &[f64]) -> Vec<f64> {
+            let first = if z[0] > self.wall { f64::NAN } else { z[0].exp() - self.lowest.exp() };
+            vec![first, 0.1 * (z[1] - 1.0)]
+        }
+    }
+
+    impl Residuals for Walled {
+        fn linearise(&self, z: &[f64]) -> Option<Linear> {
+            let residual = self.errors(z);
+            let column = |moved: [f64; 2]| -> Vec<f64> {
+                self.errors(&moved).iter().zip(&residual).map(|(m, e)| (m - e) / FORWARD).collect()
+            };
+            let columns = vec![column([z[0] + FORWARD, z[1]]), column([z[0], z[1] + FORWARD])];
+            let finite = columns.iter().chain([&residual]).flatten().all(|v| v.is_finite());
+            finite.then_some(Linear { residual, columns })
+        }
+        fn sums(&self, points: &[Vec<f64>]) -> Vec<f64> {
+            points.iter().map(|z| self.errors(z).iter().map(|e| e * e).sum()).collect()
+        }
+        fn confine(&self, _: &mut [f64]) {}
+        fn together(&self) -> usize {
+            8
+        }
+    }
+
+    #[test]
+    fn a_wall_beyond_which_nothing_is_a_number_stops_a_step_and_not_the_search() {
+        let end = |lowest: f64, wall: f64, start: f64| {
+            minimise(&Walled { lowest, wall }, &[start, -3.0], 1e-12, 200).map(|m| m.z).unwrap_or_default()
+        };
+        // From below, full steps overshoot the lowest point by far and end beyond the wall.
+        for (lowest, wall) in [(2.0, 2.5), (2.0, 2.0 + 2.0 * FORWARD), (0.0, 0.01)] {
+            let found = end(lowest, wall, -4.0);
+            assert!(found.len() == 2 && (found[0] - lowest).abs() < 1e-4 && (found[1] - 1.0).abs() < 1e-3, "{found:?}");
+        }
+        // A lowest point at the wall or just beyond the last place with derivatives: as near as they reach.
+        for (lowest, wall) in [(2.0, 2.0), (2.0, 2.0 + 0.5 * FORWARD)] {
+            let found = end(lowest, wall, 1.9);
+            assert!(found.len() == 2 && found[0] <= wall && lowest - found[0] < 0.01, "{found:?}");
+        }
+        assert!(minimise(&Walled { lowest: 0.0, wall: 1.0 }, &[1.5, 0.0], 1e-12, 200).is_none(), "a broken start");
+        assert!(minimise(&Walled { lowest: 0.0, wall: 1.0 }, &[1.0, 0.0], 1e-12, 200).is_none(), "one without slopes");
     }
 }
