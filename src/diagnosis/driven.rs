@@ -36,6 +36,7 @@ pub mod remainder;
 pub mod rivals;
 pub mod select;
 pub mod sensor;
+pub mod series;
 pub mod shape;
 pub mod spring;
 pub mod start;
@@ -44,6 +45,7 @@ pub mod stretches;
 pub mod surface;
 pub mod term;
 pub mod valleys;
+pub mod weigh;
 pub mod words;
 pub mod work;
 
@@ -61,6 +63,7 @@ use super::model;
 use prepare::Prepared;
 use surface::Surface;
 use term::Term;
+use work::Stage;
 
 /// What can be named in this kind of recording.
 pub const CANDIDATES: &[Candidate] = &[
@@ -143,8 +146,8 @@ pub struct Shown {
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
 pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
     let part = excerpt::excerpt(recording, model);
-    let Prepared { mut data, own_test, filled, mut notes } =
-        prepare::prepare(part.as_ref().unwrap_or(recording), model)?;
+    let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
+    let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(kept, model)?;
     let mut narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
     if narrow.hull != data.hull {
         notes.findings.push(format!(
@@ -153,6 +156,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
             narrow.hull.start
         ));
     }
+    let mut budget = narrow.work.budget(Stage::Search, narrow.hull.len());
     let (base, scales) = begin::base(&narrow, &model.start, &mut notes).map_err(|cause| {
         Error::new(
             format!("could not diagnose {}", recording.path.display()),
@@ -185,17 +189,22 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         None => base,
     };
     let base = select::judge(&narrow, base, &scales);
-    let mut selection = stepwise::search(&narrow, base, &scales, &candidates);
+    let mut selection = stepwise::search(&narrow, base, &scales, &candidates, budget);
     if let Some(how) = begin::other_input(&mut narrow, &selection.chosen, &scales) {
         notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
         let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
         let base = select::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
-        selection = stepwise::search(&narrow, base, &scales, &candidates);
+        budget = budget.or(narrow.work.budget(Stage::SearchAgain, narrow.hull.len()));
+        selection = stepwise::search(&narrow, base, &scales, &candidates, budget);
     }
     if selection.cut_short {
         notes
             .findings
             .push("the search for terms was cut short when its work was spent, with structure left".to_owned());
+    }
+    if selection.rivals_left_out {
+        let clause = "not every candidate that might do as well as those named was tried, as the work for it was spent";
+        notes.doubt(clause.to_owned(), "");
     }
     data.input = narrow.input.clone();
     if progress::interrupted() {
@@ -211,11 +220,11 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         narrow.test = data.test.clone();
         conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
     };
-    let contact = |n: &conclude::Named| matches!(conclusion.model.fit.shape.terms[n.index], Term::EndStop(_));
-    if let Some(jumps) = notes.jumps.take().filter(|_| !conclusion.named.iter().any(contact)) {
-        let more = ", as neither its past nor the input foretells: samples lost or written twice, or a knock?";
-        notes.doubt(jumps, &format!("{more} A time column would tell"));
-    }
+    notes
+        .findings
+        .extend(conclusion.left_out.iter().map(|what| format!("{what}, as the work for the conclusion was spent")));
+    let last = &conclusion.model.fit;
+    notes.mind_jumps(&data, &fit::trace(&data, &last.shape, &last.point, &last.run(&data, true)).0);
     let mut answer = answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes.findings);
     answer.verdict.sentence += &words::doubts(&notes.doubts);
     Ok(answer)

@@ -118,6 +118,30 @@ fn refused() -> Result<(), Failed> {
             format!("{MODEL}[start]\ndamping_ratio = 0.0\n"),
             "damping ratio of 0",
         ),
+        (
+            "a hint of a damping that nothing has",
+            good.clone(),
+            format!("{MODEL}[start]\ndamping_ratio = 1e300\n"),
+            "need a damping ratio from 1.00×10⁻⁵ to 30.0, got 1e300",
+        ),
+        (
+            "a hint that would not turn once",
+            good.clone(),
+            format!("{MODEL}[start]\nresonance_hz = 1e-300\n"),
+            "got 1e-300 Hz",
+        ),
+        (
+            "a split that fits ten samples",
+            good.clone(),
+            format!("{MODEL}[split]\ntrain = [[0, 10]]\ntest = [[1500, 3000]]\n"),
+            "train: need at least 120 samples, got 10",
+        ),
+        (
+            "a split that judges on ten samples",
+            good.clone(),
+            format!("{MODEL}[split]\ntrain = [[0, 2000]]\ntest = [[2000, 2010]]\n"),
+            "test: need at least 200 samples, got 10",
+        ),
         ("numbers beyond all measure", edited(|_, r| r[2] *= 1e200), MODEL.to_owned(), "double precision"),
         (
             "an input that moves nothing",

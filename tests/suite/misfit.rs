@@ -12,6 +12,7 @@ use proofmass::diagnosis::driven::profile::profiles;
 use proofmass::diagnosis::driven::select::refined;
 use proofmass::diagnosis::driven::start::first_scales;
 use proofmass::diagnosis::driven::term::{Scales, Term};
+use proofmass::diagnosis::driven::work::Stage;
 use proofmass::diagnosis::driven::{contact, damping, drift, drive, hysteresis, lag, mode, readout, spring};
 use proofmass::diagnosis::verdict::{Effect, Estimate, Evidence};
 use proofmass::kernel::misfit::{Job, Point, Units};
@@ -341,7 +342,9 @@ fn profile_is_refits() -> Result<(), Failed> {
         evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
         confusable_with: Vec::new(),
     };
-    let profiles = profiles(&data, &fitted, &scales, &[effect], &spread);
+    let budget = data.work.budget(Stage::Conclusion, data.hull.len());
+    let (profiles, left_out) = profiles(&data, &fitted, &scales, &[effect], &spread, budget);
+    check(left_out.is_empty(), "a profile was left out")?;
     let profile = profiles.first().ok_or("no profile")?;
     let least = fitted.variance * data.train_len() as f64;
     let rows = data.train_len() as f64 / spread.dispersion[free];

@@ -122,7 +122,10 @@ pub fn answer(
         findings,
         detectable: limits.candidates,
     };
-    let profiles = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread);
+    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread, c.budget);
+    verdict
+        .findings
+        .extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
     verdict.findings.extend(profiles.iter().filter_map(profile::Profile::finding));
     let detail = Detail {
         profiles,

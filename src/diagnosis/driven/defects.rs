@@ -27,6 +27,10 @@ const LAGS: usize = 8;
 const SURPRISING: f64 = 15.0;
 /// More surprises than this are the sensor's way and not an accident.
 const FEW: usize = 3;
+/// Surprises nearer to each other than this are one, which is where it is strongest.
+const APART: usize = 4 * LAGS;
+/// Share of the readings on either side of the range of which too few are known to say what is usual there.
+const TAIL: f64 = 0.01;
 
 /// Typical absolute size: that of normally distributed values would be their standard deviation.
 fn typical(values: impl Iterator<Item = f64>) -> f64 {
@@ -94,8 +98,36 @@ pub fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(
     })
 }
 
-/// Places where the output jumps as neither its past nor the input foretells; none where that happens often.
+/// Places where the output jumps as neither its past nor the input foretells; none where the forecast itself goes to the ends
+/// of the range: what a law does where the motion hardly ever comes is not known.
 pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
+    let mut sorted = output[among.clone()].to_vec();
+    order::sort(&mut sorted);
+    let tail = (TAIL * sorted.len() as f64) as usize;
+    let Some(known) = sorted.get(tail).zip(sorted.get(sorted.len().saturating_sub(1 + tail))) else {
+        return Vec::new();
+    };
+    let surprises = surprises(input, output, among);
+    surprises.into_iter().filter(|s| (known.0..=known.1).contains(&&s.forecast)).map(|s| s.row).collect()
+}
+
+/// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what a model foresees is
+/// physics and no accident.
+pub fn unforeseen(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
+    let seen = surprises(input.map(|u| &u[hull.clone()]), errors, &(0..errors.len()));
+    let near = |place: &usize| seen.iter().any(|s| (hull.start + s.row).abs_diff(*place) <= APART);
+    places.iter().copied().filter(near).collect()
+}
+
+/// Something that a linear forecast does not foretell.
+struct Surprise {
+    row: usize,
+    error: f64,
+    forecast: f64,
+}
+
+/// Where a sequence goes far from what its past and the input foretell; nowhere where that happens often.
+fn surprises(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<Surprise> {
     let rows = among.start.max(LAGS)..among.end.min(output.len().saturating_sub(LAGS));
     if rows.len() < 40 * LAGS {
         return Vec::new();
@@ -108,23 +140,30 @@ pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec
     if let Some(input) = input {
         columns.extend((-(LAGS as isize) / 2..=LAGS as isize / 2).map(|lag| back(input, lag)));
     }
-    let body = back(output, 0);
-    let linear = Linear { residual: body.clone(), columns };
+    let linear = Linear { residual: back(output, 0), columns };
     let step = linear.normal().step(1e-12);
-    let error: Vec<f64> = (0..body.len())
-        .map(|i| body[i] + linear.columns.iter().zip(step.iter()).map(|(c, s)| c[i] * s).sum::<f64>())
+    let error: Vec<f64> = (0..rows.len())
+        .map(|i| linear.residual[i] + linear.columns.iter().zip(step.iter()).map(|(c, s)| c[i] * s).sum::<f64>())
         .collect();
     let usual = typical(error.iter().copied());
-    let mut places: Vec<usize> = Vec::new();
-    for (i, e) in error.iter().enumerate() {
-        if e.abs() > SURPRISING * usual && e.is_finite() {
-            match places.last() {
-                Some(last) if rows.start + i <= last + 4 * LAGS => {}
-                _ => places.push(rows.start + i),
-            }
+    let mut found: Vec<Surprise> = Vec::new();
+    let mut last = 0;
+    for (row, (e, y)) in rows.zip(error.iter().zip(&linear.residual)) {
+        if e.abs() <= SURPRISING * usual || !e.is_finite() {
+            continue;
         }
+        let here = Surprise { row, error: e.abs(), forecast: y - e };
+        match found.last_mut() {
+            Some(other) if row <= last + APART => {
+                if here.error > other.error {
+                    *other = here;
+                }
+            }
+            _ => found.push(here),
+        }
+        last = row;
     }
-    if places.len() > FEW { Vec::new() } else { places }
+    if found.len() > FEW { Vec::new() } else { found }
 }
 
 #[cfg(test)]
@@ -166,5 +205,47 @@ mod tests {
         y.remove(1500);
         let found = jumps(None, &y, &(0..2999));
         assert!(found.len() == 1 && found[0].abs_diff(1500) <= 2, "{found:?}");
+    }
+
+    /// Displacement under two tones that swell once in 3000 samples so that it reaches `stop`, by the semi-implicit method in
+    /// 40 steps per sample, with a small roughness of its own; the force is the second sequence.
+    fn stopped(stop: f64) -> (Vec<f64>, Vec<f64>) {
+        let loud = |k: usize| 0.03 + 0.018 * (-((k as f64 - 900.0) / 20.0).powi(2)).exp();
+        let force: Vec<f64> = sine(3000).iter().enumerate().map(|(k, f)| loud(k) * f).collect();
+        let (mut x, mut v) = (0.0, 0.0);
+        let step = |(k, u): (usize, &f64)| {
+            for _ in 0..40 {
+                let pushed = if x > stop { 30.0 * (x - stop) } else { 0.0 };
+                v += (u - 0.16 * x - 0.08 * v - pushed) / 40.0;
+                x += v / 40.0;
+            }
+            x + 0.004 * (((k * 6007) % 1009) as f64 / 1009.0 - 0.5)
+        };
+        (force.iter().enumerate().map(step).collect(), force)
+    }
+
+    #[test]
+    fn what_happens_only_at_the_ends_of_the_range_is_a_law_and_no_jump() {
+        let mut sorted = stopped(f64::INFINITY).0;
+        sorted.sort_by(f64::total_cmp);
+        let (mut y, u) = stopped(sorted[2992]);
+        let rows = 0..3000;
+        assert!(!surprises(Some(&u), &y, &rows).is_empty(), "the stop is no surprise: the test shows nothing");
+        assert_eq!(jumps(Some(&u), &y, &rows), [0; 0]);
+        // A step in the reading of a sixth of its range is one, whatever the law.
+        let middle = (1500..2000).min_by(|a, b| y[*a].abs().total_cmp(&y[*b].abs())).unwrap_or(1500);
+        y[middle..].iter_mut().for_each(|v| *v += 0.1);
+        let found = jumps(Some(&u), &y, &rows);
+        assert!(found.len() == 1 && found[0].abs_diff(middle) <= 2, "{found:?} {middle}");
+    }
+
+    #[test]
+    fn a_jump_that_a_model_foresees_is_none() {
+        let (rough, hull) = (sine(3100), 100..3100);
+        let noise: Vec<f64> = (0..3000).map(|k| ((k * 7919) % 1013) as f64 / 1013.0 - 0.5).collect();
+        let mut lost = noise.clone();
+        lost[1400..].iter_mut().for_each(|e| *e += 20.0);
+        assert_eq!(unforeseen(&[1500, 700], Some(&rough), &noise, &hull), [0; 0]);
+        assert_eq!(unforeseen(&[1500, 700], Some(&rough), &lost, &hull), [1500]);
     }
 }

@@ -77,11 +77,11 @@ pub fn reach() -> f64 {
     special::t_quantile(0.975, BLOCKS as f64 - 1.0)
 }
 
-/// Replaces the intervals of those of these terms whose law has a corner by those of their profile likelihood.
-pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: impl Iterator<Item = usize>, spread: &mut Spread) {
+/// Replaces the intervals of these terms, whose law has a corner, by those of their profile likelihood.
+pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
     let places: Vec<(usize, usize)> = terms
-        .filter(|i| fit.shape.terms[*i].has_corner())
-        .flat_map(|i| (0..fit.shape.terms[i].words().parameters.len()).map(move |j| fit.shape.first[i] + j))
+        .iter()
+        .flat_map(|i| (0..fit.shape.terms[*i].words().parameters.len()).map(move |j| fit.shape.first[*i] + j))
         .filter_map(|place| Some((place, fit.free.iter().position(|f| *f == place)?)))
         .filter(|(_, index)| spread.deviation[*index].is_finite())
         .flat_map(|(_, index)| [(index, 0), (index, 1)])

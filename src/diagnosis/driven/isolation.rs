@@ -127,3 +127,16 @@ fn named(all: &[(Range<f64>, f64, f64)]) -> Vec<Stretch> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_number_in_words_has_a_minus_sign_and_no_hyphen() {
+        let stretch = |from: f64, to: f64| [Stretch { from, to, excess: 9.0 }];
+        let said = summary(9.0, &stretch(1.0, 2.0), &stretch(-0.25, -1.5e-7), &stretch(-3.0, 4.0), "V");
+        assert!(said.contains("from −0.250 to −1.50×10⁻⁷ V") && said.contains("from −3.00 to 4.00 s"), "{said}");
+        assert!(!said.contains('-'), "{said}");
+    }
+}

@@ -1,5 +1,6 @@
 //! From a recording and its model to what can be fitted: columns found, ranges checked, defects said.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use crate::diagnosis::model;
@@ -12,13 +13,16 @@ use super::alignment::{self, align};
 use super::defects;
 use super::fit::{BASE, Data};
 use super::input::{Input, Interpolation, REACH};
+use super::shape::{OMEGAS_PER_SAMPLE, ZETAS};
 use super::start::spread;
-use super::stretches::{Stretches, interleaved, merged, minus};
+use super::stretches::{Stretches, interleaved, merged, minus, sorted};
 use super::work::Work;
 
 /// Fewer samples than this cannot carry a base model and a judgement on it.
 const FEWEST: usize = 20 * BASE;
 
+/// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
+const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
 /// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.
@@ -46,11 +50,24 @@ pub struct Notes {
     pub doubts: Vec<String>,
     /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
     pub broken: bool,
-    /// Where the reading jumps, as a clause; only worth a word where no contact explains it.
-    pub jumps: Option<String>,
+    /// Where the reading jumps; only worth a word where the final model does not foresee it.
+    pub jumps: Vec<usize>,
 }
 
 impl Notes {
+    /// Of the places where the reading jumps, those at which a model with these errors over `data.hull` does so too.
+    pub fn mind_jumps(&mut self, data: &Data, errors: &[f64]) {
+        let input = data.input.as_ref().map(Input::samples);
+        let clause = match defects::unforeseen(&self.jumps, input, errors, &data.hull).as_slice() {
+            [] => return,
+            [only] => format!("the reading jumps in row {only}"),
+            places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
+        };
+        let more = ", as neither its past nor the input nor the model foretells: samples lost or written twice, or a knock? A \
+                    time column would tell";
+        self.doubt(clause, more);
+    }
+
     /// Something that a reader of the verdict must know: as a clause, and with what follows from it.
     pub fn doubt(&mut self, clause: String, more: &str) {
         self.findings.push(format!("{clause}{more}"));
@@ -156,7 +173,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
 
 /// Hints must be such that this recording could show them.
 fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
-    let half_hz = 0.5 * recording.rate_hz;
+    let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
     let refuse = |cause: String, hint: &str| {
         let attempt = format!("could not use [start] for {}", recording.path.display());
         Err(Error::new(attempt, cause, hint))
@@ -172,12 +189,23 @@ fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
                  hint or the rate",
             );
         }
+        Some(hz) if hz < slowest_hz => {
+            return refuse(
+                format!("need a resonance of at least {} Hz at this sampling rate, got {hz:e} Hz", short(slowest_hz)),
+                "such a resonance would not turn once in this recording: correct the hint or the rate, or give no hint",
+            );
+        }
         _ => {}
     }
+    let [least, most] = ZETAS;
     match start.damping_ratio {
         Some(zeta) if !(zeta > 0.0 && zeta.is_finite()) => {
             refuse(format!("a damping ratio of {zeta}"), "a positive number: 0.05 is lively, 0.7 well damped")
         }
+        Some(zeta) if !(least..=most).contains(&zeta) => refuse(
+            format!("need a damping ratio from {} to {}, got {zeta:e}", short(least), short(most)),
+            "0.05 is lively, 0.7 well damped; leave the hint out where nothing is known",
+        ),
         _ => Ok(()),
     }
 }
@@ -244,14 +272,10 @@ fn together(
 }
 
 /// Where the reading jumps, apart from gaps that are known.
-fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Option<String> {
+fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Vec<usize> {
     let mut places = defects::jumps(input.map(Input::samples), reading, hull);
     places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));
-    match places.as_slice() {
-        [] => None,
-        [only] => Some(format!("the reading jumps in row {only}")),
-        [first, ..] => Some(format!("the reading jumps {} times, first in row {first}", places.len())),
-    }
+    places
 }
 
 fn refuse(recording: &Recording, cause: String, hint: &str) -> Error {
@@ -300,11 +324,19 @@ fn ranges(
             ));
         }
     }
+    for (role, ranges, least) in [("train", &split.train, FEWEST), ("test", &split.test, FEWEST_JUDGES)] {
+        let given: usize = merged(sorted(ranges)).iter().map(Range::len).sum();
+        if !ranges.is_empty() && given < least {
+            return Err(refuse(
+                recording,
+                format!("[split] {role}: need at least {least} samples, got {given}"),
+                "widen the ranges, or leave [split] out: blocks then judge in turn",
+            ));
+        }
+    }
     let clip = |ranges: &[[usize; 2]]| -> Vec<Range<usize>> {
-        let mut all: Vec<Range<usize>> =
-            ranges.iter().map(|[a, b]| (*a).max(ends.start)..(*b).min(ends.end)).filter(|r| r.start < r.end).collect();
-        order::sort_by_key(&mut all, |r| r.start as f64);
-        merged(all)
+        let inside = |r: Range<usize>| r.start.max(ends.start)..r.end.min(ends.end);
+        merged(sorted(ranges)).into_iter().map(inside).filter(|r| r.start < r.end).collect()
     };
     let (mut train, test) = (clip(&split.train), clip(&split.test));
     if train.is_empty() {
@@ -319,7 +351,15 @@ fn ranges(
             "what is fitted cannot judge: make the ranges disjoint",
         ));
     }
-    let apart: Vec<Range<usize>> = apart.into_iter().filter(|r| r.len() >= 200).collect();
+    let (apart, short): (Vec<Range<usize>>, Vec<Range<usize>>) =
+        apart.into_iter().partition(|r| r.len() >= FEWEST_JUDGES);
+    if !short.is_empty() && !apart.is_empty() {
+        let count: usize = short.iter().map(Range::len).sum();
+        findings.push(format!(
+            "{count} test samples, in ranges of fewer than {FEWEST_JUDGES}, do not judge: each range begins with a state of its \
+             own to be found"
+        ));
+    }
     if !split.test.is_empty() && apart.is_empty() {
         findings.push("no test samples are left, so every third block of the train samples judges".to_owned());
     }

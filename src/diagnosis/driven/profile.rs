@@ -13,6 +13,7 @@ use super::ensemble::Ensemble;
 use super::fit::{Data, Fit, Search};
 use super::interval::Spread;
 use super::term::{Coordinate, Scales, Term};
+use super::work::Budget;
 
 /// Points on either side of the best value.
 const SIDE: usize = 16;
@@ -68,9 +69,17 @@ impl Profile {
     }
 }
 
-/// A profile of every parameter of every named effect that a simulation shows.
-pub fn profiles(data: &Data, fit: &Fit, scales: &Scales, effects: &[Effect], spread: &Spread) -> Vec<Profile> {
-    let mut all = Vec::new();
+/// A profile of every parameter of every named effect that a simulation shows, and the labels of those for which the work was
+/// spent.
+pub fn profiles(
+    data: &Data,
+    fit: &Fit,
+    scales: &Scales,
+    effects: &[Effect],
+    spread: &Spread,
+    budget: Budget,
+) -> (Vec<Profile>, Vec<String>) {
+    let (mut all, mut left_out) = (Vec::new(), Vec::new());
     for effect in effects {
         let simulated = |t: &Term| t.id() == effect.id && t.noise().is_none();
         let Some(index) = fit.shape.terms.iter().position(simulated) else { continue };
@@ -78,13 +87,17 @@ pub fn profiles(data: &Data, fit: &Fit, scales: &Scales, effects: &[Effect], spr
             let place = fit.shape.first[index] + j;
             let Some(free) = fit.free.iter().position(|f| *f == place) else { continue };
             let label = format!("{} {}", effect.id, stated.name);
+            if data.work.is_spent(budget) {
+                left_out.push(label);
+                continue;
+            }
             let points = rise(data, fit, scales, free, stated.ci95, spread.dispersion[free]).unwrap_or_default();
             if !points.is_empty() {
                 all.push(Profile { label, value: stated.value, ci95: stated.ci95, points });
             }
         }
     }
-    all
+    (all, left_out)
 }
 
 /// Log-likelihood lost over a grid of one free parameter; scatter between blocks beyond the noise's own weighs less.

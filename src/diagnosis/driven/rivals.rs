@@ -1,12 +1,12 @@
 //! Which other candidates would do as well in the place of a term that was chosen: a better one takes it, an equal one is
 //! remembered, so that no name is given where the recording cannot tell two apart.
 
-use crate::parallel;
 use crate::progress;
 
 use super::fit::Data;
 use super::select::{Judged, Selection, Trial, pruned, refined, round, without};
 use super::term::{Scales, Term};
+use super::work::Budget;
 
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;
@@ -27,65 +27,100 @@ pub fn alike(a: &Term, b: &Term) -> bool {
     a.words().confusable_with.contains(&b.id()) || b.words().confusable_with.contains(&a.id())
 }
 
-/// A model in which one other candidate does the work of two terms that can be mistaken for each other: what neither of two
-/// look-alikes is, both together can imitate. `None` where two are needed.
-pub fn one_for_two(data: &Data, chosen: &Judged, scales: &Scales, candidates: &[Term]) -> Option<Judged> {
-    let terms = &chosen.fit.shape.terms;
-    let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let twins: Vec<(usize, usize)> = pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])).collect();
-    let in_place = |&(i, j): &(usize, usize)| {
-        let open = candidates.iter().copied().filter(|t| !chosen.has(t.id()));
-        let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
-        let poorer = without(data, &without(data, chosen, i, scales)?, j, scales)?;
-        let here = refined(data, &poorer.fit, scales);
-        let tried = round(data, &poorer, &open, &here, open.len());
-        tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here))
-    };
-    let found: Vec<Judged> = parallel::filter_map(&twins, in_place);
-    let better = found.into_iter().filter(|j| j.score() > chosen.score());
-    better.max_by(|a, b| a.score().total_cmp(&b.score()))
+/// A look for other candidates that would do as well, as far as its budget reaches.
+pub struct Look<'a> {
+    /// The recording.
+    pub data: &'a Data,
+    /// Sizes that the base fit found.
+    pub scales: &'a Scales,
+    /// All candidates.
+    pub candidates: &'a [Term],
+    /// What it may cost.
+    pub budget: Budget,
+    /// Whether something was not looked at because that was spent.
+    pub left_out: bool,
 }
 
-/// Tries every other candidate in the place of each chosen term.
-pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, candidates: &[Term]) {
-    for attempt in 0..=SWAPS {
-        let here = refined(data, &selection.chosen.fit, scales);
-        let terms = selection.chosen.fit.shape.terms.clone();
-        let trials: Vec<Vec<Trial>> =
-            parallel::map_indices(terms.len(), |i| in_place_of(data, selection, i, &here, candidates));
-        let stand_ins: Vec<Vec<Rival>> = terms
-            .iter()
-            .zip(trials)
-            .map(|(term, others)| {
-                let others = others.into_iter().filter(|t| t.term.id() != term.id());
-                let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
-                fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect()
-            })
-            .collect();
-        let score = selection.chosen.score();
-        let ahead = |r: &Rival| r.judged.score() - score;
-        let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
-        let better = all.filter(|(_, r)| ahead(r) > 1.0).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
-        let again = attempt < SWAPS && !data.work.is_spent(data.hull.len()) && !progress::interrupted();
-        match better {
-            Some((_, better)) if again => {
-                selection.chosen = pruned(data, better.judged.clone(), scales, selection.tried);
-            }
-            // Too late to look around from there: what has been seen from here is weighed against it.
-            Some((place, better)) => {
-                let old = Rival { judged: selection.chosen.clone(), id: terms[place].id() };
-                selection.chosen = better.judged.clone();
-                let mut others = stand_ins.clone();
-                others.remove(place);
-                others.push(stand_ins[place].iter().cloned().chain([old]).collect());
-                selection.rivals = tied(&selection.chosen, others);
+impl Look<'_> {
+    /// A model in which one other candidate does the work of two terms that can be mistaken for each other: what neither of two
+    /// look-alikes is, both together can imitate. `None` where two are needed.
+    pub fn one_for_two(&mut self, chosen: &Judged) -> Option<Judged> {
+        let terms = &chosen.fit.shape.terms;
+        let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let mut found = Vec::new();
+        for (i, j) in pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])) {
+            if self.is_over() {
                 break;
             }
-            None => {
-                selection.rivals = tied(&selection.chosen, stand_ins);
-                break;
+            found.extend(self.in_place_of_two(chosen, [i, j]));
+        }
+        let better = found.into_iter().filter(|j| j.score() > chosen.score());
+        better.max_by(|a, b| a.score().total_cmp(&b.score()))
+    }
+
+    /// The best model with another candidate in the place of both of these terms.
+    fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Option<Judged> {
+        let (data, terms) = (self.data, &chosen.fit.shape.terms);
+        let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
+        let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
+        let poorer = without(data, &without(data, chosen, i, self.scales)?, j, self.scales)?;
+        let here = refined(data, &poorer.fit, self.scales);
+        let tried = round(data, &poorer, &open, &here, open.len());
+        tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here))
+    }
+
+    /// Tries every other candidate in the place of each chosen term.
+    pub fn settle(&mut self, selection: &mut Selection) {
+        for attempt in 0..=SWAPS {
+            let stand_ins = self.stand_ins(selection);
+            let score = selection.chosen.score();
+            let ahead = |r: &Rival| r.judged.score() - score;
+            let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
+            let better = all.filter(|(_, r)| ahead(r) > 1.0).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
+            let again = attempt < SWAPS && !self.data.work.is_spent(self.budget) && !progress::interrupted();
+            match better {
+                Some((_, better)) if again => {
+                    selection.chosen = pruned(self.data, better.judged.clone(), self.scales, selection.tried);
+                }
+                // Too late to look around from there: what has been seen from here is weighed against it.
+                Some((place, better)) => {
+                    let id = selection.chosen.fit.shape.terms[place].id();
+                    let old = Rival { judged: selection.chosen.clone(), id };
+                    selection.chosen = better.judged.clone();
+                    let mut others = stand_ins.clone();
+                    others.remove(place);
+                    others.push(stand_ins[place].iter().cloned().chain([old]).collect());
+                    selection.rivals = tied(&selection.chosen, others);
+                    break;
+                }
+                None => {
+                    selection.rivals = tied(&selection.chosen, stand_ins);
+                    break;
+                }
             }
         }
+    }
+
+    /// For each chosen term, the other candidates that could be fitted in its place.
+    fn stand_ins(&mut self, selection: &Selection) -> Vec<Vec<Rival>> {
+        let here = refined(self.data, &selection.chosen.fit, self.scales);
+        let of_term = |(index, term): (usize, &Term)| {
+            if self.is_over() {
+                return Vec::new();
+            }
+            let others = in_place_of(self.data, selection, index, &here, self.candidates);
+            let others = others.into_iter().filter(|t| t.term.id() != term.id());
+            let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
+            fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect()
+        };
+        selection.chosen.fit.shape.terms.iter().enumerate().map(of_term).collect()
+    }
+
+    /// Whether the budget is spent; asked only where something would still have to be looked at.
+    fn is_over(&mut self) -> bool {
+        let over = self.data.work.is_spent(self.budget);
+        self.left_out |= over;
+        over
     }
 }
 

@@ -90,6 +90,8 @@ pub struct Selection {
     pub rivals: Vec<Vec<Rival>>,
     /// Whether the search ended because its work was spent, with structure left.
     pub cut_short: bool,
+    /// Whether some of those candidates were not tried because the work for it was spent.
+    pub rivals_left_out: bool,
 }
 
 /// Judges a fit.

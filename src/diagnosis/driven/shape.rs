@@ -101,13 +101,18 @@ impl Shape {
     }
 }
 
+/// Natural frequencies that a fit can reach, rad per sample.
+pub const OMEGAS_PER_SAMPLE: [f64; 2] = [1e-4, 20.0];
+/// Damping ratios that a fit can reach.
+pub const ZETAS: [f64; 2] = [1e-5, 30.0];
+
 /// How every parameter of a model moves.
 pub fn coordinates(shape: &Shape, scales: &Scales) -> Vec<Coordinate> {
     let omega = scales.omega_rad_s;
     let mut all = vec![
         Coordinate::Linear(0.1 * scales.gain.abs().max(1e-300)),
-        Coordinate::Log(1e-4 / scales.interval_s, 20.0 / scales.interval_s),
-        Coordinate::Log(1e-5, 30.0),
+        Coordinate::Log(OMEGAS_PER_SAMPLE[0] / scales.interval_s, OMEGAS_PER_SAMPLE[1] / scales.interval_s),
+        Coordinate::Log(ZETAS[0], ZETAS[1]),
         Coordinate::Linear(0.1 * scales.output),
         Coordinate::Linear(0.1 * scales.output),
         Coordinate::Linear(0.1 * scales.output * omega),

@@ -7,9 +7,10 @@ use crate::progress;
 
 use super::fit::Data;
 use super::remainder::left;
-use super::rivals::{self, TIE};
+use super::rivals::{Look, TIE};
 use super::select::{Judged, SURE, Selection, Trial, earned, pruned, refined, round};
 use super::term::{Scales, Term};
+use super::work::{Budget, Stage};
 
 /// Most terms in a model.
 const MOST_TERMS: usize = 6;
@@ -26,9 +27,10 @@ const FAR_FROM_DONE: f64 = 0.15;
 
 /// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
 /// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
-pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -> Selection {
+pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term], budget: Budget) -> Selection {
     let bar = progress::bar("candidates", MOST_TERMS as u64);
-    let mut steps = Stepwise { data, base: &base, scales, tried: candidates.len(), bar: &bar, alone: Vec::new() };
+    let tried = candidates.len();
+    let mut steps = Stepwise { data, base: &base, scales, tried, bar: &bar, budget, alone: Vec::new() };
     let mut way = steps.forward(base.clone(), candidates);
     let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
     if way.chosen.fit.shape.is_noisy() && way.left > DONE && !nearly_done && !way.cut_short {
@@ -40,17 +42,20 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term]) -
         }
     }
     let Way { mut chosen, left: mut rest, cut_short } = way;
-    if !cut_short && let Some(simpler) = rivals::one_for_two(data, &chosen, scales, candidates) {
+    let mut look =
+        Look { data, scales, candidates, budget: data.work.budget(Stage::Rivals, data.hull.len()), left_out: false };
+    if !cut_short && let Some(simpler) = look.one_for_two(&chosen) {
         chosen = simpler;
         rest = left(data, &chosen.fit).share;
     }
     // What is far from explained needs no rivals: it will not be named.
     let hopeless = chosen.fit.shape.terms.len() > 2 && rest > FAR_FROM_DONE;
     let (alone, tried) = (steps.alone, steps.tried);
-    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short };
+    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short, rivals_left_out: false };
     if !cut_short && !hopeless {
-        rivals::settle(data, &mut selection, scales, candidates);
+        look.settle(&mut selection);
     }
+    selection.rivals_left_out = look.left_out;
     bar.finish_and_clear();
     selection
 }
@@ -62,6 +67,7 @@ struct Stepwise<'a> {
     scales: &'a Scales,
     tried: usize,
     bar: &'a ProgressBar,
+    budget: Budget,
     /// Every candidate alone, once it has been tried.
     alone: Vec<Trial>,
 }
@@ -87,7 +93,7 @@ impl Stepwise<'_> {
             if chosen.fit.shape.terms.len() >= MOST_TERMS || progress::interrupted() {
                 break;
             }
-            if data.work.is_spent(data.hull.len()) && left(data, &chosen.fit).share > DONE {
+            if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
                 cut_short = true;
                 break;
             }

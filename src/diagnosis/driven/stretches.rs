@@ -19,6 +19,13 @@ const LONG: usize = 40_000;
 /// Samples of that stretch.
 const STRETCH: usize = 12_288;
 
+/// Ranges as a model file states them, ascending.
+pub fn sorted(ranges: &[[usize; 2]]) -> Vec<Range<usize>> {
+    let mut all: Vec<Range<usize>> = ranges.iter().map(|[a, b]| *a..*b).collect();
+    order::sort_by_key(&mut all, |r| r.start as f64);
+    all
+}
+
 /// Ascending ranges, those that touch joined.
 pub fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = Vec::new();

@@ -4,11 +4,12 @@ use crate::diagnosis::Ranked;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
 use crate::number::{short, with_uncertainty};
 
-use super::conclude::{Conclusion, Named, WHITE};
+use super::conclude::{Conclusion, WHITE};
 use super::fit::{Data, Fit};
 use super::interval;
 use super::select::{Selection, Trial};
 use super::term::{Coordinate, Noise, Scales};
+use super::weigh::Named;
 
 /// Names of the columns and their units.
 #[derive(Debug, Clone, PartialEq)]
@@ -290,10 +291,10 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
                 listed(&also, "and")
             )
         }
-        Outcome::Unexplained if named.is_empty() && c.after.share < WHITE => {
-            "The mismatch is real, and the library has only a series of stand-ins for it, none of which holds by itself."
-                .into()
-        }
+        Outcome::Unexplained if named.is_empty() && (c.series.is_some() || c.after.share < WHITE) => format!(
+            "The mismatch is real, and the library has only a series of stand-ins for it{}, none of which holds by itself.",
+            c.series.map_or(String::new(), |s| format!(" ({})", s.words()))
+        ),
         Outcome::Unexplained if named.is_empty() => format!(
             "The mismatch is real, and nothing in the library accounts for it: {} % of what is left can be foreseen from the \
              past, the input or the state.",
