@@ -6,6 +6,7 @@
 
 mod agreement;
 mod candidate;
+mod chain;
 mod channel;
 mod check;
 mod common;

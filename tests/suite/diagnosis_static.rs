@@ -6,11 +6,14 @@ use proofmass::diagnosis::model::{Noise, Static, StaticColumns};
 use proofmass::diagnosis::verdict::{Effect, Outcome, Verdict};
 use proofmass::recording::{self, Column, Recording, Request};
 use proofmass::rng::{Philox, Stream};
-use rand::{Rng, RngExt as _};
-use rand_distr::StandardNormal;
+use rand::RngExt as _;
 use rayon::prelude::*;
 
 use super::world::{check, data_test, test};
+
+use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
+
+mod plant;
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -29,19 +32,6 @@ pub fn tests() -> Vec<Trial> {
 }
 
 const RATE_HZ: f64 = 50.0;
-
-fn white(count: usize, rng: &mut impl Rng) -> Vec<f64> {
-    (0..count).map(|_| rng.sample(StandardNormal)).collect()
-}
-
-/// Mean zero, rms `size`.
-fn sized(mut values: Vec<f64>, size: f64) -> Vec<f64> {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let rms = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
-    values.iter_mut().for_each(|v| *v = (*v - mean) / rms * size);
-    values
-}
 
 fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Failed> {
     let names: Vec<String> = (0..channels.len()).map(|i| format!("c{i}")).collect();
@@ -81,50 +71,6 @@ fn nulls() -> Result<(), Failed> {
     // One per cent, plus two and a half standard errors of a count of six.
     check(alarms.len() <= 12, format!("{} alarms in 600: {:?}", alarms.len(), alarms))
 }
-
-type Plant = fn(usize, &mut Philox) -> Vec<f64>;
-
-fn relaxation(count: usize, memory: f64, rng: &mut Philox) -> Vec<f64> {
-    let keep = (-1.0 / memory).exp();
-    let mut state: f64 = rng.sample(StandardNormal);
-    white(count, rng)
-        .into_iter()
-        .map(|n| {
-            state = keep * state + (1.0 - keep * keep).sqrt() * n;
-            state
-        })
-        .collect()
-}
-
-fn walk(count: usize, rng: &mut Philox) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = white(count, rng);
-    steps
-        .into_iter()
-        .map(|n| {
-            sum += n;
-            sum
-        })
-        .collect()
-}
-
-fn flicker(count: usize, rng: &mut Philox) -> Vec<f64> {
-    let mut out = vec![0.0; count];
-    for octave in 0..16 {
-        out.iter_mut().zip(relaxation(count, 2f64.powi(octave), rng)).for_each(|(o, v)| *o += v);
-    }
-    out
-}
-
-/// Effects by id, each of the same rms as the white noise or half of it.
-const PLANTED: [(&str, f64, Plant); 6] = [
-    ("rate-ramp", 0.5, |n, _| (0..n).map(|i| i as f64).collect()),
-    ("warm-up", 0.7, |n, _| (0..n).map(|i| (-(i as f64) / (0.1 * n as f64)).exp()).collect()),
-    ("sinusoid", 0.5, |n, _| (0..n).map(|i| (0.317 * i as f64 + 0.4).sin()).collect()),
-    ("random-walk", 2.0, walk),
-    ("flicker-noise", 1.5, flicker),
-    ("gauss-markov", 1.0, |n, rng| relaxation(n, 60.0, rng)),
-];
 
 fn planted() -> Result<(), Failed> {
     const REPLICAS: u64 = 20;
@@ -184,11 +130,6 @@ fn levels() -> Result<(), Failed> {
     check(others <= 2, format!("{others} effects beside the level"))?;
     // 95 % of 60, less two and a half standard errors.
     check(covered >= 53, format!("{covered} of 60 intervals cover the level"))
-}
-
-/// As a filter in a sensor: 16 % of the power is left at the highest frequency.
-fn smoothed(values: &[f64]) -> Vec<f64> {
-    values.windows(2).map(|w| 0.7 * w[0] + 0.3 * w[1]).collect()
 }
 
 fn band_limit() -> Result<(), Failed> {

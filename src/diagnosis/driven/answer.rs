@@ -6,7 +6,7 @@ use crate::diagnosis::Diagnosis;
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{
-    Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Whiteness,
+    Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where, Whiteness,
 };
 use crate::numerics::special;
 use crate::recording::Recording;
@@ -20,7 +20,7 @@ use super::limits::{Limits, limits};
 use super::profile;
 use super::select::Selection;
 use super::sensor::repair;
-use super::surface::{Motion, surface};
+use super::surface::{Motion, Surface, surface};
 use super::term::{Scales, Term};
 use super::words::{self, Channels};
 use super::{CANDIDATES, Detail, Shown};
@@ -57,37 +57,12 @@ pub fn answer(
     };
     let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
     let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
-    let mut location = locate(
-        &Compared { error: &before, noise: &after, state: &states.x, rate_hz: data.rate_hz, unit: &output_unit },
-        data.hull.start,
-    );
-    location.state_cells = surfaces[0].strongest(CELLS_SHOWN);
-    if let Some(words) = surfaces[0].words() {
-        location.summary += &format!("; {words}");
-    }
-    for (term, reason) in &c.dropped {
-        findings.push(format!("{} was tried and dropped: {reason}", term.id()));
-    }
-    for named in c.named.iter().filter(|n| n.comparison.p_value > 0.05) {
-        let id = c.model.fit.shape.terms[named.index].id();
-        findings.push(format!(
-            "{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it"
-        ));
-    }
-    let noisy = c.model.fit.shape.is_noisy();
-    let rmse = |errors: &[f64]| {
-        let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
-        (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
-    };
+    let errors = [before.as_slice(), after.as_slice()];
+    let location = located(data, errors, &states.x, &surfaces[0], &output_unit);
+    findings.extend(doubtful(c));
     // What would have been seen is only known where what is left is noise.
     let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
-    let limits = if silent {
-        let mut candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
-        candidates.sort_by_key(|t| CANDIDATES.iter().position(|c| c.id == t.id()));
-        limits(data, &c.base.fit, scales, &candidates, &channels)
-    } else {
-        Limits::default()
-    };
+    let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
     let mut verdict = Verdict {
         schema: SCHEMA,
         kind: Kind::Driven,
@@ -102,22 +77,7 @@ pub fn answer(
         next_experiment: words::next_experiment(c, &effects, data.input.is_some()),
         effects,
         location,
-        fit: Fitted {
-            unit: output_unit.clone(),
-            noise_floor: words::noise_floor(data, &c.model.fit),
-            train: Score { rmse_before: rmse(&before), rmse_after: rmse(&after), ratio_ci95: None },
-            test: Score {
-                rmse_before: c.base.held_out.free().sqrt(),
-                rmse_after: c.model.held_out.free().sqrt(),
-                ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
-            },
-            test_ranges: range_scores(&model.split.test, &c.base.held_out, &c.model.held_out),
-            log_score: noisy.then(|| LogScore {
-                before: c.base.held_out.log_score(c.base.fit.variance),
-                after: c.model.held_out.log_score(c.model.fit.variance),
-            }),
-            one_step_rmse: noisy.then(|| [c.base.held_out.one_step().sqrt(), c.model.held_out.one_step().sqrt()]),
-        },
+        fit: scores(data, c, errors, &model.split.test, &output_unit),
         residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
         findings,
         detectable: limits.candidates,
@@ -132,7 +92,7 @@ pub fn answer(
         output,
         unit: output_unit,
         rate_hz: data.rate_hz,
-        shown: shown(data, c, scales, [&before, &after]),
+        shown: shown(data, c, scales, errors),
         state: states.x,
         before,
         after,
@@ -146,6 +106,59 @@ pub fn answer(
     };
     let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
     Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }
+}
+
+/// Where the base model errs, and what the force that it lacks follows.
+fn located(data: &Data, [before, after]: [&[f64]; 2], state: &[f64], surface: &Surface, unit: &str) -> Where {
+    let compared = Compared { error: before, noise: after, state, rate_hz: data.rate_hz, unit };
+    let mut location = locate(&compared, data.hull.start);
+    location.state_cells = surface.strongest(CELLS_SHOWN);
+    if let Some(words) = surface.words() {
+        location.summary += &format!("; {words}");
+    }
+    location
+}
+
+/// What was dropped and why, and which names rest on fitted samples alone.
+fn doubtful(c: &Conclusion) -> Vec<String> {
+    let dropped = c.dropped.iter().map(|(term, reason)| format!("{} was tried and dropped: {reason}", term.id()));
+    let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
+        let id = c.model.fit.shape.terms[named.index].id();
+        format!("{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it")
+    });
+    dropped.chain(unconfirmed).collect()
+}
+
+/// What would have been seen of each candidate.
+fn seen(data: &Data, c: &Conclusion, selection: &Selection, scales: &Scales, channels: &Channels) -> Limits {
+    let mut candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
+    candidates.sort_by_key(|t| CANDIDATES.iter().position(|c| c.id == t.id()));
+    limits(data, &c.base.fit, scales, &candidates, channels)
+}
+
+/// Errors of both models on fitted and on held-out samples.
+fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[usize; 2]], unit: &str) -> Fitted {
+    let noisy = c.model.fit.shape.is_noisy();
+    let rmse = |errors: &[f64]| {
+        let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
+        (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
+    };
+    Fitted {
+        unit: unit.to_owned(),
+        noise_floor: words::noise_floor(data, &c.model.fit),
+        train: Score { rmse_before: rmse(before), rmse_after: rmse(after), ratio_ci95: None },
+        test: Score {
+            rmse_before: c.base.held_out.free().sqrt(),
+            rmse_after: c.model.held_out.free().sqrt(),
+            ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
+        },
+        test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
+        log_score: noisy.then(|| LogScore {
+            before: c.base.held_out.log_score(c.base.fit.variance),
+            after: c.model.held_out.log_score(c.model.fit.variance),
+        }),
+        one_step_rmse: noisy.then(|| [c.base.held_out.one_step().sqrt(), c.model.held_out.one_step().sqrt()]),
+    }
 }
 
 /// Errors on each range that judges, where there are several.
