@@ -150,6 +150,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
     let part = excerpt::excerpt(recording, model);
     let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
     let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(kept, model)?;
+    notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
     let mut narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
     if narrow.hull != data.hull {
         notes.findings.push(format!(

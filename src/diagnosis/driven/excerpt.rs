@@ -25,6 +25,8 @@ pub struct Part {
     pub recording: Recording,
     /// The model, its ranges counted from the first of them.
     pub model: model::Driven,
+    /// What a reader of the verdict must know, where ranges that the model names were not used whole.
+    pub doubt: Option<String>,
 }
 
 /// What is judged of a long recording; `None` where it can be used whole.
@@ -54,31 +56,35 @@ pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
         kept = kept.start.saturating_sub(REACH)..(kept.end + REACH).min(samples);
     }
     let mut part = cut(recording, &kept);
-    part.findings.push(if named {
-        let count = |all: &Stretches| all.iter().map(|r| format!("[{}, {})", r.start, r.end)).collect::<Vec<_>>().join(", ");
-        format!(
-            "of {} samples to fit and {} to judge {} and {} were used, {} and {}: the loudest {LONGEST} in a row, and as many next to \
-             them; samples and times count from sample {}",
-            length(&train),
-            length(&test),
-            length(&fitted),
-            length(&judging),
-            count(&fitted),
-            if judging.is_empty() { "none".to_owned() } else { count(&judging) },
+    let (said, doubt) = if named {
+        let of = |used: &Stretches, all: &Stretches| format!("{} of {}", length(used), length(all));
+        let places =
+            |all: &Stretches| all.iter().map(|r| format!("[{}, {})", r.start, r.end)).collect::<Vec<_>>().join(", ");
+        let mut clause = format!("of [split] only {} samples were fitted", of(&fitted, &train));
+        let mut places_used = format!("fitted were {}", places(&fitted));
+        if !test.is_empty() {
+            clause += &format!(" and {} judged", of(&judging, &test));
+            places_used += &format!(", and {} judged", places(&judging));
+        }
+        let said = format!(
+            "{clause}, the loudest {LONGEST} in a row and as many next to them: {places_used}; samples and times count from sample {}",
             kept.start
-        )
+        );
+        (said, Some(clause))
     } else {
-        format!(
+        let said = format!(
             "of {samples} samples the loudest {LONGEST} in a row were judged, from sample {}; samples and times count from there",
             kept.start
-        )
-    });
+        );
+        (said, None)
+    };
+    part.findings.push(said);
     let moved = |all: Stretches| all.iter().map(|r| [r.start - kept.start, r.end - kept.start]).collect();
     let mut model = model.clone();
     if named {
         model.split = model::Split { train: moved(fitted), test: moved(judging) };
     }
-    Some(Part { recording: part, model })
+    Some(Part { recording: part, model, doubt })
 }
 
 /// The stretch of the longest length within `span` in which the samples to be fitted hold most power.
@@ -167,7 +173,9 @@ mod tests {
         let plain = driven("");
         assert_eq!(excerpt(&recording(LONGEST), &plain), None);
         let long = recording(3 * LONGEST);
-        let Some(Part { recording: part, model }) = excerpt(&long, &plain) else { unreachable!("used whole") };
+        let Some(Part { recording: part, model, doubt: None }) = excerpt(&long, &plain) else {
+            unreachable!("used whole")
+        };
         assert_eq!(part.columns[0].values, long.columns[0].values[2 * LONGEST..]);
         assert_eq!(part.filled, vec![LONGEST - 4..LONGEST - 1]);
         assert!(part.findings[0].contains("from sample 1000000"), "{:?}", part.findings);
@@ -187,16 +195,19 @@ mod tests {
         }
         // Fitted: the loudest window of the first 800,000; judged: what follows it at once.
         let split = driven("[split]\ntrain = [[0, 800000]]\ntest = [[800000, 1500000]]\n");
-        let Some(Part { recording: part, model }) = excerpt(&long, &split) else { unreachable!("used whole") };
+        let Some(Part { recording: part, model, doubt: Some(doubt) }) = excerpt(&long, &split) else {
+            unreachable!("used whole")
+        };
         assert_eq!(part.samples(), 2 * LONGEST + 2 * REACH);
         assert_eq!(part.columns[0].values, long.columns[0].values[300_000 - REACH..1_300_000 + REACH]);
         assert_eq!(model.split.train, [[REACH, REACH + LONGEST]]);
         assert_eq!(model.split.test, [[REACH + LONGEST, REACH + 2 * LONGEST]]);
+        assert_eq!(doubt, "of [split] only 500000 of 800000 samples were fitted and 500000 of 700000 judged");
         let said = &part.findings[0];
-        assert!(said.contains("800000 samples to fit and 700000 to judge 500000 and 500000"), "{said}");
+        assert!(said.contains("[300000, 800000), and [800000, 1300000) judged") && said.contains("299976"), "{said}");
         // Two short ranges far from each other span too much: the louder one is fitted.
         let split = driven("[split]\ntrain = [[0, 9000], [1400000, 1409000]]\n");
-        let Some(Part { model, recording: part }) = excerpt(&long, &split) else { unreachable!("used whole") };
+        let Some(Part { model, recording: part, .. }) = excerpt(&long, &split) else { unreachable!("used whole") };
         assert_eq!((model.split.train, part.samples()), (vec![[REACH, REACH + 9000]], 9000 + 2 * REACH));
     }
 }
