@@ -1,8 +1,9 @@
 //! Progress bars on stderr and the Ctrl-C flag: how a long run speaks and how it is stopped.
 
+use std::fmt::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
@@ -21,12 +22,18 @@ pub fn interrupted() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// A bar with a name, percentage and time left; hidden when stderr is not a terminal.
+/// A bar with a name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone. Hidden
+/// when stderr is not a terminal.
 pub fn bar(name: &str, length: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(8));
-    let style = ProgressStyle::with_template("{msg:18} {bar:32} {percent:>3} %  {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style);
+    let template = if length == 0 { "{msg} …" } else { "{msg:18} {bar:32} {percent:>3} %  {left}" };
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style.with_key("left", |state: &ProgressState, out: &mut dyn Write| {
+        // Before the first step is done, nothing is known.
+        if state.pos() > 0 {
+            let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
+        }
+    }));
     bar.set_message(name.to_owned());
     bar
 }

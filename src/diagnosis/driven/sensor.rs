@@ -74,10 +74,8 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     };
     for (i, term) in fit.shape.terms.iter().enumerate() {
         let p = fit.shape.of(i, &fit.point);
-        let damps = matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilm(_) | Term::Coulomb(_));
         match term {
-            // Within its interval a damping may come out below zero; a study takes none that drives.
-            _ if damps && p[0] < 0.0 => {
+            _ if drives(term, p[0]) => {
                 if let Some(list) = not_expressible.as_deref_mut() {
                     list.push(format!("{}, which came out negative: {}", term.id(), term.words().equation));
                 }
@@ -111,4 +109,21 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
         rate_random_walk_rad_s_rts: 0.0,
     };
     Sensor { proof_mass: Some(mass), accelerometer, gyro, excitation_gain: 1.0 }
+}
+
+/// Within its interval a damping may come out below zero; a study takes none that drives.
+fn drives(term: &Term, size: f64) -> bool {
+    size < 0.0 && matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilm(_) | Term::Coulomb(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{damping, spring};
+    use super::*;
+
+    #[test]
+    fn friction_below_zero_drives_and_a_softening_spring_does_not() {
+        assert!(drives(&Term::Coulomb(damping::Coulomb), -1.0) && !drives(&Term::Coulomb(damping::Coulomb), 1.0));
+        assert!(!drives(&Term::CubicStiffness(spring::Cubic), -1.0));
+    }
 }
