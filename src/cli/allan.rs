@@ -6,8 +6,8 @@ use super::say::{remark, sayln};
 use crate::document::{writable, write_whole};
 use crate::error::{Error, Result};
 use crate::recording::Request;
-use crate::recording::noise;
 use crate::recording::unit::{Quantity, Unit};
+use crate::recording::{noise, rows};
 use crate::report::allan as report;
 
 /// Arguments of `allan`.
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "name a column once, under --columns, --accelerometer or --gyro",
         ));
     }
-    std::fs::File::open(&arguments.recording).map_err(|e| Error::io("read", &arguments.recording, &e))?;
+    rows::open(&arguments.recording)?;
     arguments.out.as_deref().map_or(Ok(()), writable)?;
     let request = Request { columns, rate_hz: arguments.rate_hz, time: arguments.time.clone(), ..Request::default() };
     let noise = noise::analyse(&arguments.recording, &request, |name| {

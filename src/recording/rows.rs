@@ -41,25 +41,33 @@ pub struct Source {
     pub findings: Vec<String>,
 }
 
+/// Opens a recording and gives its length in bytes.
+///
+/// # Errors
+/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
+pub fn open(path: &Path) -> Result<(File, u64)> {
+    let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
+    if about.is_dir() {
+        return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !about.is_file() {
+        // It is read more than once: for its headings, its rate and its rows.
+        return Err(Error::new(
+            format!("could not read {}", path.display()),
+            "it is a pipe or a device, not a file",
+            "save the recording as a file first",
+        ));
+    }
+    Ok((File::open(path).map_err(|e| Error::io("read", path, &e))?, about.len()))
+}
+
 impl Rows {
     /// Opens a file for the columns of these headings, in this order. None named: all numeric columns but clocks.
     ///
     /// # Errors
     /// A file that is no table, or a column that is not there; the nearest heading is named.
     pub fn open(path: &Path, columns: &[String]) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::io("read", path, &e))?;
-        let about = file.metadata().map_err(|e| Error::io("read", path, &e))?;
-        if about.is_dir() {
-            return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
-        }
-        if !about.is_file() {
-            // It is read more than once: for its headings, its rate and its rows.
-            return Err(Error::new(
-                format!("could not read {}", path.display()),
-                "it is a pipe or a device, not a file",
-                "save the recording as a file first",
-            ));
-        }
+        let (file, length_bytes) = open(path)?;
         let mut reader = BufReader::with_capacity(1 << 18, Hashed { file, digest: Sha256::new(), bytes: 0 });
         let format = format::sniff(path, reader.fill_buf().map_err(|e| Error::io("read", path, &e))?)?;
         reader.consume(format.skip);
@@ -77,7 +85,7 @@ impl Rows {
             names: Vec::new(),
             places: Vec::new(),
             width: 0,
-            length_bytes: about.len(),
+            length_bytes,
             findings: Vec::new(),
         };
         rows.read_header(columns)?;

@@ -156,6 +156,11 @@ fn places() -> Result<(), Failed> {
         refused("a full disk", &output, &["could not print the result"])?;
         let output = program().args(["allan", "/dev/zero", "--rate-hz", "1"]).output()?;
         refused("a device", &output, &["a pipe or a device"])?;
+        // A pipe that nobody writes to is refused too, not waited for.
+        let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status()?;
+        check(made.success(), "mkfifo failed")?;
+        let output = program().current_dir(folder.path()).args(["allan", "pipe", "--rate-hz", "1"]).output()?;
+        refused("a pipe without a writer", &output, &["a pipe or a device"])?;
     }
     std::fs::write(folder.path().join("taken"), "")?;
     for command in ["study", "bench", "paper"] {
