@@ -25,130 +25,173 @@ pub(super) fn input<T: Real>(shared: &Shared<T>, c: &[Lane<T>; COLUMNS], index: 
     u
 }
 
+/// Displacement and velocity.
+type Motion<T> = [Lane<T>; 2];
+
 /// One step of all lanes.
 #[inline(always)]
 pub(super) fn advance<T: Real, const FMA: bool>(shared: &Shared<T>, group: &mut Group<T>, k: usize, step: usize) {
     let (c, parts) = (&group.columns, &shared.parts);
-    let h = T::of(1.0 / shared.steps as f64);
-    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
     let index = 2 * (shared.steps * k + step);
     let u = [
         input(shared, c, index),
         input(shared, c, index + 1),
         input(shared, c, (index + 2).wrapping_sub(shared.grid_end)),
     ];
+    let before = [group.state[0], group.state[1]];
+    let free = carried::<T, FMA>(c, column::FULL, &before);
+    let after = if parts.moves() {
+        pushed::<T, FMA>(shared, group, [k, step], &u, &free)
+    } else {
+        swung::<T, FMA>(shared, c, &u, &free)
+    };
+    if parts.lag {
+        lagged(shared, group, &before, &after);
+    }
+    [group.state[0], group.state[1]] = after;
+}
+
+/// Where the base model goes by itself over the whole step or half of it.
+#[inline(always)]
+fn carried<T: Real, const FMA: bool>(c: &[Lane<T>; COLUMNS], over: usize, [x, v]: &Motion<T>) -> Motion<T> {
+    let zero = Lane::splat(T::of(0.0));
+    let (mut to_x, mut to_v) = (zero, zero);
+    for l in 0..LANES {
+        to_x[l] = fma::<T, FMA>(c[over][l], x[l], c[over + 1][l] * v[l]);
+        to_v[l] = fma::<T, FMA>(c[over + 2][l], x[l], c[over + 3][l] * v[l]);
+    }
+    [to_x, to_v]
+}
+
+/// The end of a step on which nothing but the input acts.
+#[inline(always)]
+fn swung<T: Real, const FMA: bool>(
+    shared: &Shared<T>,
+    c: &[Lane<T>; COLUMNS],
+    u: &[Lane<T>; 3],
+    [fx, fv]: &Motion<T>,
+) -> Motion<T> {
+    let (h, sixth) = (T::of(1.0 / shared.steps as f64), T::of(1.0 / 6.0));
+    let zero = Lane::splat(T::of(0.0));
+    let (mut nx, mut nv) = (zero, zero);
+    let four = T::of(4.0);
+    for l in 0..LANES {
+        let gain = h * c[column::GAIN][l];
+        let (a0, a1, a2) = (gain * u[0][l], four * (gain * u[1][l]), gain * u[2][l]);
+        let rise = fma::<T, FMA>(c[column::FULL + 1][l], a0, c[column::HALF + 1][l] * a1);
+        let push = fma::<T, FMA>(c[column::FULL + 3][l], a0, fma::<T, FMA>(c[column::HALF + 3][l], a1, a2));
+        nx[l] = fma::<T, FMA>(sixth, rise, fx[l]);
+        nv[l] = fma::<T, FMA>(sixth, push, fv[l]);
+    }
+    [nx, nv]
+}
+
+/// The end of a step under forces that depend on the motion, by four stages; states of the terms go along.
+#[inline(always)]
+fn pushed<T: Real, const FMA: bool>(
+    shared: &Shared<T>,
+    group: &mut Group<T>,
+    [k, step]: [usize; 2],
+    u: &[Lane<T>; 3],
+    [fx, fv]: &Motion<T>,
+) -> Motion<T> {
+    let (c, parts) = (&group.columns, &shared.parts);
+    let h = T::of(1.0 / shared.steps as f64);
+    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
     let (x, v) = (group.state[0], group.state[1]);
     let zero = Lane::splat(T::of(0.0));
-    let (mut fx, mut fv) = (zero, zero);
-    for l in 0..LANES {
-        fx[l] = fma::<T, FMA>(c[column::FULL][l], x[l], c[column::FULL + 1][l] * v[l]);
-        fv[l] = fma::<T, FMA>(c[column::FULL + 2][l], x[l], c[column::FULL + 3][l] * v[l]);
-    }
     let (mut nx, mut nv) = (zero, zero);
-    if parts.moves() {
-        let (mut hx, mut hv) = (zero, zero);
-        for l in 0..LANES {
-            hx[l] = fma::<T, FMA>(c[column::HALF][l], x[l], c[column::HALF + 1][l] * v[l]);
-            hv[l] = fma::<T, FMA>(c[column::HALF + 2][l], x[l], c[column::HALF + 3][l] * v[l]);
-        }
-        let own = parts.hysteresis || parts.mode;
-        // Sums of the stages with Runge–Kutta's weights; accelerations and rates are those per step.
-        let (mut a, mut sum_x, mut sum_v) = (zero, zero, zero);
-        let (mut at, mut rate, mut sums) = ([zero; 5], [zero; 3], [zero; 3]);
-        for stage in 0..4 {
-            let lead = if stage == 3 { T::of(1.0) } else { half };
-            match stage {
-                0 => (at[0], at[1]) = (x, v),
-                1 => {
-                    for l in 0..LANES {
-                        let push = half * a[l];
-                        at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], push, hx[l]);
-                        at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], push, hv[l]);
-                    }
-                }
-                2 => {
-                    for l in 0..LANES {
-                        at[0][l] = hx[l];
-                        at[1][l] = fma::<T, FMA>(half, a[l], hv[l]);
-                    }
-                }
-                _ => {
-                    for l in 0..LANES {
-                        at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], a[l], fx[l]);
-                        at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], a[l], fv[l]);
-                    }
-                }
-            }
-            if own {
-                for s in 0..3 {
-                    for l in 0..LANES {
-                        let step = if stage == 0 { T::of(0.0) } else { lead * rate[s][l] };
-                        at[2 + s][l] = group.state[2 + s][l] + step;
-                    }
-                }
-            }
-            let place = [0.0, 0.5, 0.5, 1.0][stage];
-            let since = k as f64 + (step as f64 + place) / shared.steps as f64;
-            let u = &u[[0, 1, 1, 2][stage]];
-            forces::<T, FMA>(parts, c, &at, u, T::of(since), h, &mut a, &mut rate);
-            // What the stage adds by the end of the step, with its weight.
-            if stage == 3 {
+    let [hx, hv] = carried::<T, FMA>(c, column::HALF, &[x, v]);
+    let own = parts.hysteresis || parts.mode;
+    // Sums of the stages with Runge–Kutta's weights; accelerations and rates are those per step.
+    let (mut a, mut sum_x, mut sum_v) = (zero, zero, zero);
+    let (mut at, mut rate, mut sums) = ([zero; 5], [zero; 3], [zero; 3]);
+    for stage in 0..4 {
+        let lead = if stage == 3 { T::of(1.0) } else { half };
+        match stage {
+            0 => (at[0], at[1]) = (x, v),
+            1 => {
                 for l in 0..LANES {
-                    sum_v[l] = sum_v[l] + a[l];
+                    let push = half * a[l];
+                    at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], push, hx[l]);
+                    at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], push, hv[l]);
                 }
-            } else {
-                let (carried, weight) = if stage == 0 { (column::FULL, T::of(1.0)) } else { (column::HALF, two) };
+            }
+            2 => {
                 for l in 0..LANES {
-                    let push = weight * a[l];
-                    sum_x[l] = fma::<T, FMA>(c[carried + 1][l], push, sum_x[l]);
-                    sum_v[l] = fma::<T, FMA>(c[carried + 3][l], push, sum_v[l]);
+                    at[0][l] = hx[l];
+                    at[1][l] = fma::<T, FMA>(half, a[l], hv[l]);
                 }
             }
-            if own {
-                let weight = if stage == 1 || stage == 2 { two } else { T::of(1.0) };
-                for s in 0..3 {
-                    for l in 0..LANES {
-                        sums[s][l] = fma::<T, FMA>(weight, rate[s][l], sums[s][l]);
-                    }
+            _ => {
+                for l in 0..LANES {
+                    at[0][l] = fma::<T, FMA>(c[column::HALF + 1][l], a[l], fx[l]);
+                    at[1][l] = fma::<T, FMA>(c[column::HALF + 3][l], a[l], fv[l]);
                 }
             }
-        }
-        for l in 0..LANES {
-            nx[l] = fma::<T, FMA>(sixth, sum_x[l], fx[l]);
-            nv[l] = fma::<T, FMA>(sixth, sum_v[l], fv[l]);
         }
         if own {
             for s in 0..3 {
                 for l in 0..LANES {
-                    group.state[2 + s][l] = fma::<T, FMA>(sixth, sums[s][l], group.state[2 + s][l]);
+                    let step = if stage == 0 { T::of(0.0) } else { lead * rate[s][l] };
+                    at[2 + s][l] = group.state[2 + s][l] + step;
                 }
             }
         }
-    } else {
-        let four = T::of(4.0);
-        for l in 0..LANES {
-            let gain = h * c[column::GAIN][l];
-            let (a0, a1, a2) = (gain * u[0][l], four * (gain * u[1][l]), gain * u[2][l]);
-            let rise = fma::<T, FMA>(c[column::FULL + 1][l], a0, c[column::HALF + 1][l] * a1);
-            let push = fma::<T, FMA>(c[column::FULL + 3][l], a0, fma::<T, FMA>(c[column::HALF + 3][l], a1, a2));
-            nx[l] = fma::<T, FMA>(sixth, rise, fx[l]);
-            nv[l] = fma::<T, FMA>(sixth, push, fv[l]);
+        let place = [0.0, 0.5, 0.5, 1.0][stage];
+        let since = k as f64 + (step as f64 + place) / shared.steps as f64;
+        let u = &u[[0, 1, 1, 2][stage]];
+        forces::<T, FMA>(parts, c, &at, u, T::of(since), h, &mut a, &mut rate);
+        // What the stage adds by the end of the step, with its weight.
+        if stage == 3 {
+            for l in 0..LANES {
+                sum_v[l] = sum_v[l] + a[l];
+            }
+        } else {
+            let (over, weight) = if stage == 0 { (column::FULL, T::of(1.0)) } else { (column::HALF, two) };
+            for l in 0..LANES {
+                let push = weight * a[l];
+                sum_x[l] = fma::<T, FMA>(c[over + 1][l], push, sum_x[l]);
+                sum_v[l] = fma::<T, FMA>(c[over + 3][l], push, sum_v[l]);
+            }
+        }
+        if own {
+            let weight = if stage == 1 || stage == 2 { two } else { T::of(1.0) };
+            for s in 0..3 {
+                for l in 0..LANES {
+                    sums[s][l] = fma::<T, FMA>(weight, rate[s][l], sums[s][l]);
+                }
+            }
         }
     }
-    if parts.lag {
-        for l in 0..LANES {
-            // The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
-            let ratio = c[column::LAG][l];
-            let (rise, a, b) = (nx[l] - x[l], h * v[l], h * nv[l]);
-            let c3 = a + b - two * rise;
-            let c2 = T::of(3.0) * rise - two * a - b - T::of(3.0) * ratio * c3;
-            let c1 = a - two * ratio * c2;
-            let c0 = x[l] - ratio * c1;
-            group.state[5][l] = c0 + c1 + c2 + c3 + (group.state[5][l] - c0) * c[column::KEEPS][l];
+    for l in 0..LANES {
+        nx[l] = fma::<T, FMA>(sixth, sum_x[l], fx[l]);
+        nv[l] = fma::<T, FMA>(sixth, sum_v[l], fv[l]);
+    }
+    if own {
+        for s in 0..3 {
+            for l in 0..LANES {
+                group.state[2 + s][l] = fma::<T, FMA>(sixth, sums[s][l], group.state[2 + s][l]);
+            }
         }
     }
-    group.state[0] = nx;
-    group.state[1] = nv;
+    [nx, nv]
+}
+
+/// Carries a low-pass over a step of the displacement.
+#[inline(always)]
+fn lagged<T: Real>(shared: &Shared<T>, group: &mut Group<T>, [x, v]: &Motion<T>, [nx, nv]: &Motion<T>) {
+    let (c, h, two) = (&group.columns, T::of(1.0 / shared.steps as f64), T::of(2.0));
+    for l in 0..LANES {
+        // The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
+        let ratio = c[column::LAG][l];
+        let (rise, a, b) = (nx[l] - x[l], h * v[l], h * nv[l]);
+        let c3 = a + b - two * rise;
+        let c2 = T::of(3.0) * rise - two * a - b - T::of(3.0) * ratio * c3;
+        let c1 = a - two * ratio * c2;
+        let c0 = x[l] - ratio * c1;
+        group.state[5][l] = c0 + c1 + c2 + c3 + (group.state[5][l] - c0) * c[column::KEEPS][l];
+    }
 }
 
 /// Acceleration less the base model's own, and rates of z, x₂ and v₂, all times the step; `at` is x, v, z, x₂, v₂.
