@@ -5,6 +5,7 @@ pub mod like;
 
 use crate::diagnosis::candidate::Kind;
 use crate::number::{duration, significant};
+use crate::numerics::order;
 use crate::report::html::Page;
 use crate::report::table::Table;
 use crate::trial::blind::Verdicts;
@@ -93,7 +94,7 @@ pub fn effects(outcome: &Outcome) -> Table {
     for limit in &outcome.detection_limit {
         let of = |c: &&Confusion| c.kind == limit.kind && c.planted == limit.id;
         let mut said: Vec<_> = outcome.confusion.iter().filter(of).collect();
-        said.sort_by_key(|c| std::cmp::Reverse(c.cases));
+        order::sort_by_key(&mut said, |c| -(c.cases as f64));
         let is_right = |said: &str| said == limit.id || tie_of_two_with(said, &limit.id);
         let right: usize = said.iter().filter(|c| is_right(&c.said)).map(|c| c.cases).sum();
         let others: Vec<String> =

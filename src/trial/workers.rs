@@ -18,11 +18,12 @@ use crate::parallel;
 /// The first of `work`, or that no thread can be started.
 pub fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
     let next = AtomicUsize::new(0);
-    let done: Mutex<Result<Vec<(usize, R)>>> = Mutex::new(Ok(Vec::with_capacity(items.len())));
+    let places: Vec<Option<R>> = items.iter().map(|_| None).collect();
+    let done: Mutex<Result<Vec<Option<R>>>> = Mutex::new(Ok(places));
     let note = |result: Result<(usize, R)>| -> bool {
         let mut done = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         match (result, done.as_mut()) {
-            (Ok(entry), Ok(entries)) => entries.push(entry),
+            (Ok((n, result)), Ok(places)) => places[n] = Some(result),
             (Err(error), Ok(_)) => *done = Err(error),
             (_, Err(_)) => {}
         }
@@ -53,9 +54,8 @@ pub fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Result<R
             }
         }
     });
-    let mut done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)?;
-    done.sort_by_key(|(n, _)| *n);
-    Ok(done.into_iter().map(|(_, result)| result).collect())
+    let done = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)?;
+    Ok(done.into_iter().flatten().collect())
 }
 
 fn no_thread(cause: &str) -> Error {

@@ -1,6 +1,7 @@
 //! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
 use crate::diagnosis::fixed::{ChannelDetail, Detail};
+use crate::numerics::order;
 
 use super::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
@@ -17,7 +18,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         out.push(density(channel, &detail.unit));
         out.push(trace(channel, &detail.unit));
     }
-    out.sort_by_key(|e| e.part);
+    order::sort_by_key(&mut out, |e| f64::from(e.part as u8));
     out
 }
 
