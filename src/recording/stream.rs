@@ -58,29 +58,37 @@ pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
 pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Result<Streamed> {
     let mut wanted = headings(path, request)?;
     wanted.splice(0..0, request.time.clone());
-    let (clock, rate_hz) = match &request.time {
-        Some(_) => {
-            let rate_hz = rate_of(path, &wanted, request.rate_hz)?;
-            (Some(Clock { rate_hz, before: None, repeats: 0 }), rate_hz)
-        }
-        None => (None, checked_rate(path, request.rate_hz)?),
+    let timed = request.time.is_some();
+    let rate_hz = match timed {
+        true => rate_of(path, &wanted, request.rate_hz)?,
+        false => checked_rate(path, request.rate_hz)?,
     };
-    let table = Rows::open(path, &wanted)?;
+    let reading = Reading { path, table: Rows::open(path, &wanted)?, rate_hz, timed };
     thread::scope(|scope| {
         let (send, receive) = mpsc::sync_channel(AHEAD);
         let reader = thread::Builder::new()
-            .spawn_scoped(scope, move || hand_on(path, table, clock, &send))
+            .spawn_scoped(scope, move || hand_on(reading, &send))
             .map_err(|e| Error::io("start a thread that reads", path, &e))?;
         receive.iter().for_each(|block| take(&block));
-        let source = reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        Ok(Streamed { rate_hz, ..source })
+        reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 
-/// Reads to the end, in blocks; the rate is for the caller to know.
-fn hand_on(path: &Path, mut table: Rows, mut clock: Option<Clock>, send: &SyncSender<Block>) -> Result<Streamed> {
+/// A file about to be read.
+struct Reading<'a> {
+    path: &'a Path,
+    table: Rows,
+    rate_hz: f64,
+    /// Its first column is the clock.
+    timed: bool,
+}
+
+/// Reads to the end, in blocks.
+fn hand_on(reading: Reading<'_>, send: &SyncSender<Block>) -> Result<Streamed> {
+    let Reading { path, mut table, rate_hz, timed } = reading;
+    let mut clock = timed.then_some(Clock { rate_hz, before: None, repeats: 0 });
     let mut row = vec![0.0; table.names().len()];
-    let mut bridge = Bridge::new(row.len() - usize::from(clock.is_some()), send);
+    let mut bridge = Bridge::new(row.len() - usize::from(timed), send);
     let bar = progress::bar("reading", table.length_bytes());
     let mut index = 0usize;
     while table.next(&mut row)? {
@@ -112,7 +120,7 @@ fn hand_on(path: &Path, mut table: Rows, mut clock: Option<Clock>, send: &SyncSe
     }
     let samples = bridge.given;
     bridge.judge(path, index, &mut findings)?;
-    Ok(Streamed { sha256: source.sha256, rate_hz: f64::NAN, samples, findings })
+    Ok(Streamed { sha256: source.sha256, rate_hz, samples, findings })
 }
 
 fn rate_of(path: &Path, wanted: &[String], stated: Option<f64>) -> Result<f64> {
@@ -239,5 +247,34 @@ impl<'a> Bridge<'a> {
             findings.push(format!("{} long gaps: no averaging time reaches across one", self.breaks));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_join_to_the_whole_and_break_off_only_at_long_holes() {
+        // More rows than two blocks hold; one value is missing in row 9000, more than can be bridged from row 12,000 on.
+        let rows = 20_000;
+        let lost = |i: usize| i == 9000 || (12_000..12_000 + BRIDGED + 1).contains(&i);
+        let lines: String = (0..rows).map(|i| if lost(i) { "\"\"\n".to_owned() } else { format!("{i}\n") }).collect();
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, format!("a\n{lines}")).expect("write");
+        let request = Request { rate_hz: Some(100.0), columns: vec!["a".into()], ..Request::default() };
+        let mut parts = vec![Vec::new()];
+        let streamed = read(&path, &request, |block| {
+            parts.last_mut().expect("one at least").extend_from_slice(&block.columns[0]);
+            if block.broken_off {
+                parts.push(Vec::new());
+            }
+        })
+        .expect("a log with holes is read");
+        let whole = |range: std::ops::Range<usize>| range.map(|i| i as f64).collect::<Vec<f64>>();
+        assert_eq!(parts, [whole(0..12_000), whole(12_000 + BRIDGED + 1..rows)], "a straight line bridges row 9000");
+        assert_eq!((streamed.samples, streamed.rate_hz), (rows - BRIDGED - 1, 100.0));
+        assert_eq!(streamed.findings.len(), 2, "{:?}", streamed.findings);
     }
 }
