@@ -8,10 +8,10 @@ pub mod candidate;
 pub mod consequence;
 pub mod detection;
 pub mod driven;
-pub mod fixed;
 pub mod model;
 pub mod rectification;
 pub mod repair;
+pub mod rest;
 pub mod tumble;
 pub mod verdict;
 
@@ -62,7 +62,7 @@ pub enum Detail {
     /// Input and output of one proof mass.
     Driven(Box<driven::Detail>),
     /// A sensor at rest.
-    Static(Box<fixed::Detail>),
+    Static(Box<rest::Detail>),
     /// An IMU in many still poses.
     Tumble(Box<tumble::Detail>),
 }
@@ -75,12 +75,12 @@ pub enum Detail {
 pub fn diagnose(recording: &Recording, model: &Model) -> Result<Diagnosis> {
     match model {
         Model::Driven(model) => driven::diagnose(recording, model),
-        Model::Static(model) => fixed::diagnose(recording, model),
+        Model::Static(model) => rest::diagnose(recording, model),
         Model::Tumble(model) => tumble::diagnose(recording, model),
     }
 }
 
 /// Every candidate of every kind, in the order of each kind's list.
 pub fn library() -> impl Iterator<Item = &'static Candidate> {
-    driven::CANDIDATES.iter().chain(fixed::CANDIDATES).chain(tumble::CANDIDATES)
+    driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES)
 }

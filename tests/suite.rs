@@ -9,9 +9,9 @@ mod suite {
     pub mod closed_form;
     pub mod convergence;
     pub mod diagnose_cli;
-    pub mod diagnose_static_cli;
+    pub mod diagnose_rest_cli;
     pub mod diagnosis_driven;
-    pub mod diagnosis_static;
+    pub mod diagnosis_rest;
     pub mod diagnosis_tumble;
     pub mod driven_bad_input;
     pub mod dynamics;
@@ -63,9 +63,9 @@ fn main() {
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
         // static: each effect at rest is found alone, nothing where nothing is.
-        suite::diagnosis_static::tests(),
-        // diagnose_static_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.
-        suite::diagnose_static_cli::tests(),
+        suite::diagnosis_rest::tests(),
+        // diagnose_rest_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.
+        suite::diagnose_rest_cli::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // paper: twenty figures, every check holds and can fail.

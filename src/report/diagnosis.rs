@@ -3,8 +3,8 @@
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
 mod driven;
-mod fixed;
 mod profile;
+mod rest;
 mod tumble;
 
 use crate::diagnosis::consequence::DIFFERENCE;
@@ -47,7 +47,7 @@ pub struct Exhibit {
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     match detail {
         Detail::Driven(detail) => driven::exhibits(detail),
-        Detail::Static(detail) => fixed::exhibits(detail),
+        Detail::Static(detail) => rest::exhibits(detail),
         Detail::Tumble(detail) => tumble::exhibits(detail),
     }
 }

@@ -75,7 +75,7 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
     let mut alone = Vec::new();
     let mut rivals: Rivals = Vec::new();
     for round in 0..MOST {
-        // Whoever asked for the diagnosis hears of Ctrl-C from `fixed::diagnose`.
+        // Whoever asked for the diagnosis hears of Ctrl-C from `rest::diagnose`.
         if progress::interrupted() {
             break;
         }

@@ -131,7 +131,7 @@ pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::fixed::spectrum::Law;
+    use crate::diagnosis::rest::spectrum::Law;
     use crate::rng::{Philox, Stream};
 
     fn walk_fit(values: &[f64]) -> (Channel, Fitted) {

@@ -1,6 +1,6 @@
 //! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
-use crate::diagnosis::fixed::{ChannelDetail, Detail};
+use crate::diagnosis::rest::{ChannelDetail, Detail};
 use crate::numerics::order;
 
 use super::{Exhibit, Part};

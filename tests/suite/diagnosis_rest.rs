@@ -1,8 +1,8 @@
 //! Sensors at rest: each planted effect is found alone, nothing is found where nothing is, foreign physics gets no name.
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::diagnosis::fixed::diagnose;
 use proofmass::diagnosis::model::{Noise, Static, StaticColumns};
+use proofmass::diagnosis::rest::diagnose;
 use proofmass::diagnosis::verdict::{Effect, Outcome, Verdict};
 use proofmass::recording::{self, Column, Recording, Request};
 use proofmass::rng::{Philox, Stream};
