@@ -37,6 +37,9 @@ impl Error {
                 "a file stands where a folder should be: give another, e.g. with --out DIR"
             }
             std::io::ErrorKind::StorageFull => "make room on that disk, or choose another folder with --out DIR",
+            std::io::ErrorKind::FileTooLarge => {
+                "allow larger files (ulimit -f unlimited), or choose another file system"
+            }
             std::io::ErrorKind::IsADirectory => "give a file, not a folder",
             _ => "check the path, the permissions and the free space",
         };

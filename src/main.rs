@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread exists yet that could read the environment.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     #[cfg(unix)]
-    end_quietly_on_a_closed_pipe();
+    set_signals();
     match cli::Arguments::try_parse().map_err(cli::not_understood).and_then(|a| cli::run(&a)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -22,15 +22,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// `proofmass … | head` ends like any other tool when `head` has seen enough, and does not panic in `println!`.
+/// `proofmass … | head` ends like any other tool when `head` has seen enough, and does not panic in `println!`. A limit on
+/// the size of files (`ulimit -f`) is an error of the write that meets it, and does not kill half-way through a file.
 #[cfg(unix)]
-fn end_quietly_on_a_closed_pipe() {
-    const SIGPIPE: i32 = 13;
-    const SIG_DFL: usize = 0;
-    unsafe extern "C" {
-        fn signal(number: i32, handler: usize) -> usize;
+fn set_signals() {
+    // SAFETY: the default action and "ignore" run no code of ours, and no thread or handler exists yet.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
     }
-    // SAFETY: the C library's `signal` with its default action, before any thread or handler exists; 13 is SIGPIPE on
-    // Linux, macOS and the BSDs.
-    unsafe { signal(SIGPIPE, SIG_DFL) };
 }

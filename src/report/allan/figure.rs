@@ -10,7 +10,8 @@ pub(super) fn curve(channel: &Channel) -> Chart {
     let points = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         channel.curve.iter().enumerate().map(|(i, d)| (d.tau_s, value(i) * factor)).collect()
     };
-    let values = channel.curve.iter().map(|d| d.value * factor);
+    // A deviation of exactly 0, of readings that repeat, has no place on a logarithmic axis.
+    let values = channel.curve.iter().map(|d| d.value * factor).filter(|v| *v > 0.0);
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
     let mut chart = Chart::new(
         &format!("Allan deviation of {}", channel.name),

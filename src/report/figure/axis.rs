@@ -59,7 +59,11 @@ impl Axis {
     /// Limits that hold all `values`, with a little air on a linear axis.
     pub(super) fn fitted(&self, values: impl Iterator<Item = f64>) -> Span {
         let usable = values.filter(|v| v.is_finite() && (self.scale == Scale::Linear || *v > 0.0));
-        let (low, high) = self.range.unwrap_or_else(|| {
+        // A logarithmic axis has no zero: limits that it cannot show give way to those of the data.
+        let shown = |(low, high): &(f64, f64)| {
+            self.scale == Scale::Linear || (low.is_normal() && high.is_finite() && 0.0 < *low && low < high)
+        };
+        let (low, high) = self.range.filter(shown).unwrap_or_else(|| {
             let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             match self.scale {
                 _ if low > high => {
@@ -207,6 +211,8 @@ mod tests {
         let log = Span { scale: Scale::Log, low: 0.5, high: 2e4, marked: true };
         assert_eq!(log.ticks(), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
         assert_eq!(log.tick_label(1e4), "10⁴");
+        let from_zero = Axis::log("").within(0.0, 2.0).fitted([0.0, 0.1, 1.0].into_iter());
+        assert_eq!((from_zero.ticks().len(), from_zero.ticks()[5]), (6, 1.0));
         let quarter = Span { scale: Scale::Linear, low: 0.0, high: 1.4, marked: true };
         assert_eq!(quarter.tick_label(0.25), "0.25");
     }
