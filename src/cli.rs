@@ -1,8 +1,10 @@
 //! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is done and written.
 
+use std::io::Write;
+
 use clap::{Parser, Subcommand};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 
 pub mod adapters;
 pub mod allan;
@@ -63,7 +65,11 @@ pub enum Command {
 /// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are answered and end the process.
 pub fn not_understood(error: clap::Error) -> Error {
     if !error.use_stderr() {
-        error.exit();
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        match printed {
+            Ok(()) => std::process::exit(0),
+            Err(e) => return say::not_printed(&e),
+        }
     }
     let text = error.render().to_string();
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
@@ -85,6 +91,14 @@ pub fn not_understood(error: clap::Error) -> Error {
             c.replace(technical, plain)
         });
     Error::new("could not understand the command line", cause, hint.join("; "))
+}
+
+/// The exit code of an error: 2, or as a shell counts, 128 and the number of the signal that stopped the run.
+pub fn exit_code(error: &Error) -> u8 {
+    match error.kind {
+        Kind::Failed => 2,
+        Kind::Interrupted => 130,
+    }
 }
 
 /// Does what the arguments ask.

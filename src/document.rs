@@ -2,13 +2,18 @@
 //!
 //! Not for recordings: those stream, see `recording`.
 
-use std::io::{Read, Write};
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Result, nearest};
+
+mod whole;
+
+pub use whole::{Staged, UNFINISHED, sync_folder, write_whole};
 
 /// Parses a TOML document. `name` stands in messages for where it came from.
 ///
@@ -39,6 +44,25 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     parse_toml(&name, &text)
 }
 
+/// Opens a file, `what` for people.
+///
+/// # Errors
+/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
+pub fn open(path: &Path, what: &str) -> Result<File> {
+    let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
+    if about.is_dir() {
+        return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !about.is_file() {
+        return Err(Error::new(
+            format!("could not read {}", path.display()),
+            "it is a pipe or a device, not a file",
+            format!("save the {what} as a file first"),
+        ));
+    }
+    File::open(path).map_err(|e| Error::io("read", path, &e))
+}
+
 /// Most bytes of a document: no study is a thousandth of it, and a device that never ends is refused.
 const LONGEST_BYTES: u64 = 16 << 20;
 
@@ -49,7 +73,7 @@ const LONGEST_BYTES: u64 = 16 << 20;
 pub fn read_text(path: &Path) -> Result<String> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read {}", path.display()), cause, hint.to_owned());
-    let file = std::fs::File::open(path).map_err(|e| Error::io("read", path, &e))?;
+    let file = open(path, "document")?;
     let mut bytes = Vec::new();
     file.take(LONGEST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| Error::io("read", path, &e))?;
     if bytes.len() as u64 > LONGEST_BYTES {
@@ -136,28 +160,6 @@ pub fn writable(folder: &Path) -> Result<()> {
     tempfile::tempfile_in(folder).map(drop).map_err(|e| Error::io("write in", folder, &e))
 }
 
-/// Writes a file beside its place and renames it, so that a reader never sees half of it.
-///
-/// # Errors
-/// When the folder cannot be made or written.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
-    let mut file = tempfile::Builder::new()
-        .prefix(".proofmass-")
-        .tempfile_in(folder)
-        .map_err(|e| Error::io("write in", folder, &e))?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let readable = std::fs::Permissions::from_mode(0o644);
-        file.as_file().set_permissions(readable).map_err(|e| Error::io("write", path, &e))?;
-    }
-    file.write_all(bytes).map_err(|e| Error::io("write", path, &e))?;
-    file.persist(path).map_err(|e| Error::io("write", path, &e.error))?;
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,14 +196,5 @@ mod tests {
             let error = read_text(&path).expect_err("no text");
             assert!(error.cause.contains(words), "{error}");
         }
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_written_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let blocked = folder.path().join("taken");
-        std::fs::create_dir(&blocked).expect("a folder where the file should go");
-        assert!(write_whole(&blocked, b"x").is_err());
-        assert_eq!(std::fs::read_dir(folder.path()).expect("listing").count(), 1);
     }
 }

@@ -7,9 +7,18 @@ use std::path::Path;
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-const STOPPED: &str = "stopped by Ctrl-C";
+/// What ended the work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// Something was wrong.
+    #[default]
+    Failed,
+    /// The user, or the system, asked the run to stop.
+    Interrupted,
+}
 
-/// An error a person can act on. Printed by `main` alone, with exit code 2.
+/// An error a person can act on. Printed by `main` alone; exit code 2, or 128 and the number of the signal that stopped the
+/// run.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{attempt}\n  cause: {cause}\n  hint:  {hint}")]
 pub struct Error {
@@ -19,12 +28,14 @@ pub struct Error {
     pub cause: String,
     /// What to do now.
     pub hint: String,
+    /// What ended the work.
+    pub kind: Kind,
 }
 
 impl Error {
     /// An error from its three parts.
     pub fn new(attempt: impl Into<String>, cause: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { attempt: attempt.into(), cause: cause.into(), hint: hint.into() }
+        Self { attempt: attempt.into(), cause: cause.into(), hint: hint.into(), kind: Kind::Failed }
     }
 
     /// A failed file operation.
@@ -48,12 +59,15 @@ impl Error {
 
     /// The run was stopped by Ctrl-C; `hint` says how to continue it.
     pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self::new(attempt, STOPPED, hint)
+        Self { kind: Kind::Interrupted, ..Self::new(attempt, "stopped by Ctrl-C", hint) }
     }
 
     /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other errors stay as they are.
     pub fn within(self, attempt: &str, hint: &str) -> Self {
-        if self.cause == STOPPED { Self::interrupted(attempt, hint) } else { self }
+        match self.kind {
+            Kind::Interrupted => Self { attempt: attempt.into(), hint: hint.into(), ..self },
+            Kind::Failed => self,
+        }
     }
 }
 

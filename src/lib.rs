@@ -13,7 +13,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `error` `document` `progress` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `error` `document` `progress` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
@@ -38,6 +38,7 @@ pub mod drift;
 pub mod dynamics;
 pub mod ensemble;
 pub mod error;
+pub mod escape;
 pub mod excitation;
 pub mod kernel;
 pub mod map;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use proofmass::cli;
+use proofmass::escape::terminal;
 
 fn main() -> ExitCode {
     // Silences a line that Mesa's device selection prints on machines without a desktop.
@@ -16,8 +17,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Where nobody can be told, the exit code still tells.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
-            ExitCode::from(2)
+            let _ = writeln!(std::io::stderr(), "error: {}", terminal(&error.to_string()));
+            ExitCode::from(cli::exit_code(&error))
         }
     }
 }

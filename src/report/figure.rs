@@ -8,6 +8,8 @@ mod draw;
 pub mod raster;
 pub mod theme;
 
+use crate::escape::xml;
+
 pub use axis::{Axis, Scale, labelled};
 pub use raster::Raster;
 pub use theme::Ink;
@@ -94,7 +96,7 @@ impl Chart {
 
     /// Draws it.
     pub fn draw(&self) -> Figure {
-        Figure { svg: draw::to_svg(self) }
+        Figure::from_svg(draw::to_svg(self))
     }
 }
 
@@ -107,7 +109,7 @@ pub struct Figure {
 impl Figure {
     /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes (`f-ink`, `s-c1`, …).
     pub fn from_svg(svg: String) -> Self {
-        Self { svg }
+        Self { svg: xml(&svg).into_owned() }
     }
 
     /// SVG to stand inside a page that carries the theme's style.

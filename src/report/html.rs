@@ -3,6 +3,7 @@
 use super::figure::Figure;
 use super::figure::theme;
 use super::table::Table;
+use crate::escape::xml;
 
 /// A page being written, top to bottom.
 #[derive(Debug, Clone)]
@@ -12,9 +13,9 @@ pub struct Page {
     body: String,
 }
 
-/// Text made safe to stand in HTML.
+/// Text made safe to stand in HTML and SVG.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    xml(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 impl Page {

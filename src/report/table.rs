@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::html::escape;
+use crate::escape::line;
 
 /// Rows of text under headings. The first column is left-aligned, columns of numbers right-aligned.
 #[derive(Debug, Clone, Default)]
@@ -16,12 +17,12 @@ pub struct Table {
 impl Table {
     /// An empty table with these headings.
     pub fn new(headings: &[&str]) -> Self {
-        Self { headings: headings.iter().map(|h| (*h).to_owned()).collect(), rows: Vec::new() }
+        Self { headings: headings.iter().map(|h| line(h).into_owned()).collect(), rows: Vec::new() }
     }
 
     /// Adds a row.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
-        self.rows.push(cells.into_iter().map(Into::into).collect());
+        self.rows.push(cells.into_iter().map(|cell| line(&cell.into()).into_owned()).collect());
     }
 
     fn cell(&self, row: usize, column: usize) -> &str {
