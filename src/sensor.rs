@@ -4,26 +4,12 @@
 //! Zero switches a term off (`range_m_s2`: infinity). White levels are two-sided coefficients N as in IEEE 952:
 //! N = n/√2 for a one-sided density n, and a white sequence at rate f has σ = N√f.
 
+pub mod error_law;
+pub mod mechanics;
 pub mod source;
+pub mod terms;
 
-/// Which of an IMU's two kinds of sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sense {
-    /// Specific force, m/s².
-    Accelerometer,
-    /// Angular rate, rad/s.
-    Gyro,
-}
-
-impl Sense {
-    /// Its name in a sentence.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Accelerometer => "accelerometer",
-            Self::Gyro => "gyro",
-        }
-    }
-}
+pub use terms::{Accelerometer, Gyro, Sense, SensorTerm};
 
 /// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with further terms that a diagnosis may
 /// have found: + αx² + c₂|x′|x′ + c₃x²x′ + f_c sgn x′.
@@ -57,56 +43,6 @@ impl ProofMass {
     }
 }
 
-/// The accelerometer's reading errors.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Accelerometer {
-    /// Constant bias, m/s².
-    pub bias_m_s2: f64,
-    /// Scale-factor error, 1.
-    pub scale_factor: f64,
-    /// Second-order nonlinearity K₂, 1/(m/s²).
-    pub k2_per_m_s2: f64,
-    /// Velocity random walk N, m/s/√s.
-    pub velocity_random_walk_m_s_rts: f64,
-    /// Bias instability B (minimum Allan deviation / 0.664), m/s².
-    pub bias_instability_m_s2: f64,
-    /// Acceleration random walk K, m/s²/√s.
-    pub acceleration_random_walk_m_s2_rts: f64,
-    /// Quantisation step of the reading, m/s².
-    pub quantisation_m_s2: f64,
-    /// Full scale, m/s².
-    pub range_m_s2: f64,
-}
-
-/// Without any error.
-impl Default for Accelerometer {
-    fn default() -> Self {
-        Self {
-            bias_m_s2: 0.0,
-            scale_factor: 0.0,
-            k2_per_m_s2: 0.0,
-            velocity_random_walk_m_s_rts: 0.0,
-            bias_instability_m_s2: 0.0,
-            acceleration_random_walk_m_s2_rts: 0.0,
-            quantisation_m_s2: 0.0,
-            range_m_s2: f64::INFINITY,
-        }
-    }
-}
-
-/// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal acceleration error.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Gyro {
-    /// Constant bias, rad/s.
-    pub bias_rad_s: f64,
-    /// Angle random walk N, rad/√s.
-    pub angle_random_walk_rad_rts: f64,
-    /// Bias instability B, rad/s.
-    pub bias_instability_rad_s: f64,
-    /// Rate random walk K, rad/s/√s.
-    pub rate_random_walk_rad_s_rts: f64,
-}
-
 /// One member of an ensemble: a sensor and how strongly it is excited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
@@ -124,5 +60,18 @@ pub struct Sensor {
 impl Default for Sensor {
     fn default() -> Self {
         Self { proof_mass: None, accelerometer: Accelerometer::default(), gyro: Gyro::default(), excitation_gain: 1.0 }
+    }
+}
+
+impl Sensor {
+    /// The coefficient of an error term, SI.
+    pub fn error(&self, term: SensorTerm) -> f64 {
+        term.of(&self.accelerometer, &self.gyro)
+    }
+
+    /// The same sensor with another coefficient of one error term, SI.
+    pub fn with_error(mut self, term: SensorTerm, coefficient: f64) -> Self {
+        term.set(&mut self.accelerometer, &mut self.gyro, coefficient);
+        self
     }
 }

@@ -6,8 +6,9 @@ mod check;
 mod draw;
 pub mod file;
 pub mod number;
-pub mod parameter;
 pub mod plan;
+pub mod section;
+pub mod tolerances;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,8 +19,9 @@ use crate::excitation::Rest;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
-use parameter::Tolerances;
 use plan::Plan;
+use section::Section;
+use tolerances::Tolerances;
 
 /// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
 const DEFAULT: &str = include_str!("../reports/default/study.toml");
@@ -110,14 +112,10 @@ impl Study {
     pub fn at_rest(&self, axis: &file::Axis, sample_s: f64, samples: u64, members: u64) -> Result<Self> {
         let name = format!("compare.axis {}", axis.column);
         let mut still = self.clone();
-        if let Some(section) = &axis.accelerometer {
-            check::accelerometer(&name, section, &mut still.tolerances)?;
+        for (section, numbers) in [(Section::Accelerometer, &axis.accelerometer), (Section::Gyro, &axis.gyro)] {
+            numbers.iter().for_each(|numbers| numbers.replace(section, &mut still.tolerances));
         }
-        if let Some(section) = &axis.gyro {
-            check::gyro(&name, section, &mut still.tolerances)?;
-        }
-        check::signs(&name, &still.tolerances)?;
-        check::sizes(&name, &still.tolerances)?;
+        check::numbers(&name, &still.tolerances)?;
         still.members = members;
         still.clock = Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples] };
         still.excitation = Plan {

@@ -2,6 +2,8 @@
 //!
 //! Inside the crate everything is SI (m, s, rad, m/s²) and f64 until a kernel chooses otherwise.
 
+pub mod key;
+
 /// Standard gravity, m/s² (CGPM 1901, exact by convention): the "g" of datasheets.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
 /// mg → m/s².

@@ -9,7 +9,8 @@ use super::repair::{Cost, Repair, Vibration};
 use crate::error::Result;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
-use crate::sensor::Sensor;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, Sensor, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Times that the cost is stated for, s.
@@ -82,23 +83,21 @@ impl Drift {
 
 /// Position variance of everything but the mechanics. Bias instability counts as a constant: over a minute it is one.
 fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
-    let (a, g) = (&sensor.accelerometer, &sensor.gyro);
     let force_noise = sensor.proof_mass.map_or(0.0, |p| p.force_noise_m_s_rts);
-    let accelerometer = [
-        Process::Constant(a.bias_m_s2),
-        Process::Constant(a.bias_instability_m_s2),
-        Process::White(a.velocity_random_walk_m_s_rts),
-        Process::White(force_noise),
-        Process::Walk(a.acceleration_random_walk_m_s2_rts),
-    ];
-    let gyro = [
-        Process::Constant(g.bias_rad_s),
-        Process::Constant(g.bias_instability_rad_s),
-        Process::White(g.angle_random_walk_rad_rts),
-        Process::Walk(g.rate_random_walk_rad_s_rts),
-    ];
-    accelerometer.iter().map(|p| p.variance(2, time_s)).sum::<f64>()
-        + gyro.iter().map(|p| p.variance(3, time_s)).sum::<f64>() * STANDARD_GRAVITY_M_S2.powi(2)
+    let variance = |term: SensorTerm| {
+        let coefficient = sensor.error(term);
+        let process = match term.law() {
+            ErrorLaw::Constant | ErrorLaw::Flicker(_) => Process::Constant(coefficient),
+            ErrorLaw::White(_) => Process::White(coefficient),
+            ErrorLaw::Walk(_) => Process::Walk(coefficient),
+            ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => return 0.0,
+        };
+        match term.sense() {
+            Sense::Accelerometer => process.variance(2, time_s),
+            Sense::Gyro => process.variance(3, time_s) * STANDARD_GRAVITY_M_S2.powi(2),
+        }
+    };
+    Process::White(force_noise).variance(2, time_s) + SensorTerm::ALL.into_iter().map(variance).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -3,11 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::sensor::Sensor;
-use crate::units::{
-    DEGREE_PER_HOUR, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, DENSITY_TO_RANDOM_WALK, MICRO_G, MILLI_G,
-    PPM, STANDARD_GRAVITY_M_S2,
-};
+use crate::sensor::{Sensor, SensorTerm};
+use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
 use super::verdict::Verdict;
 
@@ -96,8 +93,8 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
         1.0 / rate_hz
     );
     section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
-    section(&mut text, "accelerometer", &accelerometer_keys(&repair.after));
-    section(&mut text, "gyro", &gyro_keys(&repair.after));
+    section(&mut text, "accelerometer", &term_keys(&repair.after, "accelerometer"));
+    section(&mut text, "gyro", &term_keys(&repair.after, "gyro"));
     let v = &repair.vibration;
     let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;
     if v.amplitude_m_s2 > 0.0 && seen && repair.after.proof_mass.is_some() {
@@ -130,8 +127,8 @@ fn section(text: &mut String, name: &str, keys: &[(&str, f64)]) {
 }
 
 fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
-    let mut keys =
-        vec![("sample_rate_hz", rate_hz), ("range_g", sensor.accelerometer.range_m_s2 / STANDARD_GRAVITY_M_S2)];
+    let mut keys = vec![("sample_rate_hz", rate_hz)];
+    keys.extend(term_keys(sensor, "sensor"));
     if let Some(mass) = &sensor.proof_mass {
         keys.extend([
             ("resonance_hz", mass.natural_frequency_rad_s / (2.0 * std::f64::consts::PI)),
@@ -147,27 +144,12 @@ fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
     keys
 }
 
-fn accelerometer_keys(sensor: &Sensor) -> Vec<(&'static str, f64)> {
-    let a = &sensor.accelerometer;
-    vec![
-        ("bias_mg", a.bias_m_s2 / MILLI_G),
-        ("scale_factor_ppm", a.scale_factor / PPM),
-        ("k2_ug_per_g2", a.k2_per_m_s2 * STANDARD_GRAVITY_M_S2 / 1e-6),
-        ("noise_density_ug_rthz", a.velocity_random_walk_m_s_rts / DENSITY_TO_RANDOM_WALK / MICRO_G),
-        ("bias_instability_ug", a.bias_instability_m_s2 / MICRO_G),
-        ("acceleration_random_walk_ug_rts", a.acceleration_random_walk_m_s2_rts / MICRO_G),
-        ("quantisation_mg", a.quantisation_m_s2 / MILLI_G),
-    ]
-}
-
-fn gyro_keys(sensor: &Sensor) -> Vec<(&'static str, f64)> {
-    let g = &sensor.gyro;
-    vec![
-        ("bias_deg_h", g.bias_rad_s / DEGREE_PER_HOUR),
-        ("angle_random_walk_deg_rth", g.angle_random_walk_rad_rts / DEGREE_PER_ROOT_HOUR),
-        ("bias_instability_deg_h", g.bias_instability_rad_s / DEGREE_PER_HOUR),
-        ("rate_random_walk_deg_h_rth", g.rate_random_walk_rad_s_rts / DEGREE_PER_HOUR_PER_ROOT_HOUR),
-    ]
+/// The error terms of one section, by the key that each is written with.
+fn term_keys(sensor: &Sensor, section: &str) -> Vec<(&'static str, f64)> {
+    let rows = SensorTerm::ALL.into_iter().filter_map(|term| Some((term, term.row().keys.first()?)));
+    rows.filter(|(_, key)| key.section() == section)
+        .map(|(term, key)| (key.key(), sensor.error(term) / key.factor))
+        .collect()
 }
 
 #[cfg(test)]
@@ -183,7 +165,7 @@ mod tests {
     fn densities_are_written_as_one_sided() {
         let mut sensor = Sensor::default();
         sensor.accelerometer.velocity_random_walk_m_s_rts = 60.0 * MICRO_G * DENSITY_TO_RANDOM_WALK;
-        let keys = accelerometer_keys(&sensor);
+        let keys = term_keys(&sensor, "accelerometer");
         let density = keys.iter().find(|k| k.0 == "noise_density_ug_rthz").map(|k| k.1);
         assert!(density.is_some_and(|d| (d - 60.0).abs() < 1e-9), "{keys:?}");
     }

@@ -3,16 +3,18 @@
 //! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding without noise, a scale
 //! error on a sine drawn per member) is left out and said. See `navigation::closed_form` for the laws.
 
-use crate::excitation::Waveform;
+use crate::excitation::{self, Waveform};
 use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
+use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::source::Source;
+use crate::sensor::{Sense, SensorTerm, mechanics};
 use crate::statistics::quantity;
 use crate::study::Study;
 use crate::study::number::Number;
-use crate::study::parameter::{Parameter, Sign};
 use crate::study::plan::Variation;
 use crate::units::STANDARD_GRAVITY_M_S2;
+use crate::units::key::Key;
 
 /// Mean and variance of one quantity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -96,10 +98,7 @@ fn now_or_later(process: Process, integrations: u32, time_s: f64, sample_s: f64)
 
 /// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by g where it is a gyro's.
 fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment) -> Vec<[Moment; 4]> {
-    let gyro = matches!(
-        source,
-        Source::GyroBias | Source::AngleRandomWalk | Source::GyroBiasInstability | Source::RateRandomWalk
-    );
+    let gyro = matches!(source, Source::Term(term) if term.sense() == Sense::Gyro);
     let g = STANDARD_GRAVITY_M_S2;
     let by_gravity = |m: Moment| Moment { mean: g * m.mean, variance: g * g * m.variance };
     let row = |t: &f64| {
@@ -130,55 +129,54 @@ enum Law {
 }
 
 fn law(study: &Study, source: Source) -> Law {
-    use Parameter::*;
-    let all = &study.tolerances;
-    let on = |p: Parameter| all[p].is_some_and(|n| !n.is_zero());
-    // Root mean square over members: what a spread of noise levels makes of the variance.
-    let level = |p: Parameter| {
-        let (mean, variance) = all.moments(p);
-        (mean * mean + variance).sqrt()
-    };
-    let constant = |p: Parameter| {
-        let (mean, variance) = all.moments(p);
-        if on(p) { Law::Constant { mean, variance } } else { Law::Absent }
-    };
-    let random = |p: Parameter, make: &dyn Fn(f64) -> Vec<Process>| {
-        if on(p) { Law::Random(make(level(p))) } else { Law::Absent }
-    };
-    let white = |level: f64| vec![Process::White(level)];
-    let walk = |level: f64| vec![Process::Walk(level)];
-    let flicker = |level: f64| flicker_processes(study, level);
-    let either = |a: Parameter, b: Parameter| if all[a].is_some() { a } else { b };
     match source {
         Source::Mechanics if study.member(0).sensor.proof_mass.is_some() => {
             Law::None("the lag of a linear proof mass stays bounded; its nonlinearity has no closed form")
         }
         Source::Mechanics => Law::Absent,
-        Source::ForceNoise => random(ForceNoise, &white),
-        Source::AccelerometerBias => constant(AccelerometerBias),
-        Source::ScaleFactor => motion(study, ScaleFactor, 1),
-        Source::Nonlinearity => motion(study, K2, 2),
-        Source::VelocityRandomWalk => random(either(NoiseDensity, VelocityRandomWalk), &white),
-        Source::AccelerometerBiasInstability => random(AccelerometerBiasInstability, &flicker),
-        Source::AccelerationRandomWalk => random(AccelerationRandomWalk, &walk),
-        Source::Quantisation => {
-            let step_m_s2 = level(Quantisation);
-            let noise_m_s2 = level(either(NoiseDensity, VelocityRandomWalk)) / study.sample_s().sqrt();
+        Source::ForceNoise if is_on(study, &mechanics::FORCE_NOISE) => {
+            Law::Random(vec![Process::White(level(study, &mechanics::FORCE_NOISE))])
+        }
+        Source::ForceNoise => Law::Absent,
+        Source::Term(term) => match study.tolerances.given(term) {
+            Some(key) if is_on(study, key) => law_of_term(study, term, key),
+            _ => Law::Absent,
+        },
+    }
+}
+
+fn is_on(study: &Study, key: &Key) -> bool {
+    study.tolerances[key].is_some_and(|n| !n.is_zero())
+}
+
+/// Root mean square over members, SI: what a spread of noise levels makes of the variance.
+fn level(study: &Study, key: &Key) -> f64 {
+    let (mean, variance) = study.tolerances.moments(key);
+    (mean * mean + variance).sqrt()
+}
+
+fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
+    let level_si = level(study, key);
+    match term.law() {
+        ErrorLaw::Constant => {
+            let (mean, variance) = study.tolerances.moments(key);
+            Law::Constant { mean, variance }
+        }
+        ErrorLaw::Proportional(power) => motion(study, key, power as usize),
+        ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
+        ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
+        ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),
+        ErrorLaw::Rounding => {
+            let white = |other: &SensorTerm| matches!(other.law(), ErrorLaw::White(_)) && other.sense() == term.sense();
+            let noise = SensorTerm::ALL.into_iter().find(white).and_then(|t| study.tolerances.given(t));
+            let noise_si = noise.map_or(0.0, |key| level(study, key)) / study.sample_s().sqrt();
             // Widrow & Kollár, Quantization Noise (2008), §20: rounding is white with q²/12 once σ is half a step.
-            match () {
-                _ if !on(Quantisation) => Law::Absent,
-                _ if noise_m_s2 >= 0.5 * step_m_s2 => {
-                    Law::Random(white(step_m_s2 / 12f64.sqrt() * study.sample_s().sqrt()))
-                }
-                _ => Law::None("less noise than half a step leaves the rounding error to the motion"),
+            match noise_si >= 0.5 * level_si {
+                true => Law::Random(vec![Process::White(level_si / 12f64.sqrt() * study.sample_s().sqrt())]),
+                false => Law::None("less noise than half a step leaves the rounding error to the motion"),
             }
         }
-        Source::Range if on(Range) => Law::None("it acts only beyond full scale"),
-        Source::Range => Law::Absent,
-        Source::GyroBias => constant(GyroBias),
-        Source::AngleRandomWalk => random(either(GyroNoiseDensity, AngleRandomWalk), &white),
-        Source::GyroBiasInstability => random(GyroBiasInstability, &flicker),
-        Source::RateRandomWalk => random(RateRandomWalk, &walk),
+        ErrorLaw::FullScale => Law::None("it acts only beyond full scale"),
     }
 }
 
@@ -196,8 +194,8 @@ fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
 }
 
 /// Scale errors act on the motion: a drawn coefficient times a drawn gain to the same power.
-fn motion(study: &Study, parameter: Parameter, power: usize) -> Law {
-    let (mean, variance) = study.tolerances.moments(parameter);
+fn motion(study: &Study, key: &Key, power: usize) -> Law {
+    let (mean, variance) = study.tolerances.moments(key);
     if mean == 0.0 && variance == 0.0 {
         return Law::Absent;
     }
@@ -205,9 +203,9 @@ fn motion(study: &Study, parameter: Parameter, power: usize) -> Law {
         Variation::Sine => Law::None("its motion is drawn per member"),
         Variation::None => Law::Motion { power, mean, variance },
         Variation::Gain => {
-            let gain = study.tolerances[Parameter::ExcitationSize].unwrap_or(Number::Fixed(1.0));
+            let gain = study.tolerances[&excitation::SIZE].unwrap_or(Number::Fixed(1.0));
             let expect = |p: i32| {
-                let cut = Parameter::ExcitationSize.description().sign != Sign::Any;
+                let cut = excitation::SIZE.is_cut_at_zero();
                 (0..4096).map(|k| gain.quantile((f64::from(k) + 0.5) / 4096.0, cut).powi(p)).sum::<f64>() / 4096.0
             };
             let (first, second) = (expect(power as i32), expect(2 * power as i32));

@@ -2,7 +2,7 @@
 //!
 //! For error budgets. What a source does to position over time is `navigation::closed_form`.
 
-use super::Sensor;
+use super::{Sensor, SensorTerm};
 
 /// One source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -11,114 +11,58 @@ pub enum Source {
     Mechanics,
     /// Brownian force on the proof mass.
     ForceNoise,
-    /// Constant accelerometer bias.
-    AccelerometerBias,
-    /// Scale-factor error.
-    ScaleFactor,
-    /// Second-order nonlinearity.
-    Nonlinearity,
-    /// White noise of the accelerometer.
-    VelocityRandomWalk,
-    /// Flicker of the accelerometer's bias.
-    AccelerometerBiasInstability,
-    /// Wandering accelerometer bias.
-    AccelerationRandomWalk,
-    /// Rounding of the reading.
-    Quantisation,
-    /// Readings beyond full scale.
-    Range,
-    /// Constant gyro bias.
-    GyroBias,
-    /// White noise of the gyro.
-    AngleRandomWalk,
-    /// Flicker of the gyro's bias.
-    GyroBiasInstability,
-    /// Wandering gyro bias.
-    RateRandomWalk,
+    /// An error of the reading.
+    Term(SensorTerm),
 }
 
 impl Source {
-    /// All of them, accelerometer first.
-    pub const ALL: [Self; 14] = [
-        Self::Mechanics,
-        Self::ForceNoise,
-        Self::AccelerometerBias,
-        Self::ScaleFactor,
-        Self::Nonlinearity,
-        Self::VelocityRandomWalk,
-        Self::AccelerometerBiasInstability,
-        Self::AccelerationRandomWalk,
-        Self::Quantisation,
-        Self::Range,
-        Self::GyroBias,
-        Self::AngleRandomWalk,
-        Self::GyroBiasInstability,
-        Self::RateRandomWalk,
-    ];
+    /// All of them: the proof mass, then the terms of the table.
+    pub const ALL: [Self; 2 + SensorTerm::COUNT] = {
+        let mut all = [Self::Mechanics; 2 + SensorTerm::COUNT];
+        all[1] = Self::ForceNoise;
+        let mut term = 0;
+        while term < SensorTerm::COUNT {
+            all[2 + term] = Self::Term(SensorTerm::ALL[term]);
+            term += 1;
+        }
+        all
+    };
 
     /// Its name in tables and figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mechanics => "proof-mass mechanics",
             Self::ForceNoise => "Brownian force noise",
-            Self::AccelerometerBias => "accelerometer bias",
-            Self::ScaleFactor => "scale factor",
-            Self::Nonlinearity => "nonlinearity K₂",
-            Self::VelocityRandomWalk => "velocity random walk",
-            Self::AccelerometerBiasInstability => "accelerometer bias instability",
-            Self::AccelerationRandomWalk => "acceleration random walk",
-            Self::Quantisation => "quantisation",
-            Self::Range => "range limit",
-            Self::GyroBias => "gyro bias",
-            Self::AngleRandomWalk => "angle random walk",
-            Self::GyroBiasInstability => "gyro bias instability",
-            Self::RateRandomWalk => "rate random walk",
+            Self::Term(term) => term.row().name,
         }
     }
 
-    /// Whether it depends on the others or on the reading as a whole, so that "alone" means nothing: rounding is a
-    /// constant without noise and white with it, saturation needs the full reading. Such a source is judged by switching it off.
+    /// Whether "alone" means nothing for it; such a source is judged by switching it off.
     pub fn needs_the_others(self) -> bool {
-        matches!(self, Self::Quantisation | Self::Range)
+        matches!(self, Self::Term(term) if term.law().acts_on_the_reading())
     }
 
     /// The power of time by which it makes position drift, where it is one power.
     pub fn position_exponent(self) -> Option<f64> {
         match self {
-            Self::VelocityRandomWalk | Self::ForceNoise => Some(1.5),
-            Self::AccelerometerBias => Some(2.0),
-            Self::AccelerationRandomWalk | Self::AngleRandomWalk => Some(2.5),
-            Self::GyroBias => Some(3.0),
-            Self::RateRandomWalk => Some(3.5),
-            _ => None,
+            Self::Mechanics => None,
+            Self::ForceNoise => Some(1.5),
+            Self::Term(term) => term.position_exponent(),
         }
     }
 
     /// Whether this sensor has it.
     pub fn is_on(self, sensor: &Sensor) -> bool {
-        let (a, g) = (&sensor.accelerometer, &sensor.gyro);
         match self {
             Self::Mechanics => sensor.proof_mass.is_some(),
             Self::ForceNoise => sensor.proof_mass.is_some_and(|p| p.force_noise_m_s_rts != 0.0),
-            Self::AccelerometerBias => a.bias_m_s2 != 0.0,
-            Self::ScaleFactor => a.scale_factor != 0.0,
-            Self::Nonlinearity => a.k2_per_m_s2 != 0.0,
-            Self::VelocityRandomWalk => a.velocity_random_walk_m_s_rts != 0.0,
-            Self::AccelerometerBiasInstability => a.bias_instability_m_s2 != 0.0,
-            Self::AccelerationRandomWalk => a.acceleration_random_walk_m_s2_rts != 0.0,
-            Self::Quantisation => a.quantisation_m_s2 != 0.0,
-            Self::Range => a.range_m_s2.is_finite(),
-            Self::GyroBias => g.bias_rad_s != 0.0,
-            Self::AngleRandomWalk => g.angle_random_walk_rad_rts != 0.0,
-            Self::GyroBiasInstability => g.bias_instability_rad_s != 0.0,
-            Self::RateRandomWalk => g.rate_random_walk_rad_s_rts != 0.0,
+            Self::Term(term) => sensor.error(term) != term.law().neutral(),
         }
     }
 
     /// The same sensor without this source.
     pub fn off(self, sensor: &Sensor) -> Sensor {
         let mut without = *sensor;
-        let (a, g) = (&mut without.accelerometer, &mut without.gyro);
         match self {
             Self::Mechanics => without.proof_mass = None,
             Self::ForceNoise => {
@@ -126,18 +70,7 @@ impl Source {
                     mass.force_noise_m_s_rts = 0.0;
                 }
             }
-            Self::AccelerometerBias => a.bias_m_s2 = 0.0,
-            Self::ScaleFactor => a.scale_factor = 0.0,
-            Self::Nonlinearity => a.k2_per_m_s2 = 0.0,
-            Self::VelocityRandomWalk => a.velocity_random_walk_m_s_rts = 0.0,
-            Self::AccelerometerBiasInstability => a.bias_instability_m_s2 = 0.0,
-            Self::AccelerationRandomWalk => a.acceleration_random_walk_m_s2_rts = 0.0,
-            Self::Quantisation => a.quantisation_m_s2 = 0.0,
-            Self::Range => a.range_m_s2 = f64::INFINITY,
-            Self::GyroBias => g.bias_rad_s = 0.0,
-            Self::AngleRandomWalk => g.angle_random_walk_rad_rts = 0.0,
-            Self::GyroBiasInstability => g.bias_instability_rad_s = 0.0,
-            Self::RateRandomWalk => g.rate_random_walk_rad_s_rts = 0.0,
+            Self::Term(term) => return without.with_error(term, term.law().neutral()),
         }
         without
     }
@@ -152,39 +85,17 @@ impl Source {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::{Accelerometer, Gyro, ProofMass};
+    use crate::sensor::ProofMass;
 
     fn full() -> Sensor {
         let proof_mass = ProofMass {
             natural_frequency_rad_s: 10.0,
             damping_ratio: 0.5,
-            cubic_per_m2_s2: 0.0,
-            quadratic_per_m_s2: 0.0,
-            quadratic_damping_per_m: 0.0,
-            squeeze_film_per_m2_s: 0.0,
-            coulomb_m_s2: 0.0,
             force_noise_m_s_rts: 1.0,
+            ..ProofMass::default()
         };
-        Sensor {
-            proof_mass: Some(proof_mass),
-            accelerometer: Accelerometer {
-                bias_m_s2: 1.0,
-                scale_factor: 1.0,
-                k2_per_m_s2: 1.0,
-                velocity_random_walk_m_s_rts: 1.0,
-                bias_instability_m_s2: 1.0,
-                acceleration_random_walk_m_s2_rts: 1.0,
-                quantisation_m_s2: 1.0,
-                range_m_s2: 1.0,
-            },
-            gyro: Gyro {
-                bias_rad_s: 1.0,
-                angle_random_walk_rad_rts: 1.0,
-                bias_instability_rad_s: 1.0,
-                rate_random_walk_rad_s_rts: 1.0,
-            },
-            excitation_gain: 1.0,
-        }
+        let bare = Sensor { proof_mass: Some(proof_mass), ..Sensor::default() };
+        SensorTerm::ALL.into_iter().fold(bare, |sensor, term| sensor.with_error(term, 1.0))
     }
 
     #[test]

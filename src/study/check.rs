@@ -1,10 +1,13 @@
 //! Whether the numbers of a study make sense, each alone and together, before anything is computed.
 
-use super::file::{Accelerometer, Compare, File, Gyro};
+use super::file::{Compare, File};
 use super::number::Number;
-use super::parameter::{PARAMETERS, Parameter, Sign, Tolerances};
+use super::section::Section;
+use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
 use crate::kernel::job::Clock;
+use crate::sensor::{SensorTerm, mechanics};
+use crate::units::key::{Key, Sign};
 
 /// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
 const MOST_STEPS: f64 = 1e12;
@@ -18,131 +21,82 @@ pub(super) fn refuse(name: &str, cause: impl Into<String>, hint: impl Into<Strin
     Error::new(format!("could not use {name}"), cause, hint)
 }
 
-/// The numbers of a study by parameter, each checked for its sign and pairs that mean the same refused.
+/// The numbers of a study by key, each checked for its sign and pairs that mean the same refused.
 pub(super) fn tolerances(name: &str, file: &File) -> Result<Tolerances> {
-    use Parameter::*;
     let mut all = Tolerances::default();
-    let s = &file.sensor;
-    for (parameter, number) in [
-        (Resonance, s.resonance_hz),
-        (DampingRatio, s.damping_ratio),
-        (CubicStiffness, s.cubic_stiffness_per_m2_s2),
-        (QuadraticStiffness, s.quadratic_stiffness_per_m_s2),
-        (QuadraticDamping, s.quadratic_damping_per_m),
-        (SqueezeFilm, s.squeeze_film_per_m2_s),
-        (CoulombFriction, s.coulomb_friction_m_s2),
-        (ForceNoise, s.force_noise_density_ug_rthz),
-        (Mass, s.mass_kg),
-        (Damping, s.damping_n_s_m),
-        (Stiffness, s.stiffness_n_m),
-        (CubicSpring, s.cubic_stiffness_n_m3),
-        (Range, s.range_g),
-    ] {
-        all[parameter] = number;
+    file.sensor.numbers.replace(Section::Sensor, &mut all);
+    for (section, numbers) in [(Section::Accelerometer, &file.accelerometer), (Section::Gyro, &file.gyro)] {
+        numbers.iter().for_each(|numbers| numbers.replace(section, &mut all));
     }
-    accelerometer(name, &file.accelerometer, &mut all)?;
-    gyro(name, &file.gyro, &mut all)?;
     mechanics(name, &all)?;
-    sizes(name, &all)?;
-    signs(name, &all)?;
+    numbers(name, &all)?;
     Ok(all)
 }
 
-/// Puts `[accelerometer]` in its places.
-pub(super) fn accelerometer(name: &str, section: &Accelerometer, all: &mut Tolerances) -> Result<()> {
-    use Parameter::*;
-    for (parameter, number) in [
-        (AccelerometerBias, section.bias_mg),
-        (ScaleFactor, section.scale_factor_ppm),
-        (K2, section.k2_ug_per_g2),
-        (NoiseDensity, section.noise_density_ug_rthz),
-        (VelocityRandomWalk, section.velocity_random_walk_m_s_rth),
-        (AccelerometerBiasInstability, section.bias_instability_ug),
-        (AccelerationRandomWalk, section.acceleration_random_walk_ug_rts),
-        (Quantisation, section.quantisation_mg),
-    ] {
-        all[parameter] = number;
-    }
-    one_of(name, all, NoiseDensity, VelocityRandomWalk)
+/// Whether each number makes sense for its key, and none is given twice.
+pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
+    SensorTerm::ALL.into_iter().try_for_each(|term| given_once(name, all, term))?;
+    sizes(name, all)?;
+    signs(name, all)
 }
 
-/// Puts `[gyro]` in its places.
-pub(super) fn gyro(name: &str, section: &Gyro, all: &mut Tolerances) -> Result<()> {
-    use Parameter::*;
-    for (parameter, number) in [
-        (GyroBias, section.bias_deg_h),
-        (GyroNoiseDensity, section.noise_density_deg_s_rthz),
-        (AngleRandomWalk, section.angle_random_walk_deg_rth),
-        (GyroBiasInstability, section.bias_instability_deg_h),
-        (RateRandomWalk, section.rate_random_walk_deg_h_rth),
-    ] {
-        all[parameter] = number;
-    }
-    one_of(name, all, GyroNoiseDensity, AngleRandomWalk)
-}
-
-fn one_of(name: &str, all: &Tolerances, density: Parameter, walk: Parameter) -> Result<()> {
-    if all[density].is_none() || all[walk].is_none() {
-        return Ok(());
-    }
-    let (density, walk) = (density.description(), walk.description());
+/// Refuses a term that is given by two of its keys.
+fn given_once(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
+    let mut given = term.row().keys.iter().filter(|key| all[key].is_some());
+    let (Some(a), Some(b)) = (given.next(), given.next()) else { return Ok(()) };
     Err(refuse(
         name,
-        format!("both `{}` and `{}` are given; they are two names of one white noise", density.key, walk.key),
+        format!("both `{}` and `{}` are given; they are two names of one {}", a.path, b.path, term.row().name),
         "keep one: a one-sided density n (datasheets) is a random walk N = n/√2 (IEEE 952)",
     ))
 }
 
 fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
-    use Parameter::*;
-    let given = |p: &Parameter| all[*p].is_some();
-    let modal = [Resonance, DampingRatio, CubicStiffness].into_iter().find(given);
-    let physical = [Mass, Damping, Stiffness, CubicSpring].into_iter().find(given);
-    let further =
-        [QuadraticStiffness, QuadraticDamping, SqueezeFilm, CoulombFriction, ForceNoise].into_iter().find(given);
-    let key = |p: Parameter| p.description().key;
+    let given = |key: &&Key| all[key].is_some();
+    let first = |keys: &'static [Key]| keys.iter().find(given);
+    let (modal, further, physical) = (first(mechanics::MODAL), first(mechanics::FURTHER), first(mechanics::PHYSICAL));
     if let (Some(a), Some(b)) = (modal, physical) {
         return Err(refuse(
             name,
-            format!("`{}` and `{}` describe the proof mass in two ways", key(a), key(b)),
+            format!("`{}` and `{}` describe the proof mass in two ways", a.path, b.path),
             "give either resonance, damping ratio and cubic stiffness, or mass, damping, stiffness and cubic stiffness",
         ));
     }
     let missing = match (modal.or(further), physical) {
-        (_, Some(p)) => [Mass, Stiffness].into_iter().find(|m| !given(m)).map(|m| (p, m)),
-        (Some(p), None) if !given(&Resonance) => Some((p, Resonance)),
+        (_, Some(p)) => [&mechanics::MASS, &mechanics::STIFFNESS].into_iter().find(|m| !given(m)).map(|m| (p, m)),
+        (Some(p), None) if !given(&&mechanics::RESONANCE) => Some((p, &mechanics::RESONANCE)),
         _ => None,
     };
     match missing {
         Some((has, lacks)) => Err(refuse(
             name,
-            format!("`{}` is given without `{}`", key(has), key(lacks)),
-            format!("add `{}`, or leave the mechanics out for an ideal proof mass", key(lacks)),
+            format!("`{}` is given without `{}`", has.path, lacks.path),
+            format!("add `{}`, or leave the mechanics out for an ideal proof mass", lacks.path),
         )),
         None => Ok(()),
     }
 }
 
-/// Refuses values that make no sense for their parameter.
+/// Refuses values that make no sense for their key.
 pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
-    for row in &PARAMETERS {
-        let (Some(number), true) = (all[row.parameter], row.sign != Sign::Any) else { continue };
+    for row in keys() {
+        let (Some(number), true) = (all[row], row.sign != Sign::Any) else { continue };
         let strict = row.sign == Sign::Positive;
         let below = |value: f64| value < 0.0 || strict && value == 0.0;
         let need = if strict { "more than zero" } else { "zero or more" };
         let unit = if row.unit == "1" { String::new() } else { format!(" {}", row.unit) };
         let (cause, hint) = match number {
             Number::Fixed(value) if below(value) => {
-                (format!("`{}` = {value}{unit}: need {need}", row.key), "check the sign".to_owned())
+                (format!("`{}` = {value}{unit}: need {need}", row.path), "check the sign".to_owned())
             }
             Number::Uniform { min, .. } if below(min) => {
-                (format!("`{}` is drawn from {min}{unit} upward: need {need}", row.key), "raise min".to_owned())
+                (format!("`{}` is drawn from {min}{unit} upward: need {need}", row.path), "raise min".to_owned())
             }
             Number::Normal { mean, sd } if below(mean) || mean < 2.0 * sd => (
                 format!(
                     "`{}` is drawn with mean {mean} and sd {sd}{unit}: more than 2 % of the members would fall below \
                      zero, and it must be {need}",
-                    row.key
+                    row.path
                 ),
                 "use { min = …, max = … }, or an sd of at most half the mean".to_owned(),
             ),
@@ -159,9 +113,9 @@ const LARGEST: f64 = 1e33;
 const SMALLEST: f64 = 1e-25;
 
 /// Refuses numbers that no sensor has.
-pub(super) fn sizes(name: &str, all: &Tolerances) -> Result<()> {
-    for row in &PARAMETERS {
-        let Some(number) = all[row.parameter] else { continue };
+fn sizes(name: &str, all: &Tolerances) -> Result<()> {
+    for row in keys() {
+        let Some(number) = all[row] else { continue };
         let ends = match number {
             Number::Fixed(value) => [value, value],
             Number::Normal { mean, sd } => [mean, sd],
@@ -171,14 +125,14 @@ pub(super) fn sizes(name: &str, all: &Tolerances) -> Result<()> {
         if let Some(value) = ends.into_iter().find(|v| v.abs() > LARGEST) {
             return Err(refuse(
                 name,
-                format!("`{}` = {value:?} {}: no sensor has that", row.key, row.unit),
+                format!("`{}` = {value:?} {}: no sensor has that", row.path, row.unit),
                 "check the exponent and the unit that the key ends with",
             ));
         }
         if small(ends[0]) && !matches!(number, Number::Normal { .. }) {
             return Err(refuse(
                 name,
-                format!("`{}` = {:?} {}: too small for any sensor", row.key, ends[0], row.unit),
+                format!("`{}` = {:?} {}: too small for any sensor", row.path, ends[0], row.unit),
                 "check the exponent and the unit that the key ends with",
             ));
         }

@@ -1,10 +1,12 @@
-//! study.toml as it is written: every key, its unit in its name. What the values mean together is checked in `check`.
+//! study.toml as it is written: its sections and the keys of those that hold more than numbers. What the values mean
+//! together is checked in `check`.
 
 use std::path::PathBuf;
 
 use serde::Deserialize;
 
 use super::number::Number;
+use super::section::{self, Numbers};
 
 /// The whole file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -21,14 +23,14 @@ pub struct File {
     /// Integration step.
     pub step_s: Option<f64>,
     /// Mechanics, sampling and range.
-    #[serde(default)]
-    pub sensor: Sensor,
+    #[serde(default, deserialize_with = "section::sensor")]
+    pub sensor: section::Sensor,
     /// The accelerometer's reading errors.
-    #[serde(default)]
-    pub accelerometer: Accelerometer,
+    #[serde(default, deserialize_with = "section::accelerometer")]
+    pub accelerometer: Option<Numbers>,
     /// The gyro's errors.
-    #[serde(default)]
-    pub gyro: Gyro,
+    #[serde(default, deserialize_with = "section::gyro")]
+    pub gyro: Option<Numbers>,
     /// What the sensor is subjected to.
     #[serde(default)]
     pub excitation: Excitation,
@@ -37,54 +39,6 @@ pub struct File {
     pub report: Report,
     /// A static log to lay beside the simulation.
     pub compare: Option<Compare>,
-}
-
-/// `[sensor]`
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the keys say it; units stand in study::parameter")]
-pub struct Sensor {
-    pub sample_rate_hz: Option<f64>,
-    pub range_g: Option<Number>,
-    pub resonance_hz: Option<Number>,
-    pub damping_ratio: Option<Number>,
-    pub cubic_stiffness_per_m2_s2: Option<Number>,
-    pub quadratic_stiffness_per_m_s2: Option<Number>,
-    pub quadratic_damping_per_m: Option<Number>,
-    pub squeeze_film_per_m2_s: Option<Number>,
-    pub coulomb_friction_m_s2: Option<Number>,
-    pub force_noise_density_ug_rthz: Option<Number>,
-    pub mass_kg: Option<Number>,
-    pub damping_n_s_m: Option<Number>,
-    pub stiffness_n_m: Option<Number>,
-    pub cubic_stiffness_n_m3: Option<Number>,
-}
-
-/// `[accelerometer]`
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the keys say it; units stand in study::parameter")]
-pub struct Accelerometer {
-    pub bias_mg: Option<Number>,
-    pub scale_factor_ppm: Option<Number>,
-    pub k2_ug_per_g2: Option<Number>,
-    pub noise_density_ug_rthz: Option<Number>,
-    pub velocity_random_walk_m_s_rth: Option<Number>,
-    pub bias_instability_ug: Option<Number>,
-    pub acceleration_random_walk_ug_rts: Option<Number>,
-    pub quantisation_mg: Option<Number>,
-}
-
-/// `[gyro]`
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the keys say it; units stand in study::parameter")]
-pub struct Gyro {
-    pub bias_deg_h: Option<Number>,
-    pub noise_density_deg_s_rthz: Option<Number>,
-    pub angle_random_walk_deg_rth: Option<Number>,
-    pub bias_instability_deg_h: Option<Number>,
-    pub rate_random_walk_deg_h_rth: Option<Number>,
 }
 
 /// `[excitation]`: `kind` says which of the other keys belong.
@@ -158,7 +112,9 @@ pub struct Axis {
     /// A gyro's axis: what one unit of the column is worth.
     pub scale_deg_s: Option<f64>,
     /// Takes the place of the study's `[accelerometer]` for this axis.
-    pub accelerometer: Option<Accelerometer>,
+    #[serde(default, deserialize_with = "section::accelerometer")]
+    pub accelerometer: Option<Numbers>,
     /// Takes the place of the study's `[gyro]` for this axis.
-    pub gyro: Option<Gyro>,
+    #[serde(default, deserialize_with = "section::gyro")]
+    pub gyro: Option<Numbers>,
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::check::refuse;
 use super::file::{Excitation, Kind};
 use super::number::Number;
-use super::parameter::{Parameter, Tolerances};
+use super::tolerances::Tolerances;
 use crate::error::{Error, Result};
 use crate::excitation::multisine::Multisine;
 use crate::excitation::random::{RandomVibration, Spectrum};
@@ -14,7 +14,7 @@ use crate::excitation::rectangle::Rectangle;
 use crate::excitation::replay::Replay;
 use crate::excitation::shock::Shock;
 use crate::excitation::sweep::Sweep;
-use crate::excitation::{MemberSine, Rest, Waveform};
+use crate::excitation::{self, MemberSine, Rest, Waveform};
 use crate::recording;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -69,7 +69,7 @@ impl Plan {
 pub enum Variation {
     /// Not at all.
     None,
-    /// In size: `Parameter::ExcitationSize` is the member's gain.
+    /// In size: `excitation::SIZE` is the member's gain.
     Gain,
     /// A sine of its own: size, frequency and phase are parameters.
     Sine,
@@ -105,9 +105,9 @@ pub(super) fn plan(
                     shared(Arc::new(MemberSine { amplitude_m_s2, frequency_hz, phase_rad }), words)
                 }
                 _ => {
-                    all[Parameter::ExcitationSize] = Some(amplitude);
-                    all[Parameter::Frequency] = Some(frequency);
-                    all[Parameter::Phase] = Some(phase);
+                    all[&excitation::SIZE] = Some(amplitude);
+                    all[&excitation::FREQUENCY] = Some(frequency);
+                    all[&excitation::PHASE] = Some(phase);
                     super::check::signs(name, all)?;
                     let words = words + ", drawn per member";
                     Plan { waveform: Arc::new(Rest), variation: Variation::Sine, words, highest_hz: None }
@@ -191,7 +191,7 @@ fn sized(all: &mut Tolerances, size: Number, shape: impl Fn(f64) -> Arc<dyn Wave
     match size.fixed() {
         Some(value) => Plan { waveform: shape(value), variation: Variation::None, words, highest_hz: None },
         None => {
-            all[Parameter::ExcitationSize] = Some(size);
+            all[&excitation::SIZE] = Some(size);
             let words = words + ", drawn per member";
             Plan { waveform: shape(1.0), variation: Variation::Gain, words, highest_hz: None }
         }

@@ -4,6 +4,9 @@ use crate::number::rounded;
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
+use crate::units::key::Key;
 
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,10 +40,10 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
             noise.source.rate_hz
         );
         if let Some(channel) = accelerometer {
-            toml += &section("accelerometer", channel, ACCELEROMETER);
+            toml += &section(Sense::Accelerometer, channel);
         }
         if let Some(channel) = gyro {
-            toml += &section("gyro", channel, GYRO);
+            toml += &section(Sense::Gyro, channel);
         }
         if accelerometer.is_none() && gyro.is_none() {
             toml += "\n# No scale was given, so nothing below is in SI units: name the columns with --accelerometer and --gyro.\n";
@@ -51,28 +54,31 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     }
 }
 
-pub(super) type Keys = [(Term, &'static str, f64); 3];
-/// Key, and how many of its unit one of `Unit::coefficient`'s is.
-pub(super) const ACCELEROMETER: Keys = [
-    (Term::White, "velocity_random_walk_m_s_rth", 1.0),
-    (Term::Flicker, "bias_instability_ug", 1000.0),
-    (Term::Walk, "acceleration_random_walk_ug_rts", 1.0),
-];
-pub(super) const GYRO: Keys = [
-    (Term::White, "angle_random_walk_deg_rth", 1.0),
-    (Term::Flicker, "bias_instability_deg_h", 1.0),
-    (Term::Walk, "rate_random_walk_deg_h_rth", 1.0),
-];
+/// The noise terms of a sense that an Allan analysis estimates and a study simulates, each with the key for its
+/// two-sided coefficient.
+pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
+    let of = |term: SensorTerm| {
+        let estimated = match term.law() {
+            ErrorLaw::White(_) => Term::White,
+            ErrorLaw::Flicker(_) => Term::Flicker,
+            ErrorLaw::Walk(_) => Term::Walk,
+            ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => return None,
+        };
+        Some((estimated, term.row().keys.iter().find(|key| !key.one_sided)?))
+    };
+    SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense).filter_map(of).collect()
+}
 
-fn section(name: &str, channel: &Channel, keys: Keys) -> String {
+fn section(sense: Sense, channel: &Channel) -> String {
+    let name = sense.name();
     let mut out = format!("\n[{name}]  # column {}, {} per unit\n", channel.name, channel.unit.name);
     let Some(fit) = &channel.fit else { return out };
     if !fit.good() {
         out += "# The five terms do not describe this channel's Allan curve: see the report.\n";
     }
-    for (term, key, factor) in keys {
+    for (term, key) in keys(sense) {
         let coefficient = fit.coefficients[term as usize];
-        let scale = channel.unit.coefficient(term).1 * factor;
+        let (key, scale) = (key.key(), channel.unit.si / key.factor);
         let [low, high] = coefficient.ci95.map(|e| five(e * scale));
         out += &if coefficient.supported() {
             format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", five(coefficient.value * scale))

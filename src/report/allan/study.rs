@@ -4,10 +4,11 @@
 
 use std::path::Path;
 
-use super::fragment::{ACCELEROMETER, GYRO, Keys, five};
+use super::fragment::{five, keys};
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
+use crate::sensor::Sense;
 use crate::units::{DEGREE, MILLI_G};
 
 /// The run is this long, s, and at least so many samples.
@@ -33,22 +34,22 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
          4096\nduration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
         samples / rate_hz
     );
-    for (name, channels, keys) in [("accelerometer", &accelerometers, ACCELEROMETER), ("gyro", &gyros, GYRO)] {
+    for (sense, channels) in [(Sense::Accelerometer, &accelerometers), (Sense::Gyro, &gyros)] {
         if !channels.is_empty() {
-            toml += &format!("\n[{name}]\n{}", drawn(channels, keys));
+            toml += &format!("\n[{}]\n{}", sense.name(), drawn(channels, sense));
         }
     }
     toml += &format!("\n[compare]\nfile = {:?}\nrate_hz = {rate_hz:?}\n", path.display().to_string());
-    for (name, scale, unit, channels, keys) in [
-        ("accelerometer", "scale_mg", MILLI_G, &accelerometers, ACCELEROMETER),
-        ("gyro", "scale_deg_s", DEGREE, &gyros, GYRO),
-    ] {
+    for (sense, scale, unit, channels) in
+        [(Sense::Accelerometer, "scale_mg", MILLI_G, &accelerometers), (Sense::Gyro, "scale_deg_s", DEGREE, &gyros)]
+    {
         for channel in channels {
             toml += &format!(
-                "\n[[compare.axis]]\ncolumn = {:?}\n{scale} = {:?}\n[compare.axis.{name}]\n{}",
+                "\n[[compare.axis]]\ncolumn = {:?}\n{scale} = {:?}\n[compare.axis.{}]\n{}",
                 channel.name,
                 channel.unit.si / unit,
-                drawn(&[channel], keys)
+                sense.name(),
+                drawn(&[channel], sense)
             );
         }
     }
@@ -56,16 +57,16 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
 }
 
 /// Each supported coefficient between the lowest and the highest end of the channels' intervals.
-fn drawn(channels: &[&Channel], keys: Keys) -> String {
+fn drawn(channels: &[&Channel], sense: Sense) -> String {
     let mut out = String::new();
-    for (term, key, factor) in keys {
+    for (term, key) in keys(sense) {
         let supported = channels.iter().filter_map(|c| {
             let coefficient = c.fit.as_ref()?.coefficients[term as usize];
-            let scale = c.unit.coefficient(term).1 * factor;
+            let scale = c.unit.si / key.factor;
             coefficient.supported().then(|| coefficient.ci95.map(|e| five(e * scale)))
         });
         if let Some([low, high]) = supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
-            out += &format!("{key} = {{ min = {low:?}, max = {high:?} }}\n");
+            out += &format!("{} = {{ min = {low:?}, max = {high:?} }}\n", key.key());
         }
     }
     for (term, what) in [(Term::Ramp, "ramp R"), (Term::Quantisation, "quantisation Q")] {

@@ -2,10 +2,11 @@
 
 use crate::number::rounded;
 use crate::report::table::Table;
+use crate::sensor::SensorTerm;
 use crate::study::Study;
 use crate::study::number::Number;
-use crate::study::parameter::{PARAMETERS, Parameter};
-use crate::units::DENSITY_TO_RANDOM_WALK;
+use crate::study::tolerances::keys;
+use crate::units::key::Key;
 
 /// Which noise is meant, said once.
 pub const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \
@@ -16,29 +17,21 @@ pub const CONVENTION: &str = "Noise densities n are one-sided, as datasheets pri
 pub fn table(study: &Study) -> Table {
     let mut table = Table::new(&["parameter", "value", "unit", "also"]);
     table.row(["sampling rate", &format!("{}", rounded(1.0 / study.sample_s(), 4)), "Hz", ""]);
-    for row in &PARAMETERS {
-        let Some(number) = study.tolerances[row.parameter] else { continue };
-        let also = match row.parameter {
-            Parameter::NoiseDensity => {
-                let walk = number.scaled(row.factor * 60.0);
-                format!("N = {} m/s/√h", four(walk))
-            }
-            Parameter::GyroNoiseDensity => {
-                format!("N = {} °/√h", four(number.scaled(DENSITY_TO_RANDOM_WALK * 60.0)))
-            }
-            Parameter::VelocityRandomWalk => {
-                let density = Parameter::NoiseDensity.description().factor;
-                format!("n = {} µg/√Hz", four(number.scaled(row.factor / density)))
-            }
-            Parameter::AngleRandomWalk => {
-                let density = Parameter::GyroNoiseDensity.description().factor;
-                format!("n = {} °/s/√Hz", four(number.scaled(row.factor / density)))
-            }
-            _ => String::new(),
-        };
-        table.row([row.name.to_owned(), number.to_string(), row.unit.to_owned(), also]);
+    for key in keys() {
+        let Some(number) = study.tolerances[key] else { continue };
+        table.row([key.name.to_owned(), number.to_string(), key.unit.to_owned(), by_its_other_key(key, number)]);
     }
     table
+}
+
+/// The number as another key of the same term would give it: a density as a random walk and the other way round.
+fn by_its_other_key(key: &Key, number: Number) -> String {
+    let keys = SensorTerm::ALL.into_iter().map(|term| term.row().keys).find(|keys| keys.contains(key));
+    let other = keys.unwrap_or_default().iter().find(|other| *other != key);
+    other.map_or(String::new(), |other| {
+        let symbol = if other.one_sided { "n" } else { "N" };
+        format!("{symbol} = {} {}", four(number.scaled(key.factor / other.factor)), other.unit)
+    })
 }
 
 /// To four significant digits.

@@ -1,0 +1,73 @@
+//! The laws that reading errors follow, whatever instrument and unit: a constant, white noise, a random walk and so on.
+//!
+//! Here stands what needs no simulation: the value that switches a law off, its power of time in position, what one
+//! sample gets of it. How it is added to a reading, on the CPU and in WGSL, is `kernel::reading`.
+
+use crate::rng::Stream;
+
+/// A law of reading errors. Coefficients are two-sided as in IEEE 952 (N = n/√2 for a one-sided density n).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorLaw {
+    /// A constant, unit.
+    Constant,
+    /// In proportion to the true signal to a power, unit^(1 − power).
+    Proportional(u32),
+    /// White noise with random-walk coefficient N, unit·√s.
+    White(Stream),
+    /// Bias instability B (minimum Allan deviation / 0.664), unit.
+    Flicker(Stream),
+    /// Random walk K, unit/√s, from zero.
+    Walk(Stream),
+    /// Rounding to steps of this size, unit.
+    Rounding,
+    /// Full scale: the largest magnitude of a reading, unit.
+    FullScale,
+}
+
+/// Stands for "no limit" in the kernels: f32 arithmetic on it must not overflow into NaN.
+pub const NO_LIMIT: f64 = 1e30;
+
+impl ErrorLaw {
+    /// The coefficient that switches it off.
+    pub const fn neutral(self) -> f64 {
+        match self {
+            Self::FullScale => f64::INFINITY,
+            _ => 0.0,
+        }
+    }
+
+    /// The power of time by which an accelerometer's position error grows, where it is one power; a gyro's, which acts
+    /// through tilt and gravity, grows by one more.
+    pub fn position_exponent(self) -> Option<f64> {
+        match self {
+            Self::White(_) => Some(1.5),
+            Self::Constant => Some(2.0),
+            Self::Walk(_) => Some(2.5),
+            Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => None,
+        }
+    }
+
+    /// Whether it acts on the reading as a whole, so that "alone" means nothing: rounding is a constant without noise and
+    /// white with it, saturation needs the full reading. Such a term is judged by switching it off.
+    pub fn acts_on_the_reading(self) -> bool {
+        matches!(self, Self::Rounding | Self::FullScale)
+    }
+
+    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, the others as they are.
+    pub fn per_sample(self, coefficient: f64, sample_s: f64) -> f64 {
+        match self {
+            Self::White(_) => coefficient / sample_s.sqrt(),
+            Self::Walk(_) => coefficient * sample_s.sqrt(),
+            Self::FullScale => coefficient.min(NO_LIMIT),
+            Self::Constant | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding => coefficient,
+        }
+    }
+
+    /// The random numbers it draws, if it draws any.
+    pub const fn stream(self) -> Option<Stream> {
+        match self {
+            Self::White(stream) | Self::Flicker(stream) | Self::Walk(stream) => Some(stream),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The table of sensor terms: every error of an accelerometer's and a gyro's reading, one row each.
+//!
+//! # Adding a term
+//! 1. A row below: the field of the sensor with its SI unit, the term's name, its law, and its keys in study.toml, each with a
+//!    slot that no other key has.
+//! 2. If it draws random numbers: a variant of [`Stream`](crate::rng::Stream).
+//! 3. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in `kernel::reading`.
+//!
+//! From the row follow the field and its default, reading, checking and drawing the keys, the kernels' columns, states
+//! and switches on both backends, the error budget, the closed form, the sensor table and the repaired sensor.
+
+use super::error_law::ErrorLaw;
+use crate::rng::Stream;
+use crate::units::key::Key;
+use crate::units::key::Sign::{Any, NotNegative, Positive};
+use crate::units::{
+    DEGREE, DEGREE_PER_HOUR, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, DENSITY_TO_RANDOM_WALK, MICRO_G,
+    MILLI_G, PPM, STANDARD_GRAVITY_M_S2,
+};
+
+/// Which of an IMU's two kinds of sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Specific force, m/s².
+    Accelerometer,
+    /// Angular rate, rad/s.
+    Gyro,
+}
+
+impl Sense {
+    /// Its name in a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Accelerometer => "accelerometer",
+            Self::Gyro => "gyro",
+        }
+    }
+}
+
+/// What a row of the table says.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// Name in tables and figures.
+    pub name: &'static str,
+    /// The law it follows.
+    pub law: ErrorLaw,
+    /// Keys of study.toml, at most one of which is given; several are names of one number. The first is the one that
+    /// the tool writes.
+    pub keys: &'static [Key],
+}
+
+macro_rules! sensor_terms {
+    ($($(#[doc = $about:literal])+ $section:ident: $instrument:ident {
+        $($(#[doc = $doc:literal])+ $field:ident: $term:ident = $row:expr;)+
+    })+) => {
+        /// One error of a reading.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum SensorTerm {
+            $($($(#[doc = $doc])+ $term,)+)+
+        }
+
+        $(
+            $(#[doc = $about])+
+            #[derive(Debug, Clone, Copy, PartialEq)]
+            pub struct $instrument {
+                $($(#[doc = $doc])+ pub $field: f64,)+
+            }
+
+            /// Without any error.
+            impl Default for $instrument {
+                fn default() -> Self {
+                    Self { $($field: SensorTerm::$term.law().neutral(),)+ }
+                }
+            }
+        )+
+
+        const ROWS: &[Row] = &[$($($row,)+)+];
+
+        impl SensorTerm {
+            /// All of them, accelerometer first.
+            pub const ALL: [Self; ROWS.len()] = [$($(Self::$term,)+)+];
+
+            /// Whose it is.
+            pub const fn sense(self) -> Sense {
+                match self {
+                    $($(Self::$term)|+ => Sense::$instrument,)+
+                }
+            }
+
+            /// Its coefficient in SI units.
+            pub fn of(self, $($section: &$instrument),+) -> f64 {
+                match self {
+                    $($(Self::$term => $section.$field,)+)+
+                }
+            }
+
+            /// Gives it a coefficient in SI units.
+            pub fn set(self, $($section: &mut $instrument,)+ coefficient: f64) {
+                match self {
+                    $($(Self::$term => $section.$field = coefficient,)+)+
+                }
+            }
+        }
+    };
+}
+
+impl SensorTerm {
+    /// How many there are.
+    pub const COUNT: usize = ROWS.len();
+
+    /// Its row of the table.
+    pub const fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
+
+    /// The law it follows.
+    pub const fn law(self) -> ErrorLaw {
+        self.row().law
+    }
+
+    /// The power of time by which it makes position drift, where it is one power.
+    pub fn position_exponent(self) -> Option<f64> {
+        let through_tilt = if self.sense() == Sense::Gyro { 1.0 } else { 0.0 };
+        self.law().position_exponent().map(|p| p + through_tilt)
+    }
+}
+
+#[rustfmt::skip]
+sensor_terms! {
+    /// The accelerometer's reading errors.
+    accelerometer: Accelerometer {
+        /// Constant bias, m/s².
+        bias_m_s2: AccelerometerBias = Row {
+            name: "accelerometer bias",
+            law: ErrorLaw::Constant,
+            keys: &[Key::new(13, "accelerometer.bias_mg", "accelerometer bias", "mg", MILLI_G, Any)],
+        };
+        /// Scale-factor error, 1.
+        scale_factor: ScaleFactor = Row {
+            name: "scale factor",
+            law: ErrorLaw::Proportional(1),
+            keys: &[Key::new(14, "accelerometer.scale_factor_ppm", "scale-factor error", "ppm", PPM, Any)],
+        };
+        /// Second-order nonlinearity K₂, 1/(m/s²).
+        k2_per_m_s2: Nonlinearity = Row {
+            name: "nonlinearity K₂",
+            law: ErrorLaw::Proportional(2),
+            // (µg/g²): an error of K₂ µg at 1 g, growing with the square.
+            keys: &[Key::new(15, "accelerometer.k2_ug_per_g2", "nonlinearity K₂", "µg/g²", 1e-6 / STANDARD_GRAVITY_M_S2, Any)],
+        };
+        /// Velocity random walk N, m/s/√s.
+        velocity_random_walk_m_s_rts: VelocityRandomWalk = Row {
+            name: "velocity random walk",
+            law: ErrorLaw::White(Stream::AccelerometerWhite),
+            keys: &[
+                Key::new(16, "accelerometer.noise_density_ug_rthz", "noise density n (one-sided)", "µg/√Hz", MICRO_G * DENSITY_TO_RANDOM_WALK, NotNegative).one_sided(),
+                Key::new(17, "accelerometer.velocity_random_walk_m_s_rth", "velocity random walk N", "m/s/√h", 1.0 / 60.0, NotNegative),
+            ],
+        };
+        /// Bias instability B (minimum Allan deviation / 0.664), m/s².
+        bias_instability_m_s2: AccelerometerBiasInstability = Row {
+            name: "accelerometer bias instability",
+            law: ErrorLaw::Flicker(Stream::AccelerometerFlicker),
+            keys: &[Key::new(18, "accelerometer.bias_instability_ug", "bias instability B", "µg", MICRO_G, NotNegative)],
+        };
+        /// Acceleration random walk K, m/s²/√s.
+        acceleration_random_walk_m_s2_rts: AccelerationRandomWalk = Row {
+            name: "acceleration random walk",
+            law: ErrorLaw::Walk(Stream::AccelerometerWalk),
+            keys: &[Key::new(19, "accelerometer.acceleration_random_walk_ug_rts", "acceleration random walk K", "µg/√s", MICRO_G, NotNegative)],
+        };
+        /// Quantisation step of the reading, m/s².
+        quantisation_m_s2: Quantisation = Row {
+            name: "quantisation",
+            law: ErrorLaw::Rounding,
+            keys: &[Key::new(20, "accelerometer.quantisation_mg", "quantisation step", "mg", MILLI_G, NotNegative)],
+        };
+        /// Full scale, m/s²; infinity for none.
+        range_m_s2: Range = Row {
+            name: "range limit",
+            law: ErrorLaw::FullScale,
+            keys: &[Key::new(12, "sensor.range_g", "range", "g", STANDARD_GRAVITY_M_S2, Positive)],
+        };
+    }
+    /// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal acceleration error.
+    gyro: Gyro {
+        /// Constant bias, rad/s.
+        bias_rad_s: GyroBias = Row {
+            name: "gyro bias",
+            law: ErrorLaw::Constant,
+            keys: &[Key::new(21, "gyro.bias_deg_h", "gyro bias", "°/h", DEGREE_PER_HOUR, Any)],
+        };
+        /// Angle random walk N, rad/√s.
+        angle_random_walk_rad_rts: AngleRandomWalk = Row {
+            name: "angle random walk",
+            law: ErrorLaw::White(Stream::GyroWhite),
+            keys: &[
+                Key::new(23, "gyro.angle_random_walk_deg_rth", "angle random walk N", "°/√h", DEGREE_PER_ROOT_HOUR, NotNegative),
+                Key::new(22, "gyro.noise_density_deg_s_rthz", "gyro noise density (one-sided)", "°/s/√Hz", DEGREE * DENSITY_TO_RANDOM_WALK, NotNegative).one_sided(),
+            ],
+        };
+        /// Bias instability B, rad/s.
+        bias_instability_rad_s: GyroBiasInstability = Row {
+            name: "gyro bias instability",
+            law: ErrorLaw::Flicker(Stream::GyroFlicker),
+            keys: &[Key::new(24, "gyro.bias_instability_deg_h", "gyro bias instability B", "°/h", DEGREE_PER_HOUR, NotNegative)],
+        };
+        /// Rate random walk K, rad/s/√s.
+        rate_random_walk_rad_s_rts: RateRandomWalk = Row {
+            name: "rate random walk",
+            law: ErrorLaw::Walk(Stream::GyroWalk),
+            keys: &[Key::new(25, "gyro.rate_random_walk_deg_h_rth", "rate random walk K", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR, NotNegative)],
+        };
+    }
+}

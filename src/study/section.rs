@@ -1,0 +1,131 @@
+//! A section of study.toml that holds numbers: its keys are those that the sensor's tables declare for it.
+//!
+//! Read by hand instead of as a struct with a field per key, so that a key is declared once. An unknown key is placed in
+//! the file and the known ones are listed, as for every other section.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::OnceLock;
+
+use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
+
+use super::number::Number;
+use super::tolerances::{Tolerances, keys};
+use crate::units::key::Key;
+
+/// The numbers given in one section, by key.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Numbers(Vec<(&'static Key, Number)>);
+
+impl Numbers {
+    /// Puts them in their places and empties the places of the section's other keys.
+    pub fn replace(&self, section: Section, all: &mut Tolerances) {
+        keys().filter(|key| key.section() == section.name()).for_each(|key| all[key] = None);
+        self.0.iter().for_each(|(key, number)| all[key] = Some(*number));
+    }
+}
+
+/// `[sensor]`: numbers, and the sampling rate that all members share.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Sensor {
+    /// Readings per second.
+    pub sample_rate_hz: Option<f64>,
+    /// Everything else.
+    pub numbers: Numbers,
+}
+
+/// The sections of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Section {
+    /// Mechanics, sampling and range.
+    Sensor,
+    /// The accelerometer's reading errors.
+    Accelerometer,
+    /// The gyro's.
+    Gyro,
+}
+
+/// The key of [sensor] that is the same for all members.
+const SAMPLE_RATE: &str = "sample_rate_hz";
+
+impl Section {
+    /// As in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sensor => "sensor",
+            Self::Accelerometer => "accelerometer",
+            Self::Gyro => "gyro",
+        }
+    }
+
+    fn known(self) -> &'static [&'static str] {
+        static KNOWN: OnceLock<BTreeMap<Section, Vec<&'static str>>> = OnceLock::new();
+        let sections = KNOWN.get_or_init(|| {
+            let of = |section: Self| {
+                let rate = (section == Self::Sensor).then_some(SAMPLE_RATE);
+                rate.into_iter().chain(keys().filter(|k| k.section() == section.name()).map(Key::key)).collect()
+            };
+            [Self::Sensor, Self::Accelerometer, Self::Gyro].map(|section| (section, of(section))).into()
+        });
+        sections.get(&self).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Reads `[sensor]`.
+///
+/// # Errors
+/// An unknown key, or a value that is no number.
+pub fn sensor<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Sensor, D::Error> {
+    deserializer.deserialize_map(Reading(Section::Sensor))
+}
+
+/// Reads `[accelerometer]`.
+///
+/// # Errors
+/// As [`sensor`].
+pub fn accelerometer<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Numbers>, D::Error> {
+    deserializer.deserialize_map(Reading(Section::Accelerometer)).map(|s| Some(s.numbers))
+}
+
+/// Reads `[gyro]`.
+///
+/// # Errors
+/// As [`sensor`].
+pub fn gyro<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Numbers>, D::Error> {
+    deserializer.deserialize_map(Reading(Section::Gyro)).map(|s| Some(s.numbers))
+}
+
+/// A section being read.
+struct Reading(Section);
+
+impl<'de> Visitor<'de> for Reading {
+    type Value = Sensor;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a section [{}] of numbers", self.0.name())
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Sensor, M::Error> {
+        let mut read = Sensor::default();
+        while let Some(name) = map.next_key_seed(Name(self.0))? {
+            match keys().find(|k| k.section() == self.0.name() && k.key() == name) {
+                Some(key) => read.numbers.0.push((key, map.next_value()?)),
+                None => read.sample_rate_hz = Some(map.next_value()?),
+            }
+        }
+        Ok(read)
+    }
+}
+
+/// One of the section's keys, read as a key so that a misspelt one is placed.
+struct Name(Section);
+
+impl<'de> DeserializeSeed<'de> for Name {
+    type Value = &'static str;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<&'static str, D::Error> {
+        let name = <String as de::Deserialize>::deserialize(deserializer)?;
+        let known = self.0.known();
+        known.iter().find(|k| **k == name).copied().ok_or_else(|| de::Error::unknown_field(&name, known))
+    }
+}

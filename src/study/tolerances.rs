@@ -1,0 +1,130 @@
+//! The numbers of a study by key, and what one member draws of them.
+//!
+//! A draw is a pure function of seed, member and the key's slot, so that fixing one number leaves the draws of the others.
+
+use std::ops::{Index, IndexMut};
+
+use super::number::Number;
+use crate::excitation;
+use crate::rng::{Stream, philox4x32_10};
+use crate::sensor::{SensorTerm, mechanics};
+use crate::units::key::{Key, SLOTS};
+
+/// Every key of a study that may be drawn per member, section by section, in the order of a sensor table.
+pub fn keys() -> impl Iterator<Item = &'static Key> {
+    let of = |section: &'static str| {
+        let keys = SensorTerm::ALL.into_iter().flat_map(|term| term.row().keys);
+        keys.filter(move |key| key.section() == section)
+    };
+    let excitation = [&excitation::SIZE, &excitation::FREQUENCY, &excitation::PHASE];
+    let mechanics = mechanics::KEYS.into_iter().flatten();
+    mechanics.chain(of("sensor")).chain(of("accelerometer")).chain(of("gyro")).chain(excitation)
+}
+
+/// One number per key, in datasheet units as written; absent ones are switched off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tolerances([Option<Number>; SLOTS]);
+
+impl Default for Tolerances {
+    fn default() -> Self {
+        Self([None; SLOTS])
+    }
+}
+
+impl Index<&Key> for Tolerances {
+    type Output = Option<Number>;
+
+    fn index(&self, key: &Key) -> &Option<Number> {
+        &self.0[key.slot]
+    }
+}
+
+impl IndexMut<&Key> for Tolerances {
+    fn index_mut(&mut self, key: &Key) -> &mut Option<Number> {
+        &mut self.0[key.slot]
+    }
+}
+
+impl Tolerances {
+    /// The key by which a sensor term is given, if it is.
+    pub fn given(&self, term: SensorTerm) -> Option<&'static Key> {
+        term.row().keys.iter().find(|key| self[key].is_some())
+    }
+
+    /// The SI value of a key for one member; zero if it was left out.
+    pub fn draw(&self, key: &Key, seed: u64, member: u64) -> f64 {
+        let value = match self[key] {
+            None => 0.0,
+            Some(Number::Fixed(value)) => value,
+            Some(number) => {
+                let words = [seed as u32, (seed >> 32) as u32];
+                let counter = [key.slot as u32, member as u32, (member >> 32) as u32, Stream::Tolerance as u32];
+                let bits = philox4x32_10(counter, words);
+                let mantissa = (u64::from(bits[1]) << 32 | u64::from(bits[0])) >> 11;
+                // The middle of one of 2⁵³ cells: never 0 or 1.
+                let uniform = (mantissa as f64 + 0.5) / (1u64 << 53) as f64;
+                number.quantile(uniform.min(1.0 - f64::EPSILON / 2.0), key.is_cut_at_zero())
+            }
+        };
+        value * key.factor
+    }
+
+    /// Mean and variance over members, SI.
+    pub fn moments(&self, key: &Key) -> (f64, f64) {
+        let (mean, variance) = self[key].map_or((0.0, 0.0), |n| n.moments(key.is_cut_at_zero()));
+        (mean * key.factor, variance * key.factor * key.factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(path: &str) -> &'static Key {
+        keys().find(|k| k.path == path).expect("declared")
+    }
+
+    #[test]
+    fn no_two_keys_share_a_slot_or_a_name() {
+        for key in keys() {
+            assert_eq!(keys().filter(|k| k.slot == key.slot).count(), 1, "slot {}", key.slot);
+            assert_eq!(keys().filter(|k| k.path == key.path).count(), 1, "{}", key.path);
+        }
+        // Recorded with the first study that was published: the same seed keeps drawing the same sensors.
+        assert_eq!((key("accelerometer.bias_mg").slot, key("gyro.rate_random_walk_deg_h_rth").slot), (13, 25));
+    }
+
+    #[test]
+    fn fixing_one_parameter_leaves_the_draws_of_another() {
+        let mut both = Tolerances::default();
+        both[key("accelerometer.bias_mg")] = Some(Number::Normal { mean: 0.0, sd: 1.0 });
+        both[key("accelerometer.scale_factor_ppm")] = Some(Number::Uniform { min: -5.0, max: 5.0 });
+        let mut one = both.clone();
+        one[key("accelerometer.scale_factor_ppm")] = Some(Number::Fixed(1.0));
+        for member in 0..100 {
+            let draw = |t: &Tolerances| t.draw(key("accelerometer.bias_mg"), 7, member);
+            assert_eq!(draw(&both), draw(&one));
+        }
+        assert_ne!(both.draw(key("accelerometer.bias_mg"), 7, 0), both.draw(key("accelerometer.bias_mg"), 8, 0));
+    }
+
+    #[test]
+    fn draws_have_the_stated_mean_and_spread_and_are_uncorrelated() {
+        let mut tolerances = Tolerances::default();
+        tolerances[key("accelerometer.bias_mg")] = Some(Number::Normal { mean: 2.0, sd: 1.0 });
+        tolerances[key("gyro.bias_deg_h")] = Some(Number::Uniform { min: -10.0, max: 20.0 });
+        let n = 40_000u64;
+        let column = |p: &Key| -> Vec<f64> {
+            let (mean, variance) = tolerances.moments(p);
+            (0..n).map(|m| (tolerances.draw(p, 3, m) - mean) / variance.sqrt()).collect()
+        };
+        let (a, b) = (column(key("accelerometer.bias_mg")), column(key("gyro.bias_deg_h")));
+        let mean = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>() / n as f64;
+        // Five standard errors of each: 1/√n for a mean or a correlation, √(2/n) for a normal's variance.
+        assert!(mean(&mut a.iter().copied()).abs() < 0.025);
+        assert!(mean(&mut b.iter().copied()).abs() < 0.025);
+        assert!((mean(&mut a.iter().map(|x| x * x)) - 1.0).abs() < 0.036);
+        assert!((mean(&mut b.iter().map(|x| x * x)) - 1.0).abs() < 0.036);
+        assert!(mean(&mut a.iter().zip(&b).map(|(x, y)| x * y)).abs() < 0.025);
+    }
+}
