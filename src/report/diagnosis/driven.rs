@@ -4,7 +4,7 @@
 //! the error in frequency, over the state (the restoring force that is missing) and in time, and the candidates' standing.
 
 use crate::diagnosis::driven::Detail;
-use crate::diagnosis::driven::surface::Surface;
+use crate::diagnosis::driven::verdict::surface::Surface;
 use crate::numerics::order;
 use crate::numerics::spectrum;
 

@@ -1,6 +1,6 @@
 //! One figure: how the misfit rises around each named parameter of a driven recording, beside the interval stated.
 
-use crate::diagnosis::driven::profile::{FALL, Profile};
+use crate::diagnosis::driven::identification::profile::{FALL, Profile};
 
 use super::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
