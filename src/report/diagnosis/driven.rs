@@ -8,7 +8,7 @@ use crate::diagnosis::driven::verdict::surface::Surface;
 use crate::numerics::order;
 use crate::numerics::spectrum;
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
 
 /// Points that a line needs at most.

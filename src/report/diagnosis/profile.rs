@@ -2,7 +2,7 @@
 
 use crate::diagnosis::driven::identification::profile::{FALL, Profile};
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Parameters that can be told apart in one figure.
