@@ -25,7 +25,7 @@ fn ensembles(criterion: &mut Criterion) {
     for precision in [Precision::F32, Precision::F64] {
         let mut cpu = Cpu { precision, ..Cpu::default() };
         for (name, job) in work::ensembles(8192) {
-            let batch = Batch { job: &job, members: 0..8192, bins: &[], progress: &|_| () };
+            let batch = Batch::whole(&job, 0..8192);
             group.bench_function(format!("{name}, {precision:?}"), |b| b.iter(|| cpu.run(&batch).is_ok()));
         }
     }

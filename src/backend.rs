@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
@@ -13,6 +15,9 @@ pub mod gpu;
 pub mod misfits;
 pub mod orbits;
 pub mod tile;
+pub mod unfinished;
+
+pub use unfinished::Unfinished;
 
 /// Members of a job to integrate in one go.
 pub struct Batch<'a> {
@@ -22,12 +27,32 @@ pub struct Batch<'a> {
     pub members: Range<u64>,
     /// Bins per report time and quantity; empty when only moments are wanted.
     pub bins: &'a [[Bins; 4]],
+    /// A state between two tiles of this batch to go on from; ignored where it is not one of this backend.
+    pub resume: Option<&'a Unfinished>,
+    /// Asked after each tile whether to stop there.
+    pub stop: &'a (dyn Fn() -> bool + Sync),
     /// Told how many member-samples were done since the last call.
     pub progress: &'a (dyn Fn(u64) + Sync),
 }
 
+impl<'a> Batch<'a> {
+    /// Members of a job from their beginning, without bins, until the user asks to stop.
+    pub fn whole(job: &'a Job, members: Range<u64>) -> Self {
+        Self { job, members, bins: &[], resume: None, stop: &crate::progress::interrupted, progress: &|_| () }
+    }
+}
+
+/// How far a batch has come.
+#[derive(Debug, Clone)]
+pub enum Ran {
+    /// To its end: one partial per report time.
+    Whole(Vec<Partial>),
+    /// To a tile after which it was asked to stop.
+    Part(Unfinished),
+}
+
 /// A batch at one report time.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Partial {
     /// Moments of each block of 256 members, in order.
     pub blocks: Vec<[Moments; 4]>,
@@ -42,15 +67,21 @@ pub trait Backend {
     /// What it is, for provenance.
     fn machine(&self, job: &Job) -> Machine;
 
-    /// Members per batch that suit its memory and this job.
+    /// Members per batch that suit its memory and this job: as few as keep it busy where each is much work, so that what is
+    /// done is summed up every few seconds.
     ///
     /// # Errors
     /// Not even one block fits.
     fn batch_members(&self, job: &Job) -> Result<u64>;
 
-    /// Integrates a batch; one partial per report time. `None` when the user asked to stop.
+    /// Integrates a batch, or at least its next tile.
     ///
     /// # Errors
     /// A member that the integrator cannot step; a device that was lost.
-    fn run(&mut self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>>;
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Ran>;
+
+    /// Whether the device itself has failed, so that another backend may do what this one could not.
+    fn has_failed(&self) -> bool {
+        false
+    }
 }

@@ -1,29 +1,30 @@
-//! Job × backend → statistics: the pilot that sets the bins, batches that fit the memory, progress, Ctrl-C and resuming.
+//! Job × backend → statistics: the pilot that sets the bins, batches that fit the memory, progress, stops and resuming.
 //!
-//! Results depend neither on the batches nor on where a run was interrupted: members are summed in blocks of 256, in
-//! order, and counts are integers.
+//! Results depend neither on the batches nor on where a run was stopped: members are summed in blocks of 256, in order,
+//! and counts are integers.
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use indicatif::ProgressBar;
+
 use crate::backend::cpu::{Cpu, Precision};
-use crate::backend::{Backend, Batch, Partial};
-use crate::error::{Error, Result};
+use crate::backend::{Backend, Batch, Partial, Ran};
+use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::progress;
-use crate::statistics::{Bins, Statistics, Summary};
+use crate::statistics::{Bins, Moments, Statistics, Summary};
 
 mod backends;
+mod check;
+mod keeper;
 mod state;
 
 pub use backends::{Backends, Choice};
+pub use keeper::Keeper;
 use state::State;
 
 /// Members that set the bins of the histograms: always the same first ones.
 const PILOT: u64 = 1024;
-
-/// What a long run has summed up is written this often.
-const KEEP_EVERY: Duration = Duration::from_secs(30);
 
 /// How to run.
 #[derive(Debug, Clone, Default)]
@@ -32,10 +33,6 @@ pub struct Options {
     pub backend: Choice,
     /// Precision; f64 means the CPU.
     pub precision: Precision,
-    /// File for the state of an interrupted run; none is kept without.
-    pub state: Option<PathBuf>,
-    /// Continue from that file.
-    pub resume: bool,
     /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
     pub batch_members: Option<u64>,
     /// No progress bar.
@@ -45,9 +42,9 @@ pub struct Options {
 /// Integrates an ensemble and sums it up.
 ///
 /// # Errors
-/// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
+/// Impossible jobs, adapters that are not there, Ctrl-C.
 pub fn run(job: &Job, options: &Options) -> Result<Statistics> {
-    Backends::default().run(job, options)
+    Backends::default().run(job, options, &mut Keeper::none())
 }
 
 /// Integrates an ensemble on a given backend.
@@ -55,47 +52,158 @@ pub fn run(job: &Job, options: &Options) -> Result<Statistics> {
 /// # Errors
 /// As [`run`].
 pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result<Statistics> {
-    check(job)?;
+    run_kept(job, backend, options, &mut Keeper::none())
+}
+
+/// Integrates an ensemble on a given backend as the next part of a run whose sums are kept.
+///
+/// # Errors
+/// As [`run`], where the hint says how to go on; states that are damaged or belong to another run.
+pub fn run_kept(job: &Job, backend: &mut dyn Backend, options: &Options, keeper: &mut Keeper) -> Result<Statistics> {
+    run_part(job, backend, None, options, keeper)
+}
+
+/// As [`run_kept`]; `reason` says why on this backend, where another was tried first.
+fn run_part(
+    job: &Job,
+    backend: &mut dyn Backend,
+    reason: Option<&str>,
+    options: &Options,
+    keeper: &mut Keeper,
+) -> Result<Statistics> {
     let begun = Instant::now();
-    let machine = backend.machine(job);
-    let mut state = match (&options.state, options.resume) {
-        (Some(path), true) => State::read(path, job, &machine)?,
-        _ => State::new(job, &machine),
-    };
-    let bar = if options.quiet {
-        indicatif::ProgressBar::hidden()
-    } else {
-        progress::bar("simulating", job.members.saturating_mul(job.clock.samples))
-    };
-    bar.set_position(state.next_member.saturating_mul(job.clock.samples));
-    if state.bins.is_empty() {
-        let Some(bins) = pilot(job, options)? else { return Err(interrupted(options)) };
-        state.set_bins(bins);
-    }
-    let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
-    let mut kept = Instant::now();
-    while state.next_member < job.members {
-        let end = job.members.min(state.next_member.saturating_add(size));
-        let batch = Batch { job, members: state.next_member..end, bins: &state.bins, progress: &|done| bar.inc(done) };
-        let Some(partials) = backend.run(&batch)? else {
-            bar.abandon();
-            if let Some(path) = &options.state {
-                state.write(path)?;
-            }
-            return Err(interrupted(options));
-        };
-        state.add(&partials, end);
-        // For those who are not asked to stop but killed.
-        if let Some(path) = options.state.as_ref().filter(|_| kept.elapsed() > KEEP_EVERY) {
-            state.write(path)?;
-            kept = Instant::now();
+    check::check(job)?;
+    keeper.begin(job, options.precision)?;
+    integrate(job, backend, reason, options, keeper).map_err(|error| match backend.has_failed() {
+        true => keeper.kept(error),
+        false => error,
+    })?;
+    Ok(summed(job, keeper.part(), begun.elapsed()))
+}
+
+/// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on. The report then says who
+/// did what, and why.
+///
+/// # Errors
+/// As [`run_kept`], but for failures of the device.
+pub fn run_or_fall_back(
+    job: &Job,
+    device: &mut dyn Backend,
+    options: &Options,
+    keeper: &mut Keeper,
+) -> Result<Statistics> {
+    let begun = Instant::now();
+    check::check(job)?;
+    keeper.begin(job, options.precision)?;
+    if let Err(error) = integrate(job, device, None, options, keeper) {
+        if !device.has_failed() {
+            return Err(error);
         }
+        let reason = format!("{} failed: {}", device.machine(job).name, error.cause);
+        let done = keeper.part().next_member;
+        progress::remark(
+            &ProgressBar::hidden(),
+            &format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members),
+        );
+        let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
+        integrate(job, &mut cpu, Some(&reason), options, keeper)?;
+    }
+    Ok(summed(job, keeper.part(), begun.elapsed()))
+}
+
+/// Takes the part of the run that was begun to its end.
+fn integrate(
+    job: &Job,
+    backend: &mut dyn Backend,
+    reason: Option<&str>,
+    options: &Options,
+    keeper: &mut Keeper,
+) -> Result<()> {
+    let samples = job.clock.samples;
+    let bar = if options.quiet {
+        ProgressBar::hidden()
+    } else {
+        progress::bar("simulating", (job.members + PILOT.min(job.members)).saturating_mul(samples))
+    };
+    if keeper.part().bins.is_empty() {
+        // Always on the CPU: the same for every backend of the same precision.
+        let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
+        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &bar)?;
+        keeper.part_mut().set_bins(partials.iter().map(bins).collect());
+    }
+    let machine = backend.machine(job);
+    let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
+    loop {
+        let from = keeper.part().next_member;
+        bar.set_position((from + PILOT.min(job.members)).saturating_mul(samples));
+        if from >= job.members {
+            break;
+        }
+        let partials = batch(job, backend, size, keeper, &bar)?;
+        keeper.part_mut().add(&partials, job, &machine, reason);
+        keeper.keep_if_due(&bar);
     }
     bar.finish_and_clear();
-    if let Some(path) = options.state.as_ref().filter(|p| p.exists()) {
-        std::fs::remove_file(path).map_err(|e| Error::io("remove", path, &e))?;
+    Ok(())
+}
+
+/// The next `size` members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
+fn batch(
+    job: &Job,
+    backend: &mut dyn Backend,
+    size: u64,
+    keeper: &mut Keeper,
+    bar: &ProgressBar,
+) -> Result<Vec<Partial>> {
+    let machine = backend.machine(job);
+    let bins = keeper.part().bins.clone();
+    let from = keeper.part().next_member;
+    let mut members = from..job.members.min(from.saturating_add(size));
+    if let Some(unfinished) = keeper.part().under_way(&machine) {
+        members = unfinished.members.clone();
+        bar.inc(unfinished.samples * (members.end - members.start));
     }
-    Ok(Statistics {
+    loop {
+        if progress::interrupted() {
+            bar.abandon();
+            return Err(keeper.stopped());
+        }
+        let begun = Instant::now();
+        let stop = || progress::interrupted() || keeper.is_due_within(begun);
+        let resume = keeper.part().under_way(&machine);
+        let progress = |done| bar.inc(done);
+        let ran = backend.run(&Batch {
+            job,
+            members: members.clone(),
+            bins: &bins,
+            resume,
+            stop: &stop,
+            progress: &progress,
+        });
+        match ran? {
+            Ran::Whole(partials) => {
+                keeper.part_mut().set_under_way(None);
+                return Ok(partials);
+            }
+            Ran::Part(unfinished) => {
+                keeper.part_mut().set_under_way(Some((machine.clone(), unfinished)));
+                keeper.keep_if_due(bar);
+            }
+        }
+    }
+}
+
+/// Bins around the moments of the pilot.
+fn bins(partial: &Partial) -> [Bins; 4] {
+    std::array::from_fn(|q| {
+        let mut all = Moments::default();
+        partial.blocks.iter().for_each(|b| all.merge(&b[q]));
+        Bins::around(&all)
+    })
+}
+
+fn summed(job: &Job, state: &State, took: Duration) -> Statistics {
+    Statistics {
         members: job.members,
         failed: state.reports.last().map_or(0, |r| r.failed),
         time_s: times_s(job),
@@ -105,73 +213,14 @@ pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result
             .map(|r| std::array::from_fn(|q| Summary::of(&r.moments[q], r.histograms[q].clone())))
             .collect(),
         member_steps: job.member_steps(),
-        seconds: begun.elapsed().as_secs_f64(),
-        machine,
-    })
+        seconds: took.as_secs_f64(),
+        machine: state.machine(),
+        origins: state.origins.clone(),
+    }
 }
 
 /// Report times of a job, s.
 pub fn times_s(job: &Job) -> Vec<f64> {
     let sample_s = job.clock.sample_s();
     job.clock.report_samples.iter().map(|&n| n as f64 * sample_s).collect()
-}
-
-/// Bins from the first members, always on the CPU: the same for every backend of the same precision.
-fn pilot(job: &Job, options: &Options) -> Result<Option<Vec<[Bins; 4]>>> {
-    let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-    let batch = Batch { job, members: 0..job.members.min(PILOT), bins: &[], progress: &|_| () };
-    let Some(partials) = cpu.run(&batch)? else { return Ok(None) };
-    let bins = |partial: &Partial| {
-        std::array::from_fn(|q| {
-            let mut all = crate::statistics::Moments::default();
-            partial.blocks.iter().for_each(|b| all.merge(&b[q]));
-            Bins::around(&all)
-        })
-    };
-    Ok(Some(partials.iter().map(bins).collect()))
-}
-
-fn interrupted(options: &Options) -> Error {
-    let hint = match &options.state {
-        Some(path) => format!("what was done is kept in {}: the same command with --resume goes on", path.display()),
-        None => "run it again".to_owned(),
-    };
-    Error::interrupted("could not finish the simulation", hint)
-}
-
-/// Refuses jobs that cannot be.
-fn check(job: &Job) -> Result<()> {
-    let refuse = |cause: &str, hint: &str| Err(Error::new("could not simulate", cause, hint));
-    let clock = &job.clock;
-    if job.members == 0 {
-        return refuse("there are no members", "ask for at least one");
-    }
-    if clock.samples == 0 || clock.steps_per_sample == 0 || clock.step_s.is_nan() || clock.step_s <= 0.0 {
-        return refuse("the run has no samples, no steps or no step size", "lengthen duration_s or shorten step_s");
-    }
-    let ordered = clock.report_samples.windows(2).all(|w| w[0] < w[1]);
-    let inside = clock.report_samples.iter().all(|&r| r >= 1 && r <= clock.samples);
-    if clock.report_samples.is_empty() || !ordered || !inside {
-        return refuse(
-            "the report times do not increase, or lie outside the run",
-            "give times between 0 and duration_s",
-        );
-    }
-    let steps = job.steps_per_sample();
-    if steps > u64::from(u32::MAX) {
-        return refuse(
-            &format!("a sample takes {steps} steps, and at most {} are counted", u32::MAX),
-            "raise the sample rate, or leave a resonance so high out: it follows the force at once",
-        );
-    }
-    // Samples are counted in 32 bits on the device.
-    if clock.samples > u64::from(u32::MAX) {
-        return refuse("the run has more than 4.2e9 samples", "lower the sample rate or shorten the run");
-    }
-    let bytes = clock.report_samples.len() as u64 * 4 * 8 * (crate::statistics::histogram::BINS as u64 + 2);
-    if bytes > 2 << 30 {
-        let cause = format!("{} report times need {} MB of histograms", clock.report_samples.len(), bytes >> 20);
-        return refuse(&cause, "give fewer report times");
-    }
-    Ok(())
 }

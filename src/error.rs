@@ -4,6 +4,8 @@
 
 use std::path::Path;
 
+use crate::progress;
+
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -57,9 +59,10 @@ impl Error {
         Self::new(format!("could not {verb} {}", path.display()), cause.to_string(), hint)
     }
 
-    /// The run was stopped by Ctrl-C; `hint` says how to continue it.
+    /// The run was stopped by Ctrl-C or another signal; `hint` says how to continue it.
     pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { kind: Kind::Interrupted, ..Self::new(attempt, "stopped by Ctrl-C", hint) }
+        let by = progress::stopped_by().map_or("Ctrl-C", progress::Signal::name);
+        Self { kind: Kind::Interrupted, ..Self::new(attempt, format!("stopped by {by}"), hint) }
     }
 
     /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other errors stay as they are.

@@ -26,6 +26,15 @@ impl Signal {
             Self::HangUp => 129,
         }
     }
+
+    /// How a person knows it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Interrupt => "Ctrl-C",
+            Self::Terminate => "SIGTERM",
+            Self::HangUp => "SIGHUP",
+        }
+    }
 }
 
 /// Exit code of the first signal; 0 before one has come.
@@ -103,6 +112,15 @@ pub fn stopped_by() -> Option<Signal> {
 pub fn interrupted() -> bool {
     STOP.load(Ordering::Relaxed) != 0
 }
+/// Tells the user, on stderr, what a long run does otherwise than asked; on top of a bar that is drawn.
+pub fn remark(bar: &ProgressBar, sentence: &str) {
+    use std::io::Write as _;
+    bar.suspend(|| {
+        // Where nobody can be told, the report still says it.
+        let _ = writeln!(std::io::stderr(), "{sentence}");
+    });
+}
+
 /// A bar with a name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone. Hidden
 /// when stderr is not a terminal.
 pub fn bar(name: &str, length: u64) -> ProgressBar {

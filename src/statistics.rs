@@ -9,6 +9,10 @@ pub mod moments;
 pub use histogram::{Bins, Histogram};
 pub use moments::Moments;
 
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
 /// The distribution of one quantity over the members that did not fail, at one report time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
@@ -48,7 +52,7 @@ impl Summary {
 }
 
 /// On what an ensemble was integrated, for the provenance of a report.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// "cpu" or "gpu".
     pub kind: String,
@@ -62,6 +66,29 @@ pub struct Machine {
     pub fused_multiply_add: String,
     /// How the proof mass was stepped.
     pub integrator: String,
+}
+
+impl Machine {
+    /// Whether two machines give the same bits: the number of threads and the width of vectors do not matter, fused
+    /// multiply-add does, and a GPU is its own.
+    pub fn same_bits(&self, other: &Self) -> bool {
+        let of = |m: &Self| {
+            let device = if m.kind == "cpu" { String::new() } else { format!("{} {}", m.name, m.driver) };
+            [device, m.kind.clone(), m.precision.clone(), m.fused_multiply_add.clone(), m.integrator.clone()]
+        };
+        of(self) == of(other)
+    }
+}
+
+/// Which members were integrated where.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Numbers of the members.
+    pub members: Range<u64>,
+    /// Where.
+    pub machine: Machine,
+    /// Why there, where another machine was tried first.
+    pub reason: Option<String>,
 }
 
 /// An ensemble, summed up.
@@ -79,8 +106,10 @@ pub struct Statistics {
     pub member_steps: u64,
     /// Wall time, s.
     pub seconds: f64,
-    /// Where.
+    /// Where most members were integrated.
     pub machine: Machine,
+    /// Where each of them was, in their order.
+    pub origins: Vec<Origin>,
 }
 
 /// What is measured of every member at every report time, in this order.

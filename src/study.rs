@@ -13,7 +13,9 @@ pub mod tolerances;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::document::{parse_toml, read_toml};
+use sha2::{Digest, Sha256};
+
+use crate::document::{hexadecimal, parse_toml, read_toml};
 use crate::error::{Error, Result};
 use crate::excitation::Rest;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
@@ -45,6 +47,9 @@ pub struct Study {
     pub compare: Option<file::Compare>,
     /// What relative paths start from.
     pub folder: PathBuf,
+    /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies with the same one give the
+    /// same numbers.
+    pub identity: String,
 }
 
 /// What the command line changes in a study.
@@ -93,6 +98,9 @@ impl Study {
         check::compare(source, file.compare.as_ref())?;
         let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
         let excitation = excitation.resolved(source, clock.step_s)?;
+        (file.members, file.seed) = (Some(members), Some(seed));
+        // Debug writes every key that serde reads, and every digit of its numbers.
+        let identity = hexadecimal(&Sha256::digest(format!("{file:?} {:?}", excitation.replayed_sha256)));
         Ok(Self {
             name: checked_name(source, file.name)?,
             seed,
@@ -102,6 +110,7 @@ impl Study {
             excitation,
             compare: file.compare,
             folder,
+            identity,
         })
     }
 
@@ -123,6 +132,7 @@ impl Study {
             variation: plan::Variation::None,
             words: "at rest".into(),
             highest_hz: None,
+            replayed_sha256: None,
         };
         Ok(still)
     }

@@ -1,9 +1,10 @@
 //! A compute device: adapters, buffers, kernels made when first asked for, dispatches. The only file that names wgpu.
 //!
 //! Nothing here knows what is computed; `gpu::simulate` and the map kernels build on it. A device that is lost or refuses
-//! is an `Err`, never a panic. Opening costs tens of milliseconds, so nothing is opened before it is used.
+//! is an `Err`, never a panic: every call of wgpu that can fail goes through `guard`. Opening costs tens of milliseconds, so nothing is opened before it is used.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -12,6 +13,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 
+mod guard;
 pub mod misfits;
 pub mod orbits;
 pub mod peak;
@@ -41,6 +43,7 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     lost: Arc<Mutex<Option<String>>>,
+    failed: AtomicBool,
     kernels: Mutex<HashMap<String, Kernel>>,
 }
 
@@ -67,8 +70,14 @@ pub struct Dispatch<'a> {
 #[derive(Debug)]
 pub struct Submission(wgpu::SubmissionIndex);
 
-/// No submission is meant to take longer than 100 ms; one that takes this long has hung.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// No submission is meant to take longer than 100 ms; one that takes this many seconds has hung. `PROOFMASS_GPU_PATIENCE_S`
+/// sets another number.
+const PATIENCE_S: f64 = 60.0;
+
+fn patience() -> Duration {
+    let given = std::env::var("PROOFMASS_GPU_PATIENCE_S").ok().and_then(|text| text.parse().ok());
+    Duration::try_from_secs_f64(given.unwrap_or(PATIENCE_S)).unwrap_or(Duration::from_secs(60))
+}
 
 const ATTEMPT: &str = "could not compute on the GPU";
 const USE_CPU: &str = "use --backend cpu";
@@ -112,7 +121,18 @@ fn describe(adapter: &wgpu::Adapter) -> Adapter {
 
 /// The adapters of this machine that can compute, best first.
 pub fn list() -> Vec<Adapter> {
-    adapters().into_iter().map(|(described, _)| described).collect()
+    let list = || adapters().into_iter().map(|(described, _)| described).collect();
+    // A driver that cannot even be asked has no adapter to offer.
+    guard::guarded(list).unwrap_or_default()
+}
+
+/// The best of the `wanted` adapters, opened.
+fn guarded_open(wanted: impl Fn(&Adapter) -> bool) -> Result<Option<Gpu>> {
+    let open = || {
+        let found = adapters().into_iter().find(|(adapter, _)| wanted(adapter));
+        found.map(|(described, adapter)| Gpu::on(described, &adapter)).transpose()
+    };
+    guard::guarded(open).unwrap_or_else(|said| Err(Error::new("could not open the GPU", said, USE_CPU)))
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -120,20 +140,30 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Gpu {
-    /// Opens the best adapter, or the best one that is hardware.
+    /// Opens the best adapter, in software if there is no other.
     ///
     /// # Errors
     /// There is none, or it refuses.
-    pub fn open(hardware_only: bool) -> Result<Self> {
-        let wanted = adapters().into_iter().find(|(a, _)| a.hardware || !hardware_only);
-        let Some((described, adapter)) = wanted else {
-            return Err(Error::new(
+    pub fn open() -> Result<Self> {
+        guarded_open(|_| true)?.ok_or_else(|| {
+            Error::new(
                 "could not use a GPU",
                 "no adapter was found by Vulkan, Metal, DirectX 12 or OpenGL",
                 "install a driver (Debian: libvulkan1 and, for one in software, mesa-vulkan-drivers), or use \
                  --backend cpu",
-            ));
-        };
+            )
+        })
+    }
+
+    /// Opens the best adapter that is hardware; `None` where there is none.
+    ///
+    /// # Errors
+    /// It refuses.
+    pub fn hardware() -> Result<Option<Self>> {
+        guarded_open(|adapter| adapter.hardware)
+    }
+
+    fn on(described: Adapter, adapter: &wgpu::Adapter) -> Result<Self> {
         let mut features = wgpu::Features::empty();
         features.set(wgpu::Features::SHADER_INT64, described.int64);
         let request = wgpu::DeviceDescriptor {
@@ -156,7 +186,18 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             locked(&by_error).get_or_insert(error.to_string());
         }));
-        Ok(Self { adapter: described, device, queue, lost, kernels: Mutex::default() })
+        Ok(Self { adapter: described, device, queue, lost, failed: AtomicBool::new(false), kernels: Mutex::default() })
+    }
+
+    /// Whether anything has failed on this device since it was opened. It must not be used any more.
+    pub fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    /// Does something with the device; whatever goes wrong, a panic of the library included, is an error and noted.
+    fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        let done = guard::guarded(work).unwrap_or_else(|said| Err(Error::new(ATTEMPT, said, USE_CPU)));
+        done.inspect_err(|_| self.failed.store(true, Ordering::Relaxed))
     }
 
     /// An error if the device was lost or refused something since it was opened.
@@ -172,6 +213,10 @@ impl Gpu {
 
     /// Does something whose refusal the device tells later, and waits for the answer.
     fn caught<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
+        self.guarded(|| self.scoped(what, work))
+    }
+
+    fn scoped<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let done = work();
@@ -261,8 +306,11 @@ impl Gpu {
     }
 
     /// Overwrites the beginning of a buffer, before what is submitted next.
-    pub fn write(&self, buffer: &Buffer, bytes: &[u8]) {
-        self.queue.write_buffer(&buffer.0, 0, bytes);
+    ///
+    /// # Errors
+    /// Not enough memory; the device was lost.
+    pub fn write(&self, buffer: &Buffer, bytes: &[u8]) -> Result<()> {
+        self.caught("write to memory", || self.queue.write_buffer(&buffer.0, 0, bytes))
     }
 
     /// Hands dispatches to the device, one after the other.
@@ -297,8 +345,19 @@ impl Gpu {
     /// # Errors
     /// It hangs, or the device was lost.
     pub fn wait(&self, submission: &Submission) -> Result<()> {
-        let wait = wgpu::PollType::Wait { submission_index: Some(submission.0.clone()), timeout: Some(PATIENCE) };
-        self.device.poll(wait).map_err(|e| Error::new(ATTEMPT, e.to_string(), USE_CPU))?;
+        self.guarded(|| self.poll(Some(submission.0.clone())))
+    }
+
+    fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        let patience = patience();
+        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(patience) };
+        self.device.poll(wait).map_err(|e| {
+            let cause = match e {
+                wgpu::PollError::Timeout => format!("the device has not answered for {} s", patience.as_secs_f64()),
+                other => other.to_string(),
+            };
+            Error::new(ATTEMPT, cause, USE_CPU)
+        })?;
         self.healthy()
     }
 
@@ -307,6 +366,10 @@ impl Gpu {
     /// # Errors
     /// The device was lost.
     pub fn read(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
+        self.guarded(|| self.read_back(buffer, bytes))
+    }
+
+    fn read_back(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>> {
         let staging = self.caught("read back", || {
             let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: None,
@@ -325,10 +388,8 @@ impl Gpu {
             let _ = send.send(result);
         });
         let failed = |cause: String| Error::new(ATTEMPT, cause, USE_CPU);
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
-        self.device.poll(wait).map_err(|e| failed(e.to_string()))?;
-        self.healthy()?;
-        match receive.recv_timeout(PATIENCE) {
+        self.poll(None)?;
+        match receive.recv_timeout(patience()) {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(failed(e.to_string())),
             Err(e) => return Err(failed(e.to_string())),

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::device::open;
 use super::say::{remark, say, sayln};
-use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
 use crate::benchmark::others::Ticks;
 use crate::benchmark::{self, Row};
@@ -45,12 +45,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.backend != Choice::Gpu {
         rows.extend(benchmark::cpu(told).map_err(stopped)?);
     }
-    let gpu = match arguments.backend {
-        Choice::Cpu => None,
-        Choice::Auto => Gpu::open(true).ok(),
-        Choice::Gpu => Some(Gpu::open(false)?),
-    };
-    if let Some(gpu) = gpu {
+    if let Some(gpu) = open(arguments.backend)? {
         let gpu = Arc::new(gpu);
         rows.push(benchmark::misfit::gpu(&gpu).map_err(stopped)?);
         rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told).map_err(stopped)?);

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::device::on_device;
 use super::say::{say, sayln};
-use crate::backend::gpu::Gpu;
-use crate::backend::orbits::Device;
 use crate::document::{read_toml, writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::Result;
@@ -55,18 +54,6 @@ pub struct Arguments {
     pub backend: Choice,
 }
 
-/// The GPU to use, opened; `None` is the CPU. A map is always work enough for a hardware GPU.
-///
-/// # Errors
-/// A GPU was asked for and there is none.
-pub(super) fn open(choice: Choice) -> Result<Option<Gpu>> {
-    match choice {
-        Choice::Auto => Ok(Gpu::open(true).ok()),
-        Choice::Gpu => Gpu::open(false).map(Some),
-        Choice::Cpu => Ok(None),
-    }
-}
-
 /// Maps, prints a summary and writes the report.
 ///
 /// # Errors
@@ -75,8 +62,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let document: crate::map::document::Document = read_toml(&arguments.map)?;
     document.check()?;
     arguments.out.as_deref().map_or(Ok(()), writable)?;
-    let gpu = open(arguments.backend)?;
-    let atlas = compute(document, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))?;
+    let atlas = on_device(arguments.backend, |device| compute(document.clone(), device))?;
     if let Some(folder) = &arguments.out {
         write(folder, &atlas)?;
     }

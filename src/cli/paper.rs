@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::map::open;
+use super::device::on_device;
 use super::say::{say, sayln};
-use crate::backend::orbits::Device;
 use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
@@ -42,8 +41,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     writable(&arguments.out)?;
     let data = arguments.data.clone().or_else(real::folder);
-    let gpu = open(arguments.backend)?;
-    let paper = compute(data.as_deref(), true, gpu.as_ref().map_or(Device::Cpu, Device::Gpu))
+    let paper = on_device(arguments.backend, |device| compute(data.as_deref(), true, device))
         .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
     write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
     if json {

@@ -6,8 +6,8 @@ use super::say::{say, sayln};
 use crate::document::{to_json, writable, write_whole};
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
-use crate::ensemble::{Backends, Choice, Options};
-use crate::error::{Error, Result};
+use crate::ensemble::{Backends, Choice, Keeper, Options};
+use crate::error::Result;
 use crate::report::study as page;
 use crate::study::{self, Overrides, Study};
 
@@ -45,21 +45,23 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
     writable(&folder)?;
-    let states = States { folder: &folder, resume: arguments.resume };
-    states.check()?;
-    let (mut part, mut backends) = (0, Backends::default());
-    let drift = drift::answer(&study, |job, _| {
-        part += 1;
-        backends.run(job, &Options { backend: arguments.backend, ..states.options(part) })
-    })?;
-    write(&folder, &study, &drift)?;
+    let mut keeper = match arguments.resume {
+        true => Keeper::resume(&folder, &study.identity)?,
+        false => Keeper::new(&folder, &study.identity),
+    };
+    let (options, mut backends) = (Options { backend: arguments.backend, ..Options::default() }, Backends::default());
+    let drift = drift::answer(&study, |job, _| backends.run(job, &options, &mut keeper))?;
+    // The answer comes before the report: a disk that is full costs the report, not the run.
     if json {
         sayln!("{}", to_json(&Document::of(&study, &drift))?)?;
     } else {
         say(format_args!("{}", page::terminal(&study, &drift)))?;
+    }
+    write(&folder, &study, &drift).map_err(|error| keeper.kept(error))?;
+    if !json {
         sayln!("report:     {}", folder.join("report.html").display())?;
     }
-    Ok(())
+    keeper.forget()
 }
 
 /// The default study.
@@ -73,34 +75,4 @@ pub fn run_default(json: bool) -> Result<()> {
 fn write(folder: &Path, study: &Study, drift: &Drift) -> Result<()> {
     write_whole(&folder.join("envelope.svg"), page::envelope_figure(drift).draw().file_svg().as_bytes())?;
     write_whole(&folder.join("report.html"), page::page(study, drift).finish().as_bytes())
-}
-
-/// The files that interrupted parts of a run leave: the ensemble itself is part 1, the error budget the others.
-struct States<'a> {
-    folder: &'a Path,
-    resume: bool,
-}
-
-impl States<'_> {
-    fn file(&self, part: u32) -> PathBuf {
-        self.folder.join(format!("interrupted-{part}.json"))
-    }
-
-    /// Refuses to resume what was never stopped.
-    fn check(&self) -> Result<()> {
-        match self.resume && !(1..100).any(|part| self.file(part).exists()) {
-            true => Err(Error::new(
-                "could not resume",
-                format!("no interrupted run in {}", self.folder.display()),
-                "leave --resume out to begin anew, or give the --out of the interrupted run",
-            )),
-            false => Ok(()),
-        }
-    }
-
-    /// A part that was not reached, or was already finished, begins anew: its result is the same.
-    fn options(&self, part: u32) -> Options {
-        let file = self.file(part);
-        Options { resume: self.resume && file.exists(), state: Some(file), ..Options::default() }
-    }
 }

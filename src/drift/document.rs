@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Drift;
 use super::expected::Expected;
 use crate::navigation::power_law::EXPONENTS;
-use crate::statistics::{Summary, quantity};
+use crate::statistics::{Origin, Summary, quantity};
 use crate::study::Study;
 
 /// The schema's name.
@@ -41,6 +41,19 @@ struct Backend {
     driver: String,
     precision: String,
     fused_multiply_add: String,
+    /// Which members were integrated where, and why; left out where it was all of them, here, as asked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<Part>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Part {
+    /// First member, and the one after the last.
+    members: [u64; 2],
+    kind: String,
+    name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -110,6 +123,7 @@ impl Document {
                 driver: machine.driver.clone(),
                 precision: machine.precision.clone(),
                 fused_multiply_add: machine.fused_multiply_add.clone(),
+                parts: parts(&drift.statistics.origins),
             },
             integrator: machine.integrator.clone(),
             time_s: drift.report_times_s(),
@@ -137,6 +151,19 @@ impl Document {
             member_steps: drift.statistics.member_steps,
             seconds: drift.statistics.seconds,
         }
+    }
+}
+
+fn parts(origins: &[Origin]) -> Vec<Part> {
+    let part = |origin: &Origin| Part {
+        members: [origin.members.start, origin.members.end],
+        kind: origin.machine.kind.clone(),
+        name: origin.machine.name.clone(),
+        reason: origin.reason.clone(),
+    };
+    match origins {
+        [only] if only.reason.is_none() => Vec::new(),
+        origins => origins.iter().map(part).collect(),
     }
 }
 

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{Options, run_on};
-use crate::backend::Backend;
+use indicatif::ProgressBar;
+
+use super::{Keeper, Options, run_kept, run_or_fall_back, run_part};
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::parallel;
+use crate::progress;
 use crate::statistics::Statistics;
 
 /// Where to integrate.
@@ -44,41 +46,68 @@ fn worth_a_gpu(job: &Job, threads: usize) -> bool {
 pub struct Backends {
     /// What looking for a GPU has found, once it was looked for.
     gpu: Option<Option<Arc<Gpu>>>,
+    /// Why a GPU that is there is not used.
+    refused: Option<String>,
 }
 
 impl Backends {
-    /// Integrates an ensemble and sums it up.
+    /// Integrates an ensemble and sums it up; `keeper` keeps the sums. Where the choice is automatic and the GPU fails, the
+    /// CPU goes on.
     ///
     /// # Errors
     /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
-    pub fn run(&mut self, job: &Job, options: &Options) -> Result<Statistics> {
-        super::check(job)?;
-        let mut backend = self.open(job, options)?;
-        run_on(job, backend.as_mut(), options)
+    pub fn run(&mut self, job: &Job, options: &Options, keeper: &mut Keeper) -> Result<Statistics> {
+        super::check::check(job)?;
+        let Some(gpu) = self.open(job, options)? else {
+            let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
+            let reason = self.refused.as_deref().filter(|_| options.backend == Choice::Auto);
+            return run_part(job, &mut cpu, reason, options, keeper);
+        };
+        let mut ensembles = Ensembles::on(gpu.clone());
+        if options.backend == Choice::Gpu {
+            return run_kept(job, &mut ensembles, options, keeper);
+        }
+        let statistics = run_or_fall_back(job, &mut ensembles, options, keeper);
+        if gpu.has_failed() {
+            self.gpu = Some(None);
+            self.refused = Some(format!("{} failed in an earlier part of this run", gpu.adapter.name));
+        }
+        statistics
     }
 
-    /// The backend that the options ask for.
-    fn open(&mut self, job: &Job, options: &Options) -> Result<Box<dyn Backend>> {
-        let found = match (options.backend, options.precision) {
+    /// The GPU that the options ask for; `None` is the CPU.
+    fn open(&mut self, job: &Job, options: &Options) -> Result<Option<Arc<Gpu>>> {
+        match (options.backend, options.precision) {
             (Choice::Gpu, Precision::F64) => {
                 let cause = "the kernels on it are written in f32";
-                return Err(Error::new("could not use a GPU", cause, "use --backend cpu for f64"));
+                Err(Error::new("could not use a GPU", cause, "use --backend cpu for f64"))
             }
             (Choice::Gpu, Precision::F32) => {
                 if self.gpu.as_ref().is_none_or(Option::is_none) {
-                    self.gpu = Some(Some(Arc::new(Gpu::open(false)?)));
+                    self.gpu = Some(Some(Arc::new(Gpu::open()?)));
                 }
-                self.gpu.clone().flatten()
+                Ok(self.gpu.clone().flatten())
             }
             (Choice::Auto, Precision::F32) if worth_a_gpu(job, parallel::threads()) => {
-                self.gpu.get_or_insert_with(|| Gpu::open(true).ok().map(Arc::new)).clone()
+                if self.gpu.is_none() {
+                    (self.gpu, self.refused) = hardware();
+                }
+                Ok(self.gpu.clone().flatten())
             }
-            _ => None,
-        };
-        Ok(match found {
-            Some(gpu) => Box::new(Ensembles::on(gpu)),
-            None => Box::new(Cpu { precision: options.precision, ..Cpu::default() }),
-        })
+            _ => Ok(None),
+        }
+    }
+}
+
+/// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and left.
+fn hardware() -> (Option<Option<Arc<Gpu>>>, Option<String>) {
+    match Gpu::hardware() {
+        Ok(gpu) => (Some(gpu.map(Arc::new)), None),
+        Err(error) => {
+            let reason = format!("{}: {}", error.attempt, error.cause);
+            progress::remark(&ProgressBar::hidden(), &format!("note: {reason}. The CPU is used instead."));
+            (Some(None), Some(reason))
+        }
     }
 }
 

@@ -1,16 +1,18 @@
-//! What a run has summed up so far: the file that an interrupted run leaves and a resumed one goes on from.
+//! What a part of a run has summed up so far: the file that a stopped run leaves and a resumed one goes on from.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::backend::Partial;
+use crate::backend::cpu::Precision;
+use crate::backend::{Partial, Unfinished};
 use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
-use crate::statistics::histogram::BINS;
-use crate::statistics::{Bins, Histogram, Machine, Moments};
+use crate::statistics::{Bins, Histogram, Machine, Moments, Origin};
+
+mod sound;
 
 /// Sums at one report time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -23,31 +25,64 @@ pub struct Report {
     pub failed: u64,
 }
 
-/// Sums of a run up to `next_member`.
+/// Sums of a part of a run up to `next_member`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct State {
     schema: String,
-    /// Digest of the job and the machine: sums of another run must not be mixed in.
+    /// SHA-256 of this document with this field empty.
+    sha256: String,
+    /// Digest of the run: sums of another one must not be mixed in.
     fingerprint: String,
     /// First member not yet summed.
     pub next_member: u64,
-    /// Bins per report time and quantity.
+    /// Where the members summed were integrated.
+    pub origins: Vec<Origin>,
+    /// Bins per report time and quantity; none before the pilot is done.
     pub bins: Vec<[Bins; 4]>,
     /// Sums per report time.
     pub reports: Vec<Report>,
+    /// A batch that was stopped between two tiles, of the pilot where there are no bins yet, and its machine.
+    under_way: Option<(Machine, Unfinished)>,
 }
 
-const SCHEMA: &str = "proofmass.state/1";
+const SCHEMA: &str = "proofmass.state/2";
+
+/// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be mixed, and say so.
+pub struct Run<'a> {
+    /// Digest of the study.
+    pub identity: &'a str,
+    /// Number of the part, from 1 on.
+    pub part: usize,
+    /// What it integrates.
+    pub job: &'a Job,
+    /// In which precision.
+    pub precision: Precision,
+}
+
+impl Run<'_> {
+    fn fingerprint(&self) -> String {
+        let Self { identity, part, job, precision } = self;
+        let version = env!("CARGO_PKG_VERSION");
+        let text = format!(
+            "{version} {identity} {part} {precision:?} {} {} {:?} {:?} {:?}",
+            job.seed, job.members, job.clock, job.integrator, job.gravity_m_s2
+        );
+        hexadecimal(&Sha256::digest(text))
+    }
+}
 
 impl State {
     /// Nothing summed yet.
-    pub fn new(job: &Job, machine: &Machine) -> Self {
+    pub fn new(run: &Run<'_>) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
-            fingerprint: fingerprint(job, machine),
+            sha256: String::new(),
+            fingerprint: run.fingerprint(),
             next_member: 0,
+            origins: Vec::new(),
             bins: Vec::new(),
             reports: Vec::new(),
+            under_way: None,
         }
     }
 
@@ -62,8 +97,8 @@ impl State {
         self.bins = bins;
     }
 
-    /// Adds the members of a batch, which ends before `next_member`.
-    pub fn add(&mut self, partials: &[Partial], next_member: u64) {
+    /// Adds the next members of a job, as many as the partials are of.
+    pub fn add(&mut self, partials: &[Partial], job: &Job, machine: &Machine, reason: Option<&str>) {
         for (report, partial) in self.reports.iter_mut().zip(partials) {
             for block in &partial.blocks {
                 report.moments.iter_mut().zip(block).for_each(|(mine, theirs)| mine.merge(theirs));
@@ -73,50 +108,86 @@ impl State {
             }
             report.failed += partial.failed;
         }
-        self.next_member = next_member;
+        let blocks = partials.first().map_or(0, |partial| partial.blocks.len() as u64);
+        let end = job.members.min(self.next_member + blocks * BLOCK);
+        match self.origins.last_mut() {
+            Some(last) if last.machine.same_bits(machine) => last.members.end = end,
+            _ => {
+                let (members, reason) = (self.next_member..end, reason.map(str::to_owned));
+                self.origins.push(Origin { members, machine: machine.clone(), reason });
+            }
+        }
+        self.next_member = end;
+    }
+
+    /// The machine that has integrated most members.
+    pub fn machine(&self) -> Machine {
+        let most = self.origins.iter().max_by_key(|o| o.members.end - o.members.start);
+        most.map_or_else(Machine::default, |o| o.machine.clone())
+    }
+
+    /// The batch that was stopped on such a machine; nothing of it can be used on another.
+    pub fn under_way(&self, machine: &Machine) -> Option<&Unfinished> {
+        self.under_way.as_ref().filter(|(on, _)| on.same_bits(machine)).map(|(_, unfinished)| unfinished)
+    }
+
+    /// Notes a batch that was stopped, or that none is.
+    pub fn set_under_way(&mut self, batch: Option<(Machine, Unfinished)>) {
+        self.under_way = batch;
     }
 
     /// Leaves the file, whole or not at all.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        let text = serde_json::to_vec(self)
-            .map_err(|e| Error::new(format!("could not write {}", path.display()), e.to_string(), "run again"))?;
-        write_whole(path, &text)
+    pub fn write(&mut self, path: &Path) -> Result<()> {
+        let unwritten = |e: serde_json::Error| {
+            Error::new(format!("could not write {}", path.display()), e.to_string(), "run again")
+        };
+        self.sha256 = self.checksum().map_err(unwritten)?;
+        write_whole(path, &serde_json::to_vec(self).map_err(unwritten)?)
     }
 
-    /// Reads the file of the same job on the same machine.
+    fn checksum(&self) -> serde_json::Result<String> {
+        let bare = Self { sha256: String::new(), ..self.clone() };
+        Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(&bare)?)))
+    }
+
+    /// Reads the file of the same part of the same run.
     ///
     /// # Errors
     /// There is none, it is damaged, or it belongs to another run.
-    pub fn read(path: &Path, job: &Job, machine: &Machine) -> Result<Self> {
+    pub fn read(path: &Path, run: &Run<'_>) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::io("resume from", path, &e))?;
-        let attempt = format!("could not resume from {}", path.display());
-        let hint = "leave --resume out to begin anew";
-        let state: Self = serde_json::from_slice(&bytes).map_err(|e| Error::new(&*attempt, e.to_string(), hint))?;
-        if state.schema != SCHEMA || state.fingerprint != fingerprint(job, machine) {
-            return Err(Error::new(attempt, "it belongs to another study, seed, precision or machine", hint));
+        Self::parse(&bytes, run).map_err(|cause| {
+            Error::new(
+                format!("could not resume from {}", path.display()),
+                cause,
+                "leave --resume out to begin anew, or give the study, seed and members of that run",
+            )
+        })
+    }
+
+    /// Reads the bytes of such a file; the error is what is wrong with them.
+    pub fn parse(bytes: &[u8], run: &Run<'_>) -> Result<Self, String> {
+        let state: Self = serde_json::from_slice(bytes).map_err(|e| format!("it is no state of a run: {e}"))?;
+        if state.schema != SCHEMA {
+            return Err(format!("it is of another version: {:?}, and this one reads {SCHEMA:?}", state.schema));
         }
-        let whole = |h: &Histogram| h.counts.len() == BINS + 2;
-        let whole = state.reports.len() == state.bins.len()
-            && (state.bins.is_empty() || state.bins.len() == job.clock.report_samples.len())
-            && state.reports.iter().all(|r| r.histograms.len() == 4 && r.histograms.iter().all(whole))
-            && state.next_member <= job.members;
-        if whole { Ok(state) } else { Err(Error::new(attempt, "the file is damaged", hint)) }
+        if state.fingerprint != run.fingerprint() {
+            return Err(
+                "it belongs to another run: the study, the file that it replays, the seed, the number of members \
+                        or the version of the program is not the same"
+                    .to_owned(),
+            );
+        }
+        if state.checksum().ok().as_ref() != Some(&state.sha256) {
+            return Err("the file is damaged: it does not have its checksum".to_owned());
+        }
+        sound::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
+        Ok(state)
     }
 }
 
-/// A digest of what decides the numbers: the clock, a few members as drawn, the excitation at a few times, the machine.
-fn fingerprint(job: &Job, machine: &Machine) -> String {
-    let mut hash = Sha256::new();
-    let duration_s = job.clock.duration_s();
-    let force: Vec<f64> = (0..64).map(|i| job.waveform.specific_force_m_s2(duration_s * f64::from(i) / 64.0)).collect();
-    let members: Vec<_> = [0, 1, job.members / 2, job.members - 1].iter().map(|&i| (job.draw)(i)).collect();
-    let version = env!("CARGO_PKG_VERSION");
-    hash.update(format!(
-        "{version} {} {} {:?} {:?} {} {force:?} {members:?} {machine:?}",
-        job.seed, job.members, job.clock, job.integrator, job.gravity_m_s2
-    ));
-    hexadecimal(&hash.finalize())
-}
+/// Members whose moments are summed apart and then merged in order.
+const BLOCK: u64 = 256;

@@ -3,7 +3,6 @@
 mod compared;
 mod distribution;
 mod envelope;
-mod moment;
 mod sensor;
 mod share;
 
@@ -13,11 +12,10 @@ use crate::drift::Drift;
 use crate::drift::budget::Share;
 use crate::navigation::power_law::EXPONENTS;
 use crate::number::{duration, significant, with_uncertainty, worth};
-use crate::statistics::{Summary, quantity};
+use crate::statistics::{Origin, Statistics, Summary, quantity};
 use crate::study::Study;
 
 pub use envelope::log_log as envelope_figure;
-use moment::{moment, plain};
 
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {
@@ -168,6 +166,16 @@ pub fn budget_table(drift: &Drift) -> Table {
     table
 }
 
+/// A time as it was written in the study, without the noise of its arithmetic.
+fn plain(time_s: f64) -> String {
+    format!("{}", (time_s * 1e6).round() / 1e6)
+}
+
+/// A time in words, "60 s" and not "60.0 s".
+fn moment(time_s: f64) -> String {
+    if (1.0..120.0).contains(&time_s) { format!("{} s", plain(time_s)) } else { duration(time_s) }
+}
+
 fn percent(fraction: f64) -> String {
     match 100.0 * fraction {
         p if p >= 10.0 => format!("{p:.0} %"),
@@ -231,6 +239,7 @@ pub fn provenance(study: &Study, drift: &Drift) -> Table {
         ("run", format!("{} s in steps of {} s", study.duration_s(), study.clock.step_s)),
         ("backend", format!("{}: {}", machine.kind, machine.name)),
         ("driver", machine.driver.clone()),
+        ("members by backend", origins(statistics)),
         ("precision", machine.precision.clone()),
         ("fused multiply-add", machine.fused_multiply_add.clone()),
         ("integrator", format!("{} ({})", machine.integrator, drift.choice.because)),
@@ -244,9 +253,24 @@ pub fn provenance(study: &Study, drift: &Drift) -> Table {
         ),
         ("speed", format!("{} million member-steps/s", significant(rate / 1e6, 3))),
     ] {
-        table.row([what.to_owned(), value]);
+        if !value.is_empty() {
+            table.row([what.to_owned(), value]);
+        }
     }
     table
+}
+
+/// Which members were integrated where, and why, when it was not all of them in one place as asked; else nothing.
+fn origins(statistics: &Statistics) -> String {
+    let sentence = |origin: &Origin| {
+        let Origin { members, machine, reason } = origin;
+        let because = reason.as_ref().map_or(String::new(), |reason| format!(" ({reason})"));
+        format!("{} to {}: {}, {}{because}", members.start, members.end - 1, machine.kind, machine.name)
+    };
+    match &statistics.origins[..] {
+        [only] if only.reason.is_none() => String::new(),
+        origins => origins.iter().map(sentence).collect::<Vec<String>>().join("; "),
+    }
 }
 
 /// What the terminal shows.
@@ -254,8 +278,10 @@ pub fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
     let compared: String = compared::sentences(&drift.compared).iter().map(|s| format!("{s}\n")).collect();
     let compared = if compared.is_empty() { compared } else { format!("beside the recording\n{compared}\n") };
+    let origins = origins(&drift.statistics);
+    let origins = if origins.is_empty() { origins } else { format!("members:    {origins}\n") };
     format!(
-        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {} ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {} ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n{origins}",
         lede(study, drift),
         drift_table(drift),
         budget_table(drift),

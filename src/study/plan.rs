@@ -32,6 +32,8 @@ pub struct Plan {
     pub words: String,
     /// Highest frequency it is made of, where it is made of frequencies.
     pub highest_hz: Option<f64>,
+    /// SHA-256 of the file that is replayed, hexadecimal.
+    pub replayed_sha256: Option<String>,
 }
 
 impl Plan {
@@ -92,6 +94,7 @@ pub(super) fn plan(
         variation: Variation::None,
         words,
         highest_hz: None,
+        replayed_sha256: None,
     };
     let plan = match kind {
         Kind::Rest => shared(Arc::new(Rest), "at rest".into()),
@@ -110,7 +113,13 @@ pub(super) fn plan(
                     all[&excitation::PHASE] = Some(phase);
                     super::check::signs(name, all)?;
                     let words = words + ", drawn per member";
-                    Plan { waveform: Arc::new(Rest), variation: Variation::Sine, words, highest_hz: None }
+                    Plan {
+                        waveform: Arc::new(Rest),
+                        variation: Variation::Sine,
+                        words,
+                        highest_hz: None,
+                        replayed_sha256: None,
+                    }
                 }
             }
         }
@@ -164,7 +173,7 @@ pub(super) fn plan(
             sized(all, peak.scaled(STANDARD_GRAVITY_M_S2), shape, words)
         }
         Kind::Replay => {
-            let replay = reader.replay(folder, duration_s)?;
+            let (replay, sha256) = reader.replay(folder, duration_s)?;
             let scale = section.scale.unwrap_or(Number::Fixed(1.0));
             let column = section.column.clone().unwrap_or_default();
             let words =
@@ -173,7 +182,7 @@ pub(super) fn plan(
                 let samples_m_s2 = replay.samples_m_s2.iter().map(|v| v * factor).collect();
                 Arc::new(Replay { samples_m_s2, rate_hz: replay.rate_hz }) as Arc<dyn Waveform>
             };
-            sized(all, scale, shape, words)
+            Plan { replayed_sha256: Some(sha256), ..sized(all, scale, shape, words) }
         }
     };
     Ok(Plan { highest_hz: highest_hz(section), ..plan })
@@ -189,11 +198,13 @@ fn highest_hz(section: &Excitation) -> Option<f64> {
 /// A shape of fixed size, or of unit size with the members' gain.
 fn sized(all: &mut Tolerances, size: Number, shape: impl Fn(f64) -> Arc<dyn Waveform>, words: String) -> Plan {
     match size.fixed() {
-        Some(value) => Plan { waveform: shape(value), variation: Variation::None, words, highest_hz: None },
+        Some(value) => {
+            Plan { waveform: shape(value), variation: Variation::None, words, highest_hz: None, replayed_sha256: None }
+        }
         None => {
             all[&excitation::SIZE] = Some(size);
             let words = words + ", drawn per member";
-            Plan { waveform: shape(1.0), variation: Variation::Gain, words, highest_hz: None }
+            Plan { waveform: shape(1.0), variation: Variation::Gain, words, highest_hz: None, replayed_sha256: None }
         }
     }
 }
@@ -329,7 +340,8 @@ impl Reader<'_> {
         Ok(Spectrum { points })
     }
 
-    fn replay(&self, folder: &Path, duration_s: f64) -> Result<Replay> {
+    /// The recording to replay, and the SHA-256 of its file.
+    fn replay(&self, folder: &Path, duration_s: f64) -> Result<(Replay, String)> {
         let file = self.section.file.as_ref().ok_or_else(|| self.missing("file"))?;
         let column = self.section.column.as_ref().ok_or_else(|| self.missing("column"))?;
         let (rate_hz, time) = (self.section.rate_hz, self.section.time.clone());
@@ -351,6 +363,6 @@ impl Reader<'_> {
                 format!("set duration_s to {} or less", replay.length_s()),
             ));
         }
-        Ok(replay)
+        Ok((replay, recording.sha256))
     }
 }

@@ -34,7 +34,7 @@ impl Place {
     /// # Errors
     /// There is none.
     pub fn gpu() -> Result<Self> {
-        let gpu = Gpu::open(false)?;
+        let gpu = Gpu::open()?;
         Ok(Self { name: gpu.adapter.name.clone(), is_gpu: true, backend: Box::new(Ensembles::on(Arc::new(gpu))) })
     }
 

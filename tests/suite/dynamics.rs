@@ -116,7 +116,7 @@ fn lanes_are_independent() -> Result<(), Failed> {
 }
 
 fn devices_agree() -> Result<(), Failed> {
-    let gpu = Gpu::open(false)?;
+    let gpu = Gpu::open()?;
     let plan = Plan { steps_per_period: 128, transient_periods: 40, periods: 150, strobes: 4, ..PLAN };
     let both = |force: f64, cubic: f64, noise: f64| -> Result<[Vec<f64>; 2], Failed> {
         let oscillator = Oscillator { cubic_n_m3: cubic, ..PAPER };

@@ -1,14 +1,15 @@
 //! The same bits for any tile, batch, thread count and lane width, and for a run that was interrupted and resumed.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::cpu::{Cpu, Precision};
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::gpu::simulate::Ensembles;
-use proofmass::backend::{Backend, Batch, Partial};
-use proofmass::ensemble::{Options, run_on};
-use proofmass::error::Result;
+use proofmass::backend::{Backend, Batch, Ran};
+use proofmass::ensemble::{Choice, Keeper, Options, run_kept, run_on, run_or_fall_back};
+use proofmass::error::{Error, Result};
 use proofmass::kernel::cpu::lanes::Level;
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::{Job, Member};
@@ -25,6 +26,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("invariance: tiles, batches, threads and lanes do not change a bit", cpu),
         test("invariance: an interrupted and resumed run gives the same bits", resumed),
+        test("invariance: a CPU that goes on for a device gives the bits of a CPU", falling_back),
         test("invariance: members that fail are counted and left out", failing),
         gpu_test("invariance: tiles and batches do not change a bit on the GPU", gpu),
     ]
@@ -62,41 +64,127 @@ fn cpu() -> std::result::Result<(), Failed> {
     check(other.at != plain.at, "f32 and f64 gave the same bits: the comparison is blind")
 }
 
-/// A backend whose user presses Ctrl-C after a few batches.
-struct Impatient {
+/// A backend that stops within a batch, every time it is asked to go on, and fails after so many tiles.
+struct Faulty {
     cpu: Cpu,
-    patience: u32,
+    tiles: u32,
+    failed: bool,
 }
 
-impl Backend for Impatient {
+impl Faulty {
+    /// With another instruction set than the CPU's own, so that it has bits of its own where the two differ.
+    fn after(tiles: u32) -> Self {
+        Self { cpu: Cpu { tile_samples: 40, level: Level::Baseline, ..Cpu::default() }, tiles, failed: false }
+    }
+}
+
+impl Backend for Faulty {
     fn machine(&self, job: &Job) -> Machine {
-        self.cpu.machine(job)
+        Machine { kind: "gpu".to_owned(), name: "a device that fails".to_owned(), ..self.cpu.machine(job) }
     }
     fn batch_members(&self, job: &Job) -> Result<u64> {
         self.cpu.batch_members(job)
     }
-    fn run(&mut self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>> {
-        self.patience = self.patience.saturating_sub(1);
-        if self.patience == 0 { Ok(None) } else { self.cpu.run(batch) }
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
+        self.tiles = self.tiles.saturating_sub(1);
+        if self.tiles == 0 {
+            self.failed = true;
+            return Err(Error::new("could not compute", "the device was lost", "use another"));
+        }
+        let Batch { job, members, bins, resume, progress, .. } = batch;
+        let after_one_tile = || true;
+        let (job, members, bins) = (*job, members.clone(), *bins);
+        self.cpu.run(&Batch { job, members, bins, resume: *resume, stop: &after_one_tile, progress: *progress })
     }
+    fn has_failed(&self) -> bool {
+        self.failed
+    }
+}
+
+const IN_BATCHES: Options =
+    Options { backend: Choice::Auto, precision: Precision::F32, batch_members: Some(512), quiet: true };
+
+/// A number in the state that a run has left.
+fn state(folder: &Path) -> std::result::Result<serde_json::Value, Failed> {
+    Ok(serde_json::from_slice(&std::fs::read(folder.join("interrupted-1.json"))?)?)
 }
 
 fn resumed() -> std::result::Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    let state = folder.path().join("state.json");
-    let mut options =
-        Options { quiet: true, batch_members: Some(512), state: Some(state.clone()), ..Options::default() };
-    let stopped = run_on(&study(), &mut Impatient { cpu: Cpu::default(), patience: 3 }, &options);
-    check(stopped.is_err_and(|e| e.hint.contains("--resume")), "an interrupted run does not say how to go on")?;
-    check(state.exists(), "an interrupted run leaves no state")?;
-    options.resume = true;
-    let other = Job { seed: 2, ..study() };
-    check(run_on(&other, &mut Cpu::default(), &options).is_err(), "the state of another study was accepted")?;
-    let whole = run_on(&study(), &mut Cpu::default(), &options)?;
-    check(!state.exists(), "a finished run leaves its state behind")?;
-    same("interruption", &run(&mut Cpu::default(), None)?, &whole)
+    let begin = |resume: bool| match resume {
+        true => Keeper::resume(folder.path(), "a study"),
+        false => Ok(Keeper::new(folder.path(), "a study")),
+    };
+    // Members summed, then samples of the batch under way: how far a state has come.
+    let reached = || -> std::result::Result<(u64, u64), Failed> {
+        let state = state(folder.path())?;
+        Ok((state["next_member"].as_u64().unwrap_or(0), state["under_way"][1]["samples"].as_u64().unwrap_or(0)))
+    };
+    let (mut stops, mut before) = (0, (0, 0));
+    let whole = loop {
+        let mut keeper = begin(stops > 0)?;
+        match run_kept(&study(), &mut Faulty::after(4), &IN_BATCHES, &mut keeper) {
+            Ok(statistics) => break statistics,
+            Err(error) => check(error.hint.contains("--resume"), "an interrupted run does not say how to go on")?,
+        }
+        let now = reached()?;
+        check(now > before, format!("from {before:?} to {now:?}: a run that was resumed did not come further"))?;
+        (stops, before) = (stops + 1, now);
+    };
+    check(stops > 6, format!("only {stops} stops"))?;
+    let plain = run(&mut Cpu { level: Level::Baseline, ..Cpu::default() }, None)?;
+    same("interruption", &plain, &whole)?;
+    let others: [(Job, &str); 3] =
+        [(Job { seed: 2, ..study() }, "a study"), (Job { members: 1501, ..study() }, "a study"), (study(), "another")];
+    for (job, identity) in others {
+        let mut keeper = Keeper::resume(folder.path(), identity)?;
+        let refused = run_kept(&job, &mut Cpu::default(), &IN_BATCHES, &mut keeper);
+        check(refused.is_err_and(|e| e.cause.contains("another run")), "the state of another run was accepted")?;
+    }
+    // A digit of a sum that is not the one that was written.
+    let path = folder.path().join("interrupted-1.json");
+    let text = std::fs::read_to_string(&path)?;
+    let place = text.find("\"mean\":").ok_or("no mean in the state")? + 12;
+    let digit = if text.as_bytes()[place] == b'7' { "8" } else { "7" };
+    std::fs::write(&path, format!("{}{digit}{}", &text[..place], &text[place + 1..]))?;
+    let damaged = run_kept(&study(), &mut Cpu::default(), &IN_BATCHES, &mut begin(true)?);
+    check(damaged.is_err_and(|e| e.cause.contains("checksum")), "a state that was changed was accepted")?;
+    Keeper::new(folder.path(), "a study").forget()?;
+    check(std::fs::read_dir(folder.path())?.count() == 0, "a finished run leaves its state behind")?;
+    // Twice is no error: another may have removed it.
+    Ok(Keeper::new(folder.path(), "a study").forget()?)
 }
 
+/// The first 512 members with one instruction set, the others with another.
+struct Split;
+
+impl Backend for Split {
+    fn machine(&self, job: &Job) -> Machine {
+        Cpu::default().machine(job)
+    }
+    fn batch_members(&self, job: &Job) -> Result<u64> {
+        Cpu::default().batch_members(job)
+    }
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
+        let level = if batch.members.start < 512 { Level::Baseline } else { Level::best() };
+        Cpu { level, ..Cpu::default() }.run(batch)
+    }
+}
+
+fn falling_back() -> std::result::Result<(), Failed> {
+    // Eight tiles a batch: it fails in the second, whose members then all come from the CPU.
+    let mut device = Faulty::after(12);
+    let got = run_or_fall_back(&study(), &mut device, &IN_BATCHES, &mut Keeper::none())?;
+    let expected = run_on(&study(), &mut Split, &IN_BATCHES)?;
+    same("a device that fails", &expected, &got)?;
+    let [first, second] = &got.origins[..] else { return Err("not two origins".into()) };
+    check(first.members == (0..512) && first.machine.kind == "gpu" && first.reason.is_none(), format!("{first:?}"))?;
+    check(second.members == (512..1500) && second.machine.kind == "cpu", format!("{second:?}"))?;
+    check(second.reason.as_ref().is_some_and(|r| r.contains("the device was lost")), format!("{second:?}"))?;
+    // Control: members of the one are not those of the other, where their instructions round differently.
+    let all = run(&mut Cpu::default(), None)?;
+    check(all.at != got.at || Level::best().fused() == Level::Baseline.fused(), "the comparison is blind")
+}
 /// Every other member has a spring that softens until it gives way under the load.
 fn failing() -> std::result::Result<(), Failed> {
     let mut job = study();
@@ -117,7 +205,7 @@ fn failing() -> std::result::Result<(), Failed> {
 }
 
 fn gpu() -> std::result::Result<(), Failed> {
-    let device = Arc::new(Gpu::open(false)?);
+    let device = Arc::new(Gpu::open()?);
     let on = |tile_samples| {
         let mut ensembles = Ensembles::on(device.clone());
         ensembles.tile_samples = tile_samples;

@@ -24,7 +24,7 @@ pub fn tests() -> Vec<Trial> {
         }),
         test("parity: every instruction set gives the same percentiles, the baseline included", levels),
         gpu_test("parity: compensated sums are alive on this adapter", || {
-            let got = Gpu::open(false)?.compensation()?;
+            let got = Gpu::open()?.compensation()?;
             check(got[0] == 0.0, format!("a plain sum kept what f32 must lose: {got:?}"))?;
             check(got[1] == 1.0, format!("the compensated sum lost it: {got:?}"))
         }),

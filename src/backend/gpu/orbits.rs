@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
                 strobe: done,
                 padding: [0; 2],
             };
-            self.gpu.write(&self.tile, bytes_of(&tile));
+            self.gpu.write(&self.tile, bytes_of(&tile))?;
             let begun = Instant::now();
             let four = [&self.tile, &self.parameters, &self.cosines, &self.state];
             let five = [&self.tile, &self.parameters, &self.cosines, &self.state, &self.strobes];

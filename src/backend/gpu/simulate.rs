@@ -3,8 +3,8 @@
 //! Submissions are kept near 80 ms, so that no driver loses patience and Ctrl-C is heard; the next one is prepared while
 //! the device works on the last.
 //!
-//! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until a batch ends, 96 bytes
-//! for 256 members and a report, 6 MB for sixteen reports of a million members.
+//! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until a batch ends or is
+//! asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen reports of a million members.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,7 +13,7 @@ use bytemuck::{Zeroable, bytes_of, cast_slice};
 
 use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::cpu::column;
-use crate::backend::{Backend, Batch, Partial, tile};
+use crate::backend::{Backend, Batch, Partial, Ran, Unfinished, tile};
 use crate::error::{Error, Result};
 use crate::kernel::force;
 use crate::kernel::integrator::Integrator;
@@ -22,7 +22,6 @@ use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, STATE};
 use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
-use crate::progress;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Histogram, Machine, Moments};
 
@@ -38,6 +37,16 @@ const MOST_SAMPLES: u64 = 1 << 20;
 const MOST_MEMBERS: u64 = 1 << 20;
 /// Members of a batch on a software adapter, so that its state stays in the cache.
 const MOST_MEMBERS_SOFTWARE: u64 = 1 << 15;
+
+/// Member-steps that a batch is to take: some seconds on a large card, half a minute on a small one, whose batch is then
+/// kept half-way.
+const WORK: u64 = 200_000_000_000;
+/// The same on a software adapter.
+const WORK_SOFTWARE: u64 = 2_000_000_000;
+/// Fewest members of a batch, however much work each is: about as many as the largest cards have in flight.
+const FEWEST_MEMBERS: u64 = 1 << 16;
+/// The same on a software adapter.
+const FEWEST_MEMBERS_SOFTWARE: u64 = 1 << 12;
 
 /// Ensembles on a GPU.
 pub struct Ensembles {
@@ -89,15 +98,31 @@ impl Backend for Ensembles {
                 "give fewer report times, or use --backend cpu",
             ));
         }
-        Ok(fits.min(if self.gpu.adapter.hardware { MOST_MEMBERS } else { MOST_MEMBERS_SOFTWARE }))
+        let [work, fewest, most] = match self.gpu.adapter.hardware {
+            true => [WORK, FEWEST_MEMBERS, MOST_MEMBERS],
+            false => [WORK_SOFTWARE, FEWEST_MEMBERS_SOFTWARE, MOST_MEMBERS_SOFTWARE],
+        };
+        let by_work = (work / job.steps_per_member().max(1)).next_multiple_of(u64::from(BLOCK));
+        Ok(by_work.clamp(fewest, most).min(fits))
     }
 
-    fn run(&mut self, batch: &Batch<'_>) -> Result<Option<Vec<Partial>>> {
-        let plan = Plan::new(&self.gpu, batch)?;
-        if !plan.integrate(&self.gpu, batch, self.tile_samples)? {
-            return Ok(None);
+    fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
+        let mut plan = Plan::new(&self.gpu, batch)?;
+        let before = plan.resumed(&self.gpu, batch)?;
+        let from = before.map_or(0, |before| before.samples);
+        let samples = plan.integrate(&self.gpu, batch, from, self.tile_samples)?;
+        let mut partials = before.map_or_else(Vec::new, |before| before.partials.clone());
+        partials.extend(plan.partials(&self.gpu, batch)?.into_iter().skip(partials.len()));
+        if samples == batch.job.clock.samples {
+            return Ok(Ran::Whole(partials));
         }
-        Ok(Some(plan.partials(&self.gpu, batch)?))
+        partials.truncate(batch.job.clock.report_samples.iter().filter(|&&r| r <= samples).count());
+        let state = self.gpu.read(&plan.state, plan.state_bytes)?;
+        Ok(Ran::Part(Unfinished { members: batch.members.clone(), samples, partials, state }))
+    }
+
+    fn has_failed(&self) -> bool {
+        self.gpu.has_failed()
     }
 }
 
@@ -111,6 +136,7 @@ struct Plan {
     columns: Buffer,
     turns: Buffer,
     state: Buffer,
+    state_bytes: u64,
     errors: Buffer,
     bins: Buffer,
     partials: Buffer,
@@ -160,6 +186,7 @@ impl Plan {
             batch.bins.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
         bins.resize(reports as usize * 4, layout::Bins::zeroed());
         let blocks = stride / u64::from(BLOCK);
+        let state_bytes = 4 * stride * (STATE + sets * amplitudes.len()) as u64;
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
@@ -168,7 +195,8 @@ impl Plan {
             tile,
             columns: gpu.upload(cast_slice(&columns))?,
             turns: gpu.upload(cast_slice(&turns))?,
-            state: gpu.zeros(4 * stride * (STATE + sets * amplitudes.len()) as u64)?,
+            state: gpu.zeros(state_bytes)?,
+            state_bytes,
             errors: gpu.zeros(4 * stride * 5)?,
             bins: gpu.upload(cast_slice(&bins))?,
             partials: gpu.zeros(reports * blocks * 4 * size_of::<layout::Partial>() as u64)?,
@@ -176,18 +204,26 @@ impl Plan {
         })
     }
 
-    /// All tiles; `false` when the user asked to stop.
-    fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, most: u64) -> Result<bool> {
-        let (job, mut from) = (batch.job, 0);
+    /// Sets the members to where the batch was stopped, if it was, on this kind of device.
+    fn resumed<'a>(&mut self, gpu: &Gpu, batch: &Batch<'a>) -> Result<Option<&'a Unfinished>> {
+        let fits =
+            |before: &&Unfinished| before.members == batch.members && before.state.len() as u64 == self.state_bytes;
+        let before = batch.resume.filter(fits);
+        if let Some(before) = before {
+            self.state = gpu.upload(&before.state)?;
+        }
+        Ok(before)
+    }
+
+    /// All tiles from sample `from` on, or until it is asked to stop; returns the samples done.
+    fn integrate(&self, gpu: &Gpu, batch: &Batch<'_>, mut from: u64, most: u64) -> Result<u64> {
+        let job = batch.job;
         let most = most.min(MOST_SUBSTEPS / job.steps_per_sample());
         let mut samples = 16;
         let (mut under_way, mut begun) = (None, Instant::now());
         loop {
             let tiles = tile::submission(&job.clock, from, samples, most);
             let Some(last) = tiles.last() else { break };
-            if progress::interrupted() {
-                return Ok(false);
-            }
             let count = last.samples.end - from;
             from = last.samples.end;
             let submitted = self.submit(gpu, batch, &tiles)?;
@@ -199,11 +235,14 @@ impl Plan {
                 begun = Instant::now();
             }
             (batch.progress)(count * u64::from(self.members));
+            if (batch.stop)() {
+                break;
+            }
         }
         if let Some((last, _)) = under_way {
             gpu.wait(&last)?;
         }
-        Ok(true)
+        Ok(from)
     }
 
     /// Hands tiles to the device, each followed by the sums of the report it ends with.

@@ -21,6 +21,12 @@ impl<T: Real> Flicker<T> {
         let zero = Lane::splat(T::of(0.0));
         Self { terms: vec![zero; terms], slowest: zero }
     }
+
+    /// All that changes from sample to sample.
+    pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut Lane<T>> {
+        let Self { terms, slowest } = self;
+        terms.iter_mut().chain([slowest])
+    }
 }
 
 /// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive samples.

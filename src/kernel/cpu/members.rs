@@ -152,6 +152,33 @@ impl<T: Real> Members<T> {
         }
     }
 
+    /// Replaces every number that a tile changes by what `with` makes of it, always in the same order: to read them all, or to
+    /// set them all to those of a run that was stopped.
+    pub fn exchange(&mut self, with: &mut dyn FnMut(f64) -> f64) {
+        // No `..`: a new field must decide here whether tiles change it.
+        let Self {
+            draw: _,
+            active: _,
+            columns: _,
+            turns: _,
+            e,
+            q,
+            walk,
+            gyro_walk,
+            flicker,
+            gyro_flicker,
+            sums,
+            acceleration,
+        } = self;
+        let Sums { velocity, position, rate, velocity_total, position_total, rate_total, failed } = sums;
+        let lanes = [e, q, walk, gyro_walk, acceleration, velocity, position, rate];
+        let numbers = lanes.into_iter().chain(flicker.lanes()).chain(gyro_flicker.lanes()).flat_map(|lane| &mut lane.0);
+        numbers.for_each(|v| *v = T::of(with(v.f64())));
+        let totals = [velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
+        totals.for_each(|v| *v = with(*v));
+        failed.iter_mut().for_each(|f| *f = with(f64::from(u8::from(*f))) != 0.0);
+    }
+
     /// Places every proof mass: error of the reading (m/s²) and rate of the reading times one substep.
     pub fn place(&mut self, error_m_s2: f64, rate_step_m_s2: f64) {
         self.e = Lane::splat(T::of(error_m_s2));

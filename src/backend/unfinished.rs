@@ -1,0 +1,32 @@
+//! A batch between two tiles: what has to be kept of it so that it goes on with the same bits.
+
+use std::ops::Range;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::Partial;
+
+/// A batch that was stopped between two tiles.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Unfinished {
+    /// Its members.
+    pub members: Range<u64>,
+    /// Samples done.
+    pub samples: u64,
+    /// One per report time that was passed.
+    pub partials: Vec<Partial>,
+    /// What its backend knows of the members between two tiles, as that backend writes it.
+    #[serde(serialize_with = "to_text", deserialize_with = "from_text")]
+    pub state: Vec<u8>,
+}
+
+fn to_text<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&STANDARD.encode(bytes))
+}
+
+fn from_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    STANDARD.decode(text).map_err(serde::de::Error::custom)
+}

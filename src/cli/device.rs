@@ -1,0 +1,37 @@
+//! Which device a command computes on, and what it does when that device fails.
+
+use super::say::remark;
+use crate::backend::gpu::Gpu;
+use crate::backend::orbits::Device;
+use crate::ensemble::Choice;
+use crate::error::Result;
+
+/// The GPU to use, opened; `None` is the CPU. One that is there and cannot be opened is said.
+///
+/// # Errors
+/// A GPU was asked for and there is none, or it refuses.
+pub(super) fn open(choice: Choice) -> Result<Option<Gpu>> {
+    match choice {
+        Choice::Auto => Ok(Gpu::hardware().unwrap_or_else(|error| {
+            remark!("note: {}: {}. The CPU is used instead.", error.attempt, error.cause);
+            None
+        })),
+        Choice::Gpu => Gpu::open().map(Some),
+        Choice::Cpu => Ok(None),
+    }
+}
+
+/// Does `work` on the device of the choice. Where the choice is automatic and a GPU fails, the CPU does it from the beginning.
+///
+/// # Errors
+/// As [`open`] and `work`.
+pub(super) fn on_device<T>(choice: Choice, work: impl Fn(Device<'_>) -> Result<T>) -> Result<T> {
+    let Some(gpu) = open(choice)? else { return work(Device::Cpu) };
+    match work(Device::Gpu(&gpu)) {
+        Err(error) if choice == Choice::Auto && gpu.has_failed() => {
+            remark!("note: {} failed: {}. The CPU begins anew.", gpu.adapter.name, error.cause);
+            work(Device::Cpu)
+        }
+        done => done,
+    }
+}

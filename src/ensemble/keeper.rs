@@ -1,0 +1,186 @@
+//! Where a run of several parts keeps what it has summed up, so that it goes on after a stop, a kill or a fault.
+//!
+//! One file per part, written when [`INTERVAL_S`] seconds of work are not kept yet and when the run is stopped, and removed by
+//! [`Keeper::forget`], after the caller has written everything that the run was for.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use indicatif::ProgressBar;
+
+use super::state::{Run, State};
+use crate::backend::cpu::Precision;
+use crate::error::{Error, Result};
+use crate::kernel::job::Job;
+use crate::progress;
+
+/// Seconds of work after which it is kept. `PROOFMASS_STATE_INTERVAL_S` sets another number.
+const INTERVAL_S: f64 = 30.0;
+/// Most parts of a run: an ensemble and its error budget have some twenty.
+const MOST_PARTS: usize = 100;
+
+/// The states of a run.
+#[derive(Debug)]
+pub struct Keeper {
+    /// Where the files are; none are written without.
+    folder: Option<PathBuf>,
+    /// What the run is, so that sums of another are not mixed in.
+    identity: String,
+    interval: Duration,
+    last: Instant,
+    /// Whether parts are read from their files.
+    resume: bool,
+    /// Parts begun, and whether each has changed since it was written.
+    parts: Vec<(State, bool)>,
+    /// Whether the user was told that nothing can be written.
+    warned: bool,
+}
+
+impl Keeper {
+    /// Keeps nothing.
+    pub fn none() -> Self {
+        Self::of(None, "", false)
+    }
+
+    /// Keeps the run of this `identity` in a folder. States of an earlier run there give way to the first one written.
+    pub fn new(folder: &Path, identity: &str) -> Self {
+        Self::of(Some(folder), identity, false)
+    }
+
+    /// Goes on with the run of this `identity` that was stopped in a folder.
+    ///
+    /// # Errors
+    /// No run was.
+    pub fn resume(folder: &Path, identity: &str) -> Result<Self> {
+        match (1..=MOST_PARTS).any(|part| file(folder, part).exists()) {
+            true => Ok(Self::of(Some(folder), identity, true)),
+            false => Err(Error::new(
+                "could not resume",
+                format!("no interrupted run in {}", folder.display()),
+                "leave --resume out to begin anew, or give the --out of the interrupted run",
+            )),
+        }
+    }
+
+    fn of(folder: Option<&Path>, identity: &str, resume: bool) -> Self {
+        let given = std::env::var("PROOFMASS_STATE_INTERVAL_S").ok().and_then(|text| text.parse().ok());
+        Self {
+            folder: folder.map(Path::to_owned),
+            identity: identity.to_owned(),
+            interval: Duration::try_from_secs_f64(given.unwrap_or(INTERVAL_S)).unwrap_or(Duration::MAX),
+            last: Instant::now(),
+            resume,
+            parts: Vec::new(),
+            warned: false,
+        }
+    }
+
+    /// Begins the next part, or goes on with it where its file is there.
+    pub(super) fn begin(&mut self, job: &Job, precision: Precision) -> Result<()> {
+        let part = self.parts.len() + 1;
+        let run = Run { identity: &self.identity, part, job, precision };
+        let path = self.folder.as_ref().map(|folder| file(folder, part)).filter(|path| self.resume && path.exists());
+        // A part that was not reached yet begins at its beginning.
+        let state = path.map_or_else(|| Ok(State::new(&run)), |path| State::read(&path, &run))?;
+        self.parts.push((state, false));
+        Ok(())
+    }
+
+    /// The part begun last.
+    ///
+    /// # Panics
+    /// Never: every use follows [`Self::begin`].
+    pub(super) fn part(&self) -> &State {
+        &self.parts[self.parts.len() - 1].0
+    }
+
+    /// The same, to be changed.
+    pub(super) fn part_mut(&mut self) -> &mut State {
+        let last = self.parts.len() - 1;
+        let (state, changed) = &mut self.parts[last];
+        *changed = true;
+        state
+    }
+
+    /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is let finish.
+    pub(super) fn is_due_within(&self, begun: Instant) -> bool {
+        self.folder.is_some() && self.last.elapsed() >= self.interval && begun.elapsed() >= self.interval / 6
+    }
+
+    /// Writes what was done, if it is time. A run goes on where that fails, and says so once.
+    pub(super) fn keep_if_due(&mut self, bar: &ProgressBar) {
+        if self.folder.is_none() || self.last.elapsed() < self.interval {
+            return;
+        }
+        if let Err(error) = self.write()
+            && !std::mem::replace(&mut self.warned, true)
+        {
+            let words = format!("note: {}: {}. The run goes on; a stop would lose it.", error.attempt, error.cause);
+            progress::remark(bar, &words);
+        }
+        self.last = Instant::now();
+    }
+
+    /// Writes every part that has changed since it was written.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&mut self) -> Result<()> {
+        let Some(folder) = self.folder.clone() else { return Ok(()) };
+        if !std::mem::replace(&mut self.resume, true) {
+            remove(&folder)?;
+        }
+        for (n, (state, changed)) in self.parts.iter_mut().enumerate() {
+            if *changed || !file(&folder, n + 1).exists() {
+                state.write(&file(&folder, n + 1))?;
+                *changed = false;
+            }
+        }
+        self.last = Instant::now();
+        Ok(())
+    }
+
+    /// Removes the files, when all that the run was for is written.
+    ///
+    /// # Errors
+    /// A file is there and cannot be removed.
+    pub fn forget(&self) -> Result<()> {
+        self.folder.as_deref().map_or(Ok(()), remove)
+    }
+
+    /// Writes what was done, and says in the hint of an error that ended the run how to go on.
+    pub fn kept(&mut self, error: Error) -> Error {
+        let Some(folder) = self.folder.clone() else { return error };
+        let hint = match self.write() {
+            Ok(()) => {
+                format!("what was done is kept in {}: the same command with --resume goes on", folder.display())
+            }
+            Err(unkept) => format!("what was done could not be kept ({}: {})", unkept.attempt, unkept.cause),
+        };
+        let hint = if error.hint.is_empty() { hint } else { format!("{}; {hint}", error.hint) };
+        Error { hint, ..error }
+    }
+
+    /// The error of a run that the user has stopped.
+    pub(super) fn stopped(&mut self) -> Error {
+        let hint = if self.folder.is_some() { "" } else { "run it again" };
+        self.kept(Error::interrupted("could not finish the simulation", hint))
+    }
+}
+
+fn file(folder: &Path, part: usize) -> PathBuf {
+    folder.join(format!("interrupted-{part}.json"))
+}
+
+/// Removes all states in a folder.
+fn remove(folder: &Path) -> Result<()> {
+    for path in (1..=MOST_PARTS).map(|part| file(folder, part)) {
+        match std::fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound && e.kind() != std::io::ErrorKind::NotADirectory => {
+                return Err(Error::io("remove", &path, &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
