@@ -4,8 +4,6 @@
 //! too, that is the run least disturbed, and only ratios within one process mean anything. Not for correctness:
 //! `validation` has that.
 
-use std::time::Instant;
-
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::peak::multiply_adds;
@@ -28,33 +26,13 @@ pub mod peak;
 pub mod peers;
 pub mod prediction;
 pub mod published;
+mod row;
 pub mod scalar;
 pub mod work;
 
-/// One measurement.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Row {
-    /// What was done.
-    pub work: String,
-    /// "cpu", or the adapter's name.
-    pub place: String,
-    /// "f32" or "f64".
-    pub precision: String,
-    /// Members at a time.
-    pub members: u64,
-    /// Shortest of several runs, s.
-    pub seconds: f64,
-    /// Units per second.
-    pub per_second: f64,
-    /// What a unit is.
-    pub unit: String,
-    /// Vector instructions per unit, where they were counted.
-    pub instructions: Option<f64>,
-    /// Bytes to and from memory per unit, where they were counted.
-    pub bytes: Option<f64>,
-    /// Share of the machine's multiply-add peak that these instructions take.
-    pub share_of_peak: Option<f64>,
-}
+pub use row::Row;
+use row::row;
+pub use work::FULL;
 
 /// Name of the rows that all shares refer to.
 pub const PEAK: &str = "multiply-add peak";
@@ -62,66 +40,12 @@ pub const PEAK: &str = "multiply-add peak";
 pub const LORENZ: &str = "Lorenz, 1000 Runge-Kutta steps";
 /// Name of a row that has a published counterpart.
 pub const DIFFUSION: &str = "three states, 256 Euler-Maruyama steps";
-/// Name of the rows of ensembles by the full path.
-pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";
 /// Name of the rows of the same without its numbers.
 pub const NOISELESS: &str = "full without force noise";
 /// Name of the rows of its numbers alone.
 pub const NORMAL: &str = "normal numbers, one a member-step";
 const MAP: &str = "Lyapunov map: orbit and tangent by Runge-Kutta";
 const STEPS: &str = "member-steps";
-
-impl Row {
-    fn counted(mut self, instructions: f64) -> Self {
-        self.instructions = Some(instructions);
-        self
-    }
-}
-
-/// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
-/// A short first run is not counted.
-fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
-    let begun = Instant::now();
-    run()?;
-    let first = begun.elapsed().as_secs_f64();
-    if first > 3.0 {
-        return Ok(first);
-    }
-    let (begun, mut shortest, mut runs) = (Instant::now(), f64::INFINITY, 0);
-    while runs < 3 || begun.elapsed().as_secs_f64() < 0.5 {
-        let one = Instant::now();
-        run()?;
-        shortest = one.elapsed().as_secs_f64().min(shortest);
-        runs += 1;
-        if progress::interrupted() {
-            break;
-        }
-    }
-    Ok(shortest)
-}
-
-fn row(
-    work: &str,
-    precision: &str,
-    members: u64,
-    units: f64,
-    unit: &str,
-    run: impl FnMut() -> Result<()>,
-) -> Result<Row> {
-    let seconds = shortest_s(run)?;
-    Ok(Row {
-        work: work.to_owned(),
-        place: "cpu".to_owned(),
-        precision: precision.to_owned(),
-        members,
-        seconds,
-        per_second: units / seconds,
-        unit: unit.to_owned(),
-        instructions: None,
-        bytes: None,
-        share_of_peak: None,
-    })
-}
 
 /// A row of work that cannot fail.
 fn timed<O>(work: &str, precision: &str, members: usize, units: f64, run: impl Fn() -> O) -> Result<Row> {

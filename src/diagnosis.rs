@@ -4,7 +4,7 @@
 //! each returns the same [`Diagnosis`], with its own plain numbers for figures in [`Detail`]. Not for drawing: `report`
 //! turns a `Diagnosis` into a page.
 
-pub mod candidate;
+pub use crate::physics::candidate;
 pub mod consequence;
 pub mod detection;
 pub mod driven;

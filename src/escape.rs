@@ -44,6 +44,11 @@ pub fn xml(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// Text made safe to stand in HTML and SVG.
+pub fn html(text: &str) -> String {
+    xml(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// Text as part of a file name: ASCII letters, digits, `_` and `-`, at most `longest` of them. Different texts may give the
 /// same name.
 pub fn file_name(text: &str, longest: usize) -> String {

@@ -16,7 +16,7 @@
 //! | 0 | `units` `number` `escape` `error` `document` `progress` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
-//! | 3 | `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
+//! | 3 | `physics` `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
 //! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
 //! | 5 | `backend` | CPU lanes or GPU |
 //! | 6 | `ensemble` `drift` | study × backend → statistics → envelopes, closed forms, error budget |
@@ -47,6 +47,7 @@ pub mod number;
 pub mod numerics;
 pub mod paper;
 pub mod parallel;
+pub mod physics;
 pub mod progress;
 pub mod recording;
 pub mod report;

@@ -4,6 +4,7 @@ pub mod allan;
 pub mod cosine;
 pub mod elementary;
 pub mod least_squares;
+pub mod moments;
 pub mod non_negative;
 pub mod order;
 pub mod special;

@@ -5,6 +5,7 @@
 
 pub mod array;
 pub mod attractor;
+pub mod beliefs;
 pub mod check;
 pub mod cubic;
 pub mod envelope;

@@ -5,7 +5,7 @@ use crate::backend::misfits::evaluate;
 use crate::error::Result;
 use crate::kernel::misfit::{Job, Point, Units};
 
-use super::{Row, row};
+use super::row::{Row, row};
 
 /// Samples of the recording.
 const SAMPLES: usize = 4000;

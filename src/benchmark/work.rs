@@ -10,6 +10,8 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 use crate::validation::jobs::{Sine, duffing};
 use crate::validation::parity::everything;
 
+/// Name of the rows of ensembles by the full path.
+pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";
 /// Sizes at which the full path is timed: from one sensor to a fleet.
 pub const SIZES: [u64; 7] = [1, 64, 1024, 8192, 65_536, 1 << 20, 10_000_000];
 /// Name of these rows.
@@ -92,7 +94,7 @@ pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;
     let all = Sensor { proof_mass: Some(linear), ..everything() };
     vec![
-        (super::FULL, Job { clock: full(1).clock, ..full(members) }),
+        (FULL, Job { clock: full(1).clock, ..full(members) }),
         ("linear: exact map, white noise, two integrations", job(plain, members, 4096, Integrator::ExactHold)),
         ("every error on: exact map, seven noises, tilt", job(all, members, 4096, Integrator::ExactHold)),
     ]

@@ -4,17 +4,13 @@
 //! did is seen apart from the noise; and on the moves of a recording. The filter's beliefs come from printed or fitted
 //! noise, never from the outcome.
 
+use super::beliefs::{STEP_S, WEIGHTINGS, model};
 use super::check::{Check, Exhibit};
-use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use super::moved::{Moved, moved_checks};
 use crate::navigation::kalman::{Filter, Model, Reading, Weighting};
 use crate::numerics::order;
 use crate::parallel;
 use crate::rng::{Philox, Stream};
-use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
-
-/// Three ways to trust the accelerometer, in the order of all arrays here.
-pub const WEIGHTINGS: [Weighting; 3] = [Weighting::Plain, Weighting::Magnitude, Weighting::Adaptive];
 
 /// The paper's times: still until, moved until, back only after, s.
 pub const STILL_UNTIL_S: f64 = 1.2;
@@ -24,24 +20,7 @@ pub const MOVED_UNTIL_S: f64 = 1.4;
 pub const BACK_AFTER_S: f64 = 3.0;
 
 const MEMBERS: u64 = 400;
-const STEP_S: f64 = 0.01;
 const END_S: f64 = 8.0;
-
-/// The filter's beliefs from the printed noise of the paper's sensor family.
-pub fn model() -> Model {
-    let force_noise_m_s2 = PRINTED_ACCELEROMETER_DENSITY * (0.5 / STEP_S).sqrt();
-    Model {
-        step_s: STEP_S,
-        angle_walk_rad_rts: PRINTED_GYRO_DENSITY * DENSITY_TO_RANDOM_WALK,
-        // A bias that wanders by 0.003 °/s in a second: ten times what the family's stability of 20 °/h asks, so that the
-        // filter also follows a warming sensor.
-        bias_walk_rad_s_rts: 0.003 * DEGREE,
-        tilt_noise_rad: force_noise_m_s2 / STANDARD_GRAVITY_M_S2,
-        force_noise_m_s2,
-        gravity_m_s2: STANDARD_GRAVITY_M_S2,
-        start_deviation: [1.0 * DEGREE, 0.2 * DEGREE],
-    }
-}
 
 /// The filter at rest: what figure 11 shows over time.
 #[derive(Debug, Clone)]

@@ -3,8 +3,8 @@
 //! The reference is the pitch that the gyro carries through a move from one still pose into the next, corrected to meet the
 //! accelerometer's mean in both. Moves that come near to standing upright are left out: eq. 3 has no pitch rate there.
 
+use super::beliefs::{WEIGHTINGS, model};
 use super::check::{Check, Source};
-use super::fusion::WEIGHTINGS;
 use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
 use crate::navigation::kalman::{Filter, Model, Reading};
@@ -42,7 +42,7 @@ pub fn compute(imu: &Inertial, pitch: &Pitch) -> Moved {
         angle_walk_rad_rts: pitch.angle_walk.value,
         tilt_noise_rad: pitch.force_deviation.value,
         force_noise_m_s2: pitch.force_deviation.value * STANDARD_GRAVITY_M_S2,
-        ..super::fusion::model()
+        ..model()
     };
     let mut moved = Moved {
         source: imu.source,

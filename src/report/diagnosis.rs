@@ -3,9 +3,12 @@
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
 mod driven;
+mod exhibit;
 mod profile;
 mod rest;
 mod tumble;
+
+pub use exhibit::{Exhibit, Part};
 
 use crate::diagnosis::consequence::DIFFERENCE;
 use crate::diagnosis::repair::{Cost, Repair};
@@ -16,32 +19,6 @@ use super::figure::Figure;
 use super::html::Page;
 use super::table::Table;
 use crate::number::{duration, rounded, significant, with_uncertainty};
-
-/// The part of the page a figure belongs to, in the page's order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
-    /// The one figure of the first screen: the mismatch, and that it goes away.
-    Opening,
-    /// Recording, base and repaired model on held-out data; residual before and after.
-    Improvement,
-    /// Where the mismatch lives.
-    Isolation,
-    /// How the parameters were found and how sure they are.
-    Identification,
-}
-
-/// A figure of a diagnosis.
-#[derive(Debug, Clone)]
-pub struct Exhibit {
-    /// Where on the page.
-    pub part: Part,
-    /// File name without ending, e.g. "held-out-overlay".
-    pub name: String,
-    /// The figure.
-    pub figure: Figure,
-    /// What it shows and what to see in it.
-    pub caption: String,
-}
 
 /// The figures of any kind of diagnosis.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {

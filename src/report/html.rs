@@ -3,7 +3,7 @@
 use super::figure::Figure;
 use super::figure::theme;
 use super::table::Table;
-use crate::escape::xml;
+use crate::escape::html;
 
 /// A page being written, top to bottom.
 #[derive(Debug, Clone)]
@@ -13,49 +13,44 @@ pub struct Page {
     body: String,
 }
 
-/// Text made safe to stand in HTML and SVG.
-pub fn escape(text: &str) -> String {
-    xml(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 impl Page {
     /// A page that opens with its title and the answer in a sentence or two.
     pub fn new(title: &str, lede: &str) -> Self {
-        let body = format!("<header><h1>{}</h1><p class=\"lede\">{}</p></header>\n", escape(title), escape(lede));
+        let body = format!("<header><h1>{}</h1><p class=\"lede\">{}</p></header>\n", html(title), html(lede));
         Self { title: title.into(), contents: Vec::new(), body }
     }
 
     /// Begins a section; it also appears in the contents when there are four or more.
     pub fn section(&mut self, heading: &str) {
         let id = format!("s{}", self.contents.len() + 1);
-        self.body += &format!("<h2 id=\"{id}\">{}</h2>\n", escape(heading));
+        self.body += &format!("<h2 id=\"{id}\">{}</h2>\n", html(heading));
         self.contents.push((id, heading.into()));
     }
 
     /// A smaller heading.
     pub fn subsection(&mut self, heading: &str) {
-        self.body += &format!("<h3>{}</h3>\n", escape(heading));
+        self.body += &format!("<h3>{}</h3>\n", html(heading));
     }
 
     /// A paragraph of plain text.
     pub fn paragraph(&mut self, text: &str) {
-        self.body += &format!("<p>{}</p>\n", escape(text));
+        self.body += &format!("<p>{}</p>\n", html(text));
     }
 
     /// A paragraph set apart: a verdict, a warning, a hint.
     pub fn callout(&mut self, text: &str) {
-        self.body += &format!("<p class=\"callout\">{}</p>\n", escape(text));
+        self.body += &format!("<p class=\"callout\">{}</p>\n", html(text));
     }
 
     /// A bulleted list of plain sentences.
     pub fn list<S: AsRef<str>>(&mut self, items: &[S]) {
-        let items: String = items.iter().map(|i| format!("<li>{}</li>", escape(i.as_ref()))).collect();
+        let items: String = items.iter().map(|i| format!("<li>{}</li>", html(i.as_ref()))).collect();
         self.body += &format!("<ul>{items}</ul>\n");
     }
 
     /// Text in its own line breaks, e.g. TOML.
     pub fn preformatted(&mut self, text: &str) {
-        self.body += &format!("<pre>{}</pre>\n", escape(text));
+        self.body += &format!("<pre>{}</pre>\n", html(text));
     }
 
     /// A table.
@@ -65,7 +60,7 @@ impl Page {
 
     /// A figure with its caption.
     pub fn figure(&mut self, figure: &Figure, caption: &str) {
-        self.body += &format!("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.inline_svg(), escape(caption));
+        self.body += &format!("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.inline_svg(), html(caption));
     }
 
     /// Two or more figures side by side where the screen is wide enough.
@@ -83,7 +78,7 @@ impl Page {
             String::new()
         } else {
             let items: String =
-                self.contents.iter().map(|(id, h)| format!("<li><a href=\"#{id}\">{}</a></li>", escape(h))).collect();
+                self.contents.iter().map(|(id, h)| format!("<li><a href=\"#{id}\">{}</a></li>", html(h))).collect();
             format!("<nav><ol>{items}</ol></nav>\n")
         };
         // What a page opens with, before its first heading, is its answer: the contents come after it.
@@ -96,7 +91,7 @@ impl Page {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
              <meta name=\"color-scheme\" content=\"light dark\">\
              <title>{}</title><style>{}{}</style></head><body>\n{body}</body></html>\n",
-            escape(&self.title),
+            html(&self.title),
             theme::css(),
             PAGE_CSS
         )

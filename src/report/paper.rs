@@ -4,13 +4,13 @@ mod chaos;
 mod diagram;
 mod growth;
 mod mechanics;
+mod section;
 mod tilt;
 
 use super::html::Page;
 use super::table::Table;
-use crate::number::{significant, worth};
 use crate::paper::Paper;
-use crate::paper::check::{Check, Exhibit, Source};
+use crate::paper::check::Source;
 
 /// One line per figure, for a terminal.
 pub fn table(paper: &Paper) -> Table {
@@ -44,40 +44,6 @@ fn words(source: Source) -> &'static str {
         Source::Simulated => "simulated",
         Source::Recorded => "recorded",
     }
-}
-
-/// At most `most` points of a curve, evenly taken, the last kept.
-fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
-    let every = points.len().div_ceil(most.max(2)).max(1);
-    let mut out: Vec<_> = points.iter().copied().step_by(every).collect();
-    if let (Some(last), Some(kept)) = (points.last(), out.last())
-        && last != kept
-    {
-        out.push(*last);
-    }
-    out
-}
-
-/// Heading of a figure's section.
-fn head(page: &mut Page, exhibit: &Exhibit) {
-    page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
-}
-
-/// The checks of a figure, a sentence each: tables of so many words do not fit a phone.
-fn checks(page: &mut Page, exhibit: &Exhibit) {
-    let sentence = |c: &Check| {
-        let (got, expected) = if c.range {
-            let ends = [c.expected - c.tolerance, c.expected + c.tolerance].map(|v| significant(v, 3));
-            (significant(c.got, 3), ends.join(" to "))
-        } else {
-            // One digit more than the tolerance has, so that a near miss can be seen.
-            let shown = |v| worth(v, 0.1 * c.tolerance);
-            (shown(c.got), format!("{} ± {}", shown(c.expected), significant(c.tolerance, 2)))
-        };
-        let verdict = if c.holds { "Holds" } else { "DOES NOT HOLD" };
-        format!("{verdict}. {}: {got}, expected {expected}. Source: {}.", c.name, c.because)
-    };
-    page.list(&exhibit.checks.iter().map(sentence).collect::<Vec<_>>());
 }
 
 /// The whole page.

@@ -3,6 +3,7 @@
 mod compared;
 mod distribution;
 mod envelope;
+mod moment;
 mod sensor;
 mod share;
 
@@ -16,6 +17,7 @@ use crate::statistics::{Origin, Statistics, Summary, quantity};
 use crate::study::Study;
 
 pub use envelope::log_log as envelope_figure;
+use moment::{moment, plain};
 
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {
@@ -164,16 +166,6 @@ pub fn budget_table(drift: &Drift) -> Table {
         table.row(row);
     }
     table
-}
-
-/// A time as it was written in the study, without the noise of its arithmetic.
-fn plain(time_s: f64) -> String {
-    format!("{}", (time_s * 1e6).round() / 1e6)
-}
-
-/// A time in words, "60 s" and not "60.0 s".
-fn moment(time_s: f64) -> String {
-    if (1.0..120.0).contains(&time_s) { format!("{} s", plain(time_s)) } else { duration(time_s) }
 }
 
 fn percent(fraction: f64) -> String {

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::html::escape;
-use crate::escape::line;
+use crate::escape::{html, line};
 
 /// Rows of text under headings. The first column is left-aligned, columns of numbers right-aligned.
 #[derive(Debug, Clone, Default)]
@@ -52,14 +51,14 @@ impl Table {
         let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
         for (c, heading) in self.headings.iter().enumerate() {
             // A line ends before the quantity, not before its unit.
-            let heading = escape(heading).replace(" / ", "\u{a0}/\u{a0}").replace(" %", "\u{a0}%");
+            let heading = html(heading).replace(" / ", "\u{a0}/\u{a0}").replace(" %", "\u{a0}%");
             out += &format!("<th{}>{heading}</th>", class(c));
         }
         out += "</tr></thead><tbody>";
         for r in 0..self.rows.len() {
             out += "<tr>";
             for c in 0..self.headings.len() {
-                out += &format!("<td{}>{}</td>", class(c), escape(self.cell(r, c)));
+                out += &format!("<td{}>{}</td>", class(c), html(self.cell(r, c)));
             }
             out += "</tr>";
         }

@@ -1,7 +1,7 @@
 //! Each error source alone grows by its closed form (Titterton and Weston, ch. 12; IEEE 952).
 
-use super::Row;
 use super::jobs::{Place, REST, job};
+use super::row::Row;
 use crate::error::Result;
 use crate::kernel::integrator::Integrator;
 use crate::sensor::Sensor;

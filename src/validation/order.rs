@@ -1,7 +1,7 @@
 //! Orders of convergence, and the static equilibrium that every integrator must keep.
 
-use super::Row;
 use super::jobs::{Sine, duffing, masses};
+use super::row::Row;
 use std::convert::Infallible;
 
 use crate::error::Result;

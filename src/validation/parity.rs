@@ -1,7 +1,7 @@
 //! CPU in f32 against a GPU: the same study, percentile by percentile, for every integrator and with everything on.
 
-use super::Row;
 use super::jobs::{Place, Sine, job, masses};
+use super::row::Row;
 use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::sensor::{Gyro, Sensor};

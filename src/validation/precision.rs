@@ -1,7 +1,7 @@
 //! f32 against f64, member by member: rounding must stay far below the noise that is simulated.
 
-use super::Row;
 use super::jobs::{Sine, job, masses};
+use super::row::Row;
 use crate::backend::cpu::outcomes;
 use crate::error::Result;
 use crate::kernel::job::Job;

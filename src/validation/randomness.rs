@@ -1,6 +1,6 @@
 //! Random numbers by known answers and by their law.
 
-use super::Row;
+use super::row::Row;
 use crate::kernel::cpu::lanes::{LANES, Lane};
 use crate::kernel::cpu::noise::Drawer;
 use crate::rng::{Stream, philox4x32_10};

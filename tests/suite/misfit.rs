@@ -1,27 +1,30 @@
 //! The misfit kernel simulates what the diagnosis' own filter simulates, for every candidate, on every backend.
 
+use cases::{FITTED, OMEGA, STIFF, base, cases, everything};
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::gpu::{self, Gpu};
 use proofmass::backend::misfits::evaluate;
-use proofmass::diagnosis::driven::ensemble::Ensemble;
-use proofmass::diagnosis::driven::filter::Nothing;
-use proofmass::diagnosis::driven::fit::{BASE, Data, Run, Search, Shape, fit, innovations};
-use proofmass::diagnosis::driven::input::{Input, Interpolation};
-use proofmass::diagnosis::driven::interval::spread;
-use proofmass::diagnosis::driven::profile::profiles;
-use proofmass::diagnosis::driven::select::refined;
-use proofmass::diagnosis::driven::start::first_scales;
-use proofmass::diagnosis::driven::term::{Scales, Term};
-use proofmass::diagnosis::driven::work::Stage;
-use proofmass::diagnosis::driven::{contact, drift, spring};
+use proofmass::diagnosis::driven::identification::fit::{Search, fit};
+use proofmass::diagnosis::driven::identification::interval::spread;
+use proofmass::diagnosis::driven::identification::profile::profiles;
+use proofmass::diagnosis::driven::identification::refined_scales::refined;
+use proofmass::diagnosis::driven::identification::start::first_scales;
+use proofmass::diagnosis::driven::identification::start_search::StartSearch;
+use proofmass::diagnosis::driven::intake::data::Data;
+use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
+use proofmass::diagnosis::driven::intake::work::Stage;
+use proofmass::diagnosis::driven::simulation::filter::Nothing;
+use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
+use proofmass::diagnosis::driven::simulation::shape::Shape;
+use proofmass::diagnosis::driven::terms::base::BASE;
+use proofmass::diagnosis::driven::terms::scales::Scales;
+use proofmass::diagnosis::driven::terms::term::Term;
+use proofmass::diagnosis::driven::terms::{contact, drift, spring};
 use proofmass::diagnosis::verdict::{Effect, Estimate, Evidence};
 use proofmass::kernel::misfit::{Job, Point, Units};
-
 use proofmass::numerics::least_squares::Residuals;
 
 use super::world::{check, gpu_test, near, test};
-
-use cases::{FITTED, OMEGA, STIFF, base, cases, everything};
 
 mod cases;
 
@@ -274,7 +277,7 @@ fn cloud_finds_gap() -> Result<(), Failed> {
     let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };
     let base = fit(&data, &Shape::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
     let scales = refined(&data, &base, &scales);
-    let ensemble = Ensemble::around(&data, &base, &scales).ok_or("no ensemble")?;
+    let ensemble = StartSearch::around(&data, &base, &scales).ok_or("no ensemble")?;
     let starts = ensemble.starts(term, &scales, 1).ok_or("no starts")?;
     let (shape, point) = base.with(term, &starts[0]);
     let found = fit(&data, &shape, &point, &scales, 20).ok_or("no fit with the stop")?;

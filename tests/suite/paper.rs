@@ -5,7 +5,7 @@ use proofmass::backend::orbits::Device;
 use proofmass::dynamics::fractal::{Scales, correlation};
 use proofmass::navigation::kalman::{Filter, Model, Reading, Weighting};
 use proofmass::paper::check::{Check, Exhibit, Source};
-use proofmass::paper::{compute, fusion, inertial, moved, pitch};
+use proofmass::paper::{beliefs, compute, fusion, inertial, moved, pitch};
 use proofmass::report;
 use proofmass::rng::{Philox, Stream};
 
@@ -67,7 +67,7 @@ fn recorded(folder: &std::path::Path) -> Result<(), Failed> {
 }
 
 fn misjudged() -> Result<(), Failed> {
-    let truth = fusion::model();
+    let truth = beliefs::model();
     let mean_nis = |believed: Model| {
         let mut random = Philox::new(3, 0, Stream::Host);
         let mut normal = || random.normal();

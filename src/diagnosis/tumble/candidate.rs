@@ -1,10 +1,6 @@
 //! What an IMU's calibration model may leave out; one file per candidate, each with the parameters it frees.
 
-use std::ops::Range;
-
-use super::rows::Group;
 use crate::diagnosis::candidate::Candidate;
-use crate::sensor::Sense;
 
 mod earth_rate;
 mod g_sensitivity;
@@ -13,6 +9,9 @@ mod misalignment;
 mod scale_factor;
 mod scale_nonlinearity;
 mod temperature_sensitivity;
+mod term;
+
+pub use term::Term;
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
@@ -24,19 +23,6 @@ pub const CANDIDATES: &[Candidate] = &[
     local_gravity::CANDIDATE,
     earth_rate::CANDIDATE,
 ];
-
-/// A candidate in one of the two sensors.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Term {
-    /// Library id.
-    pub id: &'static str,
-    /// Where it acts.
-    pub sensor: Sense,
-    /// Parameters it frees.
-    pub parameters: &'static [Range<usize>],
-    /// The residual it is judged by.
-    pub judged: Group,
-}
 
 /// Everything that can be fitted. `local-gravity` is not among it: no pose can tell it from the common scale.
 pub fn terms() -> Vec<&'static Term> {
@@ -54,11 +40,6 @@ pub fn terms() -> Vec<&'static Term> {
 }
 
 impl Term {
-    /// Indices of the parameters it frees.
-    pub fn active(&self) -> impl Iterator<Item = usize> {
-        self.parameters.iter().cloned().flatten()
-    }
-
     /// What the library says of it.
     pub fn candidate(&self) -> &'static Candidate {
         CANDIDATES.iter().find(|c| c.id == self.id).unwrap_or(&CANDIDATES[0])

@@ -4,11 +4,11 @@
 //! the error in frequency, over the state (the restoring force that is missing) and in time, and the candidates' standing.
 
 use crate::diagnosis::driven::Detail;
-use crate::diagnosis::driven::surface::Surface;
+use crate::diagnosis::driven::verdict::surface::Surface;
 use crate::numerics::order;
 use crate::numerics::spectrum;
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
 
 /// Points that a line needs at most.

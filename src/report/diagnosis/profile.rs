@@ -1,8 +1,8 @@
 //! One figure: how the misfit rises around each named parameter of a driven recording, beside the interval stated.
 
-use crate::diagnosis::driven::profile::{FALL, Profile};
+use crate::diagnosis::driven::identification::profile::{FALL, Profile};
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Parameters that can be told apart in one figure.

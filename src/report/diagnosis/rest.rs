@@ -3,7 +3,7 @@
 use crate::diagnosis::rest::{ChannelDetail, Detail};
 use crate::numerics::order;
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 
 /// Its figures; one of them is the opening: the channel in which most was named.

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::tumble::{Detail, PoseDetail};
 
-use super::{Exhibit, Part};
+use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.

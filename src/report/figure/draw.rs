@@ -6,8 +6,9 @@ use plotters::style::FontStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Span;
+use super::chart::{Chart, Mark, Series};
 use super::raster::{Raster, colour};
-use super::{Chart, Ink, Mark, Series, theme};
+use super::theme::{self, Ink};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failure = DrawingAreaErrorKind<std::io::Error>;

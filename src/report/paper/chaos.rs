@@ -3,7 +3,7 @@
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::super::html::Page;
 use super::super::map;
-use super::{checks, head, thin};
+use super::section::{checks, head, thin};
 use crate::dynamics::estimate::Estimate;
 use crate::number::{significant, with_uncertainty};
 use crate::paper::Paper;

@@ -1,7 +1,7 @@
 //! The Kalman filter as a block diagram whose blocks carry the numbers that were used.
 
 use super::super::figure::Figure;
-use super::super::html::escape;
+use crate::escape::html;
 use crate::number::significant;
 use crate::paper::fusion::Fusion;
 use crate::units::DEGREE;
@@ -93,7 +93,7 @@ pub(super) fn draw(fusion: &Fusion) -> Figure {
                  font-weight=\"{weight}\" text-anchor=\"middle\">{}</text>\n",
                 x + w / 2,
                 y + 22 + 22 * i as i32,
-                escape(line)
+                html(line)
             );
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::figure::{Axis, Chart, Ink, Mark};
 use super::super::html::Page;
-use super::{checks, head, thin};
+use super::section::{checks, head, thin};
 use crate::number::significant;
 use crate::paper::Paper;
 use crate::paper::array::{self, SENSORS};

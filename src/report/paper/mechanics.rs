@@ -2,7 +2,7 @@
 
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::super::html::Page;
-use super::{checks, head, thin};
+use super::section::{checks, head, thin};
 use crate::dynamics::duffing::{Oscillator, PAPER};
 use crate::dynamics::linear::Motion;
 use crate::paper::Paper;

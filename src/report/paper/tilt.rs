@@ -3,7 +3,8 @@
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::super::html::Page;
 use super::super::table::Table;
-use super::{checks, diagram, head, thin};
+use super::diagram;
+use super::section::{checks, head, thin};
 use crate::number::{significant, with_uncertainty};
 use crate::numerics::order::quantile;
 use crate::paper::Paper;

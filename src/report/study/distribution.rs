@@ -1,5 +1,6 @@
 //! How errors are distributed over the members at the report times, with percentiles and the normal of the same mean and sd.
 
+use super::moment::moment;
 use crate::drift::Drift;
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 use crate::statistics::{Summary, quantity};
@@ -42,7 +43,7 @@ pub fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
 }
 
 fn histogram(name: &str, unit: &str, time_s: f64, summary: &Summary) -> Chart {
-    let title = format!("{} after {}", capitalised(name), super::moment(time_s));
+    let title = format!("{} after {}", capitalised(name), moment(time_s));
     let density = match unit.split_once('/') {
         Some((above, below)) => format!("density / ({below}/{above})"),
         None => format!("density / (1/{unit})"),

@@ -1,8 +1,8 @@
 //! Where kernel and filter are compared: each candidate alone, as a term with parameters and as a point of the kernel, and all
 //! of them at once.
 
-use proofmass::diagnosis::driven::term::Term;
-use proofmass::diagnosis::driven::{contact, damping, drift, drive, hysteresis, lag, mode, readout, spring};
+use proofmass::diagnosis::driven::terms::term::Term;
+use proofmass::diagnosis::driven::terms::{contact, damping, drift, drive, hysteresis, lag, mode, readout, spring};
 use proofmass::kernel::misfit::Point;
 
 /// ω₀ of the base point.

@@ -1,6 +1,6 @@
 //! `earth-rate`: the gyro at rest feels the earth turn.
 
-use super::Term;
+use super::term::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::gyro;
 use crate::diagnosis::tumble::rows::Group;

@@ -1,6 +1,6 @@
 //! `g-sensitivity`: the gyro follows specific force.
 
-use super::Term;
+use super::term::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::gyro;
 use crate::diagnosis::tumble::rows::Group;

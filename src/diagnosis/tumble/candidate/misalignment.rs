@@ -1,6 +1,6 @@
 //! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the accelerometer's.
 
-use super::Term;
+use super::term::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::rows::Group;

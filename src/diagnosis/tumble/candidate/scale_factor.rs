@@ -1,6 +1,6 @@
 //! `scale-factor`: the axes of a sensor do not share one scale.
 
-use super::Term;
+use super::term::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::rows::Group;

@@ -1,6 +1,6 @@
 //! `temperature-sensitivity`: offsets follow a temperature column, or drift slowly with time where none was recorded.
 
-use super::Term;
+use super::term::Term;
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::rows::Group;

@@ -1,0 +1,88 @@
+//! One measurement: what was done, where, how fast, and how its time is taken.
+
+use std::time::Instant;
+
+use crate::error::Result;
+use crate::progress;
+
+/// One measurement.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Row {
+    /// What was done.
+    pub work: String,
+    /// "cpu", or the adapter's name.
+    pub place: String,
+    /// "f32" or "f64".
+    pub precision: String,
+    /// Members at a time.
+    pub members: u64,
+    /// Shortest of several runs, s.
+    pub seconds: f64,
+    /// Units per second.
+    pub per_second: f64,
+    /// What a unit is.
+    pub unit: String,
+    /// Vector instructions per unit, where they were counted.
+    pub instructions: Option<f64>,
+    /// Bytes to and from memory per unit, where they were counted.
+    pub bytes: Option<f64>,
+    /// Share of the machine's multiply-add peak that these instructions take.
+    pub share_of_peak: Option<f64>,
+}
+
+impl Row {
+    /// The same with what a unit costs in vector instructions.
+    pub fn counted(mut self, instructions: f64) -> Self {
+        self.instructions = Some(instructions);
+        self
+    }
+}
+
+/// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
+/// A short first run is not counted.
+fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
+    let begun = Instant::now();
+    run()?;
+    let first = begun.elapsed().as_secs_f64();
+    if first > 3.0 {
+        return Ok(first);
+    }
+    let (begun, mut shortest, mut runs) = (Instant::now(), f64::INFINITY, 0);
+    while runs < 3 || begun.elapsed().as_secs_f64() < 0.5 {
+        let one = Instant::now();
+        run()?;
+        shortest = one.elapsed().as_secs_f64().min(shortest);
+        runs += 1;
+        if progress::interrupted() {
+            break;
+        }
+    }
+    Ok(shortest)
+}
+
+/// Times work that is done in this many units.
+///
+/// # Errors
+/// As the work.
+pub fn row(
+    work: &str,
+    precision: &str,
+    members: u64,
+    units: f64,
+    unit: &str,
+    run: impl FnMut() -> Result<()>,
+) -> Result<Row> {
+    let seconds = shortest_s(run)?;
+    Ok(Row {
+        work: work.to_owned(),
+        place: "cpu".to_owned(),
+        precision: precision.to_owned(),
+        members,
+        seconds,
+        per_second: units / seconds,
+        unit: unit.to_owned(),
+        instructions: None,
+        bytes: None,
+        share_of_peak: None,
+    })
+}

@@ -1,0 +1,10 @@
+//! A model's parameters: where to begin, the fit, how sure it is, and whether another minimum lies deeper.
+
+pub mod fit;
+pub mod interval;
+pub mod local_minima;
+pub mod profile;
+pub mod refined_scales;
+pub mod start;
+pub mod start_search;
+pub mod step_length;

@@ -1,0 +1,242 @@
+//! A model of the recording and its fit: base parameters and terms together, by maximum likelihood of the innovations.
+
+use std::ops::Range;
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::filter::Nothing;
+use crate::diagnosis::driven::simulation::run::{Run, innovations};
+use crate::diagnosis::driven::terms::law::{LANES, Lanes};
+use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
+use crate::diagnosis::driven::terms::term::Term;
+use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
+use crate::parallel;
+
+pub use crate::diagnosis::driven::simulation::shape::{Shape, coordinates};
+pub use crate::diagnosis::driven::terms::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+
+/// A fit in progress: which parameters move, and how.
+pub struct Search<'a> {
+    /// The recording.
+    pub data: &'a Data,
+    /// The model.
+    pub shape: &'a Shape,
+    /// Where parameters that do not move stay.
+    pub point: Vec<f64>,
+    /// Parameters that move.
+    pub free: Vec<usize>,
+    /// How each parameter (free or not) moves.
+    pub coordinates: Vec<Coordinate>,
+    /// The run.
+    pub run: Run,
+    /// Rows that count, relative to the recording.
+    pub rows: Vec<Range<usize>>,
+}
+
+impl<'a> Search<'a> {
+    /// All parameters of a model on the training rows.
+    pub fn all(data: &'a Data, shape: &'a Shape, point: &[f64], scales: &Scales) -> Self {
+        let free = (0..shape.parameters).filter(|i| *i != GAIN || data.input.is_some()).collect();
+        Self {
+            data,
+            shape,
+            point: point.to_vec(),
+            free,
+            coordinates: coordinates(shape, scales),
+            run: Run { range: data.hull.clone(), steps: shape.steps(point, scales), corrected: true },
+            rows: data.train.clone(),
+        }
+    }
+
+    /// From coordinates to parameters.
+    pub fn point(&self, z: &[f64]) -> Vec<f64> {
+        let mut point = self.point.clone();
+        for (i, z) in self.free.iter().zip(z) {
+            point[*i] = match self.coordinates[*i] {
+                Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => z * scale,
+                Coordinate::Log(..) => z.exp(),
+            };
+        }
+        point
+    }
+
+    /// From parameters to coordinates.
+    pub fn z(&self, point: &[f64]) -> Vec<f64> {
+        self.free
+            .iter()
+            .map(|i| match self.coordinates[*i] {
+                Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => point[*i] / scale,
+                Coordinate::Log(low, high) => point[*i].clamp(low, high).ln(),
+            })
+            .collect()
+    }
+
+    /// Derivative of a free parameter by its coordinate.
+    pub fn slope(&self, i: usize, point: &[f64]) -> f64 {
+        match self.coordinates[i] {
+            Coordinate::Linear(scale) | Coordinate::Bounded(scale, ..) => scale,
+            Coordinate::Log(..) => point[i],
+        }
+    }
+
+    fn pick(&self, lanes: &[Lanes], lane: usize) -> Vec<f64> {
+        self.rows.iter().flat_map(|r| r.clone()).map(|k| lanes[k - self.run.range.start][lane]).collect()
+    }
+
+    /// Minimises the sum of squared innovations.
+    pub fn minimise(&self, most: usize) -> Option<Minimum> {
+        minimise(self, &self.z(&self.point), 0.02, most)
+    }
+}
+
+/// Step in coordinates for derivatives: small beside any feature, large beside rounding.
+const NUDGE: f64 = 1e-5;
+
+impl Residuals for Search<'_> {
+    fn linearise(&self, z: &[f64]) -> Option<Linear> {
+        let mut points = vec![self.point(z)];
+        for j in 0..z.len() {
+            let mut moved = z.to_vec();
+            moved[j] += NUDGE;
+            points.push(self.point(&moved));
+        }
+        let mut residual = Vec::new();
+        let mut columns = Vec::with_capacity(z.len());
+        let passes: Vec<Vec<Lanes>> = parallel::map_chunks(&points, LANES, |_, group| {
+            innovations(self.data, self.shape, group, &self.run, &mut Nothing)
+        });
+        for (chunk, (group, lanes)) in points.chunks(LANES).zip(&passes).enumerate() {
+            for l in 0..group.len() {
+                if chunk == 0 && l == 0 {
+                    residual = self.pick(lanes, 0);
+                    continue;
+                }
+                let mut column = self.pick(lanes, l);
+                for (c, e) in column.iter_mut().zip(&residual) {
+                    *c = (*c - e) / NUDGE;
+                }
+                columns.push(column);
+            }
+        }
+        let finite = residual.iter().all(|v| v.is_finite()) && columns.iter().flatten().all(|v| v.is_finite());
+        finite.then_some(Linear { residual, columns })
+    }
+
+    fn sums(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let points: Vec<Vec<f64>> = points.iter().map(|z| self.point(z)).collect();
+        let mut all = Vec::with_capacity(points.len());
+        for group in points.chunks(LANES) {
+            let lanes = innovations(self.data, self.shape, group, &self.run, &mut Nothing);
+            let mut sums = [0.0; LANES];
+            for k in self.rows.iter().flat_map(|r| r.clone()) {
+                let e = &lanes[k - self.run.range.start];
+                for l in 0..LANES {
+                    sums[l] += e[l] * e[l];
+                }
+            }
+            all.extend(sums.iter().take(group.len()).map(|s| if s.is_finite() { *s } else { f64::INFINITY }));
+        }
+        all
+    }
+
+    fn confine(&self, z: &mut [f64]) {
+        for (i, z) in self.free.iter().zip(z) {
+            if let Coordinate::Log(low, high) = self.coordinates[*i] {
+                *z = z.clamp(low.ln(), high.ln());
+            } else if let Coordinate::Bounded(scale, low, high) = self.coordinates[*i] {
+                *z = z.clamp(low / scale, high / scale);
+            }
+            if !z.is_finite() {
+                *z = 0.0;
+            }
+        }
+    }
+
+    fn together(&self) -> usize {
+        LANES
+    }
+}
+
+/// A fitted model.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model.
+    pub shape: Shape,
+    /// Its parameters.
+    pub point: Vec<f64>,
+    /// Integration steps per sample.
+    pub steps: usize,
+    /// Innovations on the training rows, and their derivatives by the coordinates of the free parameters.
+    pub linear: Linear,
+    /// Parameters that moved.
+    pub free: Vec<usize>,
+    /// Derivative of each free parameter by its coordinate.
+    pub slopes: Vec<f64>,
+    /// Mean squared innovation on the training rows.
+    pub variance: f64,
+    /// Whether the search came to rest.
+    pub converged: bool,
+}
+
+impl Fit {
+    /// Mean Gaussian log-likelihood per training sample.
+    pub fn log_score(&self) -> f64 {
+        -0.5 * ((2.0 * std::f64::consts::PI * self.variance).ln() + 1.0)
+    }
+
+    /// Log-likelihood of the training rows.
+    pub fn log_likelihood(&self) -> f64 {
+        self.log_score() * self.linear.residual.len() as f64
+    }
+
+    /// The same model with one more term, at this start.
+    pub fn with(&self, term: Term, start: &[f64]) -> (Shape, Vec<f64>) {
+        let mut terms = self.shape.terms.clone();
+        terms.push(term);
+        let mut point = self.point.clone();
+        point.extend_from_slice(start);
+        (Shape::new(&terms), point)
+    }
+
+    /// The same model without its `index`th term.
+    pub fn without(&self, index: usize) -> (Shape, Vec<f64>) {
+        let mut terms = self.shape.terms.clone();
+        let gone = terms.remove(index);
+        let mut point = self.point.clone();
+        point.drain(self.shape.first[index]..self.shape.first[index] + gone.parameters());
+        (Shape::new(&terms), point)
+    }
+
+    /// Whether a term's parameter lies at the end of its plausible range, where the term is not what its name says.
+    pub fn at_bound(&self, scales: &Scales) -> bool {
+        self.shape.terms.iter().enumerate().filter(|(_, t)| t.noise().is_none()).any(|(i, term)| {
+            let values = self.shape.of(i, &self.point);
+            term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
+                Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
+                Coordinate::Linear(_) => false,
+            })
+        })
+    }
+
+    /// The run it was fitted on.
+    pub fn run(&self, data: &Data, corrected: bool) -> Run {
+        Run { range: data.hull.clone(), steps: self.steps, corrected }
+    }
+}
+
+/// Fits a model from a start; `None` where it breaks down there.
+pub fn fit(data: &Data, shape: &Shape, start: &[f64], scales: &Scales, most: usize) -> Option<Fit> {
+    let search = Search::all(data, shape, start, scales);
+    let minimum = search.minimise(most)?;
+    let point = search.point(&minimum.z);
+    let slopes = search.free.iter().map(|i| search.slope(*i, &point)).collect();
+    Some(Fit {
+        shape: shape.clone(),
+        steps: search.run.steps,
+        variance: minimum.sum / minimum.linear.residual.len().max(1) as f64,
+        converged: minimum.converged,
+        free: search.free.clone(),
+        linear: minimum.linear,
+        slopes,
+        point,
+    })
+}

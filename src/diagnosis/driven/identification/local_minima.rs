@@ -1,0 +1,42 @@
+//! Whether a model whose law has a corner fits better elsewhere: a stop that is rarely touched looks much the same harder and
+//! further away, or softer and nearer, with a ridge between that no descent crosses.
+//!
+//! For the model that was chosen, once; where a search begins is not decided here (`start_search`).
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::parallel;
+
+use super::fit::{Fit, fit};
+
+/// Log-likelihood that another valley must gain before the first is left.
+const DEEPER: f64 = 2.0;
+/// Iterations of a fit from there.
+const ITERATIONS: usize = 20;
+
+/// The best of a fit and of fits begun where its terms say that they may be mistaken for themselves.
+pub fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
+    let rows = found.linear.residual.len() as f64;
+    let starts: Vec<Vec<f64>> = found
+        .shape
+        .terms
+        .iter()
+        .enumerate()
+        .flat_map(|(i, term)| {
+            let first = found.shape.first[i];
+            let elsewhere = term.elsewhere(found.shape.of(i, &found.point), scales);
+            let point = &found.point;
+            elsewhere.into_iter().map(move |values| {
+                let mut point = point.clone();
+                point[first..first + values.len()].copy_from_slice(&values);
+                point
+            })
+        })
+        .collect();
+    let others: Vec<Fit> = parallel::filter_map(&starts, |start| fit(data, &found.shape, start, scales, ITERATIONS));
+    let best = others.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
+    match best {
+        Some(best) if 0.5 * rows * (found.variance / best.variance).ln() > DEEPER => best,
+        _ => found,
+    }
+}

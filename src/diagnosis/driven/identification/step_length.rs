@@ -1,0 +1,51 @@
+//! How finely a model that has been found must be integrated before its numbers are stated: measured on the model itself,
+//! against the finest integration that would ever be used.
+//!
+//! Not for the search, which takes a fixed and coarser measure (`start`).
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::filter::Nothing;
+use crate::diagnosis::driven::simulation::run::{Run, innovations};
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::numerics::least_squares::Linear;
+
+use super::fit::Fit;
+
+/// Steps turn the terms' fastest rate by a quarter of a radian over this: tried in this order.
+const TRIED: [f64; 9] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
+/// The finest for laws without a corner, whose errors are of fourth order; a corner's are of second.
+const SMOOTH: f64 = 2.0;
+/// By how much of its standard deviation, all parameters taken together, integration may move the answer.
+const SHIFT: f64 = 0.2;
+/// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns a name.
+const SHARE: f64 = 5e-4;
+
+/// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
+/// they may. `fit` must have been fitted to this data.
+pub fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
+    let corner = fit.shape.terms.iter().any(|t| t.has_corner() && t.moves());
+    let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };
+    let steps = |fineness: f64| fit.shape.steps(&fit.point, &Scales { fineness, ..scales.clone() });
+    let errors = |steps: usize| -> Vec<f64> {
+        let run = Run { range: data.hull.clone(), steps, corrected: true };
+        let lanes = innovations(data, &fit.shape, std::slice::from_ref(&fit.point), &run, &mut Nothing);
+        data.train.iter().flat_map(|r| r.clone()).map(|k| lanes[k - data.hull.start][0]).collect()
+    };
+    let mut reference = None;
+    for fineness in TRIED {
+        if steps(fineness) == steps(finest) {
+            return fineness;
+        }
+        let reference = reference.get_or_insert_with(|| errors(steps(finest)));
+        let off: Vec<f64> = errors(steps(fineness)).iter().zip(reference.iter()).map(|(a, b)| a - b).collect();
+        let linear = Linear { residual: off, columns: fit.linear.columns.clone() };
+        let normal = linear.normal();
+        // What the parameters would take up of the difference is what it moves them by.
+        let taken_up = normal.sum - normal.predicted();
+        let rows = linear.residual.len() as f64;
+        if taken_up < SHIFT * SHIFT * fit.variance && normal.sum < SHARE * rows * fit.variance {
+            return fineness;
+        }
+    }
+    finest
+}

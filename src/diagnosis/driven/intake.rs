@@ -1,0 +1,11 @@
+//! From a recording to what fits see: its columns, gaps and glitches mended, the input aligned, the samples shared out among
+//! fitting and judging.
+
+pub mod alignment;
+pub mod data;
+mod defects;
+pub mod excerpt;
+pub mod input;
+pub mod prepare;
+pub mod stretches;
+pub mod work;

@@ -1,0 +1,43 @@
+//! The recording as simulations and fits see it: reading, input, environment, and what each sample is for.
+
+use std::ops::Range;
+
+use super::input::Input;
+use super::work::Work;
+
+/// The recording, as fits see it.
+#[derive(Debug, Clone)]
+pub struct Data {
+    /// Readings.
+    pub reading: Vec<f64>,
+    /// Input; `None` for a ring-down.
+    pub input: Option<Input>,
+    /// Environment less its mean, row by row.
+    pub environment: Vec<f64>,
+    /// Columns in it.
+    pub environments: usize,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// From the first to the last sample that is fitted.
+    pub hull: Range<usize>,
+    /// Samples that are fitted, within the hull.
+    pub train: Vec<Range<usize>>,
+    /// Samples that choose between models, within the hull.
+    pub validation: Vec<Range<usize>>,
+    /// Samples that judge the model chosen, inside or outside the hull.
+    pub test: Vec<Range<usize>>,
+    /// What has been computed on it so far.
+    pub work: Work,
+}
+
+impl Data {
+    /// Number of samples fitted.
+    pub fn train_len(&self) -> usize {
+        self.train.iter().map(Range::len).sum()
+    }
+
+    /// Sampling interval.
+    pub fn interval_s(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+}

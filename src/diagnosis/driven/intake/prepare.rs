@@ -1,0 +1,367 @@
+//! From a recording and its model to what can be fitted: columns found, ranges checked, defects said.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::diagnosis::driven::terms::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
+use crate::diagnosis::model;
+use crate::error::{Error, Result, nearest};
+use crate::number::short;
+use crate::numerics::moments::mean_sd;
+use crate::numerics::order;
+use crate::recording::Recording;
+
+use super::alignment::{self, align};
+use super::data::Data;
+use super::defects;
+use super::input::{Input, Interpolation, REACH};
+use super::stretches::{Stretches, interleaved, merged, minus, sorted};
+use super::work::Work;
+
+/// Fewer samples than this cannot carry a base model and a judgement on it.
+const FEWEST: usize = 20 * BASE;
+
+/// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
+const FEWEST_JUDGES: usize = 200;
+/// Fewest samples in a row that are worth judging on.
+const PIECE: usize = 20;
+/// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.
+const LARGEST: f64 = 1e100;
+
+/// What can be fitted, and what was noticed on the way.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The data.
+    pub data: Data,
+    /// Whether the model file named its own test samples.
+    pub own_test: bool,
+    /// Samples that were not recorded.
+    pub filled: Stretches,
+    /// What was noticed.
+    pub notes: Notes,
+}
+
+/// What was noticed besides the physics.
+#[derive(Debug, Clone, Default)]
+pub struct Notes {
+    /// In words.
+    pub findings: Vec<String>,
+    /// What a reader of the verdict must know, as clauses.
+    pub doubts: Vec<String>,
+    /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
+    pub broken: bool,
+    /// Where the reading jumps; only worth a word where the final model does not foresee it.
+    pub jumps: Vec<usize>,
+}
+
+impl Notes {
+    /// Of the places where the reading jumps, those at which a model with these errors over `data.hull` does so too.
+    pub fn mind_jumps(&mut self, data: &Data, errors: &[f64]) {
+        let input = data.input.as_ref().map(Input::samples);
+        let clause = match defects::unforeseen(&self.jumps, input, errors, &data.hull).as_slice() {
+            [] => return,
+            [only] => format!("the reading jumps in row {only}"),
+            places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
+        };
+        let more = ", as neither its past nor the input nor the model foretells: samples lost or written twice, or a knock? A \
+                    time column would tell";
+        self.doubt(clause, more);
+    }
+
+    /// Something that a reader of the verdict must know: as a clause, and with what follows from it.
+    pub fn doubt(&mut self, clause: String, more: &str) {
+        self.findings.push(format!("{clause}{more}"));
+        self.doubts.push(clause);
+    }
+}
+
+/// Checks and arranges.
+///
+/// # Errors
+/// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
+/// the recording or in both train and test, hints that no oscillator in this recording can have.
+pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
+    let mut notes = Notes { findings: recording.findings.clone(), ..Notes::default() };
+    hints(recording, &model.start)?;
+    let mut reading = column(recording, &model.columns.output)?.to_vec();
+    let samples = reading.len();
+    if samples < FEWEST + 2 * REACH {
+        return Err(refuse(
+            recording,
+            format!("{samples} samples; the base model alone has {BASE} parameters"),
+            "give at least some hundred samples, better some thousands",
+        ));
+    }
+    if mean_sd(&reading).1 <= 1e-12 * mean_sd(&reading).0.abs() {
+        return Err(refuse(
+            recording,
+            format!("the output {} never changes: a dead channel", model.columns.output),
+            "check the wiring and the name of the column",
+        ));
+    }
+    let mut filled = recording.filled.clone();
+    let stray = defects::glitches(&mut reading);
+    if let Some(first) = stray.first() {
+        let clause = format!("{} stray readings of {}, the first in row {first}", stray.len(), model.columns.output);
+        notes.doubt(clause, ", lie far off their neighbours: replaced by straight lines and not fitted");
+        filled.extend(stray.iter().map(|k| *k..k + 1));
+        order::sort_by_key(&mut filled, |r| r.start as f64);
+    }
+    let mut ends = REACH..samples - REACH;
+    let mut input = None;
+    if let Some(name) = &model.columns.input {
+        let mut values = column(recording, name)?.to_vec();
+        if mean_sd(&values).1 <= 1e-12 * mean_sd(&values).0.abs() {
+            notes.doubt(
+                format!("the input {name} never changes"),
+                ": a dead channel? The recording is read as a free ring-down",
+            );
+        } else {
+            together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
+                let hint = "check that input and output are the right columns and that the input moves the output";
+                refuse(recording, cause, hint)
+            })?;
+            input = Some(Input::new(values, Interpolation::BandLimited));
+        }
+    }
+    let mut environment = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for name in &model.columns.environment {
+        let values = column(recording, name)?;
+        let mean = mean_sd(values).0;
+        columns.push(values.iter().map(|v| v - mean).collect());
+    }
+    columns.retain(|c| mean_sd(c).1 > 0.0);
+    for k in 0..samples {
+        environment.extend(columns.iter().map(|c| c[k]));
+    }
+    let (train, test) = ranges(recording, &model.split, &ends, &mut notes.findings)?;
+    let own_test = !test.is_empty();
+    let hull = train.first().map_or(0, |r| r.start)..train.last().map_or(0, |r| r.end);
+    notes.jumps = jumps(input.as_ref(), &reading, &hull, &filled);
+    let (fitted, validation) = interleaved(&train);
+    let recorded = |ranges: &[Range<usize>]| -> Stretches {
+        let whole = |r: &Range<usize>| filled.iter().all(|f| f.end <= r.start || f.start >= r.end);
+        let (mut all, torn): (Stretches, Stretches) = ranges.iter().cloned().partition(whole);
+        all.extend(minus(&torn, &filled).into_iter().filter(|r| r.len() >= PIECE));
+        order::sort_by_key(&mut all, |r| r.start as f64);
+        all
+    };
+    let (fitted, validation) = (minus(&fitted, &filled), recorded(&validation));
+    let test = if own_test { recorded(&test) } else { validation.clone() };
+    let data = Data {
+        reading,
+        input,
+        environment,
+        environments: columns.len(),
+        rate_hz: recording.rate_hz,
+        hull,
+        train: fitted,
+        validation,
+        test,
+        work: Work::default(),
+    };
+    if data.train_len() < FEWEST / 2 {
+        return Err(refuse(
+            recording,
+            format!("{} samples to fit; the base model alone has {BASE} parameters", data.train_len()),
+            "widen [split] train",
+        ));
+    }
+    Ok(Prepared { data, own_test, filled, notes })
+}
+
+/// Hints must be such that this recording could show them.
+fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
+    let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
+    let refuse = |cause: String, hint: &str| {
+        let attempt = format!("could not use [start] for {}", recording.path.display());
+        Err(Error::new(attempt, cause, hint))
+    };
+    match start.resonance_hz {
+        Some(hz) if !(hz > 0.0 && hz.is_finite()) => {
+            return refuse(format!("a resonance of {hz} Hz"), "a frequency in Hz, e.g. 68.0, or no hint at all");
+        }
+        Some(hz) if hz >= half_hz => {
+            return refuse(
+                format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)),
+                "such a resonance cannot be seen in this recording: record faster than twice the resonance, or correct the \
+                 hint or the rate",
+            );
+        }
+        Some(hz) if hz < slowest_hz => {
+            return refuse(
+                format!("need a resonance of at least {} Hz at this sampling rate, got {hz:e} Hz", short(slowest_hz)),
+                "such a resonance would not turn once in this recording: correct the hint or the rate, or give no hint",
+            );
+        }
+        _ => {}
+    }
+    let [least, most] = ZETAS;
+    match start.damping_ratio {
+        Some(zeta) if !(zeta > 0.0 && zeta.is_finite()) => {
+            refuse(format!("a damping ratio of {zeta}"), "a positive number: 0.05 is lively, 0.7 well damped")
+        }
+        Some(zeta) if !(least..=most).contains(&zeta) => refuse(
+            format!("need a damping ratio from {} to {}, got {zeta:e}", short(least), short(most)),
+            "0.05 is lively, 0.7 well damped; leave the hint out where nothing is known",
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Whether input and output belong together as they stand; an input that is far early or late is moved.
+///
+/// # Errors
+/// Where the two have nothing to do with each other; in words.
+fn together(
+    model: &model::Driven,
+    input: &mut [f64],
+    reading: &[f64],
+    ends: &mut Range<usize>,
+    notes: &mut Notes,
+) -> Result<(), String> {
+    let (output, name) = (&model.columns.output, model.columns.input.as_deref().unwrap_or("the input"));
+    if let Some((row, factor)) = defects::rescaled(input, reading, ends) {
+        let clause = format!(
+            "the size of {output} relative to {name} changes by a factor of about {} near row {row}",
+            short(factor)
+        );
+        notes.doubt(
+            clause,
+            ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct the column",
+        );
+        notes.broken = true;
+    }
+    let Some(forward) = align(input, reading, ends) else { return Ok(()) };
+    if forward.left > 0.2
+        && let Some(backward) = align(reading, input, ends)
+        && alignment::exchanged(&forward, &backward)
+    {
+        let clause =
+            format!("the columns look swapped: {name} follows from {output} as an oscillator's reading from its force");
+        notes.doubt(
+            clause,
+            ", not the other way round; no candidate was tried: exchange input and output in the model file",
+        );
+        notes.broken = true;
+        return Ok(());
+    }
+    if forward.is_chance() && !notes.broken {
+        let cause = format!(
+            "no oscillator can be identified: the best one explains {} % of the power of {output} by {name}, as it would at any \
+             other shift in time",
+            short(100.0 * (1.0 - forward.left))
+        );
+        return Err(cause);
+    }
+    let shift = forward.lag;
+    if !forward.is_misaligned() {
+        return Ok(());
+    }
+    let n = input.len() as isize;
+    let moved: Vec<f64> = (0..n).map(|k| input[(k - shift).clamp(0, n - 1) as usize]).collect();
+    input.copy_from_slice(&moved);
+    *ends = ends.start + shift.max(0) as usize..ends.end - (-shift).max(0) as usize;
+    let side = if shift > 0 { "late" } else { "early" };
+    notes.doubt(
+        format!("{output} is misaligned with {name}: it comes {} samples {side}", shift.abs()),
+        "; the input was moved by as many before anything was fitted",
+    );
+    Ok(())
+}
+
+/// Where the reading jumps, apart from gaps that are known.
+fn jumps(input: Option<&Input>, reading: &[f64], hull: &Range<usize>, filled: &[Range<usize>]) -> Vec<usize> {
+    let mut places = defects::jumps(input.map(Input::samples), reading, hull);
+    places.retain(|k| !filled.iter().any(|r| r.start <= k + REACH && *k <= r.end + REACH));
+    places
+}
+
+fn refuse(recording: &Recording, cause: String, hint: &str) -> Error {
+    Error::new(format!("could not diagnose {}", recording.path.display()), cause, hint)
+}
+
+fn column<'a>(recording: &'a Recording, name: &str) -> Result<&'a [f64]> {
+    let Some(values) = recording.column(name) else {
+        let known = recording.columns.iter().map(|c| c.name.as_str());
+        let hint = nearest(name, known)
+            .map_or_else(|| "name a column of the file".to_owned(), |known| format!("did you mean \"{known}\"?"));
+        return Err(refuse(recording, format!("there is no column \"{name}\""), &hint));
+    };
+    let largest = values.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+    if largest.is_finite() && (largest > LARGEST || (largest > 0.0 && largest < 1.0 / LARGEST)) {
+        return Err(refuse(
+            recording,
+            format!("values of {name} reach {largest:e}: their squares leave the range of double precision"),
+            "give the column in another unit",
+        ));
+    }
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(row) => Err(refuse(
+            recording,
+            format!("row {row} of {name} is not a number"),
+            "fill or cut the gap; reading the file through the tool fills short ones",
+        )),
+        None => Ok(values),
+    }
+}
+
+/// Fitted and judging ranges as the model file states them; the whole recording where it states nothing.
+fn ranges(
+    recording: &Recording,
+    split: &model::Split,
+    ends: &Range<usize>,
+    findings: &mut Vec<String>,
+) -> Result<(Stretches, Stretches)> {
+    let samples = recording.samples();
+    for [from, to] in split.train.iter().chain(&split.test) {
+        if from >= to || *to > samples {
+            return Err(refuse(
+                recording,
+                format!("the range [{from}, {to}) does not lie in the {samples} samples"),
+                "ranges are half-open, counted from zero: [[0, 10000]]",
+            ));
+        }
+    }
+    for (role, ranges, least) in [("train", &split.train, FEWEST), ("test", &split.test, FEWEST_JUDGES)] {
+        let given: usize = merged(sorted(ranges)).iter().map(Range::len).sum();
+        if !ranges.is_empty() && given < least {
+            return Err(refuse(
+                recording,
+                format!("[split] {role}: need at least {least} samples, got {given}"),
+                "widen the ranges, or leave [split] out: blocks then judge in turn",
+            ));
+        }
+    }
+    let clip = |ranges: &[[usize; 2]]| -> Vec<Range<usize>> {
+        let inside = |r: Range<usize>| r.start.max(ends.start)..r.end.min(ends.end);
+        merged(sorted(ranges)).into_iter().map(inside).filter(|r| r.start < r.end).collect()
+    };
+    let (mut train, test) = (clip(&split.train), clip(&split.test));
+    if train.is_empty() {
+        train = minus(std::slice::from_ref(ends), &test);
+    }
+    let apart = minus(&test, &train);
+    let lost = test.iter().map(Range::len).sum::<usize>() - apart.iter().map(Range::len).sum::<usize>();
+    if lost > 0 {
+        return Err(refuse(
+            recording,
+            format!("[split] train and test overlap in {lost} samples"),
+            "what is fitted cannot judge: make the ranges disjoint",
+        ));
+    }
+    let (apart, short): (Vec<Range<usize>>, Vec<Range<usize>>) =
+        apart.into_iter().partition(|r| r.len() >= FEWEST_JUDGES);
+    if !short.is_empty() && !apart.is_empty() {
+        let count: usize = short.iter().map(Range::len).sum();
+        findings.push(format!(
+            "{count} test samples, in ranges of fewer than {FEWEST_JUDGES}, do not judge: each range begins with a state of its \
+             own to be found"
+        ));
+    }
+    if !split.test.is_empty() && apart.is_empty() {
+        findings.push("no test samples are left, so every third block of the train samples judges".to_owned());
+    }
+    Ok((train, apart))
+}

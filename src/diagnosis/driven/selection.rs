@@ -1,0 +1,14 @@
+//! Which terms a model needs: each candidate fitted and judged on samples that were not fitted, against all others that
+//! might do as well.
+
+pub mod base_model;
+pub mod earned;
+pub mod folds;
+pub mod held_out;
+pub mod judged;
+pub mod residual_structure;
+pub mod rivals;
+mod round;
+pub mod series;
+pub mod stepwise;
+pub mod term_worth;

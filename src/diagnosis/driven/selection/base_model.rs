@@ -1,0 +1,110 @@
+//! The base model of a recording, and whether another way of the input between its samples would do what terms seem to.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use crate::diagnosis::driven::identification::fit::{Fit, fit};
+use crate::diagnosis::driven::identification::start;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::input::{Input, Interpolation};
+use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::simulation::run::trace;
+use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::terms::base::{BASE, OMEGA};
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::Term;
+use crate::diagnosis::model;
+use crate::number::short;
+use crate::numerics::moments::mean_sd;
+
+use super::held_out::held_out;
+use super::judged::Judged;
+
+/// Share of the reading's power that an oscillator must explain to be one.
+const LEAST_SHARE: f64 = 0.02;
+/// Log-likelihood that it must gain in a ring-down, whose later part may be nothing but noise.
+const LEAST_GAIN: f64 = 20.0;
+/// Factor by which a hint may be off before it is worth a word.
+const HINT: f64 = 4.0;
+
+/// The base fit; notes what a reader must know of it.
+///
+/// # Errors
+/// Where no oscillator explains the reading; in words.
+pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit, Scales), String> {
+    let Some(best) = start::base(data, hints) else {
+        return Err("no oscillator, at any resonance or damping, can be fitted to it".into());
+    };
+    let fit = &best.0;
+    let rows: Vec<f64> = data.train.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
+    let left = fit.variance / mean_sd(&rows).1.powi(2).max(1e-300);
+    let gain = -0.5 * rows.len() as f64 * left.min(1.0).ln();
+    let unseen: Vec<f64> = data.validation.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
+    let foretold = 1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
+    if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - left).min(foretold) < LEAST_SHARE) {
+        let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
+        return Err(format!(
+            "no oscillator can be identified: the best one explains {} % of the output's power where it was fitted and {} % \
+             elsewhere{also}",
+            short(100.0 * (1.0 - left).max(0.0)),
+            short(100.0 * foretold.max(0.0))
+        ));
+    }
+    let hz = fit.point[OMEGA] / TAU;
+    if hz > 0.5 * data.rate_hz {
+        notes.doubt(
+            format!(
+                "no resonance can be identified: the one fitted, {} Hz, lies above half the sampling rate, {} Hz",
+                short(hz),
+                short(0.5 * data.rate_hz)
+            ),
+            "; what happens there cannot be seen in this recording",
+        );
+    } else if let Some(hint) = hints.resonance_hz.filter(|h| (hz / h).ln().abs() > HINT.ln()) {
+        notes.doubt(
+            format!("the resonance found, {} Hz, is far from the hint, {} Hz", short(hz), short(hint)),
+            ": a rate or a hint in the wrong unit?",
+        );
+    }
+    Ok(best)
+}
+
+/// Puts the base model's readings where none were recorded: a straight line there would be taken for physics.
+pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
+    if filled.is_empty() {
+        return;
+    }
+    let (errors, _) = trace(data, &base.shape, &base.point, &base.run(data, false));
+    let start = data.hull.start;
+    for k in filled.iter().flat_map(Range::clone).filter(|k| data.hull.contains(k)) {
+        if errors[k - start].is_finite() {
+            data.reading[k] -= errors[k - start];
+        }
+    }
+}
+
+/// Whether steps or straight lines between the samples of the input do as well as the linear terms of `chosen` that they
+/// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
+pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
+    let mistaken =
+        |t: &Term| matches!(t, Term::Delay(_) | Term::Lowpass(_) | Term::Feedthrough(_) | Term::ParasiticMode(_));
+    if !chosen.fit.shape.terms.iter().any(mistaken) {
+        return None;
+    }
+    let (mut terms, mut point) = (Vec::new(), chosen.fit.point[..BASE].to_vec());
+    for (i, term) in chosen.fit.shape.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
+        terms.push(*term);
+        point.extend_from_slice(chosen.fit.shape.of(i, &chosen.fit.point));
+    }
+    let shape = Shape::new(&terms);
+    for how in [Interpolation::Hold, Interpolation::Linear] {
+        let kept = data.input.take()?;
+        data.input = Some(Input::new(kept.samples().to_vec(), how));
+        let other = fit(data, &shape, &point, scales, 25);
+        if other.is_some_and(|o| o.variance < 1.01 * chosen.fit.variance) {
+            return Some(how);
+        }
+        data.input = Some(kept);
+    }
+    None
+}

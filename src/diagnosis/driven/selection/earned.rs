@@ -1,0 +1,72 @@
+//! Whether a term earns its place: by the samples that judge, or where these show less than the fitted ones, by all samples in
+//! turn; and a model without the terms that do not.
+
+use crate::diagnosis::driven::identification::fit::fit;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::parallel;
+
+use super::folds::{Fold, turned};
+use super::held_out::{Comparison, compare, held_out};
+use super::judged::{Judged, judge};
+
+/// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
+/// price there of ln(tried), so that no further correction is due.
+pub const LEVEL: f64 = 0.002;
+/// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
+pub const SMALLEST_GAIN: f64 = 0.005;
+/// Lead on the fitted samples at which validation samples that show nothing are doubted: what is rare may have missed them.
+const DOUBT: f64 = 25.0;
+/// Iterations of one fit.
+pub const ITERATIONS: usize = 14;
+
+/// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show
+/// less than the fitted ones, all samples in turn.
+pub fn earned(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales, tried: usize) -> Option<Comparison> {
+    let least = if richer.fit.shape.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
+    let lead = richer.score() - poorer.score() - (tried.max(1) as f64).ln();
+    let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
+    let plain = compare(&poorer.held_out, &richer.held_out);
+    if lead <= 3.0 || convinces(&plain) {
+        return (lead > 3.0).then_some(plain);
+    }
+    let in_turn = if lead > DOUBT { in_turn(data, poorer, richer, scales) } else { None };
+    in_turn.filter(convinces)
+}
+
+/// Compares two models on all samples, each third predicted from the others.
+fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Option<Comparison> {
+    let mut both = [poorer.held_out.clone(), richer.held_out.clone()];
+    for Fold { train, validation } in turned(data) {
+        let data = Data { train, validation, ..data.clone() };
+        for (all, model) in both.iter_mut().zip([poorer, richer]) {
+            let here = fit(&data, &model.fit.shape, &model.fit.point, scales, ITERATIONS)?;
+            all.blocks.extend(held_out(&data, &here, scales, &data.validation).blocks);
+        }
+    }
+    Some(compare(&both[0], &both[1]))
+}
+
+/// Drops every term whose absence costs nothing, the cheapest first.
+pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
+    while model.fit.shape.terms.len() > 1 {
+        let poorer = parallel::map_indices(model.fit.shape.terms.len(), |i| without(data, &model, i, scales));
+        let cheapest = poorer
+            .into_iter()
+            .flatten()
+            .filter(|p| earned(data, p, &model, scales, tried).is_none())
+            .max_by(|a, b| a.score().total_cmp(&b.score()));
+        match cheapest {
+            Some(poorer) => model = poorer,
+            None => break,
+        }
+    }
+    model
+}
+
+/// A model refitted without one of its terms.
+pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
+    let (shape, point): (Shape, Vec<f64>) = model.fit.without(index);
+    Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
+}

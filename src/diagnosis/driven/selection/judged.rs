@@ -1,0 +1,77 @@
+//! Models with their record on samples that were not fitted, and what a search among them leaves.
+
+use crate::diagnosis::driven::identification::fit::Fit;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::Term;
+
+use super::held_out::{Comparison, HeldOut, held_out};
+
+/// A model with its record.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The fit.
+    pub fit: Fit,
+    /// Its errors on the validation samples.
+    pub held_out: HeldOut,
+}
+
+impl Judged {
+    /// Log-likelihood less the price of its terms' parameters (Schwarz 1978).
+    pub fn score(&self) -> f64 {
+        let n = self.fit.linear.residual.len().max(2) as f64;
+        self.fit.log_likelihood() - 0.5 * self.fit.free.len() as f64 * n.ln()
+    }
+
+    /// Whether a term with this id is in it.
+    pub fn has(&self, id: &str) -> bool {
+        self.fit.shape.terms.iter().any(|t| t.id() == id)
+    }
+}
+
+/// One candidate's trial against a model.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// The candidate.
+    pub term: Term,
+    /// Sum of squares that one linear step promised, relative to the model's.
+    pub promised: f64,
+    /// The fit with it, where it came that far.
+    pub judged: Option<Judged>,
+    /// Against the model without it.
+    pub comparison: Comparison,
+}
+
+/// A candidate that fits as well in a term's place.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// The model with it.
+    pub judged: Judged,
+    /// Its id.
+    pub id: &'static str,
+}
+
+/// What a search leaves.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// The base model.
+    pub base: Judged,
+    /// The model chosen; the base where nothing was.
+    pub chosen: Judged,
+    /// Each candidate alone against the base, best first.
+    pub alone: Vec<Trial>,
+    /// Candidates that were tried.
+    pub tried: usize,
+    /// For each term of the chosen model, the candidates that would do as well in its place.
+    pub rivals: Vec<Vec<Rival>>,
+    /// Whether the search ended because its work was spent, with structure left.
+    pub cut_short: bool,
+    /// Whether some of those candidates were not tried because the work for it was spent.
+    pub rivals_left_out: bool,
+}
+
+/// Judges a fit.
+pub fn judge(data: &Data, fit: Fit, scales: &Scales) -> Judged {
+    let held_out = held_out(data, &fit, scales, &data.validation);
+    Judged { fit, held_out }
+}

@@ -1,0 +1,101 @@
+//! What a model leaves: how much of its innovations, and of their power, can still be foreseen. Noise gives nothing away.
+
+use crate::diagnosis::detection::{Structure, structure};
+use crate::diagnosis::driven::identification::fit::Fit;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::run::trace;
+use crate::numerics::moments::mean_sd;
+use crate::numerics::{order, special};
+
+/// Lags of their own past from which innovations are forecast.
+const OWN_LAGS: usize = 24;
+/// Stretches whose powers are compared.
+const STRETCHES: usize = 64;
+/// Lags over which one-step errors are taken to be correlated.
+pub const MEMORY: usize = 40;
+
+/// How much can still be foreseen of a model's innovations, from their past, the input and the state.
+pub fn left(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let (x, v) = (&states.x, &states.v);
+    let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
+    let scale = mean_sd(v).1 / mean_sd(x).1.max(1e-300);
+    let s = scale.max(1e-300);
+    let mut regressors: Vec<Vec<f64>> = vec![
+        product(&|x, _| x),
+        product(&|_, v| v),
+        product(&|x, _| x * x),
+        product(&|x, v| x * v / s),
+        product(&|_, v| v * v / s / s),
+        product(&|x, _| x * x * x),
+        product(&|x, v| x * x * v / s),
+        product(&|x, v| x * v * v / s / s),
+        product(&|_, v| v * v * v / s / s / s),
+        product(&|x, _| x.abs()),
+        product(&|_, v| v.abs()),
+        product(&|_, v| v.signum()),
+        product(&|x, _| x.signum()),
+        product(&|_, v| v.abs() * v / s / s),
+        product(&|x, _| x.abs() * x),
+        product(&|x, _| x * x * x * x),
+        product(&|x, _| x * x * x * x * x),
+    ];
+    regressors.push((0..x.len()).map(|k| k as f64).collect());
+    regressors.push((0..x.len()).map(|k| (k as f64 / x.len() as f64 - 0.5).powi(2)).collect());
+    if let Some(input) = &data.input {
+        let u = input.samples();
+        for lag in -3isize..=20 {
+            let at = |k: usize| u[(k as isize - lag).clamp(0, u.len() as isize - 1) as usize];
+            regressors.push(data.hull.clone().map(at).collect());
+        }
+        regressors.push(data.hull.clone().map(|k| u[k] * u[k]).collect());
+    }
+    structure(&innovations, OWN_LAGS, &regressors)
+}
+
+/// How much of the innovations' *power* can be foreseen from the input, the state and time: noise that belongs to the sensor
+/// does not know what the sensor is doing.
+pub fn power_left(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
+    // Limited, so that single outliers do not speak for the rest.
+    let power: Vec<f64> = innovations.iter().map(|e| (e * e / size.max(1e-300)).min(12.0)).collect();
+    let mut regressors = vec![
+        states.x.iter().map(|x| x * x).collect::<Vec<f64>>(),
+        states.v.iter().map(|v| v * v).collect(),
+        states.x.iter().map(|x| x.abs()).collect(),
+        states.x.clone(),
+        states.v.clone(),
+    ];
+    let n = power.len() as f64;
+    for k in 1..=4 {
+        regressors.push((0..power.len()).map(|i| (std::f64::consts::PI * k as f64 * i as f64 / n).cos()).collect());
+    }
+    if let Some(input) = &data.input {
+        regressors.push(data.hull.clone().map(|k| input.samples()[k].powi(2)).collect());
+    }
+    structure(&power, 4, &regressors)
+}
+
+/// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out somewhere are not noise, however
+/// little of the whole they are.
+pub fn loudest_by_chance(residual: &[f64]) -> f64 {
+    let length = residual.len() / STRETCHES;
+    if length < 8 {
+        return 1.0;
+    }
+    let mut powers: Vec<f64> = residual.chunks_exact(length).map(|c| c.iter().map(|e| e * e).sum()).collect();
+    let freedom = length as f64 / correlation(residual, MEMORY);
+    order::sort(&mut powers);
+    let (middle, most) = (powers[powers.len() / 2], powers[powers.len() - 1]);
+    // The median of χ² with k degrees of freedom lies at k(1 − 2/(9k))³ (Wilson & Hilferty 1931).
+    let mean = middle / (1.0 - 2.0 / (9.0 * freedom)).powi(3);
+    (special::chi_squared_above(freedom * most / mean.max(1e-300), freedom) * powers.len() as f64).min(1.0)
+}
+
+/// Samples per independent one, from the correlations over fewer than so many lags of a sequence about zero.
+pub fn correlation(errors: &[f64], lags: usize) -> f64 {
+    let total = errors.iter().map(|e| e * e).sum::<f64>().max(1e-300);
+    let at = |lag: usize| errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b).sum::<f64>() / total;
+    1.0 + (1..lags.min(errors.len() / 4)).map(|lag| 2.0 * at(lag).powi(2)).sum::<f64>()
+}

@@ -1,0 +1,154 @@
+//! Which other candidates would do as well in the place of a term that was chosen: a better one takes it, an equal one is
+//! remembered, so that no name is given where the recording cannot tell two apart.
+
+use crate::diagnosis::driven::identification::refined_scales::refined;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::Budget;
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::Term;
+use crate::progress;
+
+use super::earned::{pruned, without};
+use super::judged::{Judged, Rival, Selection, Trial};
+use super::round::round;
+
+/// Times that a better stand-in may take a term's place.
+const SWAPS: usize = 1;
+/// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
+pub const TIE: f64 = 6.0;
+
+/// Whether the library says that one can be mistaken for the other.
+pub fn alike(a: &Term, b: &Term) -> bool {
+    a.words().confusable_with.contains(&b.id()) || b.words().confusable_with.contains(&a.id())
+}
+
+/// A look for other candidates that would do as well, as far as its budget reaches.
+pub struct Look<'a> {
+    /// The recording.
+    pub data: &'a Data,
+    /// Sizes that the base fit found.
+    pub scales: &'a Scales,
+    /// All candidates.
+    pub candidates: &'a [Term],
+    /// What it may cost.
+    pub budget: Budget,
+    /// Whether something was not looked at because that was spent.
+    pub left_out: bool,
+}
+
+impl Look<'_> {
+    /// A model in which one other candidate does the work of two terms that can be mistaken for each other: what neither of two
+    /// look-alikes is, both together can imitate. `None` where two are needed.
+    pub fn one_for_two(&mut self, chosen: &Judged) -> Option<Judged> {
+        let terms = &chosen.fit.shape.terms;
+        let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let mut found = Vec::new();
+        for (i, j) in pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])) {
+            if self.is_over() {
+                break;
+            }
+            found.extend(self.in_place_of_two(chosen, [i, j]));
+        }
+        let better = found.into_iter().filter(|j| j.score() > chosen.score());
+        better.max_by(|a, b| a.score().total_cmp(&b.score()))
+    }
+
+    /// The best model with another candidate in the place of both of these terms.
+    fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Option<Judged> {
+        let (data, terms) = (self.data, &chosen.fit.shape.terms);
+        let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
+        let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
+        let poorer = without(data, &without(data, chosen, i, self.scales)?, j, self.scales)?;
+        let here = refined(data, &poorer.fit, self.scales);
+        let tried = round(data, &poorer, &open, &here, open.len());
+        tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here))
+    }
+
+    /// Tries every other candidate in the place of each chosen term.
+    pub fn settle(&mut self, selection: &mut Selection) {
+        for attempt in 0..=SWAPS {
+            let stand_ins = self.stand_ins(selection);
+            let score = selection.chosen.score();
+            let ahead = |r: &Rival| r.judged.score() - score;
+            let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
+            let better = all.filter(|(_, r)| ahead(r) > 1.0).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
+            let again = attempt < SWAPS && !self.data.work.is_spent(self.budget) && !progress::interrupted();
+            match better {
+                Some((_, better)) if again => {
+                    selection.chosen = pruned(self.data, better.judged.clone(), self.scales, selection.tried);
+                }
+                // Too late to look around from there: what has been seen from here is weighed against it.
+                Some((place, better)) => {
+                    let id = selection.chosen.fit.shape.terms[place].id();
+                    let old = Rival { judged: selection.chosen.clone(), id };
+                    selection.chosen = better.judged.clone();
+                    let mut others = stand_ins.clone();
+                    others.remove(place);
+                    others.push(stand_ins[place].iter().cloned().chain([old]).collect());
+                    selection.rivals = tied(&selection.chosen, others);
+                    break;
+                }
+                None => {
+                    selection.rivals = tied(&selection.chosen, stand_ins);
+                    break;
+                }
+            }
+        }
+    }
+
+    /// For each chosen term, the other candidates that could be fitted in its place.
+    fn stand_ins(&mut self, selection: &Selection) -> Vec<Vec<Rival>> {
+        let here = refined(self.data, &selection.chosen.fit, self.scales);
+        let of_term = |(index, term): (usize, &Term)| {
+            if self.is_over() {
+                return Vec::new();
+            }
+            let others = in_place_of(self.data, selection, index, &here, self.candidates);
+            let others = others.into_iter().filter(|t| t.term.id() != term.id());
+            let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
+            fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect()
+        };
+        selection.chosen.fit.shape.terms.iter().enumerate().map(of_term).collect()
+    }
+
+    /// Whether the budget is spent; asked only where something would still have to be looked at.
+    fn is_over(&mut self) -> bool {
+        let over = self.data.work.is_spent(self.budget);
+        self.left_out |= over;
+        over
+    }
+}
+
+/// For each term of a model, the stand-ins that it does not clearly lead, each id once.
+fn tied(chosen: &Judged, stand_ins: Vec<Vec<Rival>>) -> Vec<Vec<Rival>> {
+    let score = chosen.score();
+    let equal = |others: Vec<Rival>| {
+        let mut equal: Vec<Rival> = Vec::new();
+        for rival in others {
+            let behind = score - rival.judged.score();
+            if behind < TIE && !chosen.has(rival.id) && !equal.iter().any(|e| e.id == rival.id) {
+                equal.push(rival);
+            }
+        }
+        equal
+    };
+    stand_ins.into_iter().map(equal).collect()
+}
+
+/// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is the only one, all.
+fn in_place_of(data: &Data, selection: &Selection, index: usize, scales: &Scales, candidates: &[Term]) -> Vec<Trial> {
+    let chosen = &selection.chosen;
+    let term = &chosen.fit.shape.terms[index];
+    let alone = chosen.fit.shape.terms.len() == 1;
+    let poorer = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
+    let Some(poorer) = poorer else { return Vec::new() };
+    let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
+    let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
+    let open: Vec<Term> = candidates
+        .iter()
+        .copied()
+        .filter(|t| !poorer.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
+        .collect();
+    trials.extend(round(data, &poorer, &open, scales, open.len()));
+    trials
+}

@@ -1,0 +1,138 @@
+//! The order in which terms are added: stepwise forward, with backward pruning after every step, and a second way where the
+//! first one ends with structure left. Not what makes a term worth its place (`earned`).
+
+use indicatif::ProgressBar;
+
+use crate::diagnosis::driven::identification::refined_scales::refined;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::{Budget, Stage};
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::Term;
+use crate::progress;
+
+use super::earned::{earned, pruned};
+use super::judged::{Judged, Selection, Trial};
+use super::residual_structure::left;
+use super::rivals::{Look, TIE};
+use super::round::{SURE, round};
+
+/// Most terms in a model.
+const MOST_TERMS: usize = 6;
+/// A term must gain at least this part of what is still unexplained with it: first things first.
+const LEAST_OF_REST: f64 = 0.03;
+/// The same for the third term and later ones: what takes so many terms and is not done is something else.
+const FAIR_PART_OF_REST: f64 = 0.2;
+/// Unless next to nothing is left of the base model's error: the rest is detail then.
+const NEARLY_NOTHING: f64 = 0.01;
+/// Share of the variance that may still be foreseen in a model that is done.
+const DONE: f64 = 0.02;
+/// The same for a model of several terms that will not be.
+const FAR_FROM_DONE: f64 = 0.15;
+
+/// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
+/// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
+pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term], budget: Budget) -> Selection {
+    let bar = progress::bar("candidates", MOST_TERMS as u64);
+    let tried = candidates.len();
+    let mut steps = Stepwise { data, base: &base, scales, tried, bar: &bar, budget, alone: Vec::new() };
+    let mut way = steps.forward(base.clone(), candidates);
+    let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
+    if way.chosen.fit.shape.is_noisy() && way.left > DONE && !nearly_done && !way.cut_short {
+        let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
+        let other = steps.forward(base.clone(), &physics);
+        let other = if other.cut_short { other } else { steps.forward(other.chosen, candidates) };
+        if other.left < way.left && other.chosen.score() > way.chosen.score() {
+            way = other;
+        }
+    }
+    let Way { mut chosen, left: mut rest, cut_short } = way;
+    let mut look =
+        Look { data, scales, candidates, budget: data.work.budget(Stage::Rivals, data.hull.len()), left_out: false };
+    if !cut_short && let Some(simpler) = look.one_for_two(&chosen) {
+        chosen = simpler;
+        rest = left(data, &chosen.fit).share;
+    }
+    // What is far from explained needs no rivals: it will not be named.
+    let hopeless = chosen.fit.shape.terms.len() > 2 && rest > FAR_FROM_DONE;
+    let (alone, tried) = (steps.alone, steps.tried);
+    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short, rivals_left_out: false };
+    if !cut_short && !hopeless {
+        look.settle(&mut selection);
+    }
+    selection.rivals_left_out = look.left_out;
+    bar.finish_and_clear();
+    selection
+}
+
+/// A search's steps from a model to richer ones.
+struct Stepwise<'a> {
+    data: &'a Data,
+    base: &'a Judged,
+    scales: &'a Scales,
+    tried: usize,
+    bar: &'a ProgressBar,
+    budget: Budget,
+    /// Every candidate alone, once it has been tried.
+    alone: Vec<Trial>,
+}
+
+/// Where a walk ended.
+struct Way {
+    chosen: Judged,
+    /// Share of its variance that can still be foreseen.
+    left: f64,
+    /// Whether it ended because the work was spent.
+    cut_short: bool,
+}
+
+impl Stepwise<'_> {
+    /// As far as these candidates lead.
+    fn forward(&mut self, from: Judged, candidates: &[Term]) -> Way {
+        let (data, mut chosen, mut cut_short) = (self.data, from, false);
+        for _ in chosen.fit.shape.terms.len()..=MOST_TERMS {
+            let best = self.step(&chosen, candidates);
+            self.bar.inc(1);
+            let Some(best) = best else { break };
+            chosen = pruned(data, best, self.scales, self.tried);
+            if chosen.fit.shape.terms.len() >= MOST_TERMS || progress::interrupted() {
+                break;
+            }
+            if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
+                cut_short = true;
+                break;
+            }
+        }
+        Way { left: left(data, &chosen.fit).share, chosen, cut_short }
+    }
+
+    /// The best model with one term more that earns it.
+    fn step(&mut self, chosen: &Judged, candidates: &[Term]) -> Option<Judged> {
+        let (data, tried) = (self.data, self.tried);
+        let first = chosen.fit.shape.terms.is_empty();
+        let known = self.alone.iter().filter(|t| t.judged.is_some() && candidates.contains(&t.term));
+        let trials = if first && known.clone().count() >= SURE {
+            known.cloned().collect()
+        } else {
+            let here = refined(data, &chosen.fit, self.scales);
+            let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
+            round(data, chosen, &open, &here, SURE)
+        };
+        let nearly_done = chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free();
+        let rest = if chosen.fit.shape.terms.len() < 2 || nearly_done { LEAST_OF_REST } else { FAIR_PART_OF_REST };
+        let earning: Vec<(&Judged, f64)> = trials
+            .iter()
+            .filter_map(|t| t.judged.as_ref())
+            .take(3)
+            .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))
+            .filter(|(j, gain)| *gain > left(data, &j.fit).share * rest)
+            .collect();
+        // Where the fitted samples do not tell the best apart, the others do.
+        let most = earning.first().map_or(0.0, |(j, _)| j.score());
+        let equal = earning.into_iter().filter(|(j, _)| most - j.score() < TIE);
+        let best = equal.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j.clone());
+        if first && self.alone.is_empty() {
+            self.alone = trials;
+        }
+        best
+    }
+}

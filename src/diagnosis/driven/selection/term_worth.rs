@@ -1,0 +1,85 @@
+//! What each term of the final model is worth: how the model fares without it, on fitted samples and on others.
+//!
+//! Not what follows from that (`conclude`).
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::terms::quantisation::{Lattice, lattice};
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::parallel;
+
+use super::earned::without;
+use super::held_out::{Comparison, compare, held_out};
+use super::judged::{Judged, Rival, Selection};
+
+/// One named term.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// Its place in the model.
+    pub index: usize,
+    /// Fraction by which the innovations' variance grows without it, or the test error of free simulation if that is more.
+    pub growth: f64,
+    /// On validation samples, against the model without it.
+    pub comparison: Comparison,
+    /// Mean squared error of free simulation on the test samples without it.
+    pub free_without: f64,
+    /// Mean log-likelihood per test sample without it.
+    pub log_score_without: f64,
+    /// Log-likelihood that it gains where readings are known to be rounded, less the price of its parameters; else `None`.
+    pub rounded_lead: Option<f64>,
+    /// Candidates that would do as well.
+    pub rivals: Vec<Rival>,
+}
+
+impl Named {
+    /// Whether the test samples speak against it.
+    pub fn worsens(&self, model: &Judged) -> bool {
+        let term = model.fit.shape.terms[self.index];
+        term.noise().is_none() && model.held_out.free() > 1.02 * self.free_without
+    }
+}
+
+/// Coarse rounding, where it explains what a model leaves.
+pub fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
+    lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01)
+}
+
+/// Whether the samples that chose the terms have been fitted since.
+fn validation_is_fitted(data: &Data) -> bool {
+    data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
+}
+
+/// Every term of a model, weighed; its place alone where the model breaks down without it.
+pub fn weighed(
+    data: &Data,
+    selection: &Selection,
+    model: &Judged,
+    scales: &Scales,
+    rivals: &[Vec<Rival>],
+) -> Vec<Result<Named, usize>> {
+    let rounded = rounding(data, model);
+    let price = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
+    let weigh = |index: usize| {
+        let poorer = without(data, model, index, scales).ok_or(index)?;
+        let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
+        let mut comparison =
+            compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
+        comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
+        let judged = held_out(data, &poorer.fit, scales, &data.test);
+        Ok(Named {
+            index,
+            growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
+                .max(judged.free() / model.held_out.free().max(1e-300))
+                - 1.0,
+            comparison,
+            free_without: judged.free(),
+            log_score_without: judged.log_score(poorer.fit.variance),
+            rounded_lead: rounded.and_then(|l| {
+                let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
+                let rows = data.train_len() as f64;
+                Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
+            }),
+            rivals: rivals.get(index).cloned().unwrap_or_default(),
+        })
+    };
+    parallel::map_indices(model.fit.shape.terms.len(), weigh)
+}

@@ -1,0 +1,8 @@
+//! A model run over a recording: base and terms step by step, corrected by the readings where noise terms ask for it.
+
+pub mod filter;
+mod gain;
+mod propagator;
+pub mod run;
+pub mod shape;
+mod step;

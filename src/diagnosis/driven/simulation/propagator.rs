@@ -1,0 +1,67 @@
+//! What carries a state or an input over a fixed time and is known before a pass begins: the free oscillator, and an input
+//! moved by part of a grid point. Not the pass itself (`filter`).
+
+// Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
+#![allow(clippy::needless_range_loop)]
+
+use crate::diagnosis::driven::terms::law::{LANES, Lanes};
+use crate::kernel::misfit::transition;
+
+/// exp(At) in every lane.
+pub struct Transition {
+    /// Displacement by displacement.
+    pub xx: Lanes,
+    /// Displacement by velocity.
+    pub xv: Lanes,
+    /// Velocity by displacement.
+    pub vx: Lanes,
+    /// Velocity by velocity.
+    pub vv: Lanes,
+}
+
+impl Transition {
+    /// Of an oscillator's ω and ζ, after a time `t`.
+    pub fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
+        let mut m = Self { xx: [0.0; LANES], xv: [0.0; LANES], vx: [0.0; LANES], vv: [0.0; LANES] };
+        for l in 0..LANES {
+            [m.xx[l], m.xv[l], m.vx[l], m.vv[l]] = transition(oscillator[0][l], oscillator[1][l], t);
+        }
+        m
+    }
+
+    /// Displacement and velocity afterwards.
+    #[inline(always)]
+    pub fn apply(&self, x: &Lanes, v: &Lanes) -> (Lanes, Lanes) {
+        let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            nx[l] = self.xx[l] * x[l] + self.xv[l] * v[l];
+            nv[l] = self.vx[l] * x[l] + self.vv[l] * v[l];
+        }
+        (nx, nv)
+    }
+}
+
+/// A delay in grid points: a whole part, and cubic Lagrange weights for the rest.
+pub struct Shift {
+    /// Whole grid points.
+    pub whole: isize,
+    /// Weights of the four nodes around the rest.
+    pub weights: [Lanes; 4],
+}
+
+impl Shift {
+    /// Of a delay, on a grid of this spacing.
+    pub fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
+        let whole = (delay_s[0] / spacing_s).ceil();
+        let mut weights = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            // Position right of the node `index − whole`, normally in [0, 1).
+            let t = whole - delay_s[l] / spacing_s;
+            weights[0][l] = -t * (t - 1.0) * (t - 2.0) / 6.0;
+            weights[1][l] = (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0;
+            weights[2][l] = -(t + 1.0) * t * (t - 2.0) / 2.0;
+            weights[3][l] = (t + 1.0) * t * (t - 1.0) / 6.0;
+        }
+        Self { whole: whole as isize, weights }
+    }
+}

@@ -1,0 +1,81 @@
+//! A model run over part of a recording: its innovations at some points, and the states passed through.
+
+use std::ops::Range;
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::input::Input;
+use crate::diagnosis::driven::terms::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+use crate::diagnosis::driven::terms::law::{BaseLanes, LANES, Lanes};
+
+use super::filter::{Keep, Pass, States};
+use super::shape::Shape;
+use super::step::Parts;
+
+/// How a run is evaluated.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Samples.
+    pub range: Range<usize>,
+    /// Integration steps per sample.
+    pub steps: usize,
+    /// Whether readings correct the state.
+    pub corrected: bool,
+}
+
+/// Innovations at up to [`LANES`] points.
+pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run: &Run, keep: &mut K) -> Vec<Lanes> {
+    data.work.add(run.range.len() * run.steps);
+    let lane = |index: usize| {
+        let mut lanes = [0.0; LANES];
+        for (l, value) in lanes.iter_mut().enumerate() {
+            *value = points[l.min(points.len() - 1)][index];
+        }
+        lanes
+    };
+    let (omega, zeta) = (lane(OMEGA), lane(ZETA));
+    let mut base = BaseLanes { gain: lane(GAIN), stiffness: [0.0; LANES], damping: [0.0; LANES] };
+    for l in 0..LANES {
+        base.stiffness[l] = omega[l] * omega[l];
+        base.damping[l] = 2.0 * zeta[l] * omega[l];
+    }
+    let parameters: Vec<Lanes> = (BASE..shape.parameters).map(lane).collect();
+    let first: Vec<usize> = shape.first.iter().map(|f| f - BASE).collect();
+    let gains = (run.corrected && shape.is_noisy()).then(|| {
+        let mut gains = [[0.0; LANES]; 4];
+        for l in 0..LANES {
+            let gain = shape.gain(&points[l.min(points.len() - 1)], data.interval_s());
+            for (g, k) in gains.iter_mut().zip(gain.k) {
+                g[l] = k;
+            }
+        }
+        gains
+    });
+    let pass = Pass {
+        run: run.range.clone(),
+        reading: &data.reading,
+        grid: data.input.as_ref().map_or(&[], |i| i.grid(run.steps)),
+        grid_end: data.input.as_ref().map_or(0, Input::end),
+        environment: &data.environment,
+        environments: data.environments,
+        parts: Parts {
+            base,
+            oscillator: [omega, zeta],
+            terms: &shape.terms,
+            parameters: &parameters,
+            first: &first,
+            interval_s: data.interval_s(),
+            steps: run.steps,
+        },
+        offset: lane(OFFSET),
+        initial: [lane(INITIAL), lane(INITIAL + 1)],
+        gains,
+    };
+    pass.innovations(keep)
+}
+
+/// Innovations at one point, with the states that were passed through.
+pub fn trace(data: &Data, shape: &Shape, point: &[f64], run: &Run) -> (Vec<f64>, States) {
+    let mut states = States::default();
+    let lanes = innovations(data, shape, &[point.to_vec()], run, &mut states);
+    (lanes.iter().map(|e| e[0]).collect(), states)
+}

@@ -1,0 +1,286 @@
+//! One step of a pass: the oscillator exactly, the terms and the input by the stages of Lawson's method, and what follows
+//! the mass after it. What does not change during a pass is worked out once.
+//!
+//! Not for readings, which come between the steps (`filter`).
+
+// Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
+#![allow(clippy::needless_range_loop)]
+
+use crate::diagnosis::driven::terms::friction::{self, Sliding};
+use crate::diagnosis::driven::terms::law::{BaseLanes, Constants, Instant, LANES, Lanes, Stride};
+use crate::diagnosis::driven::terms::term::Term;
+
+use super::propagator::{Shift, Transition};
+
+/// Most own states of all terms of a model together.
+pub const MOST_STATES: usize = 8;
+/// Most of them that belong to terms which move the mass and so go through the stages with it; they come first.
+const MOST_STAGED: usize = 2;
+/// Place in the chain of the readout of what moves beside the mass; its states 0 and 1 are displacement and velocity.
+const MODES: u8 = 0;
+/// Place of the offset in the chain of the readout: what comes before it sees the displacement alone.
+const OFFSET: u8 = 3;
+
+/// Everything that moves during a pass.
+pub struct Motion {
+    /// Displacement.
+    pub x: Lanes,
+    /// Velocity.
+    pub v: Lanes,
+    /// What the reading is off by, as far as readings have taught.
+    pub bias: Lanes,
+    /// States of the terms.
+    pub own: [Lanes; MOST_STATES],
+}
+
+/// What moves: the base model and its terms, at some parameters.
+#[derive(Debug)]
+pub struct Parts<'a> {
+    /// Base model.
+    pub base: BaseLanes,
+    /// ω₀ and ζ, for the exact propagation.
+    pub oscillator: [Lanes; 2],
+    /// Terms of the model.
+    pub terms: &'a [Term],
+    /// Their parameters, term by term.
+    pub parameters: &'a [Lanes],
+    /// First parameter of each term.
+    pub first: &'a [usize],
+    /// Sampling interval.
+    pub interval_s: f64,
+    /// Integration steps per sample.
+    pub steps: usize,
+}
+
+/// What a pass works out before its first step.
+pub struct Plan<'a> {
+    parts: &'a Parts<'a>,
+    /// Length of a step.
+    pub step_s: f64,
+    half: Transition,
+    full: Transition,
+    /// Whether nothing acts on the mass but the input.
+    pub linear: bool,
+    moving: Vec<Mover<'a>>,
+    /// Whether one of those has states of its own.
+    staged: bool,
+    followers: Vec<Mover<'a>>,
+    constants: Vec<Constants>,
+    /// Terms that read before the offset is added.
+    pub sensing: Vec<Mover<'a>>,
+    /// Terms that read after it.
+    pub adding: Vec<Mover<'a>>,
+    /// States of what moves beside the mass.
+    pub modes: Vec<usize>,
+    /// By how much the input is late.
+    pub delay: Option<Shift>,
+    friction: Option<&'a Lanes>,
+    /// State of a low-pass.
+    pub lagging: Option<usize>,
+}
+
+impl<'a> Plan<'a> {
+    /// For steps of these parts.
+    pub fn of(parts: &'a Parts<'a>) -> Self {
+        let Parts { terms, first, parameters, .. } = *parts;
+        let step_s = parts.interval_s / parts.steps as f64;
+        let placed = |kept: fn(&Term) -> bool| -> Vec<Mover<'a>> {
+            let mut all = movers(terms, first);
+            all.retain(|m| kept(m.term));
+            all
+        };
+        let moving = placed(|t| t.moves() && !t.rubs());
+        let mut followers = placed(|t| t.follows());
+        // A low-pass sees the others where they have come to.
+        followers.sort_by_key(|m| m.term.lags());
+        let constants = followers.iter().map(|m| m.term.constants(&parameters[m.first..], step_s)).collect();
+        let mut readers = placed(|t| t.reads().is_some());
+        readers.sort_by_key(|m| m.term.reads());
+        let (sensing, adding): (Vec<_>, Vec<_>) = readers.into_iter().partition(|m| m.term.reads() < Some(OFFSET));
+        let of = |kept: fn(&Term) -> bool| {
+            let found = terms.iter().zip(first).find(|(t, _)| kept(t));
+            found.map(|(_, f)| &parameters[*f])
+        };
+        Self {
+            parts,
+            step_s,
+            half: Transition::new(&parts.oscillator, 0.5 * step_s),
+            full: Transition::new(&parts.oscillator, step_s),
+            linear: !terms.iter().any(|t| t.moves()),
+            staged: moving.iter().any(|m| m.term.states() > 0),
+            moving,
+            followers,
+            constants,
+            modes: sensing.iter().filter(|m| m.term.reads() == Some(MODES)).map(|m| m.state).collect(),
+            sensing,
+            adding,
+            delay: of(|t| t.delays()).map(|d| Shift::new(d, parts.interval_s / (2 * parts.steps) as f64)),
+            friction: of(|t| t.rubs()),
+            lagging: placed(|t| t.lags()).first().map(|m| m.state),
+        }
+    }
+
+    /// One step under nothing but the input: exact but for the course of the input, which is a parabola.
+    #[inline(always)]
+    pub fn swing(&self, u: [Lanes; 3], motion: &mut Motion) -> Stride {
+        let Self { parts, half, full, .. } = self;
+        let (h, x, v) = (self.step_s, motion.x, motion.v);
+        let mut a = [[0.0; LANES]; 3];
+        for s in 0..3 {
+            for l in 0..LANES {
+                a[s][l] = parts.base.gain[l] * u[s][l];
+            }
+        }
+        let (mut nx, mut nv) = full.apply(&x, &v);
+        for l in 0..LANES {
+            nx[l] += h / 6.0 * (full.xv[l] * a[0][l] + 4.0 * half.xv[l] * a[1][l]);
+            nv[l] += h / 6.0 * (full.vv[l] * a[0][l] + 4.0 * half.vv[l] * a[1][l] + a[2][l]);
+        }
+        (motion.x, motion.v) = (nx, nv);
+        Stride { step_s: h, x0: x, v0: v, x1: nx, v1: nv, input: u }
+    }
+
+    /// One step under forces that depend on the motion; `at` stands at its beginning.
+    #[inline(always)]
+    pub fn pushed(&self, at: &mut Instant<'_>, u: [Lanes; 3], motion: &mut Motion) -> Stride {
+        let Self { parts, half, full, .. } = self;
+        let (h, from, staged, friction) = (self.step_s, at.time_s, self.staged, self.friction);
+        let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);
+        let (hx, hv) = half.apply(&x, &v);
+        let (fx, fv) = full.apply(&x, &v);
+        let mut a = [[0.0; LANES]; 4];
+        let mut rate = [[0.0; LANES]; MOST_STAGED];
+        let mut sums = [[0.0; LANES]; MOST_STAGED];
+        let mut here = [own[0], own[1]];
+        let mut side = [0.0; LANES];
+        for stage in 0..4 {
+            let lead = if stage == 3 { h } else { 0.5 * h };
+            if staged && stage > 0 {
+                for s in 0..MOST_STAGED {
+                    for l in 0..LANES {
+                        here[s][l] = own[s][l] + lead * rate[s][l];
+                    }
+                }
+            }
+            match stage {
+                0 => (at.x, at.v, at.time_s, at.input) = (x, v, from, u[0]),
+                1 => {
+                    for l in 0..LANES {
+                        at.x[l] = hx[l] + 0.5 * h * half.xv[l] * a[0][l];
+                        at.v[l] = hv[l] + 0.5 * h * half.vv[l] * a[0][l];
+                    }
+                    (at.time_s, at.input) = (from + 0.5 * h, u[1]);
+                }
+                2 => {
+                    at.x = hx;
+                    for l in 0..LANES {
+                        at.v[l] = hv[l] + 0.5 * h * a[1][l];
+                    }
+                }
+                _ => {
+                    for l in 0..LANES {
+                        at.x[l] = fx[l] + h * half.xv[l] * a[2][l];
+                        at.v[l] = fv[l] + h * half.vv[l] * a[2][l];
+                    }
+                    (at.time_s, at.input) = (from + h, u[2]);
+                }
+            }
+            let mut acceleration = [0.0; LANES];
+            for l in 0..LANES {
+                acceleration[l] = parts.base.gain[l] * at.input[l];
+            }
+            for m in &self.moving {
+                let p = &parts.parameters[m.first..];
+                m.term.force(at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
+            }
+            if let Some(friction) = friction {
+                if stage == 0 {
+                    side = friction::sides(&parts.base, friction, [&x, &v, &acceleration]);
+                }
+                for l in 0..LANES {
+                    acceleration[l] -= side[l] * friction[l];
+                }
+            }
+            let weight = if stage == 0 || stage == 3 { h / 6.0 } else { h / 3.0 };
+            if staged {
+                for s in 0..MOST_STAGED {
+                    for l in 0..LANES {
+                        sums[s][l] += weight * rate[s][l];
+                    }
+                }
+            }
+            a[stage] = acceleration;
+        }
+        let (x0, v0) = (x, v);
+        for l in 0..LANES {
+            x[l] = fx[l] + h / 6.0 * (full.xv[l] * a[0][l] + 2.0 * half.xv[l] * (a[1][l] + a[2][l]));
+            v[l] = fv[l] + h / 6.0 * (full.vv[l] * a[0][l] + 2.0 * half.vv[l] * (a[1][l] + a[2][l]) + a[3][l]);
+        }
+        if let Some(friction) = friction {
+            let sliding = Sliding { step_s: h, base: &parts.base, friction, side: &side, ends: [&a[0], &a[3]] };
+            sliding.switch([&x0, &v0], [&mut x, &mut v]);
+        }
+        if staged {
+            for s in 0..MOST_STAGED {
+                for l in 0..LANES {
+                    own[s][l] += sums[s][l];
+                }
+            }
+        }
+        (motion.x, motion.v) = (x, v);
+        Stride { step_s: h, x0, v0, x1: x, v1: v, input: u }
+    }
+
+    /// Carries the terms that follow the mass over one step of it.
+    #[inline(always)]
+    pub fn follow(&self, stride: Stride, own: &mut [Lanes; MOST_STATES]) {
+        let modes = &self.modes;
+        let (x0, v0) =
+            if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };
+        for (m, constants) in self.followers.iter().zip(&self.constants) {
+            let mut seen = stride;
+            if m.term.lags() && !modes.is_empty() {
+                let (x1, v1) = together(modes, own, [&stride.x1, &stride.v1]);
+                seen = Stride { x0, v0, x1, v1, ..stride };
+            }
+            m.term.follow(&seen, constants, &self.parts.parameters[m.first..], &mut own[m.state..]);
+        }
+    }
+}
+
+/// A term, where its parameters begin and where its states begin.
+pub struct Mover<'a> {
+    /// The term.
+    pub term: &'a Term,
+    /// Its first parameter.
+    pub first: usize,
+    /// Its first state.
+    pub state: usize,
+}
+
+/// Terms in their order; those that move the mass have the first states.
+pub fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+    let mut next = [0, MOST_STAGED];
+    let mut all = Vec::new();
+    for (term, first) in terms.iter().zip(first) {
+        let (next, end) = if term.moves() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
+        if *next + term.states() <= end {
+            all.push(Mover { term, first: *first, state: *next });
+            *next += term.states();
+        }
+    }
+    all
+}
+
+/// Displacement and velocity of mass and modes together; those of modes are states at these places.
+#[inline(always)]
+pub fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]) -> (Lanes, Lanes) {
+    let (mut x, mut v) = (*x, *v);
+    for m in modes {
+        for l in 0..LANES {
+            x[l] += own[*m][l];
+            v[l] += own[m + 1][l];
+        }
+    }
+    (x, v)
+}

@@ -1,0 +1,18 @@
+//! The base model: a linear oscillator read with a gain and an offset. The order of its parameters and how far they reach.
+
+/// Base parameters: gain, ω₀, ζ, offset, displacement and velocity at the beginning.
+pub const BASE: usize = 6;
+/// Index of the gain.
+pub const GAIN: usize = 0;
+/// Index of ω₀.
+pub const OMEGA: usize = 1;
+/// Index of ζ.
+pub const ZETA: usize = 2;
+/// Index of the offset.
+pub const OFFSET: usize = 3;
+/// Index of the displacement at the beginning; its velocity follows.
+pub const INITIAL: usize = 4;
+/// Natural frequencies that a fit can reach, rad per sample.
+pub const OMEGAS_PER_SAMPLE: [f64; 2] = [1e-4, 20.0];
+/// Damping ratios that a fit can reach.
+pub const ZETAS: [f64; 2] = [1e-5, 30.0];

@@ -1,0 +1,128 @@
+//! A second resonance beside the one modelled.
+
+use std::f64::consts::TAU;
+
+use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
+use crate::kernel::misfit::{Point, transition};
+
+use super::law::{Cloud, Constants, Instant, LANES, Lanes, Physics, Stride};
+use super::scales::{Coordinate, Scales};
+
+/// A parallel mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parasitic;
+
+/// What the library says of it.
+pub const PARASITIC: Candidate = Candidate {
+    id: "parasitic-mode",
+    kind: Kind::Driven,
+    statement: "A second resonance answers the same input.",
+    equation: "y = x + x₂, x₂″ + 2ζ₂ω₂x₂′ + ω₂²x₂ = g₂·u",
+    parameters: &[
+        Parameter { name: "g2", unit: "y/(u s^2)", range: (-1.0, 1.0) },
+        Parameter { name: "omega2", unit: "rad/s", range: (0.1, 10.0) },
+        Parameter { name: "zeta2", unit: "1", range: (1e-4, 0.6) },
+    ],
+    acts: "equation of motion",
+    signature: "a second peak, or a dip beside one, in the frequency response",
+    confusable_with: &["feedthrough", "readout-lowpass", "readout-delay"],
+    reference: "Ewins, Modal Testing, 2nd ed., 2000, ch. 2",
+};
+
+impl Physics for Parasitic {
+    fn words(&self) -> &'static Candidate {
+        &PARASITIC
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        let omega = s.omega_rad_s;
+        vec![
+            Coordinate::Linear(0.1 * s.gain.abs()),
+            Coordinate::Log(
+                0.05 * omega,
+                (20.0 * omega).min(0.95 * std::f64::consts::PI / s.interval_s).max(0.1 * omega),
+            ),
+            Coordinate::Log(1e-4, 0.6),
+            Coordinate::Linear(0.1 * s.output),
+            Coordinate::Linear(0.1 * s.output * omega),
+        ]
+    }
+    fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
+        let nyquist = std::f64::consts::PI / s.interval_s;
+        let grid = [0.25, 0.4, 0.6, 0.8, 1.25, 1.6, 2.1, 2.8, 3.7, 5.0, 7.0].map(|r| r * s.omega_rad_s);
+        let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
+        let mut starts: Vec<Vec<f64>> =
+            grid.into_iter().filter(|w| *w < 0.9 * nyquist).map(|w| vec![0.0, w, 0.1, 0.0, 0.0]).collect();
+        starts.extend(peaks.filter(|w| *w < 0.95 * nyquist).map(|w| vec![0.0, w, 0.02, 0.0, 0.0]));
+        starts
+    }
+    fn states(&self) -> usize {
+        2
+    }
+    fn unknown_beginnings(&self) -> usize {
+        2
+    }
+    fn begin(&self, _: &Lanes, _: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
+        own[..2].copy_from_slice(&p[3..5]);
+    }
+    /// Its own motion is exact; Simpson's rule over the input's push errs by (ω₂h)⁴/2880 of it, 2e-5 at half a radian.
+    fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
+        0.35 * p[1]
+    }
+    /// exp(At) over a step, and its answer to a push half a step before the end.
+    fn constants(&self, p: &[Lanes], step_s: f64) -> Constants {
+        let mut constants = [[0.0; LANES]; 6];
+        for l in 0..LANES {
+            let full = transition(p[1][l], p[2][l], step_s);
+            let [_, xv, _, vv] = transition(p[1][l], p[2][l], 0.5 * step_s);
+            for (c, value) in constants.iter_mut().zip(full.into_iter().chain([xv, vv])) {
+                c[l] = value;
+            }
+        }
+        constants
+    }
+    /// Linear and moved by the input alone, it needs no stages.
+    #[inline(always)]
+    fn follow(&self, s: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
+        let [xx, xv, vx, vv, half_xv, half_vv] = constants;
+        let [begin, middle, end] = &s.input;
+        let (gain, sixth) = (&p[0], s.step_s / 6.0);
+        let (x, v) = (own[0], own[1]);
+        let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let push = sixth * gain[l];
+            nx[l] = xx[l] * x[l] + xv[l] * v[l] + push * (xv[l] * begin[l] + 4.0 * half_xv[l] * middle[l]);
+            let rest = vv[l] * begin[l] + 4.0 * half_vv[l] * middle[l] + end[l];
+            nv[l] = vx[l] * x[l] + vv[l] * v[l] + push * rest;
+        }
+        (own[0], own[1]) = (nx, nv);
+    }
+    fn follows(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn reading(&self, _: &Instant<'_>, _: &[Lanes], own: &[Lanes], y: &mut Lanes) {
+        for l in 0..LANES {
+            y[l] += own[0][l];
+        }
+    }
+    fn reads(&self) -> Option<u8> {
+        Some(0)
+    }
+    fn needs_input(&self) -> bool {
+        true
+    }
+    /// Frequencies 14 % apart and where the residual stands out, at three dampings.
+    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+        let nyquist = std::f64::consts::PI / s.interval_s;
+        let grid = (0..30).map(|i| 0.2 * s.omega_rad_s * 1.14f64.powi(i));
+        let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
+        let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
+        let shapes = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
+        Some(Cloud::Shapes { strength: 0.1 * s.gain.abs(), shapes })
+    }
+    fn place(&self, p: &[f64], point: &mut Point) -> bool {
+        (point.mode_gain, point.mode_omega_rad_s, point.mode_zeta) = (p[0], p[1], p[2]);
+        (point.mode_x0, point.mode_v0) = (p[3], p[4]);
+        true
+    }
+}

@@ -1,0 +1,49 @@
+//! Sizes: how large things are in a recording, and by what measure each parameter moves, so that no fit knows a unit.
+//!
+//! Not where fits begin (`start`), which finds most of these sizes.
+
+/// How a parameter is moved by the optimiser.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// In units of a typical size.
+    Linear(f64),
+    /// By its logarithm: positive, of unknown order of magnitude. Kept within these bounds.
+    Log(f64, f64),
+    /// In units of a typical size, kept within bounds.
+    Bounded(f64, f64, f64),
+}
+
+/// Sizes that the base fit found; they scale the candidates' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scales {
+    /// Standard deviation of the output.
+    pub output: f64,
+    /// Extremes of the output.
+    pub output_range: (f64, f64),
+    /// Standard deviation of the velocity of the base model.
+    pub velocity: f64,
+    /// Standard deviation of the input; 0 without one.
+    pub input: f64,
+    /// ω₀ of the base model.
+    pub omega_rad_s: f64,
+    /// ζ of the base model.
+    pub zeta: f64,
+    /// Gain of the base model.
+    pub gain: f64,
+    /// Sampling interval.
+    pub interval_s: f64,
+    /// Length of the fitted stretch.
+    pub duration_s: f64,
+    /// Standard deviation of the residual at hand.
+    pub residual: f64,
+    /// Frequencies at which the residual's spectrum stands out, strongest first, Hz.
+    pub lines_hz: Vec<f64>,
+    /// Standard deviation of each environment column.
+    pub environment: Vec<f64>,
+    /// Mean of the output.
+    pub centre: f64,
+    /// How finely the terms are integrated: steps turn their fastest rate by a quarter of a radian over this.
+    pub fineness: f64,
+    /// Samples by which the output clearly lags the input; 0 where it does not.
+    pub lag_samples: f64,
+}

@@ -1,0 +1,10 @@
+//! What may be said: which terms hold, what is left, where the base model errs, and the public document made of it.
+
+pub mod answer;
+pub mod conclude;
+pub mod detail;
+mod detectable;
+mod isolation;
+mod sensor;
+pub mod surface;
+pub mod words;

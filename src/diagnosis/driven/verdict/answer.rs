@@ -1,0 +1,248 @@
+//! The public answer: verdict, ranking, repair and the numbers behind the figures.
+
+use std::ops::Range;
+
+use crate::diagnosis::candidate::Kind;
+use crate::diagnosis::driven::identification::fit::Fit;
+use crate::diagnosis::driven::identification::profile;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, settled};
+use crate::diagnosis::driven::selection::judged::Selection;
+use crate::diagnosis::driven::simulation::filter::States;
+use crate::diagnosis::driven::simulation::run::{Run, trace};
+use crate::diagnosis::driven::terms::base::{OMEGA, ZETA};
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::{CANDIDATES, Term};
+use crate::diagnosis::verdict::{
+    Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where, Whiteness,
+};
+use crate::diagnosis::{Diagnosis, model};
+use crate::numerics::special;
+use crate::recording::Recording;
+
+use super::conclude::Conclusion;
+use super::detail::{Detail, Shown};
+use super::detectable::{Limits, limits};
+use super::isolation::{Compared, locate};
+use super::sensor::repair;
+use super::surface::{Motion, Surface, surface};
+use super::words::{self, Channels};
+
+/// Periods of the resonance that a look at both models spans, and the samples that it has at least and at most.
+const PERIODS: f64 = 8.0;
+const LEAST_SHOWN: usize = 100;
+const MOST_SHOWN: usize = 600;
+/// Cells of the restoring-force surface that the verdict lists.
+const CELLS_SHOWN: usize = 32;
+
+/// Everything a diagnosis gives away.
+pub fn answer(
+    recording: &Recording,
+    model: &model::Driven,
+    data: &Data,
+    scales: &Scales,
+    selection: &Selection,
+    c: &Conclusion,
+    mut findings: Vec<String>,
+) -> Diagnosis {
+    let output = model.columns.output.clone();
+    let output_unit = words::unit_of(&output, "output unit");
+    let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| words::unit_of(i, "input unit"));
+    let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
+    let effects = words::effects(data, c, selection, scales, &channels);
+    let ranking = words::ranking(c, selection, &channels);
+    let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
+    let (before, states) = free(&c.base.fit);
+    let (after, repaired) = free(&c.model.fit);
+    let missing = |fit: &Fit, error: &[f64], states: &States| {
+        let (omega_rad_s, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
+        surface(&Motion { error, x: &states.x, v: &states.v, omega_rad_s, zeta, rate_hz: data.rate_hz })
+    };
+    let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
+    let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
+    let errors = [before.as_slice(), after.as_slice()];
+    let location = located(data, errors, &states.x, &surfaces[0], &output_unit);
+    findings.extend(doubtful(c));
+    // What would have been seen is only known where what is left is noise.
+    let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
+    let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
+    let mut verdict = Verdict {
+        schema: SCHEMA,
+        kind: Kind::Driven,
+        verdict: c.outcome,
+        sentence: words::sentence(c, &effects, &channels),
+        recording: Source {
+            file: recording.path.display().to_string(),
+            sha256: recording.sha256.clone(),
+            samples: recording.samples(),
+            rate_hz: recording.rate_hz,
+        },
+        next_experiment: words::next_experiment(c, &effects, data.input.is_some()),
+        effects,
+        location,
+        fit: scores(data, c, errors, &model.split.test, &output_unit),
+        residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
+        findings,
+        detectable: limits.candidates,
+    };
+    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread, c.budget);
+    verdict
+        .findings
+        .extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
+    verdict.findings.extend(profiles.iter().filter_map(profile::Profile::finding));
+    let detail = Detail {
+        profiles,
+        output,
+        unit: output_unit,
+        rate_hz: data.rate_hz,
+        shown: shown(data, c, scales, errors),
+        state: states.x,
+        before,
+        after,
+        innovations,
+        from: data.hull.start,
+        surfaces,
+        least_over_noise: limits.least_over_noise,
+        alike: limits.alike,
+        named: !c.named.is_empty(),
+        candidates: ranking.iter().map(|r| (r.id.to_owned(), r.held_out_gain, r.ci95, r.named)).collect(),
+    };
+    let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
+    Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }
+}
+
+/// Where the base model errs, and what the force that it lacks follows.
+fn located(data: &Data, [before, after]: [&[f64]; 2], state: &[f64], surface: &Surface, unit: &str) -> Where {
+    let compared = Compared { error: before, noise: after, state, rate_hz: data.rate_hz, unit };
+    let mut location = locate(&compared, data.hull.start);
+    location.state_cells = surface.strongest(CELLS_SHOWN);
+    if let Some(words) = surface.words() {
+        location.summary += &format!("; {words}");
+    }
+    location
+}
+
+/// What was dropped and why, and which names rest on fitted samples alone.
+fn doubtful(c: &Conclusion) -> Vec<String> {
+    let dropped = c.dropped.iter().map(|(term, reason)| format!("{} was tried and dropped: {reason}", term.id()));
+    let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
+        let id = c.model.fit.shape.terms[named.index].id();
+        format!("{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it")
+    });
+    dropped.chain(unconfirmed).collect()
+}
+
+/// What would have been seen of each candidate.
+fn seen(data: &Data, c: &Conclusion, selection: &Selection, scales: &Scales, channels: &Channels) -> Limits {
+    let mut candidates: Vec<Term> = selection.alone.iter().map(|t| t.term).collect();
+    candidates.sort_by_key(|t| CANDIDATES.iter().position(|c| c.id == t.id()));
+    limits(data, &c.base.fit, scales, &candidates, channels)
+}
+
+/// Errors of both models on fitted and on held-out samples.
+fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[usize; 2]], unit: &str) -> Fitted {
+    let noisy = c.model.fit.shape.is_noisy();
+    let rmse = |errors: &[f64]| {
+        let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
+        (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
+    };
+    Fitted {
+        unit: unit.to_owned(),
+        noise_floor: words::noise_floor(data, &c.model.fit),
+        train: Score { rmse_before: rmse(before), rmse_after: rmse(after), ratio_ci95: None },
+        test: Score {
+            rmse_before: c.base.held_out.free().sqrt(),
+            rmse_after: c.model.held_out.free().sqrt(),
+            ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
+        },
+        test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
+        log_score: noisy.then(|| LogScore {
+            before: c.base.held_out.log_score(c.base.fit.variance),
+            after: c.model.held_out.log_score(c.model.fit.variance),
+        }),
+        one_step_rmse: noisy.then(|| [c.base.held_out.one_step().sqrt(), c.model.held_out.one_step().sqrt()]),
+    }
+}
+
+/// Errors on each range that judges, where there are several.
+fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec<RangeScore> {
+    if ranges.len() < 2 {
+        return Vec::new();
+    }
+    let rmse = |held: &HeldOut, from: usize, to: usize| {
+        let inside = held.blocks.iter().filter(|b| from <= b.range.start && b.range.end <= to);
+        let (sum, count) = inside.fold((0.0, 0), |(s, n), b| (s + b.free, n + b.range.len()));
+        (count > 0).then(|| (sum / count as f64).sqrt())
+    };
+    let score = |&[from, to]: &[usize; 2]| {
+        let (rmse_before, rmse_after) = rmse(before, from, to).zip(rmse(after, from, to))?;
+        Some(RangeScore { from, to, rmse_before, rmse_after })
+    };
+    ranges.iter().filter_map(score).collect()
+}
+
+/// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.
+fn ratio(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
+    let n = before.blocks.len();
+    let whole = |skip: Option<usize>| {
+        let sum = |h: &HeldOut| -> f64 {
+            h.blocks.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, b)| b.free).sum()
+        };
+        0.5 * (sum(after).max(1e-300) / sum(before).max(1e-300)).ln()
+    };
+    let centre = whole(None);
+    if n < 3 {
+        return [0.0, centre.exp().max(1.0)];
+    }
+    let apart: Vec<f64> = (0..n).map(|i| whole(Some(i))).collect();
+    let mean = apart.iter().sum::<f64>() / n as f64;
+    let variance = apart.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n as f64 - 1.0) / n as f64;
+    let reach = special::t_quantile(0.975, n as f64 - 1.0) * variance.sqrt();
+    [(centre - reach).exp(), (centre + reach).exp().min(1e6)]
+}
+
+/// Recording and both models around the held-out block on which they differ most (the base errs most, where nothing is
+/// named).
+fn shown(data: &Data, c: &Conclusion, scales: &Scales, [before, after]: [&[f64]; 2]) -> Shown {
+    let named = !c.named.is_empty();
+    let gap = |(b, a): (&Block, &Block)| (b.free - if named { a.free } else { 0.0 }) / b.range.len().max(1) as f64;
+    let pairs = c.base.held_out.blocks.iter().zip(&c.model.held_out.blocks);
+    let Some((block, _)) = pairs.max_by(|x, y| gap(*x).total_cmp(&gap(*y))) else { return Shown::default() };
+    let block = block.range.clone();
+    let periods = PERIODS * std::f64::consts::TAU / (c.base.fit.point[OMEGA] * data.interval_s());
+    let length = (periods as usize).clamp(LEAST_SHOWN, MOST_SHOWN);
+    let window = |within: &Range<usize>| {
+        let from = ((block.start + block.end) / 2).saturating_sub(length / 2);
+        let from = from.min(within.end.saturating_sub(length)).max(within.start);
+        from..(from + length).min(within.end)
+    };
+    let inside = block.start >= data.hull.start && block.end <= data.hull.end;
+    let (range, errors) = if inside {
+        let range = window(&data.hull);
+        let cut = |e: &[f64]| e[range.start - data.hull.start..range.end - data.hull.start].to_vec();
+        let errors = [cut(before), cut(after)];
+        (range, errors)
+    } else {
+        let Some(test) = data.test.iter().find(|r| r.start <= block.start && block.end <= r.end) else {
+            return Shown::default();
+        };
+        let range = window(test);
+        let simulated = |fit: &Fit| {
+            let run = Run { range: test.start..range.end, steps: fit.steps, corrected: false };
+            let (errors, _) = trace(data, &fit.shape, &settled(data, fit, scales, test), &run);
+            errors[range.start - test.start..].to_vec()
+        };
+        let errors = [simulated(&c.base.fit), simulated(&c.model.fit)];
+        (range, errors)
+    };
+    let overlap = |r: &Range<usize>| r.start.max(range.start)..r.end.min(range.end);
+    let reading = &data.reading[range.clone()];
+    let [base, repaired] = errors.map(|e| reading.iter().zip(e).map(|(y, e)| y - e).collect());
+    Shown {
+        from: range.start,
+        held_out: data.test.iter().map(overlap).filter(|r| r.start < r.end).collect(),
+        reading: reading.to_vec(),
+        base,
+        repaired,
+    }
+}

@@ -1,0 +1,347 @@
+//! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
+
+use crate::diagnosis::detection::Structure;
+use crate::diagnosis::driven::identification::fit::{Fit, fit};
+use crate::diagnosis::driven::identification::interval::{self, Spread};
+use crate::diagnosis::driven::identification::local_minima::deepest;
+use crate::diagnosis::driven::identification::step_length::enough;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::{Budget, Stage};
+use crate::diagnosis::driven::selection::earned::{SMALLEST_GAIN, without};
+use crate::diagnosis::driven::selection::held_out::held_out;
+use crate::diagnosis::driven::selection::judged::{Judged, Rival, Selection};
+use crate::diagnosis::driven::selection::residual_structure::{left, loudest_by_chance, power_left};
+use crate::diagnosis::driven::selection::rivals::alike;
+use crate::diagnosis::driven::selection::series::{Series, series};
+use crate::diagnosis::driven::selection::term_worth::{Named, rounding, weighed};
+use crate::diagnosis::driven::terms::quantisation::Lattice;
+use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::terms::term::Term;
+use crate::diagnosis::verdict::Outcome;
+use crate::numerics::order;
+use crate::parallel;
+
+/// Share of the innovations' variance that may be foreseen before they are no longer called white.
+pub const WHITE: f64 = 0.02;
+/// A remainder of less than this share, with no candidate that earns a name, is too faint to say that the library fails.
+const FAINT: f64 = 0.05;
+/// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
+const EVEN: f64 = 0.01;
+/// Level at which structure counts as found.
+const LEVEL: f64 = 1e-3;
+/// Level at which a stretch louder than the others counts as found.
+const LOUD: f64 = 1e-5;
+/// With a remainder as structured as this, a term must stand far above it.
+const COLOURED: f64 = 0.15;
+/// How far.
+const FAR_ABOVE: f64 = 30.0;
+/// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
+/// it does, and a tenth of a percent in power of it is no other effect.
+const LEAST_PART: f64 = 1e-3;
+/// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
+const LEAST_PART_OF_NOISE: f64 = 1e-5;
+/// Part of the held-out error that must go before a coloured remainder may be called a detail.
+const NEARLY_ALL: f64 = 0.99;
+
+/// What may be said.
+#[derive(Debug, Clone)]
+pub struct Conclusion {
+    /// The verdict.
+    pub outcome: Outcome,
+    /// The base model fitted like the final one.
+    pub base: Judged,
+    /// The final model.
+    pub model: Judged,
+    /// Terms that hold, strongest first.
+    pub named: Vec<Named>,
+    /// Terms that were in the model and do not hold, with the reason.
+    pub dropped: Vec<(Term, &'static str)>,
+    /// Why terms that each earn a place got no name together, where they did not.
+    pub series: Option<Series>,
+    /// What is left of the final model's innovations.
+    pub after: Structure,
+    /// Coarse rounding, where it explains the remainder.
+    pub lattice: Option<Lattice>,
+    /// Uncertainty of the final model's parameters.
+    pub spread: Spread,
+    /// How finely the terms of the final models are integrated, as `Scales::fineness`.
+    pub fineness: f64,
+    /// What the conclusion may cost.
+    pub budget: Budget,
+    /// What was not done because that was spent.
+    pub left_out: Vec<&'static str>,
+}
+
+/// Draws the conclusion: models fitted to the train samples of `data`, judged on its test samples.
+pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
+    let mut draft = Draft::fitted(data, selection, scales);
+    // What the full model leaves is the measure.
+    let share = draft.structured();
+    draft.weigh();
+    draft.drop_what_worsens();
+    draft.drop_what_follows_rounding();
+    let nameless = draft.carry_what_is_small(share);
+    let twins = draft.drop_twins();
+    let series = draft.drop_series();
+    order::sort_by_key(&mut draft.named, |n| -n.growth);
+    let lattice = rounding(data, &draft.model);
+    let outcome = draft.outcome(nameless, !twins && series.is_none(), lattice.is_some());
+    if outcome == Outcome::Unexplained {
+        draft.drop_stand_ins(share);
+    }
+    let (spread, finished) = if outcome == Outcome::Unexplained {
+        (interval::spread(&draft.model.fit), true)
+    } else {
+        intervals(data, &draft.model.fit, &draft.scales, &draft.named, draft.budget)
+    };
+    if !finished {
+        draft.left_out.push(PARABOLA);
+    }
+    let Draft { base, model, named, dropped, after, scales, budget, left_out, .. } = draft;
+    Conclusion {
+        outcome,
+        base,
+        model,
+        named,
+        dropped,
+        series,
+        after,
+        lattice,
+        spread,
+        fineness: scales.fineness,
+        budget,
+        left_out,
+    }
+}
+
+/// The same conclusion with base and final model fitted to more samples than it was drawn on.
+pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
+    let scales = &Scales { fineness: c.fineness, ..scales.clone() };
+    let budget = data.work.budget(Stage::Conclusion, data.hull.len());
+    let refit = |j: &Judged| -> Option<Judged> {
+        let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
+        Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
+    };
+    let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
+    let after = left(data, &model.fit);
+    let mut left_out = c.left_out.clone();
+    left_out.retain(|what| *what != PARABOLA);
+    let (spread, finished) = if c.outcome == Outcome::Unexplained {
+        (interval::spread(&model.fit), true)
+    } else {
+        intervals(data, &model.fit, scales, &c.named, budget)
+    };
+    if !finished {
+        left_out.push(PARABOLA);
+    }
+    Conclusion { base, model, after, spread, budget, left_out, ..c }
+}
+
+/// What is said of intervals that no profile has confirmed.
+const PARABOLA: &str = "the intervals of laws with a corner are those of a parabola: their profiles were not finished";
+
+/// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they need.
+fn intervals(data: &Data, fit: &Fit, scales: &Scales, named: &[Named], budget: Budget) -> (Spread, bool) {
+    let mut spread = interval::spread(fit);
+    let cornered: Vec<usize> = named.iter().map(|n| n.index).filter(|i| fit.shape.terms[*i].has_corner()).collect();
+    let over = data.work.is_spent(budget);
+    if !over {
+        interval::profiled(data, fit, scales, &cornered, &mut spread);
+    }
+    (spread, cornered.is_empty() || !over)
+}
+
+/// A conclusion in the making.
+struct Draft<'a> {
+    data: &'a Data,
+    selection: &'a Selection,
+    scales: Scales,
+    budget: Budget,
+    base: Judged,
+    model: Judged,
+    /// What is left of the model.
+    after: Structure,
+    rivals: Vec<Vec<Rival>>,
+    named: Vec<Named>,
+    dropped: Vec<(Term, &'static str)>,
+    left_out: Vec<&'static str>,
+}
+
+impl<'a> Draft<'a> {
+    /// Base and final model, as finely integrated as their numbers need, and judged.
+    fn fitted(data: &'a Data, selection: &'a Selection, scales: &Scales) -> Self {
+        let budget = data.work.budget(Stage::Conclusion, data.hull.len());
+        let refit =
+            |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
+        let (base, model) =
+            parallel::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
+        let model = deepest(data, model, scales);
+        let fineness = enough(data, &model, scales);
+        let scales = Scales { fineness, ..scales.clone() };
+        let model =
+            if model.steps == model.shape.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
+        let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, &scales, &data.test), fit };
+        let (base, model) = parallel::join(|| judge(base), || judge(model));
+        let (after, rivals) = (left(data, &model.fit), selection.rivals.clone());
+        let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
+        Self { data, selection, scales, budget, base, model, after, rivals, named, dropped, left_out }
+    }
+
+    /// Share of the innovations' variance that can still be foreseen beyond chance.
+    fn structured(&self) -> f64 {
+        if self.after.p_value < LEVEL { self.after.share } else { 0.0 }
+    }
+
+    fn term(&self, index: usize) -> Term {
+        self.model.fit.shape.terms[index]
+    }
+
+    fn is_noise(&self, named: &Named) -> bool {
+        self.term(named.index).noise().is_some()
+    }
+
+    fn drop_term(&mut self, index: usize, reason: &'static str) {
+        let term = self.term(index);
+        self.dropped.push((term, reason));
+    }
+
+    /// Weighs every term of the model.
+    fn weigh(&mut self) {
+        self.named.clear();
+        for weighed in weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals) {
+            match weighed {
+                Ok(named) => self.named.push(named),
+                Err(index) => {
+                    self.drop_term(index, "the model breaks down without it, so that nothing says what it adds")
+                }
+            }
+        }
+    }
+
+    /// A term that the test samples speak against goes, and the others are weighed again without it.
+    fn drop_what_worsens(&mut self) {
+        let worst = |draft: &Self| {
+            let all = draft.named.iter().filter(|n| n.worsens(&draft.model));
+            all.min_by(|a, b| a.free_without.total_cmp(&b.free_without)).map(|n| n.index)
+        };
+        while let Some(index) = worst(self) {
+            self.drop_term(index, "made the prediction of the test samples worse");
+            if self.data.work.is_spent(self.budget) {
+                self.named.retain(|n| n.index != index);
+                self.left_out.push("terms were not weighed again without one that made the prediction worse");
+                continue;
+            }
+            let Some(poorer) = without(self.data, &self.model, index, &self.scales) else { break };
+            let held_out = held_out(self.data, &poorer.fit, &self.scales, &self.data.test);
+            self.model = Judged { held_out, fit: poorer.fit };
+            if index < self.rivals.len() {
+                self.rivals.remove(index);
+            }
+            self.after = left(self.data, &self.model.fit);
+            self.weigh();
+        }
+    }
+
+    /// What is known of rounded readings does not bear out what only follows the rounding.
+    fn drop_what_follows_rounding(&mut self) {
+        let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
+        let holds = |n: &Named| n.rounded_lead.is_none_or(|lead| lead > bar);
+        let (holding, following): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
+        self.named = holding;
+        for n in following {
+            self.drop_term(n.index, "follows only the rounding of the readings; carried along, not named");
+        }
+    }
+
+    /// What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
+    /// the others, but is not named. How much of the variance these laws carry together.
+    fn carry_what_is_small(&mut self, share: f64) -> f64 {
+        let need = SMALLEST_GAIN.max(if share <= COLOURED { share } else { FAR_ABOVE * share });
+        let removed = self.removed();
+        let holds = |n: &Named| {
+            if self.is_noise(n) {
+                // Noise follows whatever is left: beside it, what is left must be next to nothing.
+                return n.growth >= need.max(FAR_ABOVE * share).max(removed * LEAST_PART_OF_NOISE);
+            }
+            n.growth >= need.max(removed * LEAST_PART)
+        };
+        let (named, carried): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
+        self.named = named;
+        for n in &carried {
+            let reason = if n.growth < need {
+                "smaller than what is still unexplained; carried along, not named"
+            } else {
+                "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
+            };
+            self.drop_term(n.index, reason);
+        }
+        carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
+    }
+
+    /// How many times the final model's variance the terms removed.
+    fn removed(&self) -> f64 {
+        self.base.fit.variance / self.model.fit.variance.max(1e-300) - 1.0
+    }
+
+    /// Two terms that can be mistaken for each other, neither above the noise, are one thing that the library does not hold.
+    fn drop_twins(&mut self) -> bool {
+        let faint: Vec<usize> = self.named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
+        let has_twin = |i: usize| faint.iter().any(|j| i != *j && alike(&self.term(i), &self.term(*j)));
+        let twins: Vec<usize> = faint.iter().copied().filter(|i| has_twin(*i)).collect();
+        twins.iter().for_each(|i| self.drop_term(*i, "only together with another that it can be mistaken for"));
+        self.named.retain(|n| !twins.contains(&n.index));
+        !twins.is_empty()
+    }
+
+    /// Nothing of a series has a name.
+    fn drop_series(&mut self) -> Option<Series> {
+        let terms: Vec<Term> = self.named.iter().map(|n| self.term(n.index)).collect();
+        let found = series(&terms)?;
+        for n in std::mem::take(&mut self.named) {
+            self.drop_term(n.index, found.reason());
+        }
+        Some(found)
+    }
+
+    /// Which of the four verdicts; `nameless` is what is carried without a name, `single` that no names had to go together.
+    fn outcome(&self, nameless: f64, single: bool, rounded: bool) -> Outcome {
+        let (model, after) = (&self.model, &self.after);
+        // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
+        let power = power_left(self.data, &model.fit);
+        let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
+        let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
+        let white = tidy && even && single && (after.share < WHITE || after.p_value > LEVEL);
+        // By what has a name: what is carried without one does not explain.
+        let gone = 1.0 - model.held_out.free() * (1.0 + nameless) / self.base.held_out.free().max(1e-300);
+        let something = !self.named.is_empty() || rounded;
+        // A base model whose error goes only with terms that earn no name is not adequate.
+        let nothing = !something && self.removed() < FAINT;
+        if self.named.iter().any(|n| !n.rivals.is_empty()) {
+            Outcome::Undecidable
+        } else if something && (white || gone > NEARLY_ALL && single && !self.selection.cut_short) {
+            Outcome::Explained
+        } else if white && nothing {
+            Outcome::Adequate
+        } else if self.named.is_empty() && single && nothing && after.share < FAINT {
+            Outcome::Undecidable
+        } else {
+            Outcome::Unexplained
+        }
+    }
+
+    /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by itself.
+    fn drop_stand_ins(&mut self, share: f64) {
+        let bar = FAR_ABOVE * share.max(WHITE);
+        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
+        let noisy = self.model.fit.shape.is_noisy();
+        let towers = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
+        let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(towers);
+        for n in others {
+            self.drop_term(n.index, "a stand-in: does not bring the residual to the noise");
+        }
+        self.named = towering;
+        if self.named.iter().all(|n| self.is_noise(n)) {
+            self.named.clear();
+        }
+    }
+}

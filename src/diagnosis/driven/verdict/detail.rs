@@ -1,0 +1,57 @@
+//! What a diagnosis of this kind keeps for its figures, as plain numbers.
+
+use std::ops::Range;
+
+use crate::diagnosis::driven::identification::profile::Profile;
+
+use super::surface::Surface;
+
+/// Plain numbers behind the figures.
+#[derive(Debug, Clone, Default)]
+pub struct Detail {
+    /// Output column.
+    pub output: String,
+    /// Its unit.
+    pub unit: String,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// The stretch of held-out samples that is shown.
+    pub shown: Shown,
+    /// Displacement (base model) on the fitted stretch.
+    pub state: Vec<f64>,
+    /// Error of the base model's free simulation there.
+    pub before: Vec<f64>,
+    /// Error of the repaired model's free simulation there.
+    pub after: Vec<f64>,
+    /// One-step error of the repaired model there.
+    pub innovations: Vec<f64>,
+    /// Sample at which that stretch begins.
+    pub from: usize,
+    /// The force that the base model leaves unexplained over displacement and velocity, and the repaired one.
+    pub surfaces: [Surface; 2],
+    /// Where nothing is named: root-mean-square, over the noise, from which on something would have been.
+    pub least_over_noise: f64,
+    /// Candidates whose signatures could then not have been told apart.
+    pub alike: Vec<[&'static str; 2]>,
+    /// Whether anything was named.
+    pub named: bool,
+    /// How the misfit rises around each named parameter.
+    pub profiles: Vec<Profile>,
+    /// Candidates: id, gain, interval, named.
+    pub candidates: Vec<(String, f64, [f64; 2], bool)>,
+}
+
+/// Recording and both models where they differ most, sample by sample.
+#[derive(Debug, Clone, Default)]
+pub struct Shown {
+    /// First sample.
+    pub from: usize,
+    /// Samples of it that were not fitted.
+    pub held_out: Vec<Range<usize>>,
+    /// Recording.
+    pub reading: Vec<f64>,
+    /// Base model, freely simulated.
+    pub base: Vec<f64>,
+    /// Repaired model, freely simulated.
+    pub repaired: Vec<f64>,
+}

@@ -1,0 +1,169 @@
+//! The list of laws, one line each; everything that knows them all is derived from it.
+
+use std::ops::Deref;
+
+use crate::numerics::elementary::Real;
+
+use super::candidate::Candidate;
+use super::dimension::{Dimension, Units};
+use super::law::{Law, Noise, Role};
+use super::state::{Constants, Instants, Lanes, Stride, each, each_reading};
+use super::study::Key;
+
+macro_rules! library {
+    ($($law:ident in $file:ident),* $(,)?) => {
+        /// Every law, in one of its forms.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[allow(missing_docs, reason = "each law's own file says what it is")]
+        pub enum Term {
+            $($law(super::$file::$law)),*
+        }
+
+        /// What can be named in a driven recording, in public order.
+        pub const CANDIDATES: &[Candidate] = &[$(super::$file::CANDIDATE),*];
+
+        impl Term {
+            /// Every law once, in its first form.
+            pub fn all() -> Vec<Self> {
+                vec![$(Self::$law(super::$file::$law::default())),*]
+            }
+
+            /// The laws, in each of their forms, that a recording with this many environment columns is tried against.
+            pub fn tried(environments: usize, input: bool) -> Vec<Self> {
+                let mut all = Vec::new();
+                $(all.extend(super::$file::$law::tried(environments).into_iter().map(Self::$law));)*
+                all.retain(|t| input || !t.needs_input());
+                all
+            }
+
+            /// Adds its force to an acceleration and writes the rates of its states. Through the law itself, not through
+            /// `Deref`, so that the compiler sees what is in the loop.
+            #[inline(always)]
+            pub fn force<T: Real, const N: usize, const FMA: bool>(
+                &self,
+                at: &Instants<'_, T, N>,
+                p: &[[T; N]],
+                own: &[[T; N]],
+                rates: &mut [[T; N]],
+                acceleration: &mut [T; N],
+            ) {
+                match self { $(Self::$law(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration)),* }
+            }
+
+            /// Changes the readings; as `force`.
+            #[inline(always)]
+            pub fn reading<const N: usize>(
+                &self,
+                at: &Instants<'_, f64, N>,
+                p: &[[f64; N]],
+                own: &[[f64; N]],
+                y: &mut [f64; N],
+            ) {
+                match self { $(Self::$law(law) => each_reading(law, at, p, own, y)),* }
+            }
+
+            /// Carries its states over one step of the mass; as `force`.
+            #[inline(always)]
+            pub fn follow(&self, stride: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
+                match self { $(Self::$law(law) => law.follow(stride, constants, p, own)),* }
+            }
+        }
+
+        impl Deref for Term {
+            type Target = dyn Law;
+
+            fn deref(&self) -> &Self::Target {
+                match self { $(Self::$law(law) => law),* }
+            }
+        }
+    };
+}
+
+library! {
+    CubicStiffness in cubic_stiffness,
+    QuadraticStiffness in quadratic_stiffness,
+    QuadraticDamping in quadratic_damping,
+    SqueezeFilmDamping in squeeze_film_damping,
+    CoulombFriction in coulomb_friction,
+    Hysteresis in hysteresis,
+    StiffnessDrift in stiffness_drift,
+    ParasiticMode in parasitic_mode,
+    DriveNonlinearity in drive_nonlinearity,
+    EndStop in end_stop,
+    ForceNoise in force_noise,
+    ReadoutSaturation in readout_saturation,
+    ReadoutQuantisation in readout_quantisation,
+    ReadoutDelay in readout_delay,
+    ReadoutLowpass in readout_lowpass,
+    ReadoutNonlinearity in readout_nonlinearity,
+    Feedthrough in feedthrough,
+    BiasDrift in bias_drift,
+    WarmUp in warm_up,
+    BiasRandomWalk in bias_random_walk,
+    PeriodicDisturbance in periodic_disturbance,
+}
+
+impl Term {
+    /// Library id.
+    pub fn id(&self) -> &'static str {
+        self.candidate().id
+    }
+
+    /// Which noise it is, if it is one.
+    pub fn noise(&self) -> Option<Noise> {
+        match self.role() {
+            Role::Noise(noise) => Some(noise),
+            _ => None,
+        }
+    }
+}
+
+/// A parameter of a law that a study gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StudyParameter {
+    /// The law.
+    pub term: Term,
+    /// How the study names it.
+    pub key: Key,
+}
+
+impl StudyParameter {
+    /// What its value is multiplied by in other units.
+    pub fn factor(&self, units: &Units) -> f64 {
+        let parameters = self.term.candidate().parameters;
+        parameters.get(self.key.parameter).map_or(1.0, |p| Dimension::of(p.unit).factor(units))
+    }
+}
+
+/// All parameters that a study gives, in public order of their laws.
+pub fn study_parameters() -> impl Iterator<Item = StudyParameter> {
+    Term::all().into_iter().flat_map(|term| term.study().iter().map(move |key| StudyParameter { term, key: *key }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_unique_and_confusable_ones_exist() {
+        for (i, c) in CANDIDATES.iter().enumerate() {
+            assert!(CANDIDATES[..i].iter().all(|other| other.id != c.id), "{}", c.id);
+            for other in c.confusable_with {
+                assert!(CANDIDATES.iter().any(|c| c.id == *other), "{} names {other}", c.id);
+            }
+        }
+        assert!(Term::all().iter().zip(CANDIDATES).all(|(t, c)| t.candidate() == c));
+    }
+
+    #[test]
+    fn keys_and_slots_of_studies_are_unique_and_their_units_are_those_of_the_law() {
+        let all: Vec<StudyParameter> = study_parameters().collect();
+        for (i, p) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|q| q.key.key != p.key.key && q.key.slot != p.key.slot), "{}", p.key.key);
+            let unit = p.term.candidate().parameters[p.key.parameter].unit;
+            let metric = unit.replace('y', "m").replace("^2", "²").replace("^3", "³");
+            assert_eq!(p.key.unit, metric, "{}", p.key.key);
+        }
+        assert!(all.len() > 4);
+    }
+}

@@ -1,0 +1,80 @@
+//! Damping that grows with the square of the displacement, as a gas film is squeezed: c x²x′.
+
+use crate::numerics::elementary::{Real, fma};
+
+use super::candidate::{Candidate, Kind, Parameter};
+use super::law::{Law, Role};
+use super::scales::{Coordinate, Scales};
+use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::study::{Key, Sign};
+
+/// c x²x′.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SqueezeFilmDamping;
+
+/// What the library says of it.
+pub const CANDIDATE: Candidate = Candidate {
+    id: "squeeze-film-damping",
+    kind: Kind::Driven,
+    statement: "Damping grows with displacement, as the gas film is squeezed.",
+    equation: "x″ + (2ζω₀ + c x²)x′ + ω₀²x = g·u",
+    parameters: &[Parameter { name: "c", unit: "1/(y^2 s)", range: (-1.0, 1.0) }],
+    acts: "equation of motion",
+    signature: "the peak of the resonance is lower at high amplitude; loss grows with displacement, not with speed",
+    confusable_with: &["quadratic-damping", "coulomb-friction", "hysteresis"],
+    reference: "Bao & Yang, Squeeze film air damping in MEMS, Sensors and Actuators A 136 (2007)",
+};
+
+impl Law for SqueezeFilmDamping {
+    fn candidate(&self) -> &'static Candidate {
+        &CANDIDATE
+    }
+    fn role(&self) -> Role {
+        Role::Force
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        vec![Coordinate::Linear(s.zeta * s.omega_rad_s / s.output.powi(2))]
+    }
+    fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
+        vec![vec![0.0]]
+    }
+    fn study(&self) -> &'static [Key] {
+        &[Key {
+            parameter: 0,
+            key: "squeeze_film_per_m2_s",
+            name: "squeeze-film damping",
+            unit: "1/(m² s)",
+            sign: Sign::NotNegative,
+            slot: 5,
+            turns: false,
+        }]
+    }
+    fn wgsl(&self) -> &'static str {
+        "fn squeeze_film_damping(at: Instant, p0: f32, sum: f32) -> f32 {
+    return fma(-(p0 * at.x * at.x), at.v, sum);
+}"
+    }
+    #[inline(always)]
+    fn force<T: Real, const FMA: bool>(
+        &self,
+        at: &Instant<'_, T>,
+        p: &[T; MOST_VALUES],
+        _: &[T; MOST_STAGED],
+        sum: T,
+    ) -> T {
+        fma::<T, FMA>(-(p[0] * at.x * at.x), at.v, sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_problem::Mass;
+    use super::*;
+
+    // Without a spring dv/dx = −c x²: from x = 0 on, v = v₀ − c x³/3.
+    #[test]
+    fn a_free_mass_loses_speed_with_the_cube_of_its_way() {
+        let [x, v] = Mass::default().moved(&SqueezeFilmDamping, &[6.0], [0.0, 1.0], 0.7, 4000, |_| 0.0);
+        assert!(x > 0.4 && (v - (1.0 - 2.0 * x.powi(3))).abs() < 1e-10, "{x} {v}");
+    }
+}

@@ -1,0 +1,155 @@
+//! What a law is given: the state of the mass at one instant, one step that it has taken, and how many are simulated at once.
+//!
+//! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side, from which [`each`] feeds
+//! it lane by lane, in loops that compile to vector instructions. Units are the caller's (see [`super::dimension`]).
+
+use crate::numerics::elementary::Real;
+
+use super::law::Law;
+
+/// Parameter sets that the diagnosis simulates side by side.
+pub const LANES: usize = 8;
+/// One value per parameter set.
+pub type Lanes = [f64; LANES];
+/// Most values of one law: its parameters and the unknown initial values of its states.
+pub const MOST_VALUES: usize = 6;
+/// Most states of laws that act on the mass, together: they go through the stages of a step with it.
+pub const MOST_STAGED: usize = 2;
+
+/// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Base<T, const N: usize> {
+    /// Gain.
+    pub gain: [T; N],
+    /// ω₀².
+    pub stiffness: [T; N],
+    /// 2ζω₀.
+    pub damping: [T; N],
+}
+
+/// The base model of the diagnosis.
+pub type BaseLanes = Base<f64, LANES>;
+
+/// One mass at one instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Instant<'a, T> {
+    /// Time since the recording or the run began.
+    pub time: T,
+    /// Length of the integration step; 0 where a law must not be smoothed over one.
+    pub step: T,
+    /// Input: for forces late where the reading is late (a delay is applied there), for readings as it is.
+    pub input: T,
+    /// Displacement.
+    pub x: T,
+    /// Velocity.
+    pub v: T,
+    /// Gain of the base model.
+    pub gain: T,
+    /// ω₀² of the base model.
+    pub stiffness: T,
+    /// Environment columns, less their means.
+    pub environment: &'a [f64],
+}
+
+/// N masses at one instant; fields as in [`Instant`].
+#[derive(Debug, Clone, Copy)]
+#[allow(missing_docs, reason = "the fields are those of `Instant`")]
+pub struct Instants<'a, T, const N: usize> {
+    pub time: T,
+    pub step: T,
+    pub input: [T; N],
+    pub x: [T; N],
+    pub v: [T; N],
+    pub base: &'a Base<T, N>,
+    pub environment: &'a [f64],
+}
+
+impl<T: Copy, const N: usize> Instants<'_, T, N> {
+    /// One of the masses.
+    #[inline(always)]
+    pub fn lane(&self, l: usize) -> Instant<'_, T> {
+        Instant {
+            time: self.time,
+            step: self.step,
+            input: self.input[l],
+            x: self.x[l],
+            v: self.v[l],
+            gain: self.base.gain[l],
+            stiffness: self.base.stiffness[l],
+            environment: self.environment,
+        }
+    }
+}
+
+/// Adds a law's force to the acceleration of N masses and writes the rates of its states.
+#[inline(always)]
+pub fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
+    law: &L,
+    at: &Instants<'_, T, N>,
+    p: &[[T; N]],
+    own: &[[T; N]],
+    rates: &mut [[T; N]],
+    acceleration: &mut [T; N],
+) {
+    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
+    // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
+    let (Some(p), Some(own), Some(rates)) = (p.get(..values), own.get(..states), rates.get_mut(..states)) else {
+        return;
+    };
+    for l in 0..N {
+        let (at, p) = (at.lane(l), picked::<T, N, MOST_VALUES>(p, l));
+        let z = picked::<T, N, MOST_STAGED>(own, l);
+        acceleration[l] = law.force::<T, FMA>(&at, &p, &z, acceleration[l]);
+        let rate = law.rates::<T, FMA>(&at, &p, &z);
+        for (rates, rate) in rates.iter_mut().zip(rate) {
+            rates[l] = rate;
+        }
+    }
+}
+
+/// Lets a law change the readings of N masses.
+#[inline(always)]
+pub fn each_reading<L: Law, const N: usize>(
+    law: &L,
+    at: &Instants<'_, f64, N>,
+    p: &[[f64; N]],
+    own: &[[f64; N]],
+    y: &mut [f64; N],
+) {
+    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
+    let (Some(p), Some(own)) = (p.get(..values), own.get(..states)) else { return };
+    for l in 0..N {
+        let (p, z) = (picked::<f64, N, MOST_VALUES>(p, l), picked::<f64, N, MOST_STAGED>(own, l));
+        y[l] = law.reading(&at.lane(l), &p, &z, y[l]);
+    }
+}
+
+/// One lane of some rows, zero beyond them.
+#[inline(always)]
+fn picked<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]], l: usize) -> [T; MOST] {
+    let mut out = [T::default(); MOST];
+    for (out, row) in out.iter_mut().zip(rows) {
+        *out = row[l];
+    }
+    out
+}
+
+/// What a law needs at every step of a pass and that does not change during it.
+pub type Constants = [Lanes; 6];
+
+/// One step that the masses have taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Stride {
+    /// Its length.
+    pub step_s: f64,
+    /// Displacement before.
+    pub x0: Lanes,
+    /// Velocity before.
+    pub v0: Lanes,
+    /// Displacement after.
+    pub x1: Lanes,
+    /// Velocity after.
+    pub v1: Lanes,
+    /// Input at its beginning, middle and end.
+    pub input: [Lanes; 3],
+}

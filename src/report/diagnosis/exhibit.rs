@@ -1,0 +1,29 @@
+//! A figure of a diagnosis and the part of the page that it belongs to.
+
+use crate::report::figure::Figure;
+
+/// The part of the page a figure belongs to, in the page's order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The one figure of the first screen: the mismatch, and that it goes away.
+    Opening,
+    /// Recording, base and repaired model on held-out data; residual before and after.
+    Improvement,
+    /// Where the mismatch lives.
+    Isolation,
+    /// How the parameters were found and how sure they are.
+    Identification,
+}
+
+/// A figure of a diagnosis.
+#[derive(Debug, Clone)]
+pub struct Exhibit {
+    /// Where on the page.
+    pub part: Part,
+    /// File name without ending, e.g. "held-out-overlay".
+    pub name: String,
+    /// The figure.
+    pub figure: Figure,
+    /// What it shows and what to see in it.
+    pub caption: String,
+}

@@ -1,0 +1,86 @@
+//! A chart as data: axes, series, words, a picture behind them. How it looks is decided where it is drawn (`draw`).
+
+use super::axis::Axis;
+use super::raster::Raster;
+use super::theme::Ink;
+
+/// How a series is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mark {
+    /// A line through the points.
+    Line,
+    /// A dashed line: guides, laws, closed forms.
+    Dashed,
+    /// Dots of this radius in px.
+    Dots(u32),
+    /// The area between `points` (lower edge) and these upper values.
+    Band(Vec<f64>),
+    /// Bars from zero (or the axis' low end); x are the bars' centres, this is their width.
+    Bars(f64),
+    /// Vertical bars from `points` (lower end) to these upper values: confidence intervals.
+    Whiskers(Vec<f64>),
+}
+
+/// One named set of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What the legend says; empty for none.
+    pub name: String,
+    /// Colour.
+    pub ink: Ink,
+    /// Form.
+    pub mark: Mark,
+    /// (x, y) in axis units. Points that are not finite, or not positive on a log axis, break the line.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Words at a point of the plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// Where, in axis units; the text begins there.
+    pub at: (f64, f64),
+    /// What it says.
+    pub text: String,
+}
+
+/// A chart with two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Short title.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Back to front.
+    pub series: Vec<Series>,
+    /// Words in the plot.
+    pub notes: Vec<Note>,
+    /// Picture behind the series: a heat map or a cloud.
+    pub raster: Option<Raster>,
+    /// Width and height in px.
+    pub size: (u32, u32),
+}
+
+impl Chart {
+    /// An empty chart of the usual size.
+    pub fn new(title: &str, x: Axis, y: Axis) -> Self {
+        Self { title: title.into(), x, y, series: Vec::new(), notes: Vec::new(), raster: None, size: (560, 390) }
+    }
+
+    /// Adds a series and returns the chart.
+    pub fn with(mut self, name: &str, ink: Ink, mark: Mark, points: Vec<(f64, f64)>) -> Self {
+        self.add(name, ink, mark, points);
+        self
+    }
+
+    /// Adds a series.
+    pub fn add(&mut self, name: &str, ink: Ink, mark: Mark, points: Vec<(f64, f64)>) {
+        self.series.push(Series { name: name.into(), ink, mark, points });
+    }
+
+    /// Adds words at a point.
+    pub fn note(&mut self, at: (f64, f64), text: &str) {
+        self.notes.push(Note { at, text: text.into() });
+    }
+}
