@@ -10,8 +10,11 @@ pub mod detection;
 pub mod driven;
 pub mod model;
 pub mod rectification;
+pub mod remainder;
 pub mod repair;
 pub mod rest;
+pub mod ruling;
+pub mod standing;
 pub mod tumble;
 pub mod verdict;
 
@@ -21,6 +24,7 @@ use crate::recording::Recording;
 use candidate::Candidate;
 use model::Model;
 use repair::Repair;
+use standing::Ranked;
 use verdict::Verdict;
 
 /// What a diagnosis found, whatever the kind of recording.
@@ -35,25 +39,6 @@ pub struct Diagnosis {
     pub repair: Option<Repair>,
     /// Plain numbers behind the figures.
     pub detail: Detail,
-}
-
-/// One candidate's standing.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Ranked {
-    /// Library id.
-    pub id: &'static str,
-    /// Columns it was tried in; the same id may stand once per sensor or channel.
-    pub channels: Vec<String>,
-    /// As `verdict::Evidence::held_out_gain`: what it adds, alone or to the effects already named (say which in `note`).
-    pub held_out_gain: f64,
-    /// 95 % interval of the gain; infinite where it could not be had.
-    pub ci95: [f64; 2],
-    /// Corrected for the number of candidates tried.
-    pub p_value: f64,
-    /// Whether it stands in the verdict.
-    pub named: bool,
-    /// Why it was kept, dropped or cannot be judged, in a few words; may be empty.
-    pub note: String,
 }
 
 /// What each kind keeps for its figures and its own paragraphs.

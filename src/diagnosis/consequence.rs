@@ -5,7 +5,7 @@
 
 use super::Diagnosis;
 use super::rectification;
-use super::repair::{Cost, Repair, Vibration};
+use super::repair::{Cost, Repair, Row, Vibration};
 use crate::error::Result;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
@@ -30,20 +30,22 @@ struct Drift {
 pub fn costs(diagnosis: &Diagnosis) -> Result<Vec<Cost>> {
     let Some(repair) = &diagnosis.repair else { return Ok(Vec::new()) };
     let before = Drift::of(&repair.before, &repair.vibration)?;
-    let mut rows = vec![row("with the model as it was", before.total(), repair)];
+    let mut rows = vec![row(Row::Before, before.total(), repair)];
     if repair.after != repair.before {
         let after = Drift::of(&repair.after, &repair.vibration)?;
-        rows.push(row("with the named physics", after.total(), repair));
-        rows.push(row(DIFFERENCE, after.beyond(&before, repair.before.proof_mass.is_some()), repair));
+        rows.push(row(Row::After, after.total(), repair));
+        rows.push(row(Row::Difference, after.beyond(&before, repair.before.proof_mass.is_some()), repair));
     }
     rows.extend(repair.own_cost.iter().cloned());
     Ok(rows)
 }
 
-/// What the row is called that says what leaving the physics out costs.
-pub const DIFFERENCE: &str = "difference: what leaving it out costs";
-
-fn row(of: &str, metres: [f64; 2], repair: &Repair) -> Cost {
+fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
+    let of = match row {
+        Row::Before | Row::Own => "with the model as it was",
+        Row::After => "with the named physics",
+        Row::Difference => "difference: what leaving it out costs",
+    };
     let vibration = &repair.vibration;
     let (under, basis) = match repair.before.proof_mass {
         Some(_) => (
@@ -53,7 +55,7 @@ fn row(of: &str, metres: [f64; 2], repair: &Repair) -> Cost {
         None => ("at rest".to_owned(), "closed forms"),
     };
     let [ten, sixty] = metres;
-    Cost { of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
+    Cost { row, of: of.into(), under, position_10_s_m: ten, position_60_s_m: sixty, basis: basis.into() }
 }
 
 impl Drift {

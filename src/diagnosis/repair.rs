@@ -34,9 +34,24 @@ pub struct Repair {
     pub own_cost: Vec<Cost>,
 }
 
+/// Which row of the cost table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Row {
+    /// With the model as it was.
+    Before,
+    /// With the named physics.
+    After,
+    /// What leaving it out costs: the difference between the two.
+    Difference,
+    /// Of one effect, by a formula of its kind.
+    Own,
+}
+
 /// Position error when the physics is left out of the sensor's model.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Cost {
+    /// Which row it is.
+    pub row: Row,
     /// What is left out, e.g. "cubic-stiffness".
     pub of: String,
     /// Under what: "5 m/s² at 3 Hz".

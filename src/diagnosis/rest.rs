@@ -2,29 +2,36 @@
 //!
 //! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is judged alone (`selection`),
 //! then by what its neighbours bear (`agreement`) and all together for drift that they share (`common`), then what is left
-//! (`check`). Not for coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
+//! (`residual`). Not for coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
 
 mod agreement;
 mod candidate;
+mod cause;
 mod chain;
 mod channel;
-mod check;
 mod common;
 mod conclusion;
 mod describe;
+mod detail;
 mod effects;
+mod estimate;
 mod jump;
 mod laws;
 mod location;
 mod plausible;
+mod residual;
+mod round;
 mod rounding;
+mod search;
 mod selection;
 mod sensor;
 mod spectrum;
+mod standing;
 mod telegraph;
 mod words;
 
 pub use candidate::CANDIDATES;
+pub use detail::{ChannelDetail, Detail};
 
 use super::Diagnosis;
 use super::model;
@@ -40,30 +47,6 @@ use channel::{Channel, Curve};
 const LONGEST: usize = 1 << 19;
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
-
-/// Plain numbers behind the figures.
-#[derive(Debug, Clone, Default)]
-pub struct Detail {
-    /// Unit of the channels.
-    pub unit: String,
-    /// One per channel.
-    pub channels: Vec<ChannelDetail>,
-}
-
-/// What the figures show of a channel; all in file units.
-#[derive(Debug, Clone, Default)]
-pub struct ChannelDetail {
-    /// Heading.
-    pub name: String,
-    /// Ids named in it.
-    pub named: Vec<String>,
-    /// τ in s, recorded Allan deviation, base model's, repaired model's.
-    pub allan: Vec<[f64; 4]>,
-    /// Frequency in Hz, one-sided density recorded, base, repaired, unit/√Hz.
-    pub density: Vec<[f64; 4]>,
-    /// Time in s, block mean, repaired model's curve (0 where it has none).
-    pub trace: Vec<[f64; 3]>,
-}
 
 /// Diagnoses it.
 ///

@@ -4,17 +4,21 @@
 //! model has per axis an offset and per sensor one common scale, the axes orthogonal and shared by both sensors.
 //! Not for motion beside a reference trajectory.
 
+pub mod account;
+mod by_pose;
 pub mod calibration;
 mod candidate;
 mod check;
 mod conclusion;
 mod consequence;
+mod detail;
 mod fit;
+pub mod group;
 mod imu;
 mod isolation;
 mod noise;
 pub mod poses;
-mod remainder;
+mod residual;
 pub mod rows;
 mod selection;
 mod slopes;
@@ -24,52 +28,16 @@ mod words;
 
 use std::ops::Range;
 
-use nalgebra::Vector3;
-
 pub use calibration::Calibration;
 pub use candidate::CANDIDATES;
+pub use detail::{Detail, PoseDetail};
 pub use imu::Imu;
 
+use super::Diagnosis;
 use super::model;
-use super::{Detail as AnyDetail, Diagnosis};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use fit::Fit;
-use rows::Group;
-
-/// Plain numbers behind the figures.
-#[derive(Debug, Clone)]
-pub struct Detail {
-    /// One per pose, in order of time.
-    pub poses: Vec<PoseDetail>,
-    /// Whether the tool found the poses itself.
-    pub poses_found: bool,
-    /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base model, repaired model.
-    pub held_out: [[f64; 2]; 3],
-    /// The repaired calibration.
-    pub calibration: Calibration,
-    /// K's entries with their 95 % intervals, °/s/g, by rows; empty unless named.
-    pub g_sensitivity: Vec<(String, f64, [f64; 2])>,
-    /// Length of specific force over time, m/s², thinned for plotting, as (time in s, |f|).
-    pub length_m_s2: Vec<(f64, f64)>,
-    /// Gravity as the model states it.
-    pub gravity_m_s2: f64,
-}
-
-/// One pose in the figures.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PoseDetail {
-    /// From and to, s.
-    pub time_s: [f64; 2],
-    /// Specific force over g, as the repaired model sees it.
-    pub share: [f64; 3],
-    /// Residuals before, in the units of `Group`: |f| − g; rate x, y, z; direction error after the following move.
-    pub before: [f64; 5],
-    /// Residuals after.
-    pub after: [f64; 5],
-    /// Noise of each.
-    pub noise: [f64; 5],
-}
 
 /// Diagnoses a tumble recording.
 ///
@@ -166,50 +134,4 @@ pub fn calibrate(imu: Imu<'_>, poses: &[Range<usize>]) -> Result<Calibration> {
     ];
     let active: Vec<usize> = start::base().into_iter().chain(more.into_iter().flatten()).collect();
     Ok(Calibration::from_point(&Fit::new(&observed, &base.point, &active).point))
-}
-
-/// Residuals of one pose in public units: |f| − g, three rates, direction error.
-fn by_pose(fit: &Fit, poses: usize) -> (Vec<[f64; 5]>, Vec<[f64; 5]>) {
-    let mut value = vec![[0.0; 5]; poses];
-    let mut noise = vec![[0.0; 5]; poses];
-    let mut still = vec![0; poses];
-    for r in 0..fit.rows.group.len() {
-        let (pose, group) = (fit.rows.pose[r], fit.rows.group[r]);
-        let (v, d) =
-            (fit.rows.residual[r] * fit.rows.deviation[r] * group.factor(), fit.rows.deviation[r] * group.factor());
-        match group {
-            Group::Gravity => (value[pose][0], noise[pose][0]) = (v, d),
-            Group::Still => {
-                let place = 1 + still[pose];
-                (value[pose][place], noise[pose][place]) = (v, d);
-                still[pose] += 1;
-            }
-            Group::Turn => {
-                value[pose][4] = value[pose][4].hypot(v);
-                noise[pose][4] = noise[pose][4].hypot(d);
-            }
-        }
-    }
-    (value, noise)
-}
-
-fn pose_details(observed: &imu::Observed<'_>, base: &Fit, repaired: &Fit, forces: &[Vector3<f64>]) -> Vec<PoseDetail> {
-    let count = observed.poses.len();
-    let ((before, _), (after, noise)) = (by_pose(base, count), by_pose(repaired, count));
-    let seconds = |sample: usize| sample as f64 / observed.imu.rate_hz;
-    (0..count)
-        .map(|k| PoseDetail {
-            time_s: [seconds(observed.poses[k].samples.start), seconds(observed.poses[k].samples.end)],
-            share: (forces[k] / observed.imu.gravity_m_s2).into(),
-            before: before[k],
-            after: after[k],
-            noise: noise[k],
-        })
-        .collect()
-}
-
-impl From<Detail> for AnyDetail {
-    fn from(detail: Detail) -> Self {
-        Self::Tumble(Box::new(detail))
-    }
 }

@@ -7,13 +7,14 @@ mod exhibit;
 mod profile;
 mod rest;
 mod tumble;
+mod words;
 
 pub use exhibit::{Exhibit, Part};
 
-use crate::diagnosis::consequence::DIFFERENCE;
-use crate::diagnosis::repair::{Cost, Repair};
+use crate::diagnosis::repair::{Cost, Repair, Row};
+use crate::diagnosis::standing::{Note, Ranked};
 use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
-use crate::diagnosis::{Detail, Diagnosis, Ranked};
+use crate::diagnosis::{Detail, Diagnosis};
 
 use super::figure::Figure;
 use super::html::Page;
@@ -64,18 +65,18 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         }
     }
     page.section("What fits better, and what does not");
-    let (tried, passed_over): (Vec<&Ranked>, Vec<&Ranked>) =
-        diagnosis.ranking.iter().partition(|r| !r.note.starts_with("promised too little"));
+    let (passed_over, tried): (Vec<&Ranked>, Vec<&Ranked>) =
+        diagnosis.ranking.iter().partition(|r| r.note == Note::Screened);
     if !tried.is_empty() {
-        page.paragraph(
-            "Every candidate that was tried, best first. The gain is the share of the held-out error above the noise that \
-             goes away (1 is all of it), with its 95 % interval; p is corrected for the number of candidates tried.",
-        );
+        page.paragraph(&format!(
+            "Every candidate that was tried, best first. {} p is corrected for the number of candidates tried.",
+            words::meaning_of_gains(verdict.kind)
+        ));
         page.table(&ranking_table(&tried));
     }
     if !passed_over.is_empty() {
         let ids: Vec<&str> = passed_over.iter().map(|r| r.id).collect();
-        page.paragraph(&format!("Not fitted in full, because a first step promised too little: {}.", ids.join(", ")));
+        page.paragraph(&format!("Not fitted in full, screened out by the linear step: {}.", ids.join(", ")));
     }
     if !verdict.detectable.is_empty() {
         page.section("What this recording could have shown");
@@ -204,7 +205,7 @@ fn cost(costs: &[Cost], repair: Option<&Repair>) -> Option<String> {
     let taken = repair
         .filter(|r| r.before.proof_mass.is_some() && !r.relation.is_empty())
         .map_or(String::new(), |r| format!(" ({})", r.relation));
-    match (costs.iter().find(|c| c.of == DIFFERENCE), costs) {
+    match (costs.iter().find(|c| c.row == Row::Difference), costs) {
         // A driven base model counts its mismatch as noise: what it would drift by is no drift of the sensor.
         (Some(difference), [_, after, ..]) if !taken.is_empty() => Some(format!(
             "leaving it out errs by {}, under {}; with the named physics the position error is {}{taken}",
@@ -265,25 +266,18 @@ fn effects_table(effects: &[Effect]) -> Table {
 fn ranking_table(ranking: &[&Ranked]) -> Table {
     let mut table = Table::new(&["candidate", "channels", "held-out gain", "95 %", "p", "named", "note"]);
     for r in ranking {
+        let [gain, interval] = words::gain(r.gain);
         table.row([
             r.id.to_owned(),
             r.channels.join(", "),
-            share(r.held_out_gain),
-            match r.ci95.iter().all(|v| v.is_finite()) {
-                true => format!("{} to {}", share(r.ci95[0]), share(r.ci95[1])),
-                false => "–".to_owned(),
-            },
+            gain,
+            interval,
             if r.p_value < 1e-6 { "<10⁻⁶".into() } else { significant(r.p_value, 2) },
             if r.named { "yes" } else { "no" }.to_owned(),
-            r.note.clone(),
+            words::note(&r.note),
         ]);
     }
     table
-}
-
-/// A share of one: three decimals at most, for its interval is wider than a fourth.
-fn share(value: f64) -> String {
-    if value.abs() < 5e-4 { "0".into() } else { format!("{value:.3}").replacen('-', "−", 1) }
 }
 
 fn detectable_words(diagnosis: &Diagnosis) -> String {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::cause::Cause;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 
@@ -41,8 +42,8 @@ impl Curve {
     }
 }
 
-/// The term that is no physics left out: a filter in the sensor that takes the top of its band away.
-pub(super) const BAND_LIMIT: &str = "band-limit";
+/// Environment columns by name.
+pub(super) type Environment = [(String, Curve)];
 
 /// Something a candidate adds: a law, or one or two curves.
 #[derive(Debug, Clone)]
@@ -54,12 +55,19 @@ pub(super) enum Addition {
 /// A candidate in a channel, with the number that was searched for (time constant, frequency).
 #[derive(Debug, Clone)]
 pub(super) struct Term {
-    pub(super) id: &'static str,
+    pub(super) cause: Cause,
     pub(super) addition: Addition,
     /// Correlation time or time constant in samples; frequency in cycles per sample.
     pub(super) searched: f64,
     /// Environment column it follows.
     pub(super) column: Option<String>,
+}
+
+impl Term {
+    /// Whether it follows this environment column.
+    pub(super) fn follows(&self, column: &str) -> bool {
+        self.column.as_deref() == Some(column)
+    }
 }
 
 /// A model fitted to a channel.
@@ -84,8 +92,8 @@ impl Fitted {
         laws(&self.terms)
     }
 
-    pub(super) fn has(&self, id: &str) -> bool {
-        self.terms.iter().any(|t| t.id == id)
+    pub(super) fn has(&self, cause: Cause) -> bool {
+        self.terms.iter().any(|t| t.cause == cause)
     }
 
     /// Where the amplitudes of a term's curves stand.
@@ -98,7 +106,7 @@ impl Fitted {
     /// Variance and standard error of the white noise at frequencies that no filter in the sensor reaches.
     pub(super) fn white(&self) -> (f64, f64) {
         let (value, error) = (self.strengths.values[0], self.strengths.errors[0]);
-        match self.terms.iter().position(|t| t.id == BAND_LIMIT) {
+        match self.terms.iter().position(|t| t.cause == Cause::BandLimit) {
             Some(index) => {
                 let (more, own) = self.strength_of(index);
                 (value + more, error.hypot(own))

@@ -4,9 +4,12 @@
 //! with its own walk or flicker. Two independent walks look alike too; under the other's own walk that likeness is worth
 //! no more than chance.
 
+use super::candidate::MOST_LAWS;
+use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
-use super::selection::{ALPHA, Selected};
+use super::selection::Selection;
 use super::spectrum::Law;
+use super::standing::ALPHA;
 use crate::numerics::cosine;
 use crate::numerics::special::chi_squared_above;
 
@@ -38,31 +41,30 @@ pub(super) fn is_slow(term: &Term, channel: &Channel) -> bool {
         Addition::Law(Law::Walk | Law::Flicker) => true,
         Addition::Law(Law::Markov(memory)) => *memory > 0.005 * count,
         Addition::Law(_) => false,
-        Addition::Curves(_) => term.id != "sinusoid" || term.searched * count < 10.0,
+        Addition::Curves(_) => term.cause != Cause::Sinusoid || term.searched * count < 10.0,
     }
 }
 
 /// Whether a channel drifts in a way that no single curve of the library describes.
-fn drifts(selected: &Selected, channel: &Channel) -> bool {
-    let slow = selected.fitted.terms.iter().filter(|t| is_slow(t, channel));
+fn drifts(selected: &Selection, channel: &Channel) -> bool {
+    let slow = selected.chosen.terms.iter().filter(|t| is_slow(t, channel));
     let (laws, curves): (Vec<&Term>, Vec<&Term>) = slow.partition(|t| matches!(t.addition, Addition::Law(_)));
     !laws.is_empty() || curves.len() > 1
 }
 
 /// Noise of its own: a walk and flicker, with whatever fast terms were found.
-fn own_noise(channel: &Channel, selected: &Selected) -> Vec<Term> {
-    let term = |id, law| Term { id, addition: Addition::Law(law), searched: 0.0, column: None };
-    let mut terms: Vec<Term> = selected.fitted.terms.iter().filter(|t| !is_slow(t, channel)).cloned().collect();
-    terms.push(term("random-walk", Law::Walk));
-    // Five laws are all that one spectrum can tell apart.
-    if terms.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count() < 4 {
-        terms.push(term("flicker-noise", Law::Flicker));
+fn own_noise(channel: &Channel, selected: &Selection) -> Vec<Term> {
+    let term = |cause, law| Term { cause, addition: Addition::Law(law), searched: 0.0, column: None };
+    let mut terms: Vec<Term> = selected.chosen.terms.iter().filter(|t| !is_slow(t, channel)).cloned().collect();
+    terms.push(term(Cause::RandomWalk, Law::Walk));
+    if terms.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count() < MOST_LAWS {
+        terms.push(term(Cause::FlickerNoise, Law::Flicker));
     }
     terms
 }
 
 /// Looks for a common cause among all channels.
-pub(super) fn find(channels: &[Channel], selected: &[Selected]) -> Option<Common> {
+pub(super) fn find(channels: &[Channel], selected: &[Selection]) -> Option<Common> {
     let drifting: Vec<usize> = (0..channels.len()).filter(|i| drifts(&selected[*i], &channels[*i])).collect();
     if drifting.len() < 2 {
         return None;
@@ -73,7 +75,7 @@ pub(super) fn find(channels: &[Channel], selected: &[Selected]) -> Option<Common
     let following = |channel: usize, curve: &Curve| {
         let mut terms = own_noise(&channels[channel], &selected[channel]);
         terms.push(Term {
-            id: "temperature-sensitivity",
+            cause: Cause::TemperatureSensitivity,
             addition: Addition::Curves(vec![curve.clone()]),
             searched: 0.0,
             column: None,

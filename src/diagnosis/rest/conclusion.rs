@@ -1,143 +1,241 @@
 //! From what was selected to a verdict: which effects stand, what is left, how well it fits.
 
-use super::channel::{BAND_LIMIT, Channel, Fitted};
-use super::check::{self, TOLERANCE};
+use super::candidate::row;
+use super::cause::Cause;
+use super::channel::{Channel, Fitted};
 use super::common::Common;
-use super::jump::{self, Jump};
-use super::selection::{ALPHA, Selected, correction};
+use super::detail::Detail;
+use super::effects::{self, Found};
+use super::jump;
+use super::residual::{Residual, TOLERANCE, residual};
+use super::selection::Selection;
 use super::spectrum::{self, Law, Part};
-use super::{Detail, describe, effects, location, plausible, sensor, telegraph, words};
+use super::standing::correction;
+use super::{describe, location, plausible, sensor, telegraph, words};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
-use crate::diagnosis::verdict::{Effect, Fit, LogScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness};
-use crate::diagnosis::{Detail as AnyDetail, Diagnosis, Ranked};
+use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
+use crate::diagnosis::ruling::{Evidence, rule};
+use crate::diagnosis::standing::{Gain, Note, Ranked};
+use crate::diagnosis::verdict::{Effect, Fit, LogScore, SCHEMA, Score, Source, Verdict};
+use crate::diagnosis::{Detail as AnyDetail, Diagnosis};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
 
+/// What a conclusion is drawn from.
 pub(super) struct Material<'a> {
     pub(super) recording: &'a Recording,
     pub(super) model: &'a model::Static,
     pub(super) channels: &'a [Channel],
-    pub(super) selected: &'a [Selected],
+    pub(super) selected: &'a [Selection],
     pub(super) common: Option<Common>,
     pub(super) findings: Vec<String>,
 }
 
+/// Draws it.
 pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
-    let Material { recording, model, channels, selected, common, mut findings } = material;
-    let unit = if model.unit.is_empty() { "unit" } else { &model.unit };
-    let mut effects = Vec::new();
-    let mut finals: Vec<Fitted> = selected.iter().map(|s| s.fitted.clone()).collect();
-    if let Some(common) = &common {
-        effects.push(effects::of_common(common, channels, &mut finals));
-    }
-    let shared =
-        |i: usize| common.as_ref().is_some_and(|c| c.leader == i || c.followers.iter().any(|f| f.channel == i));
-    for (i, channel) in channels.iter().enumerate() {
-        effects.extend(effects::of_terms(channel, &selected[i], shared(i), unit));
-        effects.extend(effects::of_level(channel, &finals[i], model.noise.as_ref(), unit));
-        findings.extend(words::band_limit(channel, &finals[i]));
-        findings.extend(plausible::level(channel, &finals[i], model.noise.as_ref()));
-    }
-    let count = channels.len() as f64;
-    let before: Vec<Vec<f64>> =
-        (0..channels.len()).map(|i| base_variances(&channels[i], &selected[i], model)).collect();
-    let mut remainders: Vec<_> = channels.iter().zip(&finals).map(|(c, f)| check::remainder(c, f, TOLERANCE)).collect();
-    let leaps: Vec<Option<Jump>> = channels.iter().zip(selected).map(|(c, s)| jump::alone(c, &s.fitted)).collect();
-    for ((remainder, leap), channel) in remainders.iter_mut().zip(&leaps).zip(channels) {
-        if let Some(leap) = leap {
-            remainder.jump = Some(leap.at as f64 / channel.rate_hz);
-            remainder.p_value = remainder.p_value.min(leap.p_value);
+    let mut draft = Draft::of(material);
+    draft.find_effects();
+    draft.test_residuals();
+    draft.drop_stand_ins();
+    draft.mention();
+    draft.diagnosis()
+}
+
+/// A conclusion in the making; vectors by channel, in the recording's order.
+struct Draft<'a> {
+    recording: &'a Recording,
+    model: &'a model::Static,
+    channels: &'a [Channel],
+    selected: &'a [Selection],
+    common: Option<Common>,
+    findings: Vec<String>,
+    unit: &'a str,
+    /// The final models: those selected, or with what channels share.
+    finals: Vec<Fitted>,
+    residuals: Vec<Residual>,
+    /// Whether a jump, or hops between two levels, describe a channel better than its drift does.
+    leaps: Vec<bool>,
+    effects: Vec<Found>,
+}
+
+impl<'a> Draft<'a> {
+    fn of(material: Material<'a>) -> Self {
+        let Material { recording, model, channels, selected, common, findings } = material;
+        Self {
+            recording,
+            model,
+            channels,
+            selected,
+            common,
+            findings,
+            unit: if model.unit.is_empty() { "unit" } else { &model.unit },
+            finals: selected.iter().map(|s| s.chosen.clone()).collect(),
+            residuals: Vec::new(),
+            leaps: vec![false; channels.len()],
+            effects: Vec::new(),
         }
     }
-    // What channels share is a common cause, whatever its course.
-    let alone: Vec<usize> = (0..channels.len()).filter(|i| !shared(*i)).collect();
-    let hops: Vec<_> = parallel::map(&alone, |i| (*i, telegraph::hops(&channels[*i], &selected[*i].fitted)));
-    for (i, found) in hops {
-        remainders[i].telegraph = found.filter(|t| t.hops > 1 && t.p_value * count < ALPHA);
-        remainders[i].p_value = remainders[i].telegraph.map_or(1.0, |t| t.p_value).min(remainders[i].p_value);
+
+    /// Whether a channel takes part in what channels share.
+    fn shares(&self, i: usize) -> bool {
+        self.common.as_ref().is_some_and(|c| c.leader == i || c.followers.iter().any(|f| f.channel == i))
     }
-    let leaps: Vec<bool> = leaps.iter().zip(&remainders).map(|(l, r)| l.is_some() || r.telegraph.is_some()).collect();
-    let well: Vec<bool> = remainders.iter().zip(&leaps).map(|(r, l)| !l && r.p_value * count >= ALPHA).collect();
-    let left = remainders.iter().map(|r| r.p_value).fold(1.0, f64::min) * count;
-    let described = well.iter().all(|w| *w);
-    let strict =
-        || channels.iter().zip(&finals).map(|(c, f)| check::remainder(c, f, 0.0).p_value).fold(1.0, f64::min) * count;
-    if described && strict() < ALPHA {
-        findings.push(format!(
-            "what is left differs from noise as modelled by more than chance, but by less than the {:.0} % of its power that \
-             count as a mismatch here",
-            100.0 * TOLERANCE
-        ));
-    }
-    // What explains a drift by half while something foreign remains is a stand-in, in the channels where it remains. What
-    // has a witness of its own stays, and so does a law that holds wherever it rules.
-    effects.retain(|e| {
-        let at: Vec<usize> = (0..channels.len()).filter(|i| e.channels.contains(&channels[*i].name)).collect();
-        // What one jump, or hops between two levels, describe better is no drift.
-        let leaps = effects::is_drift(&e.id) && at.iter().any(|i| leaps[*i]);
-        !leaps
-            && (at.iter().all(|i| well[*i])
-                || at.iter().any(|i| effects::stands(e, &channels[*i], &finals[*i], &remainders[*i])))
-    });
-    order::sort_by_key(&mut effects, |e| -e.evidence.held_out_gain);
-    let tied = effects.iter().any(|e| !e.confusable_with.is_empty());
-    let outcome = match (described, effects.is_empty(), tied) {
-        (false, _, _) => Outcome::Unexplained,
-        (true, true, _) => Outcome::Adequate,
-        (true, false, true) => Outcome::Undecidable,
-        (true, false, false) => Outcome::Explained,
-    };
-    for (i, channel) in channels.iter().enumerate() {
-        let named = |e: &Effect| e.id == "gauss-markov" && e.channels.contains(&channel.name);
-        if effects.iter().any(named) {
-            findings.extend(words::popcorn(channel, telegraph::power(channel, &finals[i], ALPHA / count)));
+
+    /// What was selected, as effects: the drift that channels share, each channel's own terms, its white level.
+    fn find_effects(&mut self) {
+        if let Some(common) = &self.common {
+            self.effects.push(effects::of_common(common, self.channels, &mut self.finals));
+        }
+        let noise = self.model.noise.as_ref();
+        for (i, channel) in self.channels.iter().enumerate() {
+            let own = effects::of_terms(i, channel, &self.selected[i], self.shares(i), self.unit);
+            self.effects.extend(own);
+            self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise, self.unit));
+            self.findings.extend(words::band_limit(channel, &self.finals[i]));
+            self.findings.extend(plausible::level(channel, &self.finals[i], noise));
         }
     }
-    let location = location::locate(channels, selected, &remainders, &well, unit);
-    let ranking = ranking(channels, selected, &effects);
-    let names = |i: usize| -> Vec<String> {
-        effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect()
-    };
-    let details =
-        (0..channels.len()).map(|i| describe::detail(&channels[i], &before[i], &finals[i], names(i))).collect();
-    let verdict = Verdict {
-        schema: SCHEMA,
-        kind: Kind::Static,
-        verdict: outcome,
-        sentence: words::sentence(outcome, &effects, &location.summary, channels, &well),
-        recording: Source {
-            file: recording.path.display().to_string(),
-            sha256: recording.sha256.clone(),
-            samples: recording.samples(),
-            rate_hz: recording.rate_hz,
-        },
-        fit: fit(channels, selected, &finals, &before, unit),
-        residual_after: Whiteness { white: described, p_value: left.min(1.0) },
-        next_experiment: words::next_experiment(outcome, &effects, model),
-        detectable: Vec::new(),
-        location,
-        effects,
-        findings,
-    };
-    let repair = sensor::repair(channels, &finals, &verdict, model);
-    let detail = Detail { unit: unit.into(), channels: details };
-    Diagnosis { verdict, ranking, repair, detail: AnyDetail::Static(Box::new(detail)) }
+
+    /// What the final models leave, and what leaps rather than drifts.
+    fn test_residuals(&mut self) {
+        let count = self.channels.len() as f64;
+        self.residuals = self.channels.iter().zip(&self.finals).map(|(c, f)| residual(c, f, TOLERANCE)).collect();
+        for (i, (channel, selection)) in self.channels.iter().zip(self.selected).enumerate() {
+            if let Some(jump) = jump::alone(channel, &selection.chosen) {
+                self.residuals[i].jump = Some(jump.at as f64 / channel.rate_hz);
+                self.residuals[i].p_value = self.residuals[i].p_value.min(jump.p_value);
+                self.leaps[i] = true;
+            }
+        }
+        // What channels share is a common cause, whatever its course.
+        let alone: Vec<usize> = (0..self.channels.len()).filter(|i| !self.shares(*i)).collect();
+        let hops = parallel::map(&alone, |i| (*i, telegraph::hops(&self.channels[*i], &self.selected[*i].chosen)));
+        for (i, found) in hops {
+            let Some(hops) = found.filter(|t| t.hops > 1 && t.p_value * count < REAL) else { continue };
+            self.residuals[i].telegraph = Some(hops);
+            self.residuals[i].p_value = self.residuals[i].p_value.min(hops.p_value);
+            self.leaps[i] = true;
+        }
+    }
+
+    /// One test for each channel, corrected for their number. Its tolerance is within the probability already, so that
+    /// whatever is found is material.
+    fn test(&self, i: usize) -> Test {
+        Test { p_value: self.residuals[i].p_value * self.channels.len() as f64, size: Size::Material }
+    }
+
+    fn remainder(&self) -> Remainder {
+        Remainder::of((0..self.channels.len()).map(|i| self.test(i)))
+    }
+
+    /// Whether a channel's own model describes it.
+    fn fits(&self, i: usize) -> bool {
+        !self.leaps[i] && self.test(i).found() == Size::Negligible
+    }
+
+    fn all_fit(&self) -> bool {
+        (0..self.channels.len()).all(|i| self.fits(i))
+    }
+
+    /// What explains a drift by half while something foreign remains is a stand-in, in the channels where it remains. What
+    /// has a witness of its own stays, and so does a law that holds wherever it rules.
+    fn drop_stand_ins(&mut self) {
+        let stands = |found: &Found| {
+            let mut at = found.channels.iter();
+            // What one jump, or hops between two levels, describe better is no drift.
+            let leaps = row(found.cause).is_drift && at.clone().any(|i| self.leaps[*i]);
+            let holds = |i: &usize| found.stands(&self.channels[*i], &self.finals[*i], &self.residuals[*i]);
+            !leaps && (at.clone().all(|i| self.fits(*i)) || at.any(holds))
+        };
+        let standing: Vec<Found> = self.effects.iter().filter(|f| stands(f)).cloned().collect();
+        self.effects = standing;
+        order::sort_by_key(&mut self.effects, |e| -e.evidence.held_out_gain);
+    }
+
+    /// What a reader should know beside the verdict.
+    fn mention(&mut self) {
+        let count = self.channels.len() as f64;
+        let strict = || {
+            let all = self.channels.iter().zip(&self.finals).map(|(c, f)| residual(c, f, 0.0).p_value * count);
+            all.fold(1.0, f64::min)
+        };
+        if self.all_fit() && strict() < REAL {
+            self.findings.push(words::within_tolerance());
+        }
+        for (i, channel) in self.channels.iter().enumerate() {
+            if self.effects.iter().any(|e| e.is(Cause::GaussMarkov, i)) {
+                let told = telegraph::power(channel, &self.finals[i], REAL / count);
+                self.findings.extend(words::popcorn(channel, told));
+            }
+        }
+    }
+
+    fn evidence(&self, effects: &[Effect]) -> Evidence {
+        Evidence {
+            named: effects.len(),
+            tied: effects.iter().filter(|e| !e.confusable_with.is_empty()).count(),
+            // A drift that is a jump in truth has been dropped, and the library holds no jump.
+            stand_ins: self.leaps.contains(&true),
+            remainder: self.remainder().size,
+            ..Evidence::default()
+        }
+    }
+
+    fn diagnosis(self) -> Diagnosis {
+        let (channels, count) = (self.channels, self.channels.len());
+        let effects: Vec<Effect> = self.effects.iter().filter_map(|e| e.public(channels)).collect();
+        let outcome = rule(&self.evidence(&effects));
+        let fits: Vec<bool> = (0..count).map(|i| self.fits(i)).collect();
+        let before: Vec<Vec<f64>> =
+            (0..count).map(|i| base_variances(&channels[i], &self.selected[i], self.model)).collect();
+        let location = location::locate(channels, self.selected, &self.residuals, &fits, self.unit);
+        let names = |i: usize| -> Vec<String> {
+            effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect()
+        };
+        let details =
+            (0..count).map(|i| describe::detail(&channels[i], &before[i], &self.finals[i], names(i))).collect();
+        let verdict = Verdict {
+            schema: SCHEMA,
+            kind: Kind::Static,
+            verdict: outcome,
+            sentence: words::sentence(outcome, &effects, &location.summary, channels, &fits),
+            recording: Source {
+                file: self.recording.path.display().to_string(),
+                sha256: self.recording.sha256.clone(),
+                samples: self.recording.samples(),
+                rate_hz: self.recording.rate_hz,
+            },
+            fit: fit(channels, self.selected, &self.finals, &before, self.unit),
+            residual_after: self.remainder().whiteness(),
+            next_experiment: words::next_experiment(outcome, &self.effects, self.model),
+            detectable: Vec::new(),
+            location,
+            effects,
+            findings: self.findings,
+        };
+        Diagnosis {
+            ranking: ranking(channels, self.selected, &self.effects),
+            repair: sensor::repair(channels, &self.finals, &self.effects, self.model),
+            detail: AnyDetail::Static(Box::new(Detail { unit: self.unit.into(), channels: details })),
+            verdict,
+        }
+    }
 }
 
 /// What the base model says of every bin: the promised noise, else white noise at its best level.
-fn base_variances(channel: &Channel, selected: &Selected, model: &model::Static) -> Vec<f64> {
+fn base_variances(channel: &Channel, selection: &Selection, model: &model::Static) -> Vec<f64> {
     match &model.noise {
-        None => selected.base.variances.clone(),
+        None => selection.base.variances.clone(),
         Some(noise) => {
             let white = describe::white_of_density(channel, noise.density);
-            spectrum::variances(&selected.base.bins, &[Law::White], &[white], &channel.promised)
+            spectrum::variances(&selection.base.bins, &[Law::White], &[white], &channel.promised)
         }
     }
 }
 
-fn fit(channels: &[Channel], selected: &[Selected], finals: &[Fitted], before: &[Vec<f64>], unit: &str) -> Fit {
+fn fit(channels: &[Channel], selected: &[Selection], finals: &[Fitted], before: &[Vec<f64>], unit: &str) -> Fit {
     let count: f64 = channels.iter().map(|c| c.values.len() as f64).sum();
     let power = |values: &dyn Fn(usize) -> f64| -> f64 {
         ((0..channels.len()).map(|i| values(i) * channels[i].scale.powi(2)).sum::<f64>() / count).sqrt()
@@ -167,31 +265,23 @@ fn fit(channels: &[Channel], selected: &[Selected], finals: &[Fitted], before: &
     }
 }
 
-fn ranking(channels: &[Channel], selected: &[Selected], effects: &[Effect]) -> Vec<Ranked> {
+/// Every candidate's standing alone, channel by channel; those named first.
+fn ranking(channels: &[Channel], selected: &[Selection], effects: &[Found]) -> Vec<Ranked> {
     let correction = correction(channels.len());
     let mut out: Vec<Ranked> = Vec::new();
-    for (channel, selected) in channels.iter().zip(selected) {
-        let best = selected.alone.iter().map(|t| t.gain).fold(f64::MIN_POSITIVE, f64::max);
-        for tried in selected.alone.iter().filter(|t| t.id != BAND_LIMIT) {
-            let named = effects.iter().any(|e| e.id == tried.id && e.channels.contains(&channel.name));
-            // A share of a best that is itself chance says nothing.
-            let gain = if tried.counts(correction) { tried.gain / best } else { 0.0 };
-            out.push(Ranked {
-                id: tried.id,
-                channels: vec![channel.name.clone()],
-                held_out_gain: gain,
-                ci95: [f64::NEG_INFINITY, f64::INFINITY],
-                p_value: (tried.p_value * correction).min(1.0),
-                named,
-                note: format!(
-                    "alone: log-likelihood + {:.1}, share of the best; held out {}",
-                    tried.gain / 2.0,
-                    if tried.held_out > 0.0 { "better" } else { "no better" }
-                ),
-            });
-        }
+    for (i, (channel, selection)) in channels.iter().zip(selected).enumerate() {
+        let possible = selection.possible(channel);
+        let entries = selection.alone.iter().filter_map(|s| Some((s, row(s.cause).entry?)));
+        out.extend(entries.map(|(standing, entry)| Ranked {
+            id: entry.id,
+            channels: vec![channel.name.clone()],
+            gain: Gain::HeldOut { value: standing.held_out.share_of(possible), ci95: None },
+            p_value: (standing.p_value * correction).min(1.0),
+            named: effects.iter().any(|e| e.is(standing.cause, i)),
+            note: Note::AloneByLikelihood { gain: standing.gain / 2.0, held_out_better: standing.held_out.is_better() },
+        }));
     }
-    order::sort_by_key(&mut out, |r| -r.held_out_gain);
+    order::sort_by_key(&mut out, |r| -r.gain.value());
     order::sort_by_key(&mut out, |r| if r.named { 0.0 } else { 1.0 });
     out
 }

@@ -1,13 +1,10 @@
-//! From fitted strengths to a datasheet's numbers and back: parameters of effects with intervals, promised noise, curves.
+//! From a datasheet's noise to variances and back, and the curves that figures show.
 
-use super::ChannelDetail;
-use super::channel::{Addition, Channel, Fitted, Term};
+use super::channel::{Channel, Fitted};
+use super::detail::ChannelDetail;
 use super::spectrum::{self, Bin, Law};
 use crate::diagnosis::model::Noise;
-use crate::diagnosis::verdict::Estimate;
 use crate::numerics::allan;
-use crate::numerics::order;
-use crate::numerics::special::{chi_squared_quantile, normal_quantile};
 
 /// Variance per bin that a datasheet promises beyond white noise, in the channel's scale.
 pub(super) fn promised(channel: &Channel, noise: Option<&Noise>) -> Vec<f64> {
@@ -26,104 +23,6 @@ pub(super) fn white_of_density(channel: &Channel, density: f64) -> f64 {
 /// One-sided density of a white variance in the channel's scale.
 pub(super) fn density_of_white(channel: &Channel, variance: f64) -> f64 {
     (2.0 * variance / channel.rate_hz).sqrt() * channel.scale
-}
-
-/// 95 % interval of a variance: χ² with the degrees of freedom that its standard error amounts to.
-pub(super) fn variance_interval(value: f64, error: f64) -> [f64; 2] {
-    let freedom = 2.0 * (value / error).powi(2);
-    [0.975, 0.025].map(|p| value * freedom / chi_squared_quantile(p, freedom))
-}
-
-/// A value whose square is a fitted strength.
-fn root(name: &str, unit: String, factor: f64, (value, error): (f64, f64)) -> Estimate {
-    let ci95 = variance_interval(value, error).map(|e| e.sqrt() * factor);
-    Estimate { name: name.into(), value: value.sqrt() * factor, unit, ci95 }
-}
-
-fn straight(name: &str, unit: String, factor: f64, (value, error): (f64, f64)) -> Estimate {
-    let half = normal_quantile(0.975) * error;
-    let mut ci95 = [(value - half) * factor, (value + half) * factor];
-    order::sort(&mut ci95);
-    Estimate { name: name.into(), value: value * factor, unit, ci95 }
-}
-
-/// Parameters of a term as the library names them, in file units.
-pub(super) fn parameters(channel: &Channel, fitted: &Fitted, index: usize, unit: &str) -> Vec<Estimate> {
-    let term = &fitted.terms[index];
-    let (scale, step_s) = (channel.scale, 1.0 / channel.rate_hz);
-    let duration_s = channel.values.len() as f64 * step_s;
-    match &term.addition {
-        Addition::Law(law) => {
-            let strength = fitted.strength_of(index);
-            match law {
-                Law::White | Law::Smoothed(_) => Vec::new(),
-                Law::Differenced => vec![root("Q", format!("{unit}·s"), scale * step_s, strength)],
-                Law::Flicker => vec![root("B", unit.into(), scale, strength)],
-                Law::Walk => vec![root("K", format!("{unit}/√s"), scale * channel.rate_hz.sqrt(), strength)],
-                Law::Markov(_) => {
-                    vec![root("sigma", unit.into(), scale, strength), searched("T", channel, fitted, index, step_s)]
-                }
-            }
-        }
-        Addition::Curves(_) => {
-            let amplitudes = fitted.amplitudes_of(index);
-            match term.id {
-                "rate-ramp" => vec![straight("rate", format!("{unit}/s"), scale / duration_s, amplitudes[0])],
-                "warm-up" => vec![
-                    straight("amplitude", unit.into(), scale, amplitudes[0]),
-                    searched("T", channel, fitted, index, step_s),
-                ],
-                "sinusoid" => sinusoid(channel, fitted, term, amplitudes, unit),
-                _ => {
-                    let column = term.column.clone().unwrap_or_else(|| "the common cause".into());
-                    vec![straight("slope", format!("{unit} per unit of {column}"), scale, amplitudes[0])]
-                }
-            }
-        }
-    }
-}
-
-fn sinusoid(channel: &Channel, fitted: &Fitted, term: &Term, parts: &[(f64, f64)], unit: &str) -> Vec<Estimate> {
-    let amplitude = parts[0].0.hypot(parts[1].0);
-    let error = parts[0].1.max(parts[1].1);
-    // Cramér–Rao bound of a frequency: var(ω) = 24 s/(A² N³), and 2 s/N is the variance of an amplitude.
-    let count = channel.values.len() as f64;
-    let spread = (12.0f64).sqrt() * error / (amplitude * count) / std::f64::consts::TAU;
-    debug_assert!(fitted.amplitudes.len() >= 2, "a sine has two amplitudes");
-    vec![
-        straight("amplitude", unit.into(), channel.scale, (amplitude, error)),
-        straight("frequency", "Hz".into(), channel.rate_hz, (term.searched, spread)),
-    ]
-}
-
-/// A searched time constant, with the interval where the profile likelihood falls by half of χ²₁'s 95 % point.
-fn searched(name: &str, channel: &Channel, fitted: &Fitted, index: usize, step_s: f64) -> Estimate {
-    let best = fitted.terms[index].searched;
-    let inside = |value: f64| {
-        let mut terms = fitted.terms.clone();
-        let count = channel.values.len();
-        terms[index].searched = value;
-        terms[index].addition = match terms[index].addition {
-            Addition::Law(_) => Addition::Law(Law::Markov(value)),
-            Addition::Curves(_) => {
-                let curve = (0..count).map(|n| (-(n as f64) / value).exp()).collect();
-                Addition::Curves(vec![super::channel::Curve::new(curve)])
-            }
-        };
-        fitted.log_likelihood() - channel.fit(terms).log_likelihood() < 1.92
-    };
-    let edge = |direction: f64| {
-        let (mut near, mut far) = (0.0, 0.25);
-        while far < 4.0 && inside(best * (direction * far).exp()) {
-            (near, far) = (far, 2.0 * far);
-        }
-        for _ in 0..5 {
-            let middle = (near + far) / 2.0;
-            if inside(best * (direction * middle).exp()) { near = middle } else { far = middle }
-        }
-        best * (direction * far).exp() * step_s
-    };
-    Estimate { name: name.into(), value: best * step_s, unit: "s".into(), ci95: [edge(-1.0), edge(1.0)] }
 }
 
 /// Allan variance of coefficients with these variances per bin: 2/N Σ S sin⁴(mθ)/(m sin θ)². Where a bin spans many ripples

@@ -1,13 +1,17 @@
 //! The effects of a still sensor, from what was selected: each channel's own, the drift that they share, their levels.
 
-use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
-use super::check::Remainder;
+use super::candidate::{Placed, row};
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Fitted};
 use super::common::{Common, is_slow};
+use super::residual::Residual;
 use super::rounding::Counts;
-use super::selection::{ALPHA, Selected};
+use super::selection::Selection;
 use super::spectrum::Law;
-use super::{candidate, describe};
+use super::standing::ALPHA;
+use super::{describe, estimate};
 use crate::diagnosis::model;
+use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
 use crate::numerics::special::chi_squared_above;
 
@@ -16,67 +20,85 @@ const COARSE: f64 = 0.1;
 /// A datasheet's level is a typical one: nearer than this is as promised.
 const LEVEL: f64 = 0.05;
 
-fn effect(id: &str, parameters: Vec<Estimate>, channels: Vec<String>, evidence: Evidence) -> Effect {
-    let entry = candidate::entry(id);
-    Effect {
-        id: id.into(),
-        statement: entry.statement.into(),
-        equation: entry.equation.into(),
-        parameters,
-        channels,
-        evidence,
-        confusable_with: Vec::new(),
+/// What an effect rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Basis {
+    /// The shape of a spectrum or of a course in time.
+    Shape,
+    /// More than that: a column, a common cause, a grid, a promise.
+    Witness,
+}
+
+/// An effect that was found, before it is made public.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub(super) cause: Cause,
+    /// Places of the channels it shows in.
+    pub(super) channels: Vec<usize>,
+    pub(super) parameters: Vec<Estimate>,
+    pub(super) evidence: Evidence,
+    /// Candidates that do as well, the best first.
+    pub(super) rivals: Vec<Cause>,
+    pub(super) basis: Basis,
+}
+
+impl Found {
+    /// As the verdict states it; `None` for what is no physics left out.
+    pub(super) fn public(&self, channels: &[Channel]) -> Option<Effect> {
+        let entry = row(self.cause).entry?;
+        Some(Effect {
+            id: entry.id.into(),
+            statement: entry.statement.into(),
+            equation: entry.equation.into(),
+            parameters: self.parameters.clone(),
+            channels: self.channels.iter().map(|i| channels[*i].name.clone()).collect(),
+            evidence: self.evidence,
+            confusable_with: self.rivals.iter().take(1).filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
+        })
+    }
+
+    /// Whether it is this cause in this channel.
+    pub(super) fn is(&self, cause: Cause, channel: usize) -> bool {
+        self.cause == cause && self.channels.contains(&channel)
+    }
+
+    /// Whether it stands in a channel though more is left there: it has a witness of its own, or it holds wherever it rules.
+    pub(super) fn stands(&self, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
+        match self.cause {
+            Cause::Sinusoid => self.is_a_line(channel, residual),
+            cause => self.basis == Basis::Witness || holds_where_it_rules(cause, fitted, residual),
+        }
+    }
+
+    /// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and is still not described.
+    fn is_a_line(&self, channel: &Channel, residual: &Residual) -> bool {
+        let frequency_hz = self.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
+        let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
+        // Bands are a third wide: this one and its neighbours.
+        !residual.failing.iter().any(|centre| (theta / centre).ln().abs() < 0.5)
     }
 }
 
 /// What a channel's own terms amount to; slow ones are left to the common cause where it has one.
-pub(super) fn of_terms(channel: &Channel, selected: &Selected, shared: bool, unit: &str) -> Vec<Effect> {
-    let terms = selected.fitted.terms.iter().zip(&selected.evidence).enumerate();
+pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, shared: bool, unit: &str) -> Vec<Found> {
+    let fitted = &selection.chosen;
+    let terms = fitted.terms.iter().zip(&selection.named).enumerate();
     terms
-        .filter(|(_, (term, _))| term.id != BAND_LIMIT && !(shared && is_slow(term, channel)))
-        .map(|(index, (term, (p_value, share, close)))| {
-            let parameters = describe::parameters(channel, &selected.fitted, index, unit);
-            let evidence = Evidence { held_out_gain: *share, p_value: *p_value };
-            let mut effect = effect(term.id, parameters, vec![channel.name.clone()], evidence);
-            effect.confusable_with = close.iter().take(1).map(|c| (*c).to_owned()).collect();
-            effect
+        .filter(|(_, (term, _))| row(term.cause).entry.is_some() && !(shared && is_slow(term, channel)))
+        .map(|(index, (term, named))| Found {
+            cause: term.cause,
+            channels: vec![place],
+            parameters: (row(term.cause).parameters)(&Placed { channel, fitted, index, unit }),
+            evidence: Evidence { held_out_gain: named.held_out_gain, p_value: named.p_value },
+            rivals: named.rivals.clone(),
+            basis: if term.cause == Cause::TemperatureSensitivity { Basis::Witness } else { Basis::Shape },
         })
         .collect()
 }
 
-/// Whether an effect moves the bias slowly.
-pub(super) fn is_drift(id: &str) -> bool {
-    !matches!(id, "white-noise" | "quantisation-noise" | "sinusoid")
-}
-
-/// Whether an effect stands though more is left: it has a witness of its own, or it holds wherever it rules.
-pub(super) fn stands(effect: &Effect, channel: &Channel, fitted: &Fitted, remainder: &Remainder) -> bool {
-    match effect.id.as_str() {
-        "sinusoid" => is_a_line(effect, channel, remainder),
-        id => witnessed(effect) || holds_where_it_rules(id, fitted, remainder),
-    }
-}
-
-/// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and is still not described.
-fn is_a_line(effect: &Effect, channel: &Channel, remainder: &Remainder) -> bool {
-    let frequency_hz = effect.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
-    let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
-    // Bands are a third wide: this one and its neighbours.
-    !remainder.failing.iter().any(|centre| (theta / centre).ln().abs() < 0.5)
-}
-
-/// Whether an effect rests on more than the shape of a spectrum: a common cause, a grid, a promise.
-fn witnessed(effect: &Effect) -> bool {
-    match effect.id.as_str() {
-        "temperature-sensitivity" | "white-noise" => true,
-        "quantisation-noise" => effect.parameters.iter().any(|p| p.name == "step"),
-        _ => false,
-    }
-}
-
 /// Whether nothing is amiss in time, and in no band where this law is the larger part of the model.
-fn holds_where_it_rules(id: &str, fitted: &Fitted, remainder: &Remainder) -> bool {
-    let Some(index) = fitted.terms.iter().position(|t| t.id == id) else { return false };
+fn holds_where_it_rules(cause: Cause, fitted: &Fitted, residual: &Residual) -> bool {
+    let Some(index) = fitted.terms.iter().position(|t| t.cause == cause) else { return false };
     // Laws of finite reach (a memory, differences) fit any hump; only those that rise to the lowest frequency count.
     let Addition::Law(law @ (Law::Walk | Law::Flicker)) = fitted.terms[index].addition else { return false };
     let strength = fitted.strength_of(index).0;
@@ -84,32 +106,39 @@ fn holds_where_it_rules(id: &str, fitted: &Fitted, remainder: &Remainder) -> boo
         fitted.laws().iter().zip(&fitted.strengths.values).map(|(l, s)| s * l.variance(theta)).sum()
     };
     let rules = |theta: &f64| strength * law.variance(*theta) > 0.5 * all(*theta);
-    remainder.p_value_in_time >= ALPHA && !remainder.failing.iter().any(rules)
+    residual.p_value_in_time >= REAL && !residual.failing.iter().any(rules)
 }
 
 /// The drift that channels share, as one effect; their models become the ones with it.
-pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fitted]) -> Effect {
+pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fitted]) -> Found {
     finals[common.leader] = common.leader_fit.clone();
-    let mut names = vec![channels[common.leader].name.clone()];
+    let mut places = vec![common.leader];
     let (mut p_value, mut share) = (0.0f64, f64::INFINITY);
     let mut parameters = Vec::new();
+    let leader = &channels[common.leader];
     for follower in &common.followers {
-        let channel = &channels[follower.channel];
-        names.push(channel.name.clone());
+        let (channel, fitted) = (&channels[follower.channel], &follower.fitted);
+        places.push(follower.channel);
         p_value = p_value.max(follower.p_value);
         share = share.min(follower.share);
-        let last = follower.fitted.terms.len() - 1;
-        let slope = describe::parameters(channel, &follower.fitted, last, "");
-        let leader = &channels[common.leader];
+        let last = Placed { channel, fitted, index: fitted.terms.len() - 1, unit: "" };
+        let slope = (row(Cause::TemperatureSensitivity).parameters)(&last);
         parameters.extend(slope.into_iter().map(|e| Estimate {
             name: format!("{} over {}", channel.name, leader.name),
             value: e.value / leader.scale,
             unit: "1".into(),
             ci95: e.ci95.map(|v| v / leader.scale),
         }));
-        finals[follower.channel] = follower.fitted.clone();
+        finals[follower.channel] = fitted.clone();
     }
-    effect("temperature-sensitivity", parameters, names, Evidence { held_out_gain: share, p_value })
+    Found {
+        cause: Cause::TemperatureSensitivity,
+        channels: places,
+        parameters,
+        evidence: Evidence { held_out_gain: share, p_value },
+        rivals: Vec::new(),
+        basis: Basis::Witness,
+    }
 }
 
 /// Variance by which the white level beside flicker depends on what the sensor does above half the sampling rate: 1/f goes
@@ -120,17 +149,34 @@ fn folded(fitted: &Fitted) -> f64 {
 }
 
 /// Rounding as coarse as the noise, and a white level other than promised.
-pub(super) fn of_level(channel: &Channel, fitted: &Fitted, noise: Option<&model::Noise>, unit: &str) -> Vec<Effect> {
+pub(super) fn of_level(
+    place: usize,
+    channel: &Channel,
+    fitted: &Fitted,
+    noise: Option<&model::Noise>,
+    unit: &str,
+) -> Vec<Found> {
     let mut out = Vec::new();
     let (white, error) = fitted.white();
     let rounding = channel.rounding();
     let share = rounding / white.max(rounding);
     let coarse = channel.step.filter(|_| share > COARSE);
-    let of = |id, parameter, evidence| effect(id, vec![parameter], vec![channel.name.clone()], evidence);
+    let of = |cause, parameter, evidence| Found {
+        cause,
+        channels: vec![place],
+        parameters: vec![parameter],
+        evidence,
+        rivals: Vec::new(),
+        basis: Basis::Witness,
+    };
     if let Some(step) = coarse.map(|q| q * channel.scale) {
         let parameter = Estimate { name: "step".into(), value: step, unit: unit.into(), ci95: [step, step] };
         // A smooth reading would not fall on a grid once.
-        out.push(of("quantisation-noise", parameter, Evidence { held_out_gain: share, p_value: f64::MIN_POSITIVE }));
+        out.push(of(
+            Cause::QuantisationNoise,
+            parameter,
+            Evidence { held_out_gain: share, p_value: f64::MIN_POSITIVE },
+        ));
     }
     let Some(noise) = noise else { return out };
     let promised = describe::white_of_density(channel, noise.density);
@@ -147,7 +193,7 @@ pub(super) fn of_level(channel: &Channel, fitted: &Fitted, noise: Option<&model:
             let own = white - if coarse.is_some() { rounding } else { 0.0 };
             let folded = folded(fitted);
             let z = ((own - promised).abs() - folded).max(0.0) / error.max(0.3 * rounding);
-            let [low, high] = describe::variance_interval(white, error).map(|v| v - white + own);
+            let [low, high] = estimate::variance_interval(white, error).map(|v| v - white + own);
             let interval = [(low - folded).max(0.0), high + folded];
             (own, interval, chi_squared_above(z * z, 1.0))
         }
@@ -157,19 +203,7 @@ pub(super) fn of_level(channel: &Channel, fitted: &Fitted, noise: Option<&model:
         let (value, ci95) = (density(own.max(0.0)), interval.map(density));
         let parameter = Estimate { name: "density".into(), value, unit: format!("{unit}/√Hz"), ci95 };
         let gain = 1.0 - (promised / own).min(own.max(0.0) / promised);
-        out.push(of("white-noise", parameter, Evidence { held_out_gain: gain, p_value }));
+        out.push(of(Cause::WhiteNoise, parameter, Evidence { held_out_gain: gain, p_value }));
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_effect_has_an_entry_of_its_own() {
-        for entry in candidate::CANDIDATES {
-            assert_eq!(candidate::entry(entry.id).id, entry.id);
-        }
-    }
 }

@@ -6,9 +6,10 @@
 
 use std::f64::consts::PI;
 
+use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::common::is_slow;
-use super::selection::CLOSE;
+use super::standing::CLOSE;
 use crate::numerics::cosine;
 use crate::numerics::special::normal_cdf;
 
@@ -116,13 +117,13 @@ pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
     let at = jump.at;
     let step = (0..channel.values.len()).map(|n| if n < at { 0.0 } else { 1.0 }).collect();
     terms.push(Term {
-        id: "step",
+        cause: Cause::Jump,
         addition: Addition::Curves(vec![Curve::new(step)]),
         searched: at as f64,
         column: None,
     });
     // A step has a size and a place; a slow term has one or two numbers of its own.
-    let numbers = |t: &Term| if matches!(t.id, "gauss-markov" | "warm-up") { 2.0 } else { 1.0 };
+    let numbers = |t: &Term| if matches!(t.cause, Cause::GaussMarkov | Cause::WarmUp) { 2.0 } else { 1.0 };
     let price = 2.0 * (2.0 - slow.iter().map(numbers).sum::<f64>());
     let gain = 2.0 * (channel.fit(terms).log_likelihood() - fitted.log_likelihood());
     (gain - price > CLOSE).then_some(jump)
@@ -136,7 +137,7 @@ mod tests {
 
     fn walk_fit(values: &[f64]) -> (Channel, Fitted) {
         let channel = Channel::new("x", values, 1.0);
-        let walk = Term { id: "random-walk", addition: Addition::Law(Law::Walk), searched: 0.0, column: None };
+        let walk = Term { cause: Cause::RandomWalk, addition: Addition::Law(Law::Walk), searched: 0.0, column: None };
         let fitted = channel.fit(vec![walk]);
         (channel, fitted)
     }

@@ -4,15 +4,18 @@
 //! short memory resembles flicker over the decades of one log. So the sums are compared as wholes: of those that do as
 //! well the simplest is taken, and those as simple are tied with it.
 
+use super::candidate::{MEMORIES, MOST_LAWS, memories, row};
+use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
-use super::selection::{CLOSE, contains, needs_all, searched};
+use super::search;
 use super::spectrum::Law;
+use super::standing::{CLOSE, contains, needs_all};
 
-/// Ids of the laws that may stand for one another.
-pub(super) const SLOW: [&str; 3] = ["flicker-noise", "random-walk", "gauss-markov"];
+/// The laws that may stand for one another.
+pub(super) const SLOW: [Cause; 3] = [Cause::FlickerNoise, Cause::RandomWalk, Cause::GaussMarkov];
 
-/// Candidates that did as well as the one chosen, by its id.
-pub(super) type Rivals = Vec<(&'static str, Vec<&'static str>)>;
+/// Candidates that did as well as the one chosen.
+pub(super) type Rivals = Vec<(Cause, Vec<Cause>)>;
 
 fn is_slow_law(term: &Term) -> bool {
     matches!(term.addition, Addition::Law(Law::Flicker | Law::Walk | Law::Markov(_)))
@@ -20,50 +23,49 @@ fn is_slow_law(term: &Term) -> bool {
 
 /// Akaike's criterion, turned so that more is better; what all models here share is left out.
 fn merit(fitted: &Fitted) -> f64 {
-    let numbers: f64 = fitted.terms.iter().map(|t| if t.id == "gauss-markov" { 2.0 } else { 1.0 }).sum();
+    let numbers: f64 = fitted.terms.iter().map(|t| row(t.cause).numbers).sum();
     2.0 * (fitted.log_likelihood() - numbers)
 }
 
-fn slow_ids(fitted: &Fitted) -> Vec<&'static str> {
-    fitted.terms.iter().filter(|t| is_slow_law(t)).map(|t| t.id).collect()
+fn slow_laws(fitted: &Fitted) -> Vec<Cause> {
+    fitted.terms.iter().filter(|t| is_slow_law(t)).map(|t| t.cause).collect()
 }
 
 /// The best sum of slow laws in place of the one selected, and what each of its laws cannot be told from.
 pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (Fitted, Rivals) {
-    let chosen = slow_ids(&selected);
+    let chosen = slow_laws(&selected);
     if chosen.is_empty() {
         return (selected, Vec::new());
     }
     let rest: Vec<Term> = selected.terms.iter().filter(|t| !is_slow_law(t)).cloned().collect();
     let laws = rest.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count();
-    let longest = (channel.values.len() as f64 / 4.0).ln();
-    let sums = (1..1usize << SLOW.len()).map(|set| {
-        let ids: Vec<&'static str> = (0..SLOW.len()).filter(|i| set >> i & 1 == 1).map(|i| SLOW[i]).collect();
-        ids
-    });
-    let fit = |ids: &Vec<&'static str>| {
+    let sums = (1..1usize << SLOW.len())
+        .map(|set| (0..SLOW.len()).filter(|i| set >> i & 1 == 1).map(|i| SLOW[i]).collect::<Vec<Cause>>());
+    let fit = |causes: &Vec<Cause>| {
         let with = |memory: f64| {
-            let law = |id: &'static str| match id {
-                "flicker-noise" => Law::Flicker,
-                "random-walk" => Law::Walk,
-                _ => Law::Markov(memory),
+            let term = |cause| {
+                let (law, searched) = match cause {
+                    Cause::FlickerNoise => (Law::Flicker, 0.0),
+                    Cause::RandomWalk => (Law::Walk, 0.0),
+                    _ => (Law::Markov(memory), memory),
+                };
+                Term { cause, addition: Addition::Law(law), searched, column: None }
             };
-            let term = |id| {
-                let searched = if id == "gauss-markov" { memory } else { 0.0 };
-                Term { id, addition: Addition::Law(law(id)), searched, column: None }
-            };
-            channel.fit(rest.iter().cloned().chain(ids.iter().map(|id| term(*id))).collect())
+            channel.fit(rest.iter().cloned().chain(causes.iter().map(|c| term(*c))).collect())
         };
-        if ids.contains(&"gauss-markov") { searched(1.5f64.ln(), longest, 14, |m| with(m.exp())) } else { with(1.0) }
+        match causes.contains(&Cause::GaussMarkov) {
+            true => search::best(memories(channel.values.len()), MEMORIES, |m| with(m.exp())),
+            false => with(1.0),
+        }
     };
     // A memory was searched for when it was taken, beside fewer terms than there are now.
     let again = fit(&chosen);
     let selected = if again.log_likelihood() > selected.log_likelihood() { again } else { selected };
-    // Four laws beside white noise are all that one spectrum can tell apart; and no sum may hold a law it does not need.
-    let open = |ids: &Vec<&'static str>| {
-        laws + ids.len() < 5 && !(ids.len() == chosen.len() && ids.iter().all(|i| chosen.contains(i)))
+    // No sum may hold more laws than one spectrum can tell apart, or a law that it does not need.
+    let open = |causes: &Vec<Cause>| {
+        laws + causes.len() <= MOST_LAWS && !(causes.len() == chosen.len() && causes.iter().all(|c| chosen.contains(c)))
     };
-    let mut all: Vec<Fitted> = sums.filter(open).map(|ids| fit(&ids)).collect();
+    let mut all: Vec<Fitted> = sums.filter(open).map(|causes| fit(&causes)).collect();
     all.retain(|f| merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
     let most = all.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
@@ -75,15 +77,15 @@ pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (F
         return (channel.fit(rest), Vec::new());
     };
     let best = all.swap_remove(best);
-    let ids = slow_ids(&best);
-    let ties: Vec<Vec<&'static str>> = all.iter().map(slow_ids).collect();
-    let rivals = ids
+    let causes = slow_laws(&best);
+    let ties: Vec<Vec<Cause>> = all.iter().map(slow_laws).collect();
+    let rivals = causes
         .iter()
-        .map(|id| {
-            let of = ties.iter().filter(|t| !t.contains(id)).flatten();
-            let mut found: Vec<&'static str> = of.copied().filter(|r| !ids.contains(r) && !contains(r, id)).collect();
+        .map(|cause| {
+            let of = ties.iter().filter(|t| !t.contains(cause)).flatten();
+            let mut found: Vec<Cause> = of.copied().filter(|r| !causes.contains(r) && !contains(*r, *cause)).collect();
             found.dedup();
-            (*id, found)
+            (*cause, found)
         })
         .collect();
     (best, rivals)

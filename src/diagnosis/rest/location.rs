@@ -1,9 +1,10 @@
 //! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by channel.
 
 use super::channel::Channel;
-use super::check::{self, Remainder};
-use super::selection::{ALPHA, Selected};
+use super::residual::{Residual, residual};
+use super::selection::Selection;
 use super::telegraph::Telegraph;
+use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::number::{duration, short};
 use crate::numerics::order;
@@ -14,18 +15,18 @@ const SPOKEN_OF: usize = 3;
 /// Of the mismatch that repair removed where all channels are described `well`, else of what is left.
 pub(super) fn locate(
     channels: &[Channel],
-    selected: &[Selected],
-    remainders: &[Remainder],
+    selected: &[Selection],
+    residuals: &[Residual],
     well: &[bool],
     unit: &str,
 ) -> Where {
     let described = well.iter().all(|w| *w);
-    let base: Vec<Remainder>;
-    let shown: &[Remainder] = if described {
-        base = channels.iter().zip(selected).map(|(c, s)| check::remainder(c, &s.base, 0.0)).collect();
+    let base: Vec<Residual>;
+    let shown: &[Residual] = if described {
+        base = channels.iter().zip(selected).map(|(c, s)| residual(c, &s.base, 0.0)).collect();
         &base
     } else {
-        remainders
+        residuals
     };
     // Probabilities below the smallest number are all the same; then the excess decides.
     let excess = |i: usize| shown[i].frequency_hz.iter().chain(&shown[i].time_s).map(|s| s.excess).fold(0.0, f64::max);
@@ -38,7 +39,7 @@ pub(super) fn locate(
     let state =
         frequency_hz.iter().map(|s| Stretch { from: 0.37 / s.to, to: 0.37 / s.from, excess: s.excess }).collect();
     let stands_out = |i: &usize| match described {
-        true => shown[*i].p_value * (channels.len() as f64) < ALPHA,
+        true => shown[*i].p_value * (channels.len() as f64) < REAL,
         false => !well[*i],
     };
     let off: Vec<usize> = order.into_iter().filter(stands_out).collect();
@@ -64,7 +65,7 @@ pub(super) fn locate(
 }
 
 /// A sentence for every moment at which channels jump, however many do.
-fn jumps(channels: &[Channel], shown: &[Remainder], mut leaping: Vec<usize>) -> Vec<String> {
+fn jumps(channels: &[Channel], shown: &[Residual], mut leaping: Vec<usize>) -> Vec<String> {
     let mut out = Vec::new();
     while let Some(first) = leaping.first().copied() {
         let at = |i: usize| shown[i].jump.unwrap_or(0.0);
@@ -93,10 +94,10 @@ fn popcorn(channel: &Channel, hops: &Telegraph, unit: &str) -> String {
     )
 }
 
-/// One channel's remainder in a sentence.
-fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
+/// One channel's residual in a sentence.
+fn in_words(name: &str, residual: &Residual, described: bool) -> String {
     let by = if described { "of white noise" } else { "that the best model explains" };
-    let strongest = remainder.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
+    let strongest = residual.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess));
     if let Some(s) = strongest {
         // A law of drift or noise reaches over a decade at least.
         let narrow = s.to < 1.6 * s.from && s.excess > 1.3;
@@ -110,7 +111,7 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
             if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
         );
     }
-    let fading = remainder.fading.map(|[below_hz, share]| {
+    let fading = residual.fading.map(|[below_hz, share]| {
         format!(
             "below {} Hz it has only {} times the power that the best model has there: what fluctuates slowly is held back, \
              as where the sensor tracks and removes its own bias",
@@ -118,18 +119,18 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
             short(share)
         )
     });
-    if let (Some(fading), true) = (&fading, remainder.p_value_in_time >= ALPHA) {
+    if let (Some(fading), true) = (&fading, residual.p_value_in_time >= REAL) {
         return format!("{name}: {fading}.");
     }
-    let single = remainder.outlier.map(|(at, size)| {
+    let single = residual.outlier.map(|(at, size)| {
         format!(" A single reading at {} lies {} standard deviations off.", duration(at), short(size))
     });
-    let [low, high] = remainder.power.map(short);
-    let unsteady = match remainder.time_s.as_slice() {
-        [] if remainder.creep.is_some() => format!(
+    let [low, high] = residual.power.map(short);
+    let unsteady = match residual.time_s.as_slice() {
+        [] if residual.creep.is_some() => format!(
             "{name}: its noise is not steady, its power {} by {} of its mean from end to end.",
-            if remainder.creep.is_some_and(|c| c > 0.0) { "grows" } else { "falls" },
-            short(remainder.creep.unwrap_or(0.0).abs())
+            if residual.creep.is_some_and(|c| c > 0.0) { "grows" } else { "falls" },
+            short(residual.creep.unwrap_or(0.0).abs())
         ),
         [] if single.is_some() => return format!("{name}:{}", single.unwrap_or_default()),
         [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
@@ -143,7 +144,7 @@ fn in_words(name: &str, remainder: &Remainder, described: bool) -> String {
                 1 => " and in one more stretch".into(),
                 n => format!(" and in {n} more stretches"),
             },
-            if remainder.only_there { "; outside that what is left is noise" } else { "" }
+            if residual.only_there { "; outside that what is left is noise" } else { "" }
         ),
     };
     unsteady + &single.unwrap_or_default() + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()

@@ -1,11 +1,13 @@
 //! The still sensor as a study runs it: the noise of the channel with most to gain, as its datasheet promised it (without
 //! one, as white noise) and as it was found.
 
+use super::candidate::row;
+use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::describe;
+use super::effects::Found;
 use crate::diagnosis::model;
-use crate::diagnosis::repair::{Cost, Repair, Vibration};
-use crate::diagnosis::verdict::{Effect, Verdict};
+use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
 use crate::recording::unit::{Quantity, Unit};
 use crate::sensor::Sensor;
 use crate::units::DENSITY_TO_RANDOM_WALK;
@@ -14,25 +16,25 @@ use crate::units::DENSITY_TO_RANDOM_WALK;
 pub(super) fn repair(
     channels: &[Channel],
     finals: &[Fitted],
-    verdict: &Verdict,
+    effects: &[Found],
     model: &model::Static,
 ) -> Option<Repair> {
     let unit = &model.unit;
     let unit = Unit::parse(unit, Quantity::Accelerometer).or_else(|_| Unit::parse(unit, Quantity::Gyro)).ok()?;
     // The channel with most to gain stands for the sensor.
-    let worst = channels.iter().position(|c| verdict.effects.iter().any(|e| e.channels.contains(&c.name))).unwrap_or(0);
+    let worst = (0..channels.len()).find(|i| effects.iter().any(|e| e.channels.contains(i))).unwrap_or(0);
     let (channel, fitted) = (&channels[worst], &finals[worst]);
-    let strength = |id: &str| {
-        let index = fitted.terms.iter().position(|t| t.id == id)?;
-        verdict.effects.iter().any(|e| e.id == id).then(|| fitted.strength_of(index).0.sqrt() * channel.scale * unit.si)
+    let strength = |cause: Cause| {
+        let index = fitted.terms.iter().position(|t| t.cause == cause)?;
+        effects.iter().any(|e| e.cause == cause).then(|| fitted.strength_of(index).0.sqrt() * channel.scale * unit.si)
     };
     let white = describe::density_of_white(channel, fitted.white().0) * DENSITY_TO_RANDOM_WALK * unit.si;
     let promised = model.noise.map_or([white, 0.0, 0.0], |n| {
         [n.density * DENSITY_TO_RANDOM_WALK * unit.si, n.bias_instability * unit.si, n.random_walk * unit.si]
     });
     // What was not found to be otherwise stays as promised.
-    let flicker = strength("flicker-noise").unwrap_or(promised[1]);
-    let walk = strength("random-walk").map_or(promised[2], |k| k * channel.rate_hz.sqrt());
+    let flicker = strength(Cause::FlickerNoise).unwrap_or(promised[1]);
+    let walk = strength(Cause::RandomWalk).map_or(promised[2], |k| k * channel.rate_hz.sqrt());
     let sensor = |[white, flicker, walk]: [f64; 3]| {
         let mut sensor = Sensor::default();
         if unit.quantity == Quantity::Accelerometer {
@@ -46,25 +48,30 @@ pub(super) fn repair(
         }
         sensor
     };
-    let outside = |e: &&Effect| !matches!(e.id.as_str(), "flicker-noise" | "random-walk" | "white-noise");
-    let own_cost = verdict.effects.iter().filter(|e| e.id == "rate-ramp" && unit.quantity == Quantity::Accelerometer);
+    let expressible = |cause| matches!(cause, Cause::FlickerNoise | Cause::RandomWalk | Cause::WhiteNoise);
+    let entries = effects.iter().filter_map(|e| Some((e, row(e.cause).entry?)));
+    let ramps = entries.clone().filter(|(e, _)| e.cause == Cause::RateRamp && unit.quantity == Quantity::Accelerometer);
+    let own_cost = ramps.map(|(e, entry)| {
+        let rate = e.parameters[0].value.abs() * unit.si;
+        let names: Vec<&str> = e.channels.iter().map(|i| channels[*i].name.as_str()).collect();
+        Cost {
+            row: Row::Own,
+            of: format!("{} ({})", entry.id, names.join(", ")),
+            under: "at rest".into(),
+            position_10_s_m: rate * 1e3 / 6.0,
+            position_60_s_m: rate * 216e3 / 6.0,
+            basis: "R t³/6".into(),
+        }
+    });
     Some(Repair {
         before: sensor(promised),
         after: sensor([white, flicker, walk]),
         relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
-        not_expressible: verdict.effects.iter().filter(outside).map(|e| format!("{}: {}", e.id, e.statement)).collect(),
-        vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
-        own_cost: own_cost
-            .map(|e| {
-                let rate = e.parameters[0].value.abs() * unit.si;
-                Cost {
-                    of: format!("{} ({})", e.id, e.channels.join(", ")),
-                    under: "at rest".into(),
-                    position_10_s_m: rate * 1e3 / 6.0,
-                    position_60_s_m: rate * 216e3 / 6.0,
-                    basis: "R t³/6".into(),
-                }
-            })
+        own_cost: own_cost.collect(),
+        not_expressible: entries
+            .filter(|(e, _)| !expressible(e.cause))
+            .map(|(_, entry)| format!("{}: {}", entry.id, entry.statement))
             .collect(),
+        vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
     })
 }

@@ -9,8 +9,9 @@
 
 use rand::RngExt;
 
+use super::cause::Cause;
 use super::chain::{Chain, Expected, climb};
-use super::channel::{Addition, BAND_LIMIT, Channel, Curve, Fitted, Term};
+use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::common::{is_slow, slow_part};
 use super::spectrum::Law;
 use crate::numerics::order::median;
@@ -137,7 +138,7 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
 /// it is at least as many.
 pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<usize> {
     let index = fitted.terms.iter().position(|t| matches!(t.addition, Addition::Law(Law::Markov(_))))?;
-    let others = fitted.terms.iter().enumerate().filter(|(i, t)| *i != index && t.id != BAND_LIMIT);
+    let others = fitted.terms.iter().enumerate().filter(|(i, t)| *i != index && t.cause != Cause::BandLimit);
     if coarse(channel, fitted) || others.count() > 0 {
         return None;
     }
@@ -176,9 +177,9 @@ mod tests {
         hops(&channel, &fitted).map_or(1.0, |t| t.p_value)
     }
 
-    fn law(id: &'static str, law: Law) -> Term {
+    fn law(cause: Cause, law: Law) -> Term {
         let searched = if let Law::Markov(memory) = law { memory } else { 0.0 };
-        Term { id, addition: Addition::Law(law), searched, column: None }
+        Term { cause, addition: Addition::Law(law), searched, column: None }
     }
 
     fn relaxation(count: usize, memory: f64, rng: &mut Philox) -> Vec<f64> {
@@ -223,7 +224,7 @@ mod tests {
                             sum
                         })
                         .collect();
-                    (walk, law("random-walk", Law::Walk))
+                    (walk, law(Cause::RandomWalk, Law::Walk))
                 }
                 1 => {
                     let mut sum = vec![0.0; count];
@@ -231,12 +232,12 @@ mod tests {
                         let part = relaxation(count, 2f64.powi(octave), &mut rng);
                         sum.iter_mut().zip(part).for_each(|(s, p)| *s += size / 14f64.sqrt() * p);
                     }
-                    (sum, law("flicker-noise", Law::Flicker))
+                    (sum, law(Cause::FlickerNoise, Law::Flicker))
                 }
                 _ => {
                     let mut drift = relaxation(count, memory, &mut rng);
                     drift.iter_mut().for_each(|d| *d *= size);
-                    (drift, law("gauss-markov", Law::Markov(memory)))
+                    (drift, law(Cause::GaussMarkov, Law::Markov(memory)))
                 }
             };
             let values: Vec<f64> = drift.into_iter().map(|d| d + rng.normal()).collect();
@@ -255,7 +256,7 @@ mod tests {
                 let hops = telegraph(count, dwell, &mut rng);
                 let values: Vec<f64> = hops.into_iter().map(|h| size * h + rng.normal()).collect();
                 let memory = 1.0 / (1.0 / dwell[0] + 1.0 / dwell[1]);
-                p_value(&values, vec![law("gauss-markov", Law::Markov(memory))]) < 1e-3
+                p_value(&values, vec![law(Cause::GaussMarkov, Law::Markov(memory))]) < 1e-3
             });
             found.iter().filter(|found| **found).count()
         };
@@ -269,7 +270,7 @@ mod tests {
             let drift = relaxation(4000, dwell / 2.0, &mut rng);
             let values: Vec<f64> = drift.into_iter().map(|d| size * d + rng.normal()).collect();
             let channel = Channel::new("x", &values, 1.0);
-            let mut fitted = channel.fit(vec![law("gauss-markov", Law::Markov(dwell / 2.0))]);
+            let mut fitted = channel.fit(vec![law(Cause::GaussMarkov, Law::Markov(dwell / 2.0))]);
             // As planted, not as estimated.
             fitted.strengths.values = [1.0, size * size].map(|v| v / channel.scale.powi(2)).to_vec();
             let (foreseen, found) = (power(&channel, &fitted, 1e-3).unwrap_or(0), found(size, [dwell; 2], 4000));

@@ -1,6 +1,9 @@
 //! The verdict on a still sensor in words.
 
-use super::channel::{Addition, BAND_LIMIT, Channel, Fitted};
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Fitted};
+use super::effects::Found;
+use super::residual::TOLERANCE;
 use super::telegraph::REPLICAS;
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{self, Effect, Outcome};
@@ -60,8 +63,8 @@ pub(super) fn sentence(
 }
 
 /// What would decide or confirm.
-pub(super) fn next_experiment(outcome: Outcome, effects: &[Effect], model: &model::Static) -> String {
-    let temperature = effects.iter().any(|e| e.id == "temperature-sensitivity");
+pub(super) fn next_experiment(outcome: Outcome, effects: &[Found], model: &model::Static) -> String {
+    let temperature = effects.iter().any(|e| e.cause == Cause::TemperatureSensitivity);
     match outcome {
         _ if temperature && model.columns.environment.is_empty() => {
             "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
@@ -78,9 +81,18 @@ pub(super) fn next_experiment(outcome: Outcome, effects: &[Effect], model: &mode
     .into()
 }
 
+/// Where what is left is no noise as modelled, yet near enough to it.
+pub(super) fn within_tolerance() -> String {
+    format!(
+        "what is left differs from noise as modelled by more than chance, but by less than the {:.0} % of its power that \
+         count as a mismatch here",
+        100.0 * TOLERANCE
+    )
+}
+
 /// What a filter in the sensor takes away, as a finding: it is no error that drifts.
 pub(super) fn band_limit(channel: &Channel, fitted: &Fitted) -> Option<String> {
-    let term = fitted.terms.iter().find(|t| t.id == BAND_LIMIT)?;
+    let term = fitted.terms.iter().find(|t| t.cause == Cause::BandLimit)?;
     let Addition::Law(law) = term.addition else { return None };
     let (total, rest) = (fitted.white().0, fitted.strengths.values[0]);
     let share = 1.0 - (rest + (total - rest) * law.variance(std::f64::consts::FRAC_PI_2)) / total;

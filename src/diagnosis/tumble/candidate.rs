@@ -11,7 +11,7 @@ mod scale_nonlinearity;
 mod temperature_sensitivity;
 mod term;
 
-pub use term::Term;
+pub use term::{Seen, Stated, Term};
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
@@ -23,6 +23,9 @@ pub const CANDIDATES: &[Candidate] = &[
     local_gravity::CANDIDATE,
     earth_rate::CANDIDATE,
 ];
+
+/// What no pose can tell from the common scale: in the library to be said, never to be fitted.
+pub const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
 
 /// Everything that can be fitted. `local-gravity` is not among it: no pose can tell it from the common scale.
 pub fn terms() -> Vec<&'static Term> {
@@ -37,11 +40,4 @@ pub fn terms() -> Vec<&'static Term> {
     .into_iter()
     .flatten()
     .collect()
-}
-
-impl Term {
-    /// What the library says of it.
-    pub fn candidate(&self) -> &'static Candidate {
-        CANDIDATES.iter().find(|c| c.id == self.id).unwrap_or(&CANDIDATES[0])
-    }
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 
 use super::calibration::{Point, gyro};
+use super::group::Group;
 use super::imu::Observed;
-use super::rows::Group;
 use super::selection::{Folds, interleaved};
 use crate::diagnosis::model::{Split, Tumble};
 use crate::error::{Error, Result};

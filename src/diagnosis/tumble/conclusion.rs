@@ -2,24 +2,25 @@
 
 use nalgebra::Vector3;
 
-use super::calibration::{Calibration, Point, accelerometer, gyro};
-use super::candidate::{CANDIDATES, Term};
+use super::account::{Account, Fate, NamedTerm, SeenFrom};
+use super::by_pose::pose_details;
+use super::calibration::{Calibration, Point, gyro};
+use super::candidate::{NEVER_FITTED, Seen, Stated};
+use super::detail::Detail;
 use super::fit::Fit;
+use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use super::isolation::locate;
-use super::remainder::Remainder;
-use super::rows::{GROUPS, Group};
-use super::selection::{Folds, Selection, Standing, held_out_squares};
+use super::residual::Residual;
+use super::selection::{Folds, Named, Selection, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
-use super::words::next_experiment;
-use super::{Detail, pose_details};
+use super::words::{next_experiment, sentence};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::Tumble;
-use crate::diagnosis::verdict::{
-    Effect, Estimate, Evidence, Fit as FitScore, Outcome, SCHEMA, Score, Source, Verdict, Whiteness,
-};
-use crate::diagnosis::{Diagnosis, Ranked};
-use crate::number::short;
+use crate::diagnosis::ruling::{self, rule};
+use crate::diagnosis::standing::{Gain, Note, Ranked};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, SCHEMA, Score, Source, Verdict};
+use crate::diagnosis::{Detail as AnyDetail, Diagnosis};
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -43,43 +44,22 @@ pub struct Case<'a> {
 impl Case<'_> {
     /// The diagnosis.
     pub fn conclude(mut self, selection: Selection) -> Diagnosis {
-        let repaired = &selection.repaired;
-        let calibration = Calibration::from_point(&repaired.point);
-        let forces = self.observed.forces_m_s2(&calibration);
-        let replicates = repaired.replicates(self.observed.poses.len());
-        let remainder = Remainder::of(repaired);
-        let outcome = self.outcome(&selection, &remainder);
-        let effects: Vec<Effect> = selection
-            .named
-            .iter()
-            .zip(&selection.tied)
-            .map(|(standing, tied)| self.effect(standing, tied, repaired, &replicates))
-            .collect();
         if !selection.base.determined {
             self.findings.push("the poses do not span all directions: the base model itself is not determined".into());
         }
-        let detail = self.detail(&selection, calibration, &forces, &effects);
-        let score = |rms: [f64; 2]| Score { rmse_before: rms[0], rmse_after: rms[1], ratio_ci95: None };
-        let ratio_ci95 = self.ratio_interval(&selection);
-        let fit = FitScore {
-            unit: "times the noise of a pose".into(),
-            noise_floor: 1.0,
-            train: score(
-                [&selection.base, repaired].map(|f| (f.rows.residual.norm_squared() / f.rows.pose.len() as f64).sqrt()),
-            ),
-            test_ranges: Vec::new(),
-            test: Score {
-                ratio_ci95: Some(ratio_ci95),
-                ..score([&selection.base, repaired].map(|f| self.held_out_rms(f)))
-            },
-            log_score: None,
-            one_step_rmse: None,
-        };
+        let calibration = Calibration::from_point(&selection.chosen.point);
+        let forces = self.observed.forces_m_s2(&calibration);
+        let residual = Residual::of(&selection.chosen);
+        let outcome = rule(&evidence(&selection, &residual));
+        let replicates = selection.chosen.replicates(self.observed.poses.len());
+        let effects: Vec<Effect> =
+            selection.named.iter().map(|n| self.effect(n, &selection.chosen, &replicates)).collect();
+        let detail = self.detail(&selection, &residual, calibration, &forces, &effects);
         let verdict = Verdict {
             schema: SCHEMA,
             kind: Kind::Tumble,
             verdict: outcome,
-            sentence: self.sentence(outcome, &selection, &remainder, &detail),
+            sentence: sentence(outcome, &detail),
             recording: Source {
                 file: self.recording.path.display().to_string(),
                 sha256: self.recording.sha256.clone(),
@@ -88,9 +68,9 @@ impl Case<'_> {
             },
             effects,
             location: locate(self.observed, &selection.base, &forces),
-            fit,
-            residual_after: Whiteness { white: remainder.p_value >= 0.05, p_value: remainder.p_value },
-            next_experiment: next_experiment(outcome, &selection, &remainder),
+            fit: self.fit(&selection),
+            residual_after: residual.remainder.whiteness(),
+            next_experiment: next_experiment(outcome, &detail.account),
             detectable: Vec::new(),
             findings: self.findings.clone(),
         };
@@ -98,19 +78,22 @@ impl Case<'_> {
             verdict,
             ranking: self.ranking(&selection),
             repair: Some(self.repair(&selection, &detail)),
-            detail: detail.into(),
+            detail: AnyDetail::Tumble(Box::new(detail)),
         }
     }
 
-    fn outcome(&self, selection: &Selection, remainder: &Remainder) -> Outcome {
-        if !selection.base.determined || selection.tied.iter().any(|t| !t.is_empty()) {
-            Outcome::Undecidable
-        } else if !remainder.above.is_empty() {
-            Outcome::Unexplained
-        } else if selection.named.is_empty() {
-            Outcome::Adequate
-        } else {
-            Outcome::Explained
+    fn fit(&self, selection: &Selection) -> FitScore {
+        let both = [&selection.base, &selection.chosen];
+        let score = |[rmse_before, rmse_after]: [f64; 2], ratio_ci95| Score { rmse_before, rmse_after, ratio_ci95 };
+        let fitted = both.map(|f| (f.rows.residual.norm_squared() / f.rows.pose.len() as f64).sqrt());
+        FitScore {
+            unit: "times the noise of a pose".into(),
+            noise_floor: 1.0,
+            train: score(fitted, None),
+            test_ranges: Vec::new(),
+            test: score(both.map(|f| self.held_out_rms(f)), Some(self.ratio_interval(selection))),
+            log_score: None,
+            one_step_rmse: None,
         }
     }
 
@@ -125,52 +108,50 @@ impl Case<'_> {
         self.model.columns.environment.first().map_or("minute".into(), |c| format!("unit of {c}"))
     }
 
-    fn effect(&self, standing: &Standing, tied: &[&'static Term], fit: &Fit, replicates: &[Point]) -> Effect {
-        let term = standing.term;
+    fn effect(&self, named: &Named, fit: &Fit, replicates: &[Point]) -> Effect {
+        let term = named.standing.term;
         let interval = |of: &dyn Fn(&Point) -> f64| jackknife(of, fit, replicates);
         let mut parameters = Vec::new();
-        if term.id == "scale-factor" {
-            let (common, axis, unit) = match term.sensor {
-                Sense::Accelerometer => {
-                    (accelerometer::SCALE.start, accelerometer::AXIS_SCALE.start, "count per m/s^2")
+        match term.stated {
+            Stated::AxisScales { common, ratio, unit } => {
+                for (i, name) in ["scale_x", "scale_y", "scale_z"].into_iter().enumerate() {
+                    let of = move |p: &Point| p[common] * if i == 0 { 1.0 } else { 1.0 + p[ratio + i - 1] };
+                    parameters.push(estimate(name.into(), unit.into(), of(&fit.point), interval(&of)));
                 }
-                Sense::Gyro => (gyro::SCALE.start, gyro::AXIS_SCALE.start, "count per rad/s"),
-            };
-            for (i, name) in ["scale_x", "scale_y", "scale_z"].into_iter().enumerate() {
-                let of = move |p: &Point| p[common] * if i == 0 { 1.0 } else { 1.0 + p[axis + i - 1] };
-                parameters.push(estimate(name.into(), unit.into(), of(&fit.point), interval(&of)));
             }
-        } else {
-            for index in term.active() {
-                let (name, unit) = name_and_unit(index, &self.covariate_unit());
-                let of = move |p: &Point| p[index] * factor(index);
-                parameters.push(estimate(name, unit, of(&fit.point), interval(&of)));
+            Stated::AsFitted => {
+                for index in term.active() {
+                    let (name, unit) = name_and_unit(index, &self.covariate_unit());
+                    let of = move |p: &Point| p[index] * factor(index);
+                    parameters.push(estimate(name, unit, of(&fit.point), interval(&of)));
+                }
             }
         }
-        let candidate = term.candidate();
         Effect {
-            id: term.id.into(),
-            statement: candidate.statement.into(),
-            equation: candidate.equation.into(),
+            id: term.id().into(),
+            statement: term.candidate.statement.into(),
+            equation: term.candidate.equation.into(),
             parameters,
             channels: self.columns_of(term.sensor),
-            evidence: Evidence { held_out_gain: standing.gain, p_value: standing.p_value },
-            confusable_with: tied.iter().map(|t| t.id.to_owned()).collect(),
+            evidence: Evidence { held_out_gain: named.standing.gain, p_value: named.standing.p_value },
+            confusable_with: named.rivals.iter().map(|t| t.id().to_owned()).collect(),
         }
     }
 
     fn detail(
         &self,
         selection: &Selection,
+        residual: &Residual,
         calibration: Calibration,
         forces: &[Vector3<f64>],
         effects: &[Effect],
     ) -> Detail {
-        let both = |group: Group| [&selection.base, &selection.repaired].map(|f| held_out_rms(f, group, self.folds));
-        let g_sensitivity = effects
-            .iter()
-            .filter(|e| e.id == "g-sensitivity")
-            .flat_map(|e| e.parameters.iter().map(|p| (p.name.clone(), p.value, p.ci95)))
+        let both = |group: Group| [&selection.base, &selection.chosen].map(|f| held_out_rms(f, group, self.folds));
+        let g_sensitivity = selection
+            .named_terms()
+            .zip(effects)
+            .filter(|(t, _)| t.active().eq(gyro::G_SENSITIVITY))
+            .flat_map(|(_, e)| e.parameters.iter().map(|p| (p.name.clone(), p.value, p.ci95)))
             .collect();
         let samples = self.observed.imu.accelerometer[0].len();
         let every = (samples / 1500).max(1);
@@ -183,13 +164,14 @@ impl Case<'_> {
             })
             .collect();
         Detail {
-            poses: pose_details(self.observed, &selection.base, &selection.repaired, forces),
+            poses: pose_details(self.observed, &selection.base, &selection.chosen, forces),
             poses_found: self.poses_found,
             held_out: GROUPS.map(both),
             calibration,
             g_sensitivity,
             length_m_s2,
             gravity_m_s2: self.observed.imu.gravity_m_s2,
+            account: account(selection, residual),
         }
     }
 
@@ -203,7 +185,7 @@ impl Case<'_> {
             let groups = GROUPS.map(|g| held_out_squares(fit, g, self.folds));
             (0..self.folds.len()).map(|k| groups.iter().filter_map(|g| g[k]).map(|s| s.0).sum()).collect()
         };
-        let (before, after) = (per_pose(&selection.base), per_pose(&selection.repaired));
+        let (before, after) = (per_pose(&selection.base), per_pose(&selection.chosen));
         let ratio = |skip: usize| {
             let total = |v: &[f64]| v.iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, s)| s).sum::<f64>();
             0.5 * (total(&after) / total(&before).max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE).ln()
@@ -217,58 +199,77 @@ impl Case<'_> {
 
     fn ranking(&self, selection: &Selection) -> Vec<Ranked> {
         let row = |s: &Standing, named: bool| Ranked {
-            id: s.term.id,
+            id: s.term.id(),
             channels: self.columns_of(s.term.sensor),
-            held_out_gain: s.gain,
-            ci95: s.ci95,
+            gain: Gain::held_out(s.gain, s.ci95),
             p_value: s.p_value,
             named,
-            note: self.note(s, named, selection),
+            note: Note::InPoses { judged: s.term.judged, fate: self.fate(s, named, !selection.named.is_empty()) },
         };
-        let mut rows: Vec<Ranked> = selection.named.iter().map(|s| row(s, true)).collect();
+        let mut rows: Vec<Ranked> = selection.named.iter().map(|n| row(&n.standing, true)).collect();
         rows.extend(selection.others.iter().map(|s| row(s, false)));
-        let gravity = CANDIDATES.iter().find(|c| c.id == "local-gravity");
-        rows.extend(gravity.map(|c| Ranked {
-            id: c.id,
+        rows.push(Ranked {
+            id: NEVER_FITTED.id,
             channels: self.columns_of(Sense::Accelerometer),
-            held_out_gain: 0.0,
-            ci95: [0.0; 2],
+            gain: Gain::held_out(0.0, [0.0; 2]),
             p_value: 1.0,
             named: false,
-            note: "cannot be told from the common scale by any pose: both multiply |f|".into(),
-        }));
+            note: Note::Indistinguishable,
+        });
         rows
     }
 
-    fn note(&self, s: &Standing, named: bool, selection: &Selection) -> String {
-        let judged = format!("judged by {}", s.term.judged.words());
+    fn fate(&self, s: &Standing, named: bool, beside_named: bool) -> Fate {
         if named {
-            return format!("{judged}, beside the others named");
+            return Fate::Named;
         }
         if s.withdrawn {
-            return format!("{judged}; it helps, but what is left stays above the noise");
+            return Fate::Withdrawn;
         }
         if !s.determined {
-            return format!("{judged}; not determined by these poses");
+            return Fate::Undetermined;
         }
         if !s.plausible {
-            return format!("{judged}; fitted outside its plausible range");
+            return Fate::Implausible;
         }
-        // The earth's rate along gravity looks like a diagonal of g-sensitivity; its level part is what could be seen.
-        let smallest = match s.term.id {
-            "earth-rate" => s.visible.iter().copied().fold(f64::INFINITY, f64::min),
-            _ => s.visible.iter().copied().fold(0.0, f64::max),
+        let seen_from = match s.term.seen {
+            Seen::InItsBestDirection => {
+                Some(SeenFrom::EarthRateDegH(s.visible.iter().copied().fold(f64::INFINITY, f64::min)))
+            }
+            Seen::InEveryParameter if s.visible.is_empty() => None,
+            Seen::InEveryParameter => Some(SeenFrom::Strength {
+                value: s.visible.iter().copied().fold(0.0, f64::max),
+                unit: s.term.active().next().map(|p| name_and_unit(p, &self.covariate_unit()).1).unwrap_or_default(),
+            }),
         };
-        let unit = s.term.active().next().map(|p| name_and_unit(p, &self.covariate_unit()).1).unwrap_or_default();
-        let power = if s.term.id == "earth-rate" {
-            format!("; the earth's rate is 15.04 °/h, and below {} °/h none could be seen", short(smallest))
-        } else if s.visible.is_empty() {
-            String::new()
-        } else {
-            format!("; above {} {unit} it would have been seen", short(smallest))
-        };
-        let added = if selection.named.is_empty() { "" } else { ", beside those named" };
-        format!("{judged}{added}{power}")
+        Fate::Absent { beside_named, seen_from }
+    }
+}
+
+/// What the verdict rests on.
+fn evidence(selection: &Selection, residual: &Residual) -> ruling::Evidence {
+    ruling::Evidence {
+        base_determined: selection.base.determined,
+        named: selection.named.len(),
+        tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+        remainder: residual.remainder.size,
+        ..ruling::Evidence::default()
+    }
+}
+
+/// What the words rest on.
+fn account(selection: &Selection, residual: &Residual) -> Account {
+    let named = |n: &Named| NamedTerm {
+        id: n.standing.term.id(),
+        sensor: n.standing.term.sensor,
+        rivals: n.rivals.iter().map(|t| t.id()).collect(),
+    };
+    let oversized = selection.others.iter().filter(|s| s.would_but_for_its_size());
+    Account {
+        base_determined: selection.base.determined,
+        named: selection.named.iter().map(named).collect(),
+        above: residual.above.clone(),
+        oversized: oversized.map(|s| (s.term.id(), s.term.sensor)).collect(),
     }
 }
 

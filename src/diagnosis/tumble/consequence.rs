@@ -5,10 +5,10 @@
 
 use super::Detail;
 use super::calibration::Calibration;
+use super::candidate::Term;
 use super::conclusion::Case;
 use super::selection::Selection;
-use super::words::spoken;
-use crate::diagnosis::repair::{Cost, Repair, Vibration};
+use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
 use crate::navigation::closed_form::Process;
 use crate::number::short;
 use crate::sensor::{Sense, Sensor};
@@ -37,6 +37,7 @@ impl Case<'_> {
         let at_rest = |of: &str, process: Process, integrations: u32, lever: f64| {
             let [ten, sixty] = [10.0, 60.0].map(|t| process.variance(integrations, t).sqrt() * lever);
             Cost {
+                row: Row::Own,
                 of: of.into(),
                 under: "held in one attitude, rms over the recorded ones".into(),
                 position_10_s_m: ten,
@@ -46,8 +47,7 @@ impl Case<'_> {
         };
         let mut own_cost = Vec::new();
         for sensor in [Sense::Accelerometer, Sense::Gyro] {
-            let ids: Vec<&str> =
-                selection.named.iter().filter(|s| s.term.sensor == sensor).map(|s| s.term.id).collect();
+            let ids: Vec<&str> = selection.named_terms().filter(|t| t.sensor == sensor).map(Term::id).collect();
             if ids.is_empty() {
                 continue;
             }
@@ -73,15 +73,8 @@ impl Case<'_> {
                 short(rate / DEGREE_PER_HOUR)
             ),
             not_expressible: selection
-                .named
-                .iter()
-                .map(|s| {
-                    format!(
-                        "{} ({}): a study has one axis and one attitude",
-                        spoken(s.term),
-                        s.term.candidate().equation
-                    )
-                })
+                .named_terms()
+                .map(|t| format!("{} ({}): a study has one axis and one attitude", t.spoken(), t.candidate.equation))
                 .collect(),
             vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 0.0 },
             own_cost,
@@ -91,7 +84,7 @@ impl Case<'_> {
     /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms over the poses.
     fn leftover(&self, selection: &Selection) -> (f64, f64) {
         let (base, repaired) =
-            (Calibration::from_point(&selection.base.point), Calibration::from_point(&selection.repaired.point));
+            (Calibration::from_point(&selection.base.point), Calibration::from_point(&selection.chosen.point));
         let count = 3.0 * self.observed.poses.len().max(1) as f64;
         let (force, rate) = self.observed.poses.iter().fold((0.0, 0.0), |sums, pose| {
             let of = |c: &Calibration| {

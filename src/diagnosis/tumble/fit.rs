@@ -3,8 +3,9 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::calibration::Point;
+use super::group::Group;
 use super::imu::Observed;
-use super::rows::{Group, Rows};
+use super::rows::Rows;
 
 /// A fitted set of parameters.
 #[derive(Debug, Clone)]

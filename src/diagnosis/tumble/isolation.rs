@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::fit::Fit;
+use super::group::{GROUPS, Group};
 use super::imu::Observed;
-use super::rows::{GROUPS, Group};
 use crate::diagnosis::verdict::{Stretch, Where};
 use crate::number::short;
 use crate::numerics::special::{chi_squared_above, discoveries};

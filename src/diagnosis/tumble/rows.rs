@@ -9,23 +9,10 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, Point, gyro};
+use super::group::Group;
 use super::imu::Observed;
 use super::slopes::{Active, reading_slopes};
 use crate::sensor::Sense;
-
-/// Which residual.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Group {
-    /// |f| − g.
-    Gravity,
-    /// Rate at rest.
-    Still,
-    /// Gravity's direction after a move.
-    Turn,
-}
-
-/// All groups in order.
-pub const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
 
 /// Residuals over their noise, with slopes by the active parameters where asked for.
 #[derive(Debug, Clone)]

@@ -4,9 +4,9 @@ use rand::RngExt;
 
 use super::candidate::{Term, terms};
 use super::fit::Fit;
+use super::group::{GROUPS, Group};
 use super::imu::Observed;
-use super::remainder::Remainder;
-use super::rows::{GROUPS, Group};
+use super::residual::Residual;
 use super::units::factor;
 use crate::numerics::order;
 use crate::numerics::special::{f_above, normal_quantile};
@@ -57,9 +57,7 @@ impl Standing {
     pub fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.ci95[0] > 0.0 && self.criterion > 0.0 && self.determined && self.plausible
     }
-}
 
-impl Standing {
     /// Whether it carries most of what it is judged by, with values outside the range that the library allows.
     pub fn would_but_for_its_size(&self) -> bool {
         !self.plausible && self.p_value < FALSE_NAME && self.ci95[0] > 0.5 && self.criterion > 0.0 && self.determined
@@ -72,13 +70,27 @@ pub struct Selection {
     /// The base model, refitted alone.
     pub base: Fit,
     /// Base and named terms together.
-    pub repaired: Fit,
-    /// Named, strongest first; each judged against the repaired model without it.
-    pub named: Vec<Standing>,
-    /// The rest, judged as an addition to the repaired model.
+    pub chosen: Fit,
+    /// Named, strongest first; each judged against the chosen model without it.
+    pub named: Vec<Named>,
+    /// The rest, judged as an addition to the chosen model.
     pub others: Vec<Standing>,
-    /// For each named term, others that would fit nearly as well in its place.
-    pub tied: Vec<Vec<&'static Term>>,
+}
+
+impl Selection {
+    /// The terms named, strongest first.
+    pub fn named_terms(&self) -> impl Iterator<Item = &'static Term> {
+        self.named.iter().map(|n| n.standing.term)
+    }
+}
+
+/// A term of the chosen model.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// Its evidence.
+    pub standing: Standing,
+    /// Others that would fit nearly as well in its place.
+    pub rivals: Vec<&'static Term>,
 }
 
 /// Searches the library.
@@ -110,7 +122,7 @@ pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
         others.push(weakest);
     }
     // What helps but leaves the residual it is judged by above the noise is not what was left out: it is withdrawn.
-    let above: Vec<Group> = Remainder::of(&model).above.iter().map(|a| a.0).collect();
+    let above: Vec<Group> = Residual::of(&model).above.iter().map(|a| a.0).collect();
     let (withdrawn, mut kept): (Vec<Standing>, Vec<Standing>) =
         kept.into_iter().partition(|s| above.contains(&s.term.judged));
     for standing in withdrawn {
@@ -118,9 +130,12 @@ pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
         others.push(Standing { withdrawn: true, ..standing });
     }
     order::sort_by_key(&mut kept, |s| -s.criterion);
-    let tied = kept.iter().map(|s| ties(observed, &model, s, &others)).collect();
+    let named = kept
+        .into_iter()
+        .map(|standing| Named { rivals: rivals(observed, &model, &standing, &others), standing })
+        .collect();
     order::sort_by_key(&mut others, |s| s.p_value);
-    Selection { base, repaired: model, named: kept, others, tied }
+    Selection { base, chosen: model, named, others }
 }
 
 /// Judges a term as an addition to `model`.
@@ -226,7 +241,7 @@ fn held_out_gain(smaller: &Fit, larger: &Fit, group: Group, folds: &Folds) -> (f
 /// Whether no parameter lies outside its range by more than its own uncertainty.
 fn plausible(fit: &Fit, term: &Term) -> bool {
     let deviations = fit.deviations();
-    let ranges = term.candidate().parameters;
+    let ranges = term.candidate.parameters;
     term.parameters.iter().enumerate().all(|(n, range)| {
         let stated = ranges.get(n).or(ranges.last()).map_or((f64::NEG_INFINITY, f64::INFINITY), |p| p.range);
         range.clone().all(|p| {
@@ -239,7 +254,7 @@ fn plausible(fit: &Fit, term: &Term) -> bool {
 }
 
 /// Terms of the same sensor that would do nearly as well in the place of a named one.
-fn ties(observed: &Observed<'_>, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
+fn rivals(observed: &Observed<'_>, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
     let smaller = without(observed, model, standing.term);
     let mine = criterion(model);
     others

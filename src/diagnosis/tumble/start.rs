@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::calibration::{Calibration, PARAMETERS, Point, accelerometer, gyro};
+use super::group::Group;
 use super::imu::Observed;
-use super::rows::Group;
 use crate::numerics::order::median;
 
 /// Parameters of the base model: per axis an offset, per sensor one common scale.

@@ -1,71 +1,62 @@
-//! The verdict of a tumble recording in plain words.
+//! The verdict on an IMU's poses in plain words.
 
-use super::Detail;
-use super::candidate::Term;
-use super::conclusion::Case;
-use super::remainder::Remainder;
-use super::rows::{GROUPS, Group};
-use super::selection::Selection;
+use super::account::{Account, NamedTerm};
+use super::detail::Detail;
+use super::group::{GROUPS, Group};
 use crate::diagnosis::verdict::Outcome;
 use crate::number::short;
+use crate::sensor::Sense;
 
-impl Case<'_> {
-    /// One or two sentences for the first screen.
-    pub fn sentence(&self, outcome: Outcome, selection: &Selection, remainder: &Remainder, detail: &Detail) -> String {
-        let improvement = |group: Group| {
-            let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
-            let [before, after] = detail.held_out[n];
-            format!("{} {} → {} {}", group.words(), short(before), short(after), group.unit())
-        };
-        let names: Vec<String> = selection.named.iter().map(|s| spoken(s.term)).collect();
-        match outcome {
-            Outcome::Adequate => format!(
-                "Nothing is missing that these {} poses could show: what is left of gravity, of the gyro at rest and of \
+/// One or two sentences for the first screen.
+pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
+    let account = &detail.account;
+    let improvement = |group: Group| {
+        let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
+        let [before, after] = detail.held_out[n];
+        format!("{} {} → {} {}", group.words(), short(before), short(after), group.unit())
+    };
+    let names: Vec<String> = account.named.iter().map(|n| spoken(n.id, n.sensor)).collect();
+    match outcome {
+        Outcome::Adequate => format!(
+            "Nothing is missing that these {} poses could show: what is left of gravity, of the gyro at rest and of \
                  the turns is noise.",
-                self.observed.poses.len()
-            ),
-            Outcome::Explained => format!(
-                "The model left out {}. With {} fitted, poses that were held out agree: {}.",
-                join(&names),
-                if names.len() == 1 { "it" } else { "them" },
-                join(&GROUPS.map(improvement))
-            ),
-            Outcome::Unexplained => {
-                let (group, times) = remainder.above.first().copied().unwrap_or((Group::Gravity, 1.0));
-                let part = match names.is_empty() {
-                    true => "Nothing in the library accounts for the mismatch".to_owned(),
-                    false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
-                };
-                let beyond = selection.others.iter().filter(|s| s.would_but_for_its_size()).map(|s| {
-                    format!(
-                        " {} would carry it, but only with values that no sensor has: are units and columns right?",
-                        spoken(s.term)
-                    )
-                });
-                let still = format!("{part}: {} still errs by {} times its noise.", group.words(), short(times.sqrt()));
-                still + &beyond.collect::<String>()
-            }
-            Outcome::Undecidable if !selection.base.determined => {
-                "These poses do not span all directions, so that not even offsets and scales are determined.".into()
-            }
-            Outcome::Undecidable => {
-                let pairs: Vec<String> = selection
-                    .named
-                    .iter()
-                    .zip(&selection.tied)
-                    .filter(|(_, t)| !t.is_empty())
-                    .map(|(s, t)| {
-                        format!("{} or {}", spoken(s.term), t.iter().map(|t| t.id).collect::<Vec<_>>().join(" or "))
-                    })
-                    .collect();
-                format!("Something is left out, but these poses cannot tell which: {}.", join(&pairs))
-            }
+            detail.poses.len()
+        ),
+        Outcome::Explained => format!(
+            "The model left out {}. With {} fitted, poses that were held out agree: {}.",
+            join(&names),
+            if names.len() == 1 { "it" } else { "them" },
+            join(&GROUPS.map(improvement))
+        ),
+        Outcome::Unexplained => {
+            let (group, times) = account.above.first().copied().unwrap_or((Group::Gravity, 1.0));
+            let part = match names.is_empty() {
+                true => "Nothing in the library accounts for the mismatch".to_owned(),
+                false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
+            };
+            let beyond = account.oversized.iter().map(|(id, sensor)| {
+                format!(
+                    " {} would carry it, but only with values that no sensor has: are units and columns right?",
+                    spoken(id, *sensor)
+                )
+            });
+            let still = format!("{part}: {} still errs by {} times its noise.", group.words(), short(times.sqrt()));
+            still + &beyond.collect::<String>()
+        }
+        Outcome::Undecidable if !account.base_determined => {
+            "These poses do not span all directions, so that not even offsets and scales are determined.".into()
+        }
+        Outcome::Undecidable => {
+            let tied = account.named.iter().filter(|n| !n.rivals.is_empty());
+            let pair = |n: &NamedTerm| format!("{} or {}", spoken(n.id, n.sensor), n.rivals.join(" or "));
+            let pairs: Vec<String> = tied.map(pair).collect();
+            format!("Something is left out, but these poses cannot tell which: {}.", join(&pairs))
         }
     }
 }
 
 /// What would decide or confirm.
-pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Remainder) -> String {
+pub fn next_experiment(outcome: Outcome, account: &Account) -> String {
     match outcome {
         Outcome::Adequate => "To see smaller effects: more poses, each longer, spread over all directions, and quick turns \
                               between them."
@@ -73,7 +64,7 @@ pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Rema
         Outcome::Explained => "Repeat the poses on another day with this calibration: constants that hold are the \
                                sensor's, constants that move are temperature or mounting."
             .into(),
-        Outcome::Unexplained => match remainder.above.first() {
+        Outcome::Unexplained => match account.above.first() {
             Some((Group::Still, _)) => "Repeat the same attitude with another heading, and after turning in from the other \
                                         side: a rate that follows the heading points outside the sensor, one that follows \
                                         the way in points to hysteresis."
@@ -85,7 +76,7 @@ pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Rema
                   hysteresis, bias that does not repeat is the mount."
                 .into(),
         },
-        Outcome::Undecidable if !selection.base.determined => {
+        Outcome::Undecidable if !account.base_determined => {
             "Add poses on the faces and edges that are missing: each axis up, down and slanted.".into()
         }
         Outcome::Undecidable => "Add poses where the candidates differ: each axis up and down, slanted in between, and \
@@ -95,8 +86,8 @@ pub fn next_experiment(outcome: Outcome, selection: &Selection, remainder: &Rema
 }
 
 /// "misalignment of the gyro".
-pub fn spoken(term: &Term) -> String {
-    format!("{} of the {}", term.id, term.sensor.name())
+fn spoken(id: &str, sensor: Sense) -> String {
+    format!("{id} of the {}", sensor.name())
 }
 
 /// "a, b and c".

@@ -5,6 +5,7 @@
 
 use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::verdict::surface::Surface;
+use crate::diagnosis::standing::Gain;
 use crate::numerics::order;
 use crate::numerics::spectrum;
 
@@ -230,7 +231,9 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
 }
 
 fn candidates(detail: &Detail) -> Exhibit {
-    let shown: Vec<_> = detail.candidates.iter().take(12).collect();
+    // What was screened out by a linear step on fitted samples has no held-out gain.
+    let held_out = detail.candidates.iter().filter(|(_, gain, _)| matches!(gain, Gain::HeldOut { .. }));
+    let shown: Vec<_> = held_out.take(12).collect();
     let place = |i: usize| (shown.len() - i) as f64;
     let clip = |v: f64| v.clamp(-0.2, 1.0);
     let mut chart = Chart::new(
@@ -239,18 +242,23 @@ fn candidates(detail: &Detail) -> Exhibit {
         Axis::linear("best first").unmarked().within(0.3, shown.len() as f64 + 0.7),
     );
     for (ink, named, words) in [(Ink::Red, true, "named"), (Ink::Soft, false, "not named")] {
-        let dots: Vec<(f64, f64)> =
-            shown.iter().enumerate().filter(|(_, c)| c.3 == named).map(|(i, c)| (clip(c.1), place(i))).collect();
+        let dots: Vec<(f64, f64)> = shown
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.2 == named)
+            .map(|(i, c)| (clip(c.1.value()), place(i)))
+            .collect();
         if !dots.is_empty() {
             chart.add(words, ink, Mark::Dots(5), dots);
         }
     }
-    for (i, (id, gain, interval, named)) in shown.iter().enumerate() {
-        if interval[0].is_finite() && interval[1].is_finite() {
+    for (i, (id, gain, named)) in shown.iter().enumerate() {
+        let mut end = gain.value();
+        if let Some([low, high]) = gain.ci95() {
             let ink = if *named { Ink::Red } else { Ink::Soft };
-            chart.add("", ink, Mark::Line, vec![(clip(interval[0]), place(i)), (clip(interval[1]), place(i))]);
+            chart.add("", ink, Mark::Line, vec![(clip(low), place(i)), (clip(high), place(i))]);
+            end = end.max(high);
         }
-        let end = if interval[1].is_finite() { gain.max(interval[1]) } else { *gain };
         chart.note((clip(end) + 0.03, place(i)), id);
     }
     chart.size = (860, 90 + 26 * shown.len() as u32);

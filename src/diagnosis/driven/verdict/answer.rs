@@ -105,7 +105,7 @@ pub fn answer(
         least_over_noise: limits.least_over_noise,
         alike: limits.alike,
         named: !c.named.is_empty(),
-        candidates: ranking.iter().map(|r| (r.id.to_owned(), r.held_out_gain, r.ci95, r.named)).collect(),
+        candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
     let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
     Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::driven::identification::profile::Profile;
+use crate::diagnosis::standing::Gain;
 
 use super::surface::Surface;
 
@@ -37,8 +38,8 @@ pub struct Detail {
     pub named: bool,
     /// How the misfit rises around each named parameter.
     pub profiles: Vec<Profile>,
-    /// Candidates: id, gain, interval, named.
-    pub candidates: Vec<(String, f64, [f64; 2], bool)>,
+    /// Candidates: id, gain, named.
+    pub candidates: Vec<(String, Gain, bool)>,
 }
 
 /// Recording and both models where they differ most, sample by sample.

@@ -1,6 +1,5 @@
 //! What a conclusion says in words and public numbers: effects with intervals, the sentence, the next experiment.
 
-use crate::diagnosis::Ranked;
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
@@ -9,6 +8,7 @@ use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::terms::law::Noise;
 use crate::diagnosis::driven::terms::readout::QUANTISATION;
 use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
+use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
 use crate::number::{short, with_uncertainty};
 
@@ -225,11 +225,10 @@ pub fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Ve
         ranked.push(Ranked {
             id: c.model.fit.shape.terms[named.index].id(),
             channels: vec![channels.output.clone()],
-            held_out_gain: named.comparison.gain,
-            ci95: named.comparison.ci95,
+            gain: Gain::held_out(named.comparison.gain, named.comparison.ci95),
             p_value: named.comparison.p_value,
             named: true,
-            note: "what it adds to the other named effects".into(),
+            note: Note::BesideNamed,
         });
     }
     for trial in &selection.alone {
@@ -245,18 +244,16 @@ pub fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Ve
 
 fn alone(trial: &Trial, tried: usize, dropped: Option<&'static str>, channels: &Channels) -> Ranked {
     let note = match (dropped, &trial.judged) {
-        (Some(reason), _) => format!("dropped: {reason}"),
-        (None, Some(_)) => "alone, on the base model".to_owned(),
-        (None, None) => "promised too little in the linear step to be fitted".to_owned(),
+        (Some(reason), _) => Note::Dropped(reason),
+        (None, Some(_)) => Note::Alone,
+        (None, None) => Note::Screened,
     };
     let promised = if trial.promised.is_finite() { (1.0 - trial.promised).clamp(0.0, 1.0) } else { 0.0 };
     let c = &trial.comparison;
-    let fitted = trial.judged.is_some();
     Ranked {
         id: trial.term.id(),
         channels: vec![channels.output.clone()],
-        held_out_gain: if fitted { c.gain } else { promised },
-        ci95: if fitted { c.ci95 } else { [f64::NEG_INFINITY, f64::INFINITY] },
+        gain: if trial.judged.is_some() { Gain::held_out(c.gain, c.ci95) } else { Gain::InSample { value: promised } },
         p_value: (c.p_value * tried as f64).min(1.0),
         named: false,
         note,

@@ -1,9 +1,9 @@
 //! `g-sensitivity`: the gyro follows specific force.
 
-use super::term::Term;
+use super::term::{Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::gyro;
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
@@ -18,5 +18,11 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     reference: "IEEE 952, §5 (acceleration-sensitive drift); Bancroft & Lachapelle, Sensors 2012",
 };
 
-pub(super) const TERMS: &[Term] =
-    &[Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::G_SENSITIVITY], judged: Group::Still }];
+pub(super) const TERMS: &[Term] = &[Term {
+    candidate: &CANDIDATE,
+    sensor: Sense::Gyro,
+    parameters: &[gyro::G_SENSITIVITY],
+    judged: Group::Still,
+    stated: Stated::AsFitted,
+    seen: Seen::InEveryParameter,
+}];

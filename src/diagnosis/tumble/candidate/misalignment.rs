@@ -1,9 +1,9 @@
 //! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the accelerometer's.
 
-use super::term::Term;
+use super::term::{Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
@@ -20,10 +20,19 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 
 pub(super) const TERMS: &[Term] = &[
     Term {
-        id: CANDIDATE.id,
+        candidate: &CANDIDATE,
         sensor: Sense::Accelerometer,
         parameters: &[accelerometer::MISALIGNMENT],
         judged: Group::Gravity,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
     },
-    Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::MISALIGNMENT], judged: Group::Turn },
+    Term {
+        candidate: &CANDIDATE,
+        sensor: Sense::Gyro,
+        parameters: &[gyro::MISALIGNMENT],
+        judged: Group::Turn,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
+    },
 ];

@@ -1,9 +1,9 @@
 //! `scale-factor`: the axes of a sensor do not share one scale.
 
-use super::term::Term;
+use super::term::{Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
@@ -20,10 +20,27 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 
 pub(super) const TERMS: &[Term] = &[
     Term {
-        id: CANDIDATE.id,
+        candidate: &CANDIDATE,
         sensor: Sense::Accelerometer,
         parameters: &[accelerometer::AXIS_SCALE],
         judged: Group::Gravity,
+        stated: Stated::AxisScales {
+            common: accelerometer::SCALE.start,
+            ratio: accelerometer::AXIS_SCALE.start,
+            unit: "count per m/s^2",
+        },
+        seen: Seen::InEveryParameter,
     },
-    Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::AXIS_SCALE], judged: Group::Turn },
+    Term {
+        candidate: &CANDIDATE,
+        sensor: Sense::Gyro,
+        parameters: &[gyro::AXIS_SCALE],
+        judged: Group::Turn,
+        stated: Stated::AxisScales {
+            common: gyro::SCALE.start,
+            ratio: gyro::AXIS_SCALE.start,
+            unit: "count per rad/s",
+        },
+        seen: Seen::InEveryParameter,
+    },
 ];

@@ -1,9 +1,9 @@
 //! `scale-nonlinearity`: the scale changes with what is measured.
 
-use super::term::Term;
+use super::term::{Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
@@ -23,10 +23,19 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 
 pub(super) const TERMS: &[Term] = &[
     Term {
-        id: CANDIDATE.id,
+        candidate: &CANDIDATE,
         sensor: Sense::Accelerometer,
         parameters: &[accelerometer::QUADRATIC, accelerometer::CUBIC],
         judged: Group::Gravity,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
     },
-    Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::QUADRATIC, gyro::CUBIC], judged: Group::Turn },
+    Term {
+        candidate: &CANDIDATE,
+        sensor: Sense::Gyro,
+        parameters: &[gyro::QUADRATIC, gyro::CUBIC],
+        judged: Group::Turn,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
+    },
 ];

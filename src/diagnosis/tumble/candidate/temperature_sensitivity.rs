@@ -1,9 +1,9 @@
 //! `temperature-sensitivity`: offsets follow a temperature column, or drift slowly with time where none was recorded.
 
-use super::term::Term;
+use super::term::{Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
@@ -25,10 +25,19 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 
 pub(super) const TERMS: &[Term] = &[
     Term {
-        id: CANDIDATE.id,
+        candidate: &CANDIDATE,
         sensor: Sense::Accelerometer,
         parameters: &[accelerometer::TEMPERATURE],
         judged: Group::Gravity,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
     },
-    Term { id: CANDIDATE.id, sensor: Sense::Gyro, parameters: &[gyro::TEMPERATURE], judged: Group::Still },
+    Term {
+        candidate: &CANDIDATE,
+        sensor: Sense::Gyro,
+        parameters: &[gyro::TEMPERATURE],
+        judged: Group::Still,
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
+    },
 ];

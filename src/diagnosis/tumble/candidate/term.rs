@@ -2,25 +2,67 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::tumble::rows::Group;
+use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
 /// A candidate in one of the two sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// Library id.
-    pub id: &'static str,
+    /// What the library says of it.
+    pub candidate: &'static Candidate,
     /// Where it acts.
     pub sensor: Sense,
     /// Parameters it frees.
     pub parameters: &'static [Range<usize>],
     /// The residual it is judged by.
     pub judged: Group,
+    /// In which numbers its parameters are stated.
+    pub stated: Stated,
+    /// From which strength on it would have been seen.
+    pub seen: Seen,
+}
+
+/// From which strength on a candidate with several parameters would have been seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// From where its least visible parameter would have been.
+    InEveryParameter,
+    /// From where its most visible parameter would have been: a known rate, of which one direction looks like something
+    /// else.
+    InItsBestDirection,
+}
+
+/// How fitted parameters become the numbers that a verdict states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stated {
+    /// Each in its public unit.
+    AsFitted,
+    /// The scale of each axis, from the common scale and the other two axes' ratios to the first: where these stand, and
+    /// the unit.
+    AxisScales {
+        /// Index of the common scale.
+        common: usize,
+        /// Index of the first ratio.
+        ratio: usize,
+        /// Unit of a scale.
+        unit: &'static str,
+    },
 }
 
 impl Term {
     /// Indices of the parameters it frees.
     pub fn active(&self) -> impl Iterator<Item = usize> {
         self.parameters.iter().cloned().flatten()
+    }
+
+    /// Library id.
+    pub fn id(&self) -> &'static str {
+        self.candidate.id
+    }
+
+    /// "misalignment of the gyro".
+    pub fn spoken(&self) -> String {
+        format!("{} of the {}", self.id(), self.sensor.name())
     }
 }

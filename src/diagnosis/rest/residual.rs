@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::channel::{Channel, Fitted};
 use super::jump;
-use super::selection::ALPHA;
 use super::telegraph::Telegraph;
+use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
 use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
@@ -17,7 +17,7 @@ const RATE: f64 = 0.01;
 
 /// What is left of a channel when its model is taken off.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Remainder {
+pub(super) struct Residual {
     /// Smallest corrected probability that bands, stretches of time and single samples are noise as modelled.
     pub(super) p_value: f64,
     /// The same of stretches of time and single samples alone.
@@ -43,7 +43,7 @@ pub(super) struct Remainder {
 }
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
-pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Remainder {
+pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Residual {
     let (mut of_bands, mut centres, frequency_hz) = bands(channel, fitted, tolerance);
     let slowest = from_below(fitted, tolerance);
     of_bands.extend(slowest.iter().map(|s| s.p_value));
@@ -78,23 +78,23 @@ pub(super) fn remainder(channel: &Channel, fitted: &Fitted, tolerance: f64) -> R
     let smallest = most(&of_bands).min(in_time);
     let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
-        centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < ALPHA).map(|(c, _)| *c).collect();
+        centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < REAL).map(|(c, _)| *c).collect();
     let least = slowest.iter().filter(|s| s.share < 1.0).min_by(|a, b| a.p_value.total_cmp(&b.p_value));
-    let fading = least.filter(|s| s.p_value * tests < ALPHA);
-    let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < ALPHA).count();
-    Remainder {
+    let fading = least.filter(|s| s.p_value * tests < REAL);
+    let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < REAL).count();
+    Residual {
         p_value: smallest.min(1.0),
         p_value_in_time: in_time.min(1.0),
-        jump: jump.filter(|_| p_jump < ALPHA).map(|j| j.at as f64 / channel.rate_hz),
+        jump: jump.filter(|_| p_jump < REAL).map(|j| j.at as f64 / channel.rate_hz),
         telegraph: None,
         fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.share]),
-        creep: (p_creep < ALPHA).then_some(creeping.0),
-        only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= ALPHA && 4 * amiss <= of_time.len(),
+        creep: (p_creep < REAL).then_some(creeping.0),
+        only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= REAL && 4 * amiss <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
         power: means.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(*m), high.max(*m)]),
-        outlier: (p_outlier < ALPHA).then_some((at as f64 / channel.rate_hz, largest)),
+        outlier: (p_outlier < REAL).then_some((at as f64 / channel.rate_hz, largest)),
     }
 }
 

@@ -1,65 +1,60 @@
 //! What a model leaves: is it more than noise, and does it remember the pose before?
 
 use super::fit::Fit;
-use super::rows::{GROUPS, Group};
+use super::group::{GROUPS, Group};
+use crate::diagnosis::detection::structure;
+use crate::diagnosis::remainder::{Remainder, Size, Test};
 use crate::numerics::order;
-use crate::numerics::special::{f_above, normal_cdf};
+use crate::numerics::special::f_above;
 
 /// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard deviation.
 const NOISE_FREEDOM: f64 = 60.0;
-/// The remaining residual is more than noise below this probability.
-const UNEXPLAINED: f64 = 0.003;
-/// The remaining residual must also be this many times the noise variance: less is within what a noise model can promise.
+/// A residual of so many times the noise variance is material: less is within what a noise model can promise.
 const MATERIAL: f64 = 1.6;
+/// Residuals at rest: one of gravity, three of the gyro.
+const AT_REST: usize = 4;
+/// Tests of one model: each group against its noise, each residual at rest against the pose before.
+const TESTS: f64 = (GROUPS.len() + AT_REST) as f64;
 
 /// What is left after repair.
 #[derive(Debug, Clone)]
-pub struct Remainder {
-    /// Smallest probability over all tests, corrected for their number.
-    pub p_value: f64,
+pub struct Residual {
+    /// All tests, in the vocabulary of every kind.
+    pub remainder: Remainder,
     /// Residuals above their noise, with their variance over that of the noise, worst first.
     pub above: Vec<(Group, f64)>,
 }
 
-impl Remainder {
+impl Residual {
     /// Judges a fit.
     pub fn of(fit: &Fit) -> Self {
-        let mut tests: Vec<f64> = Vec::new();
+        let mut tests: Vec<Test> = Vec::new();
         let mut above: Vec<(Group, f64)> = Vec::new();
         for group in GROUPS {
             let (ratio, n) = (fit.reduced(group), fit.rows.chi_square(group).1 as f64);
             let freedom = (n - fit.leverage(group)).max(1.0);
-            let p = f_above(ratio, freedom, NOISE_FREEDOM);
-            tests.push(p);
-            if p < UNEXPLAINED / GROUPS.len() as f64 && ratio > MATERIAL {
+            let p_value = TESTS * f_above(ratio, freedom, NOISE_FREEDOM);
+            let test = Test { p_value, size: Size::of(ratio, MATERIAL, MATERIAL) };
+            if test.found() == Size::Material {
                 above.push((group, ratio));
             }
+            tests.push(test);
         }
         order::sort_by_key(&mut above, |a| -a.1);
         // Per pose one row of gravity, then three of the gyro at rest.
         let at_rest: Vec<usize> = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] != Group::Turn).collect();
-        for channel in 0..4 {
-            let values: Vec<f64> = at_rest.chunks_exact(4).map(|rows| fit.rows.residual[rows[channel]]).collect();
-            tests.push(memory(&values));
+        for channel in 0..AT_REST {
+            let values: Vec<f64> = at_rest.chunks_exact(AT_REST).map(|rows| fit.rows.residual[rows[channel]]).collect();
+            // Noise of a pose has a 1/f part, which the next pose remembers: that is not white, and no mismatch.
+            tests.push(Test { p_value: TESTS * memory(&values), size: Size::Negligible });
         }
-        let count = tests.len() as f64;
-        let smallest = tests.into_iter().fold(1.0, f64::min);
-        Self { p_value: (smallest * count).min(1.0), above }
+        Self { remainder: Remainder::of(tests), above }
     }
 }
 
 /// Probability of so strong a correlation between neighbouring poses by chance.
 fn memory(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n.max(1.0);
-    let power: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    if n < 8.0 || power <= 0.0 {
-        return 1.0;
-    }
-    let product: f64 = values.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum();
-    // Removing the mean alone biases the correlation by −1/n.
-    let z = (product / power + 1.0 / n) * n.sqrt();
-    2.0 * (1.0 - normal_cdf(z.abs()))
+    structure(values, 1, &[]).own_p_value
 }
 
 #[cfg(test)]

@@ -1,0 +1,30 @@
+//! `flicker-noise`: bias instability, 1/f.
+
+use super::row::{IEEE, Row, size};
+use crate::diagnosis::candidate::{Candidate, Kind};
+use crate::diagnosis::rest::cause::Cause;
+use crate::diagnosis::rest::estimate::root;
+use crate::diagnosis::rest::spectrum::Law;
+use crate::numerics::special::chi_squared_above;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "flicker-noise",
+    kind: Kind::Static,
+    statement: "The bias flickers: its noise density rises as 1/f towards low frequencies.",
+    equation: "S(f) = B²/(πf)",
+    parameters: &[size("B", "y")],
+    acts: "readout",
+    signature: "The Allan deviation has a floor at 0.664 B.",
+    confusable_with: &["gauss-markov", "random-walk"],
+    reference: IEEE,
+};
+
+pub(super) const ROW: Row = Row {
+    entry: Some(&CANDIDATE),
+    offer: |to| to.law(Cause::FlickerNoise, Law::Flicker),
+    numbers: 1.0,
+    chance: |gain, _| 0.5 * chi_squared_above(gain, 1.0),
+    imitates: &[],
+    is_drift: true,
+    parameters: |of| vec![root("B", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index))],
+};

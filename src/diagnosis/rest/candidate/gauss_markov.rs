@@ -1,0 +1,52 @@
+//! `gauss-markov`: a bias with a memory of finite length.
+
+use super::row::{IEEE, Row, size};
+use crate::diagnosis::candidate::{Candidate, Kind};
+use crate::diagnosis::rest::cause::Cause;
+use crate::diagnosis::rest::channel::Addition;
+use crate::diagnosis::rest::estimate::{root, searched};
+use crate::diagnosis::rest::search;
+use crate::diagnosis::rest::spectrum::Law;
+use crate::numerics::special::chi_squared_above;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "gauss-markov",
+    kind: Kind::Static,
+    statement: "The bias fluctuates with a memory of finite length.",
+    equation: "db = −b/T dt + σ√(2/T) dW",
+    parameters: &[size("sigma", "y"), size("T", "s")],
+    acts: "readout",
+    signature: "The Allan deviation has a hump at 1.89 T.",
+    confusable_with: &["flicker-noise", "random-walk"],
+    reference: IEEE,
+};
+
+/// Grid points at which a memory is searched for.
+pub(in crate::diagnosis::rest) const MEMORIES: usize = 14;
+
+/// Logarithms of the memories, in samples, between which one is searched for.
+pub(in crate::diagnosis::rest) fn memories(samples: usize) -> [f64; 2] {
+    [1.5f64.ln(), (samples as f64 / 4.0).ln()]
+}
+
+pub(super) const ROW: Row = Row {
+    entry: Some(&CANDIDATE),
+    offer: |to| {
+        if !to.is_open_to(Cause::GaussMarkov) {
+            return Vec::new();
+        }
+        let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
+        vec![search::best(memories(to.samples()), MEMORIES, |m| with(m.exp()))]
+    },
+    numbers: 2.0,
+    chance: |gain, _| 4.0 * chi_squared_above(gain, 2.0),
+    imitates: &[Cause::RandomWalk],
+    is_drift: true,
+    parameters: |of| {
+        let memory = |samples: f64| Addition::Law(Law::Markov(samples));
+        vec![
+            root("sigma", of.unit.into(), of.channel.scale, of.fitted.strength_of(of.index)),
+            searched("T", of.channel, of.fitted, of.index, &memory),
+        ]
+    },
+};

@@ -1,0 +1,33 @@
+//! `quantisation-noise`: rounding, of the reading or of an integral that is differenced.
+
+use super::row::{Row, size};
+use crate::diagnosis::candidate::{Candidate, Kind};
+use crate::diagnosis::rest::cause::Cause;
+use crate::diagnosis::rest::estimate::root;
+use crate::diagnosis::rest::spectrum::Law;
+use crate::numerics::special::chi_squared_above;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "quantisation-noise",
+    kind: Kind::Static,
+    statement: "The reading is rounded to a step as coarse as its noise.",
+    equation: "y = q·round(x/q)",
+    parameters: &[size("step", "y")],
+    acts: "readout",
+    signature: "All values lie on a grid; rounding adds q²/12 to the variance.",
+    confusable_with: &["white-noise"],
+    reference: "Widrow & Kollár, Quantization Noise, Cambridge 2008",
+};
+
+pub(super) const ROW: Row = Row {
+    entry: Some(&CANDIDATE),
+    offer: |to| to.law(Cause::QuantisationNoise, Law::Differenced),
+    numbers: 1.0,
+    chance: |gain, _| 0.5 * chi_squared_above(gain, 1.0),
+    imitates: &[],
+    is_drift: false,
+    parameters: |of| {
+        let factor = of.channel.scale * (1.0 / of.channel.rate_hz);
+        vec![root("Q", format!("{}·s", of.unit), factor, of.fitted.strength_of(of.index))]
+    },
+};

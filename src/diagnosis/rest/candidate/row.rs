@@ -1,0 +1,107 @@
+//! What a file of the library tells of its candidate, and the model that candidates are offered to.
+
+use crate::diagnosis::candidate::{Candidate, Parameter};
+use crate::diagnosis::rest::cause::Cause;
+use crate::diagnosis::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
+use crate::diagnosis::rest::spectrum::Law;
+use crate::diagnosis::verdict::Estimate;
+
+/// Laws beside white noise that one spectrum can tell apart.
+pub(in crate::diagnosis::rest) const MOST_LAWS: usize = 4;
+
+/// All that the selection and the verdict ask of a cause.
+pub(in crate::diagnosis::rest) struct Row {
+    /// What the library says; `None` for what is no physics left out.
+    pub(in crate::diagnosis::rest) entry: Option<&'static Candidate>,
+    /// The models with it, each at its best: none where it cannot be added, several where there are several columns.
+    pub(in crate::diagnosis::rest) offer: fn(&Offer<'_>) -> Vec<Fitted>,
+    /// Free numbers, searched ones included.
+    pub(in crate::diagnosis::rest) numbers: f64,
+    /// Probability of at least this gain (twice the log-likelihood) by chance, for this many samples. A variance at its
+    /// wall counts half (Self & Liang 1987); a searched number multiplies by the independent places it was searched at.
+    pub(in crate::diagnosis::rest) chance: fn(gain: f64, samples: f64) -> f64,
+    /// Simpler causes that it imitates at the edge of its range: those are preferred.
+    pub(in crate::diagnosis::rest) imitates: &'static [Cause],
+    /// Whether it moves the bias slowly.
+    pub(in crate::diagnosis::rest) is_drift: bool,
+    /// Its parameters as the library names them, in file units.
+    pub(in crate::diagnosis::rest) parameters: fn(&Placed<'_>) -> Vec<Estimate>,
+}
+
+/// A cause that is never offered: a check on others.
+pub(super) const NO_CANDIDATE: Row = Row {
+    entry: None,
+    offer: |_| Vec::new(),
+    numbers: 2.0,
+    chance: |_, _| 1.0,
+    imitates: &[],
+    is_drift: false,
+    parameters: |_| Vec::new(),
+};
+
+/// A model to which candidates are offered.
+pub(in crate::diagnosis::rest) struct Offer<'a> {
+    pub(in crate::diagnosis::rest) channel: &'a Channel,
+    pub(in crate::diagnosis::rest) current: &'a Fitted,
+    pub(in crate::diagnosis::rest) environment: &'a Environment,
+}
+
+impl Offer<'_> {
+    pub(super) fn samples(&self) -> usize {
+        self.channel.values.len()
+    }
+
+    /// The model with one term more.
+    pub(super) fn with(&self, term: Term) -> Fitted {
+        let mut terms = self.current.terms.clone();
+        terms.push(term);
+        self.channel.fit(terms)
+    }
+
+    pub(super) fn with_curves(&self, cause: Cause, curves: Vec<Curve>, searched: f64) -> Fitted {
+        self.with(Term { cause, addition: Addition::Curves(curves), searched, column: None })
+    }
+
+    pub(super) fn with_law(&self, cause: Cause, law: Law, searched: f64) -> Fitted {
+        self.with(Term { cause, addition: Addition::Law(law), searched, column: None })
+    }
+
+    /// Whether a law can be added: it is not there yet, and there is room for one.
+    pub(super) fn is_open_to(&self, law: Cause) -> bool {
+        self.current.laws().len() <= MOST_LAWS && !self.current.has(law)
+    }
+
+    /// The model with a law that has no number but its strength.
+    pub(super) fn law(&self, cause: Cause, law: Law) -> Vec<Fitted> {
+        if self.is_open_to(cause) { vec![self.with_law(cause, law, 0.0)] } else { Vec::new() }
+    }
+}
+
+/// A term in its model, to be described.
+pub(in crate::diagnosis::rest) struct Placed<'a> {
+    pub(in crate::diagnosis::rest) channel: &'a Channel,
+    pub(in crate::diagnosis::rest) fitted: &'a Fitted,
+    /// Among the model's terms.
+    pub(in crate::diagnosis::rest) index: usize,
+    /// Of the channel's readings.
+    pub(in crate::diagnosis::rest) unit: &'a str,
+}
+
+impl Placed<'_> {
+    pub(super) fn term(&self) -> &Term {
+        &self.fitted.terms[self.index]
+    }
+}
+
+/// A size: positive.
+pub(super) const fn size(name: &'static str, unit: &'static str) -> Parameter {
+    Parameter { name, unit, range: (0.0, f64::MAX) }
+}
+
+/// Of either sign.
+pub(super) const fn signed(name: &'static str, unit: &'static str) -> Parameter {
+    Parameter { name, unit, range: (f64::MIN, f64::MAX) }
+}
+
+pub(super) const IEEE: &str = "IEEE Std 952-1997 (R2008), annex C";
+pub(super) const TITTERTON: &str = "Titterton & Weston, Strapdown Inertial Navigation Technology, 2nd ed., IET 2004";

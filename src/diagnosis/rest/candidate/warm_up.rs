@@ -1,0 +1,54 @@
+//! `warm-up`: a bias that settles exponentially.
+
+use super::row::{Row, TITTERTON, signed, size};
+use crate::diagnosis::candidate::{Candidate, Kind};
+use crate::diagnosis::rest::cause::Cause;
+use crate::diagnosis::rest::channel::{Addition, Curve};
+use crate::diagnosis::rest::estimate::{searched, straight};
+use crate::diagnosis::rest::search;
+use crate::numerics::special::chi_squared_above;
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "warm-up",
+    kind: Kind::Static,
+    statement: "The bias settles exponentially after switching on.",
+    equation: "b(t) = A e^(−t/T)",
+    parameters: &[signed("amplitude", "y"), size("T", "s")],
+    acts: "readout",
+    signature: "A drift that is fast at first and dies out.",
+    confusable_with: &["rate-ramp"],
+    reference: TITTERTON,
+};
+
+/// Time constants, as parts of the recording, between which one is searched for; and at how many grid points.
+const PARTS: [f64; 2] = [0.01, 0.5];
+const TIMES: usize = 9;
+
+/// An exponential with this time constant, in samples.
+fn settling(count: usize, samples: f64) -> Curve {
+    Curve::new((0..count).map(|n| (-(n as f64) / samples).exp()).collect())
+}
+
+pub(super) const ROW: Row = Row {
+    entry: Some(&CANDIDATE),
+    offer: |to| {
+        if to.current.has(Cause::WarmUp) {
+            return Vec::new();
+        }
+        let count = to.samples();
+        let with = |time: f64| to.with_curves(Cause::WarmUp, vec![settling(count, time)], time);
+        vec![search::best(PARTS.map(|p| (p * count as f64).ln()), TIMES, |m| with(m.exp()))]
+    },
+    numbers: 2.0,
+    chance: |gain, _| 5.0 * chi_squared_above(gain, 1.0),
+    imitates: &[Cause::RateRamp],
+    is_drift: true,
+    parameters: |of| {
+        let count = of.channel.values.len();
+        let curve = |samples: f64| Addition::Curves(vec![settling(count, samples)]);
+        vec![
+            straight("amplitude", of.unit.into(), of.channel.scale, of.fitted.amplitudes_of(of.index)[0]),
+            searched("T", of.channel, of.fitted, of.index, &curve),
+        ]
+    },
+};

@@ -1,0 +1,18 @@
+//! `white-noise`: its level is not the promised one. In every model; judged apart, against the promise.
+
+use super::row::{IEEE, NO_CANDIDATE, Row, size};
+use crate::diagnosis::candidate::{Candidate, Kind};
+
+pub(super) const CANDIDATE: Candidate = Candidate {
+    id: "white-noise",
+    kind: Kind::Static,
+    statement: "The white noise is not at the level that the datasheet promises.",
+    equation: "S(f) = n²",
+    parameters: &[size("density", "y/√Hz")],
+    acts: "readout",
+    signature: "The Allan curve lies beside the promised one by one factor at short times.",
+    confusable_with: &["quantisation-noise"],
+    reference: IEEE,
+};
+
+pub(super) const ROW: Row = Row { entry: Some(&CANDIDATE), ..NO_CANDIDATE };

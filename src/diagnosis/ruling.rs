@@ -1,0 +1,204 @@
+//! From evidence to one of the four verdicts: a pure function, the same for every kind of recording.
+//!
+//! The order in which the questions are asked follows from what the verdicts mean (README, "What a verdict says"):
+//!
+//! 1. *Is the base model determined?* If the recording cannot even fix the base model's own parameters, no candidate could
+//!    be judged beside them. That nothing in the library accounts for the mismatch cannot be said then: `undecidable`.
+//! 2. *Do the named effects account for the mismatch?* If what is left is real, no candidate does, alone or together:
+//!    `unexplained`. This comes **before** ties. Two tied candidates that both leave more than noise fit equally badly;
+//!    `undecidable` would claim that the truth is one of them and send the reader to an experiment that parts two
+//!    candidates of which neither is right. Effects that hold in spite of the remainder keep their names.
+//! 3. *Is one of them tied?* Now the candidates do fit, and equally: `undecidable`.
+//! 4. Otherwise `explained`; and where nothing is named and nothing is left, `adequate`.
+//!
+//! Something faint without a name is a recording too weak to decide, not a failure of the library: `undecidable`. Silence
+//! counts as `adequate` only where an effect of some size would have been seen.
+//!
+//! Not for deciding which effects hold: that is the kind's selection. Not for words: see `report::diagnosis`.
+
+use super::remainder::Size;
+use super::verdict::Outcome;
+
+/// What a verdict rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evidence {
+    /// Whether the recording determines the parameters of the base model.
+    pub base_determined: bool,
+    /// Whether any effect, of any size, would have been seen.
+    pub has_power: bool,
+    /// Effects that hold.
+    pub named: usize,
+    /// Effects among them in whose place another candidate does as well.
+    pub tied: usize,
+    /// Whether terms that look alike, or too many to be told apart, do the work of something that the library lacks.
+    pub stand_ins: bool,
+    /// Relative fall of the error's variance by terms that earned no name.
+    pub nameless: f64,
+    /// What the final model leaves beyond chance.
+    pub remainder: Size,
+    /// Fraction of the base model's held-out error variance that is gone with the named effects; zero where unknown.
+    pub removed: f64,
+    /// Whether the model with the named effects predicts held-out data worse than the base model.
+    pub predicts_worse: bool,
+    /// Whether the search ended by itself, not because its budget was spent.
+    pub search_complete: bool,
+}
+
+/// Variance that terms without a name may remove while the base model still counts as adequate.
+const NAMELESS: f64 = 0.05;
+/// Fraction of the held-out error that must be gone before a structured remainder counts as a detail.
+const NEARLY_ALL: f64 = 0.99;
+
+impl Default for Evidence {
+    /// Nothing is named and nothing is left.
+    fn default() -> Self {
+        Self {
+            base_determined: true,
+            has_power: true,
+            named: 0,
+            tied: 0,
+            stand_ins: false,
+            nameless: 0.0,
+            remainder: Size::Negligible,
+            removed: 0.0,
+            predicts_worse: false,
+            search_complete: true,
+        }
+    }
+}
+
+/// The verdict on this evidence.
+pub fn rule(evidence: &Evidence) -> Outcome {
+    if !evidence.base_determined {
+        Outcome::Undecidable
+    } else if evidence.named == 0 {
+        silent(evidence)
+    } else if !accounts_for_all(evidence) {
+        Outcome::Unexplained
+    } else if evidence.tied > 0 {
+        Outcome::Undecidable
+    } else {
+        Outcome::Explained
+    }
+}
+
+/// Where nothing has a name.
+fn silent(evidence: &Evidence) -> Outcome {
+    let base_suffices = !evidence.stand_ins && evidence.nameless < NAMELESS;
+    match evidence.remainder {
+        Size::Negligible if base_suffices && evidence.has_power => Outcome::Adequate,
+        Size::Negligible | Size::Faint if base_suffices => Outcome::Undecidable,
+        _ => Outcome::Unexplained,
+    }
+}
+
+/// Whether the named effects bring the residual to the noise, or so close that the rest is a detail.
+fn accounts_for_all(evidence: &Evidence) -> bool {
+    let a_detail = evidence.search_complete && evidence.removed > NEARLY_ALL;
+    let noise = evidence.remainder == Size::Negligible || a_detail;
+    noise && !evidence.stand_ins && !evidence.predicts_worse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Outcome::{Adequate, Explained, Undecidable, Unexplained};
+    use Size::{Faint, Material, Negligible};
+
+    /// One rule of honesty per row: the rule, the evidence, the verdict that it demands.
+    #[test]
+    fn the_table_of_verdicts() {
+        let none = Evidence::default();
+        let one = Evidence { named: 1, removed: 0.9, ..none };
+        let rows: &[(&str, Evidence, Outcome)] = &[
+            // Nothing named.
+            ("adequate: nothing is missing that this recording could show", none, Adequate),
+            ("silence without power says nothing", Evidence { has_power: false, ..none }, Undecidable),
+            ("a faint remainder is too weak to be named", Evidence { remainder: Faint, ..none }, Undecidable),
+            ("a real mismatch without a name", Evidence { remainder: Material, ..none }, Unexplained),
+            ("a real mismatch needs no power", Evidence { remainder: Material, has_power: false, ..none }, Unexplained),
+            ("a series of stand-ins is foreign", Evidence { stand_ins: true, ..none }, Unexplained),
+            ("what only nameless terms remove is foreign", Evidence { nameless: 0.2, ..none }, Unexplained),
+            ("what they remove within the noise is not", Evidence { nameless: 0.01, ..none }, Adequate),
+            ("nameless terms beside a faint rest", Evidence { nameless: 0.2, remainder: Faint, ..none }, Unexplained),
+            // Named, no rival.
+            ("explained: named effects bring the residual to the noise", one, Explained),
+            ("several effects", Evidence { named: 3, ..one }, Explained),
+            ("a name beside a faint remainder", Evidence { remainder: Faint, ..one }, Unexplained),
+            ("a name beside a real remainder", Evidence { remainder: Material, ..one }, Unexplained),
+            ("… which is a detail", Evidence { remainder: Material, removed: 0.995, ..one }, Explained),
+            (
+                "… but not where the search was cut short",
+                Evidence { remainder: Material, removed: 0.995, search_complete: false, ..one },
+                Unexplained,
+            ),
+            ("a search cut short that ends at the noise", Evidence { search_complete: false, ..one }, Explained),
+            ("a repair that predicts worse explains nothing", Evidence { predicts_worse: true, ..one }, Unexplained),
+            ("names beside a series of stand-ins", Evidence { stand_ins: true, ..one }, Unexplained),
+            // Named, with rivals.
+            ("undecidable: two candidates fit equally", Evidence { tied: 1, ..one }, Undecidable),
+            ("one tie among three effects", Evidence { named: 3, tied: 1, ..one }, Undecidable),
+            ("a tie of which neither fits", Evidence { tied: 1, remainder: Material, ..one }, Unexplained),
+            ("a tie beside a faint remainder", Evidence { tied: 1, remainder: Faint, ..one }, Unexplained),
+            ("a tie that leaves a detail", Evidence { tied: 1, remainder: Faint, removed: 0.995, ..one }, Undecidable),
+            ("a tie that predicts worse", Evidence { tied: 1, predicts_worse: true, ..one }, Unexplained),
+            // Excitation too weak for the base model itself.
+            ("an undetermined base", Evidence { base_determined: false, ..none }, Undecidable),
+            (
+                "an undetermined base, whatever is left",
+                Evidence { base_determined: false, remainder: Material, ..none },
+                Undecidable,
+            ),
+            ("an undetermined base, whatever is named", Evidence { base_determined: false, ..one }, Undecidable),
+        ];
+        for (rule_of_honesty, evidence, verdict) in rows {
+            assert_eq!(rule(evidence), *verdict, "{rule_of_honesty}: {evidence:?}");
+        }
+    }
+
+    /// Over every combination: no verdict contradicts the evidence that it rests on.
+    #[test]
+    fn no_verdict_contradicts_its_evidence() {
+        let bools = [false, true];
+        let mut seen = 0;
+        for (base_determined, has_power) in bools.iter().flat_map(|a| bools.map(|b| (*a, b))) {
+            for (named, tied) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)] {
+                for remainder in [Negligible, Faint, Material] {
+                    for (stand_ins, predicts_worse) in bools.iter().flat_map(|a| bools.map(|b| (*a, b))) {
+                        for (removed, nameless) in [(0.0, 0.0), (0.5, 0.2), (0.999, 0.0)] {
+                            let evidence = Evidence {
+                                base_determined,
+                                has_power,
+                                named,
+                                tied,
+                                stand_ins,
+                                nameless,
+                                remainder,
+                                removed,
+                                predicts_worse,
+                                search_complete: true,
+                            };
+                            let verdict = rule(&evidence);
+                            seen += 1;
+                            let consistent = match verdict {
+                                Adequate => named == 0 && remainder == Negligible && has_power,
+                                Explained => named > 0 && tied == 0 && !predicts_worse && !stand_ins,
+                                Unexplained => {
+                                    base_determined
+                                        && (remainder > Negligible || stand_ins || predicts_worse || nameless > 0.0)
+                                }
+                                Undecidable => {
+                                    !base_determined
+                                        || (tied > 0 && !predicts_worse)
+                                        || (named == 0 && (remainder < Material || !has_power))
+                                }
+                            };
+                            assert!(consistent, "{verdict:?}: {evidence:?}");
+                        }
+                    }
+                }
+            }
+        }
+        assert_eq!(seen, 4 * 6 * 3 * 4 * 3);
+    }
+}

@@ -1,0 +1,94 @@
+//! How a candidate stands after a search, as data: what it gained, on which data, and what became of it.
+//!
+//! The kinds share the vocabulary. A *standing* is what one candidate does to a model without it. A *selection* holds the
+//! base model, the model chosen, and its terms that are *named*, each with the evidence that it rests on and the *rivals*
+//! that would do as well in its place. Words for people are made from these in `report::diagnosis`.
+
+use super::tumble::account::Fate;
+use super::tumble::group::Group;
+
+/// What a candidate removes of the error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gain {
+    /// On data that were not fitted: the share of the error above the noise that goes away, or of the log-likelihood that
+    /// can be gained there; 1 is all of it.
+    HeldOut {
+        /// The share.
+        value: f64,
+        /// Its 95 % interval, where there is one.
+        ci95: Option<[f64; 2]>,
+    },
+    /// The share of the fitted error that one linear step removes: a promise, not a test.
+    InSample {
+        /// The share.
+        value: f64,
+    },
+}
+
+impl Gain {
+    /// On held-out data, without an interval where it is not finite.
+    pub fn held_out(value: f64, ci95: [f64; 2]) -> Self {
+        Self::HeldOut { value, ci95: Some(ci95).filter(|c| c.iter().all(|v| v.is_finite())) }
+    }
+
+    /// The share, whatever it was measured on.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::HeldOut { value, .. } | Self::InSample { value } => value,
+        }
+    }
+
+    /// The 95 % interval, where there is one.
+    pub fn ci95(self) -> Option<[f64; 2]> {
+        match self {
+            Self::HeldOut { ci95, .. } => ci95,
+            Self::InSample { .. } => None,
+        }
+    }
+}
+
+/// One candidate's standing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranked {
+    /// Library id.
+    pub id: &'static str,
+    /// Columns it was tried in; the same id may stand once per sensor or channel.
+    pub channels: Vec<String>,
+    /// What it adds, to the base model or to the effects already named (`note` says which).
+    pub gain: Gain,
+    /// Corrected for the number of candidates tried.
+    pub p_value: f64,
+    /// Whether it stands in the verdict.
+    pub named: bool,
+    /// What became of it.
+    pub note: Note,
+}
+
+/// What became of a candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Note {
+    /// Not fitted in full: the linear step promised too little.
+    Screened,
+    /// Judged as an addition to the base model.
+    Alone,
+    /// The same by its likelihood, at rest.
+    AloneByLikelihood {
+        /// Gain in log-likelihood on all data.
+        gain: f64,
+        /// Whether held-out data gain too.
+        held_out_better: bool,
+    },
+    /// Judged by what it adds to the other named effects.
+    BesideNamed,
+    /// It was in the model and has no name.
+    Dropped(&'static str),
+    /// In the poses of an IMU that was turned by hand.
+    InPoses {
+        /// The residual it is judged by.
+        judged: Group,
+        /// How it came out.
+        fate: Fate,
+    },
+    /// Never fitted: no pose can tell it from the common scale.
+    Indistinguishable,
+}

@@ -1,0 +1,62 @@
+//! What a diagnosis of poses has to tell, as data; the words are made in `report::diagnosis`.
+
+use super::group::Group;
+use crate::sensor::Sense;
+
+/// What the verdict's sentence and the next experiment rest on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Account {
+    /// Whether the poses determine the base model's own parameters.
+    pub base_determined: bool,
+    /// Named effects, strongest first.
+    pub named: Vec<NamedTerm>,
+    /// Residuals of the repaired model above their noise, worst first, with their variance over that of the noise.
+    pub above: Vec<(Group, f64)>,
+    /// Candidates that would account for it with values that no sensor has.
+    pub oversized: Vec<(&'static str, Sense)>,
+}
+
+/// A named effect and what it cannot be told from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedTerm {
+    /// Library id.
+    pub id: &'static str,
+    /// The sensor it acts in.
+    pub sensor: Sense,
+    /// Ids that would do as well.
+    pub rivals: Vec<&'static str>,
+}
+
+/// How a candidate came out.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fate {
+    /// Named, judged beside the others named.
+    Named,
+    /// It helps, but what is left of the residual stays above the noise.
+    Withdrawn,
+    /// These poses do not determine its parameters.
+    Undetermined,
+    /// Its parameters come out where no sensor has them.
+    Implausible,
+    /// Not needed.
+    Absent {
+        /// Whether it was judged beside named effects.
+        beside_named: bool,
+        /// The smallest strength that would have been seen, where one can be stated.
+        seen_from: Option<SeenFrom>,
+    },
+}
+
+/// The smallest strength that would have been seen.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SeenFrom {
+    /// In its least visible parameter.
+    Strength {
+        /// How much.
+        value: f64,
+        /// In which unit.
+        unit: String,
+    },
+    /// Of the earth's rate, whose size is known: °/h, in the direction in which it shows best.
+    EarthRateDegH(f64),
+}

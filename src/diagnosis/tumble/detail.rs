@@ -1,0 +1,40 @@
+//! Plain numbers behind the figures and the words of a diagnosis of poses.
+
+use super::account::Account;
+use super::calibration::Calibration;
+
+/// Plain numbers behind the figures.
+#[derive(Debug, Clone)]
+pub struct Detail {
+    /// One per pose, in order of time.
+    pub poses: Vec<PoseDetail>,
+    /// Whether the tool found the poses itself.
+    pub poses_found: bool,
+    /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base model, repaired model.
+    pub held_out: [[f64; 2]; 3],
+    /// The repaired calibration.
+    pub calibration: Calibration,
+    /// K's entries with their 95 % intervals, °/s/g, by rows; empty unless named.
+    pub g_sensitivity: Vec<(String, f64, [f64; 2])>,
+    /// Length of specific force over time, m/s², thinned for plotting, as (time in s, |f|).
+    pub length_m_s2: Vec<(f64, f64)>,
+    /// Gravity as the model states it.
+    pub gravity_m_s2: f64,
+    /// What the words rest on.
+    pub account: Account,
+}
+
+/// One pose in the figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseDetail {
+    /// From and to, s.
+    pub time_s: [f64; 2],
+    /// Specific force over g, as the repaired model sees it.
+    pub share: [f64; 3],
+    /// Residuals before, in the units of `Group`: |f| − g; rate x, y, z; direction error after the following move.
+    pub before: [f64; 5],
+    /// Residuals after.
+    pub after: [f64; 5],
+    /// Noise of each.
+    pub noise: [f64; 5],
+}
