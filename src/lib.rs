@@ -5,15 +5,16 @@
 //! ```text
 //! study.toml → Study → Job (sensor × excitation × tolerances) → Backend (gpu | cpu, one kernel contract)
 //!            → Partials → Statistics → Report
-//! recording  → Recording → base model → Residual → Detection → Isolation → Candidates → Identification
-//!            → Selection → Verdict → Report (and an augmented model, which a study can run)
+//! recording  → Recording → intake → simulation of base model and candidates → identification → selection
+//!            → verdict → Report (and a repaired sensor, which a study can run)
 //! ```
 //!
-//! Imports run one way, lowest layer first; `tests/suite/architecture.rs` keeps this table true:
+//! Imports run one way, lowest layer first and each layer from left to right, and no two files import each other, directly or
+//! through others; `tests/suite/architecture.rs` keeps this true:
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `error` `document` `progress` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `progress` `error` `document` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `physics` `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |

@@ -1,19 +1,24 @@
-//! The layer table of `lib.rs` holds: imports run one way, heavy crates have one owner, every file says what it is.
+//! The layer table of `lib.rs` holds: imports run one way and never in a circle, heavy crates have one owner, the maps in
+//! module docs name what exists, every file says what it is.
 
+mod circles;
+mod imports;
+
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use libtest_mimic::{Failed, Trial};
 
 use super::world::{check, test};
+use imports::{Imports, Module, Taken, module_of};
 
-/// The layers of the table in `lib.rs`, lowest first. A module may import its own layer and those below.
-fn layers() -> Vec<Vec<String>> {
+/// The modules of the table in `lib.rs`, lowest layer first and each layer from left to right: a module may import those
+/// before it.
+fn table() -> Vec<String> {
     let rows = read("src/lib.rs");
     let rows =
         rows.lines().filter_map(|l| l.strip_prefix("//! | ")).filter(|l| l.starts_with(|c: char| c.is_numeric()));
-    let mut layers: Vec<Vec<String>> = rows.map(|row| quoted(row.split('|').nth(1).unwrap_or_default())).collect();
-    layers.push(vec!["main".into(), "lib".into()]);
-    layers
+    rows.flat_map(|row| quoted(row.split('|').nth(1).unwrap_or_default())).chain(["main".to_owned()]).collect()
 }
 
 /// The words in back-ticks.
@@ -37,11 +42,14 @@ const OWNERS: [(&str, &[&str]); 4] = [
 pub fn tests() -> Vec<Trial> {
     vec![
         test("architecture: imports run one way", imports_run_one_way),
+        test("architecture: no file, and no room of a folder, imports in a circle", no_circles),
+        test("architecture: a name taken is found however it is written", names_are_found),
         test(
-            "architecture: the checks see an upward import, a stray crate, a module in no table",
+            "architecture: the checks see an upward import, a circle, a stray crate, a module in no table",
             what_is_wrong_is_seen,
         ),
         test("architecture: the tables of lib.rs and README hold every module once", tables_are_whole),
+        test("architecture: chains in module docs name modules, in the order of their imports", chains_are_true),
         test("architecture: heavy crates have one owner", owners),
         test("architecture: every file opens with a module doc", module_docs),
         test("architecture: diagnosis cannot reach the trial's generator", diagnosis_is_blind),
@@ -66,83 +74,134 @@ fn sources() -> Vec<(PathBuf, String)> {
     files
 }
 
-/// The height of a module in the table.
-fn layer(layers: &[Vec<String>], module: &str) -> Option<usize> {
-    layers.iter().position(|layer| layer.iter().any(|m| m == module))
+/// The names that files of this crate take from one another.
+///
+/// # Errors
+/// Files that are not Rust.
+pub fn imports() -> Result<Imports, Failed> {
+    let sources = sources();
+    check(sources.len() > 100, format!("{} files", sources.len()))?;
+    Ok(Imports::read(&sources)?)
 }
 
-/// The top-level module a file belongs to.
-fn module(path: &Path) -> String {
-    let second = path.components().nth(1).map(|c| c.as_os_str().to_string_lossy().into_owned()).unwrap_or_default();
-    second.trim_end_matches(".rs").to_owned()
+/// The top-level module of a file; the crate's root belongs to none.
+fn top(module: &Module) -> Option<&str> {
+    module.first().map(String::as_str)
 }
 
-/// Code only: comments, and tests inside the file, may name anything.
-fn code(text: &str) -> String {
-    let before_tests = text.split("#[cfg(test)]").next().unwrap_or(text);
-    before_tests.lines().filter(|l| !l.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
-}
-
-fn imports(text: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for rest in code(text).split("crate::").skip(1) {
-        let mut take = |word: &str| {
-            let name: String = word.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            found.push(name);
-        };
-        match rest.strip_prefix('{') {
-            // use crate::{a::b, c}: only the names at the first depth.
-            Some(list) => {
-                let mut depth = 0;
-                let mut start = true;
-                for (i, c) in list.char_indices() {
-                    if start && !c.is_whitespace() {
-                        take(&list[i..]);
-                        start = false;
-                    }
-                    match c {
-                        '{' => depth += 1,
-                        '}' if depth == 0 => break,
-                        '}' => depth -= 1,
-                        ',' if depth == 0 => start = true,
-                        _ => {}
-                    }
-                }
-            }
-            None => take(rest),
-        }
-    }
-    found
-}
-
-fn upward(layers: &[Vec<String>], own: &str, text: &str) -> Vec<String> {
-    let Some(height) = layer(layers, own) else { return vec![format!("{own} stands in no layer")] };
-    imports(text).into_iter().filter(|m| layer(layers, m).is_some_and(|h| h > height)).collect()
+/// Names taken from a module that the table has further on.
+fn upward<'a>(table: &[String], taken: &'a BTreeSet<Taken>) -> Vec<&'a Taken> {
+    let height = |module: &Module| table.iter().position(|m| Some(m.as_str()) == top(module));
+    let is_upward = |t: &&Taken| height(&t.by).zip(height(&t.from)).is_some_and(|(by, from)| from > by);
+    taken.iter().filter(is_upward).collect()
 }
 
 fn imports_run_one_way() -> Result<(), Failed> {
-    let (layers, sources) = (layers(), sources());
-    check(layers.len() > 10 && sources.len() > 100, format!("{} layers, {} files", layers.len(), sources.len()))?;
-    for (path, text) in sources {
-        let wrong = upward(&layers, &module(&path), &text);
-        check(wrong.is_empty(), format!("{} imports from above: {}", path.display(), wrong.join(", ")))?;
+    let (table, imports) = (table(), imports()?);
+    check(table.len() > 25, format!("the table of lib.rs holds {} modules", table.len()))?;
+    for module in imports.modules().filter_map(|m| top(m)) {
+        check(table.iter().any(|m| m == module), format!("{module} stands in no layer"))?;
+    }
+    let taken = imports.taken();
+    let wrong = upward(&table, &taken);
+    let words = wrong.iter().map(|t| format!("{} takes {} from {}", t.by.join("/"), t.name, t.from.join("/")));
+    check(wrong.is_empty(), format!("imports from above: {}", words.collect::<Vec<_>>().join("; ")))
+}
+
+/// Imports that close a circle and are about to go: by whom, from whom. Nothing may be added.
+const GOING: [(&str, &str); 21] = [
+    ("kernel/cpu/misfit/step", "kernel/cpu/misfit"),
+    ("ensemble/backends", "ensemble"),
+    ("recording/clock", "recording"),
+    ("recording/health", "recording"),
+    ("physics/state", "physics/law"),
+    ("diagnosis/driven", "diagnosis"),
+    ("diagnosis/driven/verdict/answer", "diagnosis"),
+    ("diagnosis/driven/verdict/words", "diagnosis"),
+    ("diagnosis/rest", "diagnosis"),
+    ("diagnosis/rest/conclusion", "diagnosis"),
+    ("diagnosis/rest/conclusion", "diagnosis/rest"),
+    ("diagnosis/rest/describe", "diagnosis/rest"),
+    ("diagnosis/rest/laws", "diagnosis/rest/selection"),
+    ("diagnosis/tumble", "diagnosis"),
+    ("diagnosis/tumble/conclusion", "diagnosis"),
+    ("diagnosis/tumble/conclusion", "diagnosis/tumble"),
+    ("diagnosis/tumble/words", "diagnosis/tumble"),
+    ("diagnosis/tumble/words", "diagnosis/tumble/conclusion"),
+    ("recording/finding", "recording/clock"),
+    ("diagnosis/standing", "diagnosis/tumble/candidate"),
+    ("ensemble/state/sound", "ensemble/state"),
+];
+
+fn no_circles() -> Result<(), Failed> {
+    let mut taken = imports()?.taken();
+    check(taken.len() > 1000, format!("only {} names are taken", taken.len()))?;
+    taken.retain(|t| !GOING.contains(&(t.by.join("/").as_str(), t.from.join("/").as_str())));
+    for arrows in [circles::among_files(&taken), circles::among_rooms(&taken)] {
+        if let Some(circle) = circles::find(&arrows) {
+            return Err(circles::in_words(&circle, &taken).into());
+        }
     }
     Ok(())
 }
 
+/// Files of a made-up crate.
+fn made_up(files: &[(&str, &str)]) -> Result<BTreeSet<Taken>, Failed> {
+    let files: Vec<(PathBuf, String)> = files.iter().map(|(path, text)| (path.into(), (*text).to_owned())).collect();
+    Ok(Imports::read(&files)?.taken())
+}
+
+fn names_are_found() -> Result<(), Failed> {
+    let below = [
+        ("src/lib.rs", "pub mod a; pub mod b; pub mod c; pub mod d;"),
+        ("src/b.rs", "mod deep; pub use deep::Passed; pub struct B; pub mod inner { pub struct I; }"),
+        ("src/b/deep.rs", "pub struct Passed; pub fn f() {}"),
+        ("src/c.rs", "pub struct C; pub fn g() {} pub fn h() {} pub fn k() {}"),
+        ("src/d.rs", "pub struct D;"),
+    ];
+    let text = r##"
+        //! crate::d::D in words
+        use crate::{b::{self, B}, c::{C as Sea}};
+        #[cfg(test)]
+        use crate::d::D;
+        use super::b::Passed;
+        pub use crate::d::D as PassedOn;
+        // crate::d::D
+        fn f() -> &'static str { crate::c::g(); vec![super::c::h()]; b::inner::I; "crate::d::D" }
+        #[cfg(test)]
+        mod tests { use crate::d::D; }
+        mod own { fn f() { super::super::c::k() } }
+    "##;
+    let taken = made_up(&[&below[..], &[("src/a.rs", text)]].concat())?;
+    let found: Vec<String> =
+        taken.iter().filter(|t| t.by == ["a"]).map(|t| format!("{}::{}", t.from.join("::"), t.name)).collect();
+    let expected = ["b::B", "b::inner", "b::deep::Passed", "c::C", "c::g", "c::h", "c::k"];
+    check(found == expected, format!("found {found:?}, expected {expected:?}"))?;
+    check(taken.iter().all(|t| t.by == ["a"]), "a re-export, or a `mod` line, is taken for an import")
+}
+
 /// The owned crate that a file names without being its place.
-fn stray(path: &Path, text: &str) -> Option<&'static str> {
+fn stray(path: &Path, imports: &Imports) -> Option<&'static str> {
+    let foreign = imports.foreign(path);
     let named = OWNERS.iter().find(|(name, places)| {
         let allowed = places.iter().any(|p| path.to_string_lossy().starts_with(p));
-        !allowed && code(text).contains(&format!("{name}::"))
+        !allowed && foreign.contains(name)
     });
     named.map(|(name, _)| *name)
 }
 
 fn owners() -> Result<(), Failed> {
-    for (path, text) in sources() {
-        let stray = stray(&path, &text);
+    let imports = imports()?;
+    for (path, _) in sources() {
+        let stray = stray(&path, &imports);
         check(stray.is_none(), format!("{} names {}", path.display(), stray.unwrap_or_default()))?;
+    }
+    for (name, places) in OWNERS {
+        let named = |(path, _): &(PathBuf, String)| {
+            places.iter().any(|p| path.starts_with(p) || path.with_extension("").starts_with(p))
+                && imports.foreign(path).contains(name)
+        };
+        check(sources().iter().any(named), format!("nothing names {name} where it belongs: the check sees nothing"))?;
     }
     Ok(())
 }
@@ -155,7 +214,7 @@ fn not_once(table: &[String], lib: &str) -> Vec<String> {
 
 fn tables_are_whole() -> Result<(), Failed> {
     let lib = read("src/lib.rs");
-    let own = layers().concat();
+    let own = table();
     let readme = read("README.md");
     let map = readme.split("## Map of `src/`").nth(1).unwrap_or_default();
     let map: Vec<String> = map
@@ -166,18 +225,99 @@ fn tables_are_whole() -> Result<(), Failed> {
     for (table, what) in [(own, "lib.rs"), (map, "README.md")] {
         let wrong = not_once(&table, &lib);
         check(wrong.is_empty(), format!("the table of {what} does not hold once: {}", wrong.join(", ")))?;
-        let gone = table.iter().find(|m| *m != "main" && *m != "lib" && !lib.contains(&format!("pub mod {m};")));
+        let gone = table.iter().find(|m| *m != "main" && !lib.contains(&format!("pub mod {m};")));
         check(gone.is_none(), format!("the table of {what} holds {gone:?}, which is no module"))?;
     }
     Ok(())
 }
 
+/// Chains like "`a` → `b`" in a module doc, each as its names.
+fn chains(text: &str) -> Vec<Vec<String>> {
+    let doc: Vec<&str> = text.lines().map_while(|l| l.strip_prefix("//!")).map(str::trim).collect();
+    let mut chains: Vec<Vec<String>> = Vec::new();
+    let mut goes_on = false;
+    for (i, part) in doc.join(" ").split('`').enumerate() {
+        match (i % 2 == 1, goes_on) {
+            (true, true) => chains.last_mut().into_iter().for_each(|c| c.push(part.to_owned())),
+            (true, false) => chains.push(vec![part.to_owned()]),
+            (false, _) => goes_on = part.trim() == "→",
+        }
+    }
+    chains.retain(|c| c.len() > 1);
+    chains
+}
+
+/// What is wrong with a chain in the doc of a module: a name that is no module there, or an import against its direction.
+fn wrong_in_chain(module: &Module, chain: &[String], imports: &Imports, taken: &BTreeSet<Taken>) -> Option<String> {
+    let children = imports.children(module);
+    if let Some(gone) = chain.iter().find(|name| !children.contains(*name)) {
+        return Some(format!("the doc of {} names {gone}, which is no module there", module.join("/")));
+    }
+    let link = |of: &Module| {
+        let child = of.strip_prefix(module.as_slice())?.first()?;
+        chain.iter().position(|name| name == child)
+    };
+    let against = taken.iter().find(|t| link(&t.by).zip(link(&t.from)).is_some_and(|(by, from)| by < from))?;
+    Some(format!("{} takes {} from {}, later in the chain", against.by.join("/"), against.name, against.from.join("/")))
+}
+
+fn chains_are_true() -> Result<(), Failed> {
+    let (imports, mut seen) = (imports()?, 0);
+    let taken = imports.taken();
+    for (path, text) in sources() {
+        for chain in chains(&text) {
+            seen += 1;
+            let wrong = wrong_in_chain(&module_of(&path), &chain, &imports, &taken);
+            check(wrong.is_none(), wrong.unwrap_or_default())?;
+        }
+    }
+    check(seen > 0, "no module doc has a chain: the check sees nothing")
+}
+
 fn what_is_wrong_is_seen() -> Result<(), Failed> {
-    let upward = upward(&layers(), "numerics", "use crate::{error::Error, report::table};");
-    check(upward == ["report"], "the check of imports is blind")?;
-    let text = "fn draw() { plotters::element::Circle; }";
-    check(stray(Path::new("src/cli/study.rs"), text) == Some("plotters"), "the check of owners is blind")?;
-    check(stray(Path::new("src/report/figure/draw.rs"), text).is_none(), "the owner is accused")?;
+    let files = |low: &str, high: &str| {
+        vec![
+            ("src/lib.rs".into(), "pub mod numerics; pub mod report;".to_owned()),
+            ("src/numerics.rs".into(), format!("//! `low` → `high`\nmod low; mod high; pub struct N; {low}")),
+            ("src/numerics/low.rs".into(), format!("pub struct L; {high}")),
+            ("src/numerics/high.rs".into(), "use super::low::L; pub struct H;".to_owned()),
+            ("src/report.rs".into(), "use crate::numerics::N; pub struct R; use plotters::prelude;".to_owned()),
+        ]
+    };
+    let read = |low: &str, high: &str| -> Result<(Imports, BTreeSet<Taken>), Failed> {
+        let imports = Imports::read(&files(low, high))?;
+        let taken = imports.taken();
+        Ok((imports, taken))
+    };
+    let circle = |taken: &BTreeSet<Taken>| {
+        let found = circles::find(&circles::among_files(taken)).or_else(|| circles::find(&circles::among_rooms(taken)));
+        found.map(|c| circles::in_words(&c, taken))
+    };
+    let chain = ["low", "high"].map(String::from);
+    let numerics = vec!["numerics".to_owned()];
+    let wrong = |(imports, taken): &(Imports, BTreeSet<Taken>), chain: &[String]| {
+        wrong_in_chain(&numerics, chain, imports, taken)
+    };
+
+    let sound = read("", "")?;
+    check(circle(&sound.1).is_none() && upward(&table(), &sound.1).is_empty(), "a sound crate is accused")?;
+    check(chains(&files("", "")[1].1) == [chain.clone()], "a chain is not read")?;
+    check(wrong(&sound, &chain).is_none(), "a true chain is accused")?;
+    check(wrong(&sound, &["low", "middle"].map(String::from)).is_some(), "a chain may name what does not exist")?;
+
+    let (_, taken) = read("fn f(_: crate::report::R) {}", "")?;
+    check(upward(&table(), &taken).len() == 1, "the check of directions is blind")?;
+    let against = read("", "fn f(_: super::high::H) {}")?;
+    let words = "numerics/high takes L from numerics/low; numerics/low takes H from numerics/high";
+    check(circle(&against.1).as_deref() == Some(words), format!("a circle is told as {:?}", circle(&against.1)))?;
+    check(wrong(&against, &chain).is_some(), "a chain may run backwards")?;
+    let (_, taken) = read("use low::L;", "use super::N;")?;
+    check(circle(&taken).is_some(), "a circle of a folder with what stands in it is not seen")?;
+    let (_, taken) = read("pub use low::L;", "#[cfg(test)] mod tests { use super::super::N; }")?;
+    check(circle(&taken).is_none(), "a re-export and a test are taken for a circle")?;
+
+    check(stray(Path::new("src/report.rs"), &sound.0) == Some("plotters"), "the check of owners is blind")?;
+    check(stray(Path::new("src/numerics.rs"), &sound.0).is_none(), "one is accused who names no crate")?;
     let (table, lib) =
         (["units", "error", "error"].map(String::from), "pub mod error;\npub mod units;\npub mod rng;\n");
     check(not_once(&table, lib) == ["error", "rng"], "the check of tables is blind")
@@ -191,8 +331,10 @@ fn module_docs() -> Result<(), Failed> {
 }
 
 fn diagnosis_is_blind() -> Result<(), Failed> {
-    for (path, text) in sources().into_iter().filter(|(p, _)| module(p) == "diagnosis") {
-        check(!imports(&text).iter().any(|m| m == "trial"), format!("{} reaches the trial", path.display()))?;
-    }
-    Ok(())
+    let taken = imports()?.taken();
+    let seen = taken.iter().find(|t| top(&t.by) == Some("diagnosis") && top(&t.from) == Some("trial"));
+    check(
+        seen.is_none(),
+        seen.map(|t| format!("{} takes {} from the trial", t.by.join("/"), t.name)).unwrap_or_default(),
+    )
 }
