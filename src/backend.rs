@@ -12,7 +12,6 @@ use crate::statistics::{Bins, Histogram, Machine, Moments};
 
 pub mod cpu;
 pub mod gpu;
-pub mod misfits;
 pub mod orbits;
 pub mod tile;
 pub mod unfinished;

@@ -18,7 +18,6 @@ use crate::progress;
 pub mod diffusion;
 pub mod duffing;
 pub mod lorenz;
-pub mod misfit;
 pub mod normal;
 pub mod operations;
 pub mod others;
@@ -153,8 +152,6 @@ pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
         told(NOISELESS);
         rows.push(ensemble(NOISELESS, "cpu", &mut cpu, &work::noiseless(8192))?);
     }
-    told("misfit");
-    rows.extend(misfit::cpu()?);
     let mut cpu = Cpu::default();
     for members in work::SIZES {
         told(&format!("{members} members"));

@@ -9,6 +9,5 @@ pub mod integrator;
 pub mod job;
 pub mod layout;
 pub mod member;
-pub mod misfit;
 pub mod orbit;
 pub mod source;

@@ -17,7 +17,6 @@ mod suite {
     pub mod dynamics;
     pub mod invariance;
     pub mod law;
-    pub mod misfit;
     pub mod mistakes;
     pub mod noise_law;
     pub mod paper;
@@ -25,6 +24,7 @@ mod suite {
     pub mod planted;
     pub mod recording;
     pub mod scale;
+    pub mod start_search;
     pub mod study;
     pub mod study_cli;
     pub mod trial;
@@ -52,8 +52,8 @@ fn main() {
         suite::convergence::tests(),
         // parity: CPU and GPU agree.
         suite::parity::tests(),
-        // misfit: the search engine simulates what the diagnosis fits.
-        suite::misfit::tests(),
+        // start search: it finds the valleys that a few starts miss; profiles are what refits give.
+        suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),
         // scale: fleets begin in bounded memory.

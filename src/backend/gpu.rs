@@ -14,7 +14,6 @@ use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 
 mod guard;
-pub mod misfits;
 pub mod orbits;
 pub mod peak;
 pub mod simulate;

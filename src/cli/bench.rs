@@ -47,7 +47,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     if let Some(gpu) = open(arguments.backend)? {
         let gpu = Arc::new(gpu);
-        rows.push(benchmark::misfit::gpu(&gpu).map_err(stopped)?);
         rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told).map_err(stopped)?);
     }
     bar.finish_and_clear();

@@ -10,7 +10,6 @@ pub mod flicker;
 pub mod lanes;
 pub mod lyapunov;
 pub mod members;
-pub mod misfit;
 pub mod noise;
 pub mod oscillator;
 pub mod poincare;

@@ -53,24 +53,6 @@ pub struct OrbitTile {
     pub padding: [u32; 2],
 }
 
-/// Invocations of a workgroup of `misfit`.
-pub const MISFIT_WORKGROUP: u32 = 64;
-
-/// Mirror of `MisfitTile`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[allow(missing_docs)]
-pub struct MisfitTile {
-    pub points: u32,
-    pub run: u32,
-    pub first: u32,
-    pub samples: u32,
-    pub block: u32,
-    pub blocks: u32,
-    pub last: u32,
-    pub grid_end: u32,
-}
-
 /// Mirror of `Partial`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

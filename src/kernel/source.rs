@@ -47,11 +47,6 @@ pub fn poincare(int64: bool) -> Shader {
     with_random_numbers("poincare", &[ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"), int64)
 }
 
-/// The kernel of misfits between models and a driven recording.
-pub fn misfit() -> Shader {
-    Shader { name: "misfit", text: include_str!("../../shaders/misfit.wgsl").to_owned() }
-}
-
 /// The reduction.
 pub fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }

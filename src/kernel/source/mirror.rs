@@ -5,9 +5,8 @@ use std::mem::offset_of;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::Shader;
-use crate::kernel::layout::{self, Bins, MisfitTile, OrbitTile, Partial, Report, Tile};
+use crate::kernel::layout::{self, Bins, OrbitTile, Partial, Report, Tile};
 use crate::kernel::member::column as member;
-use crate::kernel::misfit::{self, column};
 use crate::kernel::{cpu, source};
 
 /// A shader that parses and validates.
@@ -23,7 +22,7 @@ fn parsed(shader: &Shader) -> naga::Module {
 fn all() -> Vec<Shader> {
     let drawing =
         [false, true].map(|int64| [source::simulate(int64), source::lyapunov(int64), source::poincare(int64)]);
-    let others = [source::reduce(), source::compensation(), source::peak(), source::misfit()];
+    let others = [source::reduce(), source::compensation(), source::peak()];
     drawing.into_iter().flatten().chain(others).collect()
 }
 
@@ -102,7 +101,6 @@ fn structs_have_the_same_members_at_the_same_places() {
     let orbit = || mirror!(OrbitTile { seed, first, points, steps, begin, periods, counted, strobe, padding });
     let report = mirror!(Report { members, stride, number, blocks, counts }
         "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
-    let misfit = mirror!(MisfitTile { points, run, first, samples, block, blocks, last, grid_end });
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [
         (source::simulate(false), "Tile", tile()),
@@ -111,7 +109,6 @@ fn structs_have_the_same_members_at_the_same_places() {
         (source::reduce(), "Report", report),
         (source::lyapunov(false), "OrbitTile", orbit()),
         (source::poincare(false), "OrbitTile", orbit()),
-        (source::misfit(), "MisfitTile", misfit),
     ] {
         assert_eq!(structure(&parsed(&shader), name), mirror, "{name} of {}", shader.name);
     }
@@ -131,7 +128,6 @@ fn bindings_and_workgroups_are_what_the_host_dispatches() {
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
         (source::poincare(false), 5, layout::ORBIT_WORKGROUP),
-        (source::misfit(), 6, layout::MISFIT_WORKGROUP),
         (source::peak(), 1, layout::PEAK_WORKGROUP),
     ] {
         let module = parsed(&shader);
@@ -179,16 +175,6 @@ fn columns_states_and_bounds_agree() {
     let reduce = source::reduce();
     has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
     has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));
-    let shader = source::misfit();
-    MISFIT.iter().for_each(|(name, place)| has(&shader, name, &format!("{place}u")));
-    has(&shader, "MOST_DIRECTIONS", &format!("{}u", misfit::MOST_DIRECTIONS));
-    has(&shader, "LOST", "1e6");
-    assert_eq!(misfit::LOST, 1e6);
-    // Every part that the host switches on is an override of the shader.
-    let module = parsed(&shader);
-    for (name, _) in misfit::Parts::default().constants() {
-        assert!(module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(name)), "{name}");
-    }
 }
 
 /// A member's columns.
@@ -209,38 +195,4 @@ const MEMBER: [(&str, usize); 16] = [
     ("GYRO_FLICKER", member::GYRO_FLICKER),
     ("GYRO_WALK", member::GYRO_WALK),
     ("STEPS", member::STEPS),
-];
-
-/// The columns of a point of a misfit.
-const MISFIT: [(&str, usize); 30] = [
-    ("GAIN", column::GAIN),
-    ("STIFFNESS", column::STIFFNESS),
-    ("OFFSET", column::OFFSET),
-    ("CUBIC", column::CUBIC),
-    ("QUADRATIC", column::QUADRATIC),
-    ("SPEED_DAMPING", column::SPEED_DAMPING),
-    ("SQUEEZE_FILM", column::SQUEEZE_FILM),
-    ("FRICTION", column::FRICTION),
-    ("STIFFNESS_DRIFT", column::STIFFNESS_DRIFT),
-    ("DRIVE_SQUARE", column::DRIVE_SQUARE),
-    ("STOP_ABOVE", column::STOP_ABOVE),
-    ("GAP_ABOVE", column::GAP_ABOVE),
-    ("STOP_BELOW", column::STOP_BELOW),
-    ("GAP_BELOW", column::GAP_BELOW),
-    ("HYSTERESIS", column::HYSTERESIS),
-    ("YIELD", column::YIELD),
-    ("MODE_GAIN", column::MODE_GAIN),
-    ("MODE_DAMPING", column::MODE_DAMPING),
-    ("MODE_STIFFNESS", column::MODE_STIFFNESS),
-    ("LAG", column::LAG),
-    ("KEEPS", column::KEEPS),
-    ("FEEDTHROUGH", column::FEEDTHROUGH),
-    ("BEND_2", column::BEND_2),
-    ("BEND_3", column::BEND_3),
-    ("RAMP", column::RAMP),
-    ("FADE", column::FADE),
-    ("LOW", column::LOW),
-    ("HIGH", column::HIGH),
-    ("SHARE", column::SHARE),
-    ("SHIFT", column::SHIFT),
 ];

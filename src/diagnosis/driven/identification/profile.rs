@@ -112,7 +112,7 @@ fn rise(
     dispersion: f64,
 ) -> Option<Vec<(f64, f64)>> {
     let place = fit.free[free];
-    let ensemble = StartSearch::but(data, fit, scales, Some(free))?;
+    let ensemble = StartSearch::but(data, fit, Some(free))?;
     let search = Search::all(data, &fit.shape, &fit.point, scales);
     let centre = search.z(&fit.point);
     // A noise's strength stays: it bends the gain, and where that ends no tangent says.
@@ -140,7 +140,7 @@ fn rise(
             search.point(&z)
         })
         .collect();
-    let left = ensemble.left_at(&grid)?;
+    let left = ensemble.left_at(&grid);
     let least = left.iter().copied().fold(f64::INFINITY, f64::min);
     let rows = fit.linear.residual.len() as f64 / dispersion.max(1.0);
     let mut points: Vec<(f64, f64)> = grid

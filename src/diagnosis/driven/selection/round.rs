@@ -93,7 +93,7 @@ fn screen(
 /// At least `sure` of them are fitted, whatever the best promises.
 pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, sure: usize) -> Vec<Trial> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
-    let ensemble = StartSearch::around(data, &model.fit, scales);
+    let ensemble = StartSearch::around(data, &model.fit);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = parallel::filter_map(candidates, |term| {
         if progress::interrupted() || term.parameters() == 0 {
             return None;

@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use crate::kernel::misfit::transition;
+use crate::physics::free_oscillator::transition;
 
 /// What the filter needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,20 +116,6 @@ mod tests {
         let p = 0.5 * (q + (q * q + 4.0 * q).sqrt());
         assert!((gain.k[2] - p / (1.0 + p)).abs() < 1e-9, "{gain:?}");
         assert!(gain.k[0].abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_transition_solves_its_equation_on_both_sides_of_critical_damping() {
-        for zeta in [0.02, 0.7, 1.0, 1.5] {
-            let (omega, t, d) = (3.0, 0.4, 1e-6);
-            let (e0, e1) = (transition(omega, zeta, t - d), transition(omega, zeta, t + d));
-            let e = transition(omega, zeta, t);
-            for j in 0..2 {
-                assert!(((e1[j] - e0[j]) / (2.0 * d) - e[2 + j]).abs() < 1e-7);
-                let force = -omega * omega * e[j] - 2.0 * zeta * omega * e[2 + j];
-                assert!(((e1[2 + j] - e0[2 + j]) / (2.0 * d) - force).abs() < 1e-6);
-            }
-        }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::diagnosis::driven::terms::law::{LANES, Lanes};
-use crate::kernel::misfit::transition;
+use crate::physics::free_oscillator::transition;
 
 /// exp(At) in every lane.
 pub struct Transition {

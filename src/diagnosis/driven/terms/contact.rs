@@ -1,7 +1,6 @@
 //! A stop that the mass runs into.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Cloud, Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -97,15 +96,6 @@ impl Physics for EndStop {
         let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
         let stops = [0.6, 2.0, 6.0, 18.0];
         Some(Cloud::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        if self.0 != Side::Lower {
-            (point.stop_above, point.gap_above) = (p[0], p[1]);
-        }
-        if self.0 != Side::Upper {
-            (point.stop_below, point.gap_below) = (p[0], p[1]);
-        }
-        true
     }
 }
 

@@ -1,7 +1,6 @@
 //! Damping that is not proportional to velocity: quadratic, squeeze-film, and dry friction.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -43,10 +42,6 @@ impl Physics for Quadratic {
     fn moves(&self) -> bool {
         true
     }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.speed_damping = p[0];
-        true
-    }
 }
 
 /// c x²x′.
@@ -86,10 +81,6 @@ impl Physics for SqueezeFilm {
     fn moves(&self) -> bool {
         true
     }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.squeeze_film = p[0];
-        true
-    }
 }
 
 /// f_c sgn x′.
@@ -127,10 +118,6 @@ impl Physics for Coulomb {
     }
     /// Its force is the pass's own, so that no step is taken across a turn with the wrong sign.
     fn rubs(&self) -> bool {
-        true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.friction = p[0];
         true
     }
 }

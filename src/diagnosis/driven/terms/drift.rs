@@ -1,7 +1,6 @@
 //! Offsets that change by law: a ramp, and a warm-up that dies away. Time counts from the recording's first sample.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -41,10 +40,6 @@ impl Physics for Ramp {
     }
     fn reads(&self) -> Option<u8> {
         Some(4)
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.ramp = p[0];
-        true
     }
 }
 
@@ -86,9 +81,5 @@ impl Physics for WarmUp {
     }
     fn reads(&self) -> Option<u8> {
         Some(4)
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        (point.warm_up, point.warm_up_s) = (p[0], p[1]);
-        true
     }
 }

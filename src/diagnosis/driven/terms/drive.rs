@@ -1,7 +1,6 @@
 //! What the input does besides pushing in proportion: its square in the force, and a share that goes straight to the reading.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -45,10 +44,6 @@ impl Physics for Square {
     fn needs_input(&self) -> bool {
         true
     }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.drive_square = p[0];
-        true
-    }
 }
 
 /// y = x + d·u.
@@ -88,10 +83,6 @@ impl Physics for Feedthrough {
         Some(3)
     }
     fn needs_input(&self) -> bool {
-        true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.feedthrough = p[0];
         true
     }
 }

@@ -1,7 +1,6 @@
 //! A spring with memory: Bouc–Wen hysteresis.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Cloud, Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -74,10 +73,5 @@ impl Physics for BoucWen {
     fn cloud(&self, s: &Scales) -> Option<Cloud> {
         let shapes = (0..24).map(|i| vec![0.02 * s.output * 200f64.powf(f64::from(i) / 23.0), 0.5, 0.0]).collect();
         Some(Cloud::Shapes { strength: 0.01 * s.omega_rad_s.powi(2), shapes })
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        (point.hysteresis, point.yield_displacement) = (p[0], p[1]);
-        (point.slip_share, point.hysteresis_z0) = (p[2], p[3]);
-        true
     }
 }

@@ -1,7 +1,6 @@
 //! Readings that come late: a pure delay, or a first-order low-pass.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Constants, Instant, LANES, Lanes, Physics, Stride};
 use super::scales::{Coordinate, Scales};
@@ -42,10 +41,6 @@ impl Physics for Delay {
         true
     }
     fn needs_input(&self) -> bool {
-        true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.delay_s = p[0];
         true
     }
 }
@@ -120,10 +115,6 @@ impl Physics for Lowpass {
         Some(1)
     }
     fn lags(&self) -> bool {
-        true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.lowpass_s = p[0];
         true
     }
 }

@@ -4,7 +4,6 @@
 //! Each family of laws has a file beside this one; `term` lists them all.
 
 use crate::diagnosis::candidate::Candidate;
-use crate::kernel::misfit::Point;
 
 use super::scales::{Coordinate, Scales};
 
@@ -155,10 +154,6 @@ pub trait Physics {
     }
     /// Whether parameter 0 is the time constant of a low-pass, state 0 its own, through which the displacement is read.
     fn lags(&self) -> bool {
-        false
-    }
-    /// Puts its parameters where the search kernel reads them; `false` where that kernel does not have the term.
-    fn place(&self, _p: &[f64], _point: &mut Point) -> bool {
         false
     }
     /// Which noise it is; parameter 0 is then its strength as in `gain`.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::{Point, transition};
+use crate::physics::free_oscillator::transition;
 
 use super::law::{Cloud, Constants, Instant, LANES, Lanes, Physics, Stride};
 use super::scales::{Coordinate, Scales};
@@ -119,10 +119,5 @@ impl Physics for Parasitic {
         let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
         let shapes = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
         Some(Cloud::Shapes { strength: 0.1 * s.gain.abs(), shapes })
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        (point.mode_gain, point.mode_omega_rad_s, point.mode_zeta) = (p[0], p[1], p[2]);
-        (point.mode_x0, point.mode_v0) = (p[3], p[4]);
-        true
     }
 }

@@ -1,7 +1,6 @@
 //! What the readout does to the displacement: it clips, it rounds, it bends.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Cloud, Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -63,10 +62,6 @@ impl Physics for Saturation {
         let levels = [0.9999, 0.995, 0.985, 0.97, 0.94, 0.9, 0.86, 0.81, 0.75, 0.68, 0.6, 0.5];
         let rails = |r: f64| [vec![c + r * low, c + r * high], vec![c - far, c + r * high], vec![c + r * low, c + far]];
         Some(Cloud::Points(levels.into_iter().flat_map(rails).collect()))
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        (point.low, point.high) = (p[0], p[1]);
-        true
     }
 }
 
@@ -138,9 +133,5 @@ impl Physics for Polynomial {
     }
     fn reads(&self) -> Option<u8> {
         Some(2)
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        (point.bend_2, point.bend_3) = (p[0], p[1]);
-        true
     }
 }

@@ -1,7 +1,6 @@
 //! Springs that are not straight lines, or not constant: cubic and quadratic stiffness, and stiffness that drifts.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::kernel::misfit::Point;
 
 use super::law::{Instant, LANES, Lanes, Physics};
 use super::scales::{Coordinate, Scales};
@@ -42,10 +41,6 @@ impl Physics for Cubic {
     fn moves(&self) -> bool {
         true
     }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.cubic = p[0];
-        true
-    }
 }
 
 /// αx².
@@ -82,10 +77,6 @@ impl Physics for Quadratic {
         }
     }
     fn moves(&self) -> bool {
-        true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.quadratic = p[0];
         true
     }
 }
@@ -129,9 +120,5 @@ impl Physics for Drift {
     }
     fn moves(&self) -> bool {
         true
-    }
-    fn place(&self, p: &[f64], point: &mut Point) -> bool {
-        point.stiffness_drift = p[0];
-        self.environment.is_none()
     }
 }
