@@ -1,17 +1,18 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 //!
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` → `identification` → `selection` →
-//! `verdict`, over the laws in `terms`.
+//! `verdict`, over the laws in `physics`.
 
 pub mod identification;
 pub mod intake;
 pub mod selection;
 pub mod simulation;
-pub mod terms;
 pub mod verdict;
 
 use crate::error::{Error, Result};
 use crate::numerics::order;
+pub use crate::physics::library::CANDIDATES;
+use crate::physics::library::Term;
 use crate::progress;
 use crate::recording::Recording;
 
@@ -25,8 +26,6 @@ use intake::work::Stage;
 use intake::{excerpt, stretches};
 use selection::{base_model, folds, judged, stepwise};
 use simulation::run;
-pub use terms::term::CANDIDATES;
-use terms::term::Term;
 pub use verdict::detail::Detail;
 use verdict::{answer, conclude, words};
 

@@ -11,15 +11,16 @@ use proofmass::diagnosis::driven::identification::start_search::StartSearch;
 use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
 use proofmass::diagnosis::driven::intake::work::Stage;
+use proofmass::diagnosis::driven::simulation::base::BASE;
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
 use proofmass::diagnosis::driven::simulation::shape::Shape;
-use proofmass::diagnosis::driven::terms::base::BASE;
-use proofmass::diagnosis::driven::terms::scales::Scales;
-use proofmass::diagnosis::driven::terms::term::Term;
-use proofmass::diagnosis::driven::terms::{contact, spring};
 use proofmass::diagnosis::verdict::{Effect, Estimate, Evidence};
 use proofmass::numerics::least_squares::Residuals;
+use proofmass::physics::cubic_stiffness::CubicStiffness;
+use proofmass::physics::end_stop::{EndStop, Side};
+use proofmass::physics::library::Term;
+use proofmass::physics::scales::Scales;
 
 use super::world::{check, near, test};
 
@@ -73,7 +74,7 @@ fn squares(errors: &[f64]) -> f64 {
 
 fn fourth_order() -> Result<(), Failed> {
     let data = data(Interpolation::BandLimited);
-    let at = |steps| squares(&filtered(&data, &[Term::CubicStiffness(spring::Cubic)], &[2e3 * STIFF], steps));
+    let at = |steps| squares(&filtered(&data, &[Term::CubicStiffness(CubicStiffness)], &[2e3 * STIFF], steps));
     let exact = at(32);
     let ratio = (at(4) - exact) / (at(8) - exact);
     // 2⁴ for a method of order four; of order three 8, of five 32.
@@ -92,7 +93,7 @@ fn planted(terms: &[Term], own: &[f64]) -> Data {
 }
 
 fn profile_is_refits() -> Result<(), Failed> {
-    let (terms, own) = ([Term::CubicStiffness(spring::Cubic)], [300.0 * STIFF]);
+    let (terms, own) = ([Term::CubicStiffness(CubicStiffness)], [300.0 * STIFF]);
     let data = planted(&terms, &own);
     let scales = first_scales(&data);
     let start: Vec<f64> = FITTED.iter().chain(&own).copied().collect();
@@ -140,7 +141,7 @@ fn profile_is_refits() -> Result<(), Failed> {
 }
 
 fn cloud_finds_gap() -> Result<(), Failed> {
-    let term = Term::EndStop(contact::EndStop(contact::Side::Upper));
+    let term = Term::EndStop(EndStop(Side::Upper));
     let own = [20.0 * STIFF, 0.0205];
     let data = planted(&[term], &own);
     let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };
@@ -159,7 +160,7 @@ fn cloud_finds_gap() -> Result<(), Failed> {
 
 /// The gap where the cloud begins is closer to the planted one than any start of the law's own.
 fn cloud_is_closer() -> Result<(), Failed> {
-    let term = Term::EndStop(contact::EndStop(contact::Side::Upper));
+    let term = Term::EndStop(EndStop(Side::Upper));
     let gap = 0.0205;
     let data = planted(&[term], &[20.0 * STIFF, gap]);
     let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };

@@ -6,6 +6,7 @@ pub mod earned;
 pub mod folds;
 pub mod held_out;
 pub mod judged;
+pub mod lattice;
 pub mod residual_structure;
 pub mod rivals;
 mod round;

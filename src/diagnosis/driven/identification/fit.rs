@@ -5,14 +5,14 @@ use std::ops::Range;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::terms::law::{LANES, Lanes};
-use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
-use crate::diagnosis::driven::terms::term::Term;
 use crate::numerics::least_squares::{Linear, Minimum, Residuals, minimise};
 use crate::parallel;
+use crate::physics::library::Term;
+use crate::physics::scales::{Coordinate, Scales};
+use crate::physics::state::{LANES, Lanes};
 
+pub use crate::diagnosis::driven::simulation::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
 pub use crate::diagnosis::driven::simulation::shape::{Shape, coordinates};
-pub use crate::diagnosis::driven::terms::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
 
 /// A fit in progress: which parameters move, and how.
 pub struct Search<'a> {
@@ -202,7 +202,7 @@ impl Fit {
         let mut terms = self.shape.terms.clone();
         let gone = terms.remove(index);
         let mut point = self.point.clone();
-        point.drain(self.shape.first[index]..self.shape.first[index] + gone.parameters());
+        point.drain(self.shape.first[index]..self.shape.first[index] + gone.values());
         (Shape::new(&terms), point)
     }
 

@@ -5,10 +5,10 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::special;
 use crate::parallel;
+use crate::physics::scales::Scales;
 
 use super::fit::{Fit, Search};
 
@@ -82,7 +82,7 @@ pub fn reach() -> f64 {
 pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
     let places: Vec<(usize, usize)> = terms
         .iter()
-        .flat_map(|i| (0..fit.shape.terms[*i].words().parameters.len()).map(move |j| fit.shape.first[*i] + j))
+        .flat_map(|i| (0..fit.shape.terms[*i].candidate().parameters.len()).map(move |j| fit.shape.first[*i] + j))
         .filter_map(|place| Some((place, fit.free.iter().position(|f| *f == place)?)))
         .filter(|(_, index)| spread.deviation[*index].is_finite())
         .flat_map(|(_, index)| [(index, 0), (index, 1)])

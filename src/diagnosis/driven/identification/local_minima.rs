@@ -4,8 +4,8 @@
 //! For the model that was chosen, once; where a search begins is not decided here (`start_search`).
 
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::parallel;
+use crate::physics::scales::Scales;
 
 use super::fit::{Fit, fit};
 

@@ -7,11 +7,11 @@
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
-use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
-use crate::diagnosis::driven::terms::term::Term;
 use crate::diagnosis::verdict::Effect;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
+use crate::physics::library::Term;
+use crate::physics::scales::{Coordinate, Scales};
 
 use super::fit::{Fit, Search};
 use super::interval::Spread;
@@ -118,7 +118,7 @@ fn rise(
     // A noise's strength stays: it bends the gain, and where that ends no tangent says.
     let terms = || fit.shape.terms.iter().zip(&fit.shape.first);
     let is_strength =
-        |i: usize| terms().any(|(t, first)| t.noise().is_some() && (*first..first + t.parameters()).contains(&i));
+        |i: usize| terms().any(|(t, first)| t.noise().is_some() && (*first..first + t.values()).contains(&i));
     let moving: Vec<usize> = (0..fit.free.len()).filter(|k| !is_strength(fit.free[*k])).collect();
     let held = moving.iter().position(|k| *k == free)?;
     let columns = moving.iter().map(|k| fit.linear.columns[*k].clone()).collect();

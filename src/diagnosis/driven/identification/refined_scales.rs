@@ -2,9 +2,9 @@
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
+use crate::physics::scales::Scales;
 
 use super::fit::Fit;
 

@@ -6,13 +6,13 @@ use std::f64::consts::{PI, TAU};
 
 use crate::diagnosis::driven::intake::alignment::{Alignment, align};
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::base::BASE;
 use crate::diagnosis::driven::simulation::shape::Shape;
-use crate::diagnosis::driven::terms::base::BASE;
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::diagnosis::model;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
 use crate::parallel;
+use crate::physics::scales::Scales;
 
 use super::fit::{Fit, fit};
 

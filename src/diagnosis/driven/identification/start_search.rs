@@ -8,11 +8,12 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
 use crate::diagnosis::driven::simulation::shape::Shape;
-use crate::diagnosis::driven::terms::law::{self, Cloud};
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
 use crate::numerics::order;
 use crate::parallel;
+use crate::physics::law::Cloud;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+use crate::physics::state::LANES;
 
 use super::fit::Fit;
 
@@ -92,7 +93,7 @@ impl<'a> StartSearch<'a> {
             };
             (0..group.len()).map(one).collect::<Vec<f64>>()
         };
-        parallel::map_chunks(points, law::LANES, of_group).concat()
+        parallel::map_chunks(points, LANES, of_group).concat()
     }
 }
 

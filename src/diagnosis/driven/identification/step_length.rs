@@ -6,8 +6,8 @@
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::numerics::least_squares::Linear;
+use crate::physics::scales::Scales;
 
 use super::fit::Fit;
 
@@ -23,7 +23,7 @@ const SHARE: f64 = 5e-4;
 /// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
 /// they may. `fit` must have been fitted to this data.
 pub fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
-    let corner = fit.shape.terms.iter().any(|t| t.has_corner() && t.moves());
+    let corner = fit.shape.terms.iter().any(|t| t.has_corner() && t.role().acts_on_mass());
     let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };
     let steps = |fineness: f64| fit.shape.steps(&fit.point, &Scales { fineness, ..scales.clone() });
     let errors = |steps: usize| -> Vec<f64> {

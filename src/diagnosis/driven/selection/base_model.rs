@@ -8,14 +8,14 @@ use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::{Input, Interpolation};
 use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::simulation::base::{BASE, OMEGA};
 use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::shape::Shape;
-use crate::diagnosis::driven::terms::base::{BASE, OMEGA};
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
 use crate::diagnosis::model;
 use crate::number::short;
 use crate::numerics::moments::mean_sd;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
 
 use super::held_out::held_out;
 use super::judged::Judged;
@@ -86,8 +86,9 @@ pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
 /// Whether steps or straight lines between the samples of the input do as well as the linear terms of `chosen` that they
 /// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
 pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
-    let mistaken =
-        |t: &Term| matches!(t, Term::Delay(_) | Term::Lowpass(_) | Term::Feedthrough(_) | Term::ParasiticMode(_));
+    let mistaken = |t: &Term| {
+        matches!(t, Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) | Term::Feedthrough(_) | Term::ParasiticMode(_))
+    };
     if !chosen.fit.shape.terms.iter().any(mistaken) {
         return None;
     }

@@ -4,8 +4,8 @@
 use crate::diagnosis::driven::identification::fit::fit;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::shape::Shape;
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::parallel;
+use crate::physics::scales::Scales;
 
 use super::folds::{Fold, turned};
 use super::held_out::{Comparison, compare, held_out};

@@ -4,14 +4,15 @@ use std::ops::Range;
 
 use crate::diagnosis::driven::identification::fit::{Fit, Search};
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::base::{INITIAL, OFFSET};
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
 use crate::diagnosis::driven::simulation::shape::coordinates;
-use crate::diagnosis::driven::terms::base::{INITIAL, OFFSET};
-use crate::diagnosis::driven::terms::law::{Lanes, Noise};
-use crate::diagnosis::driven::terms::scales::Scales;
 use crate::numerics::special;
 use crate::parallel;
+use crate::physics::law::Noise;
+use crate::physics::scales::Scales;
+use crate::physics::state::Lanes;
 
 use super::residual_structure::{MEMORY, correlation};
 

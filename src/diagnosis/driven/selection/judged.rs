@@ -2,8 +2,8 @@
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
 
 use super::held_out::{Comparison, HeldOut, held_out};
 

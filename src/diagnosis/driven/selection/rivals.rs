@@ -4,8 +4,8 @@
 use crate::diagnosis::driven::identification::refined_scales::refined;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
 use crate::progress;
 
 use super::earned::{pruned, without};
@@ -19,7 +19,7 @@ pub const TIE: f64 = 6.0;
 
 /// Whether the library says that one can be mistaken for the other.
 pub fn alike(a: &Term, b: &Term) -> bool {
-    a.words().confusable_with.contains(&b.id()) || b.words().confusable_with.contains(&a.id())
+    a.candidate().confusable_with.contains(&b.id()) || b.candidate().confusable_with.contains(&a.id())
 }
 
 /// A look for other candidates that would do as well, as far as its budget reaches.

@@ -6,11 +6,11 @@ use crate::diagnosis::driven::identification::start_search::StartSearch;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::terms::law::LANES;
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+use crate::physics::state::LANES;
 use crate::{parallel, progress};
 
 use super::earned::ITERATIONS;
@@ -43,7 +43,7 @@ fn screen(
     let found = ensemble.and_then(|e| e.starts(term, scales, CORNER_STARTS)).filter(|s| !s.is_empty());
     let starts = found.unwrap_or_else(|| term.starts(scales));
     // The strength of a noise is only looked at from its starts: it bends every derivative of the base.
-    let own = if term.noise().is_some() { 0 } else { term.parameters() };
+    let own = if term.noise().is_some() { 0 } else { term.values() };
     let Some(first) = starts.first() else { return Vec::new() };
     let (shape, point) = model.with(term, first);
     let search = Search::all(data, &shape, &point, scales);
@@ -56,7 +56,7 @@ fn screen(
         points.push(search.point(&z));
         for j in 0..own {
             let mut moved = z.clone();
-            let index = moved.len() - term.parameters() + j;
+            let index = moved.len() - term.values() + j;
             moved[index] += 1e-4;
             points.push(search.point(&moved));
         }
@@ -95,7 +95,7 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
     let sum = model.fit.linear.normal().sum.max(1e-300);
     let ensemble = StartSearch::around(data, &model.fit);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = parallel::filter_map(candidates, |term| {
-        if progress::interrupted() || term.parameters() == 0 {
+        if progress::interrupted() || term.values() == 0 {
             return None;
         }
         let promises = screen(data, &model.fit, ensemble.as_ref(), *term, scales);

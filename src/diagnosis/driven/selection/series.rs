@@ -1,7 +1,7 @@
 //! When terms that each earn a place say less together than apart: many laws at once, or several that can be mistaken for each
 //! other, are the beginning of a series for something that the library does not hold.
 
-use crate::diagnosis::driven::terms::term::Term;
+use crate::physics::library::Term;
 
 use super::rivals::alike;
 
@@ -49,22 +49,29 @@ pub fn series(terms: &[Term]) -> Option<Series> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::terms::{damping, drift, lag, mode, noise, spring};
+    use crate::physics::{
+        bias_drift::BiasDrift, cubic_stiffness::CubicStiffness, force_noise::ForceNoise, parasitic_mode::ParasiticMode,
+        readout_delay::ReadoutDelay, readout_lowpass::ReadoutLowpass, squeeze_film_damping::SqueezeFilmDamping,
+    };
 
     #[test]
     fn more_than_three_laws_at_once_are_a_series_and_noise_is_no_law() {
         let laws = [
-            Term::CubicStiffness(spring::Cubic),
-            Term::Delay(lag::Delay),
-            Term::BiasDrift(drift::Ramp),
-            Term::SqueezeFilm(damping::SqueezeFilm),
+            Term::CubicStiffness(CubicStiffness),
+            Term::ReadoutDelay(ReadoutDelay),
+            Term::BiasDrift(BiasDrift),
+            Term::SqueezeFilmDamping(SqueezeFilmDamping),
         ];
         let unlike = |a: &Term| laws.iter().all(|b| a == b || !alike(a, b));
         assert!(laws.iter().all(unlike), "look-alikes would show another rule");
         assert_eq!(series(&laws[..MOST_LAWS]), None);
-        assert_eq!(series(&[&laws[..MOST_LAWS], &[Term::ForceNoise(noise::Force)]].concat()), None);
+        assert_eq!(series(&[&laws[..MOST_LAWS], &[Term::ForceNoise(ForceNoise)]].concat()), None);
         assert_eq!(series(&laws), Some(Series::ManyLaws));
-        let late = [Term::Delay(lag::Delay), Term::Lowpass(lag::Lowpass), Term::ParasiticMode(mode::Parasitic)];
+        let late = [
+            Term::ReadoutDelay(ReadoutDelay),
+            Term::ReadoutLowpass(ReadoutLowpass),
+            Term::ParasiticMode(ParasiticMode),
+        ];
         assert_eq!(series(&late), Some(Series::LookAlikes));
         assert_eq!(series(&late[..2]), None);
     }

@@ -6,8 +6,8 @@ use indicatif::ProgressBar;
 use crate::diagnosis::driven::identification::refined_scales::refined;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
 use crate::progress;
 
 use super::earned::{earned, pruned};

@@ -3,9 +3,9 @@
 //! Not what follows from that (`conclude`).
 
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::terms::quantisation::{Lattice, lattice};
-use crate::diagnosis::driven::terms::scales::Scales;
+use crate::diagnosis::driven::selection::lattice::{Lattice, lattice};
 use crate::parallel;
+use crate::physics::scales::Scales;
 
 use super::earned::without;
 use super::held_out::{Comparison, compare, held_out};

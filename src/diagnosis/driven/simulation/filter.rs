@@ -9,7 +9,8 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::terms::law::{Instant, LANES, Lanes};
+use crate::physics::law::Role;
+use crate::physics::state::{Instants, LANES, Lanes};
 
 use super::propagator::Shift;
 use super::step::{MOST_STATES, Motion, Parts, Plan, movers, together};
@@ -107,9 +108,9 @@ impl Pass<'_> {
         let mut out = Vec::with_capacity(self.run.len());
         for k in self.run.clone() {
             let environment = &self.environment[k * self.environments..(k + 1) * self.environments];
-            let mut at = Instant {
-                time_s: k as f64 * interval_s,
-                step_s: plan.step_s,
+            let mut at = Instants {
+                time: k as f64 * interval_s,
+                step: plan.step_s,
                 input: self.input(2 * k * steps, None),
                 x: motion.x,
                 v: motion.v,
@@ -125,7 +126,7 @@ impl Pass<'_> {
             }
             out.push(e);
             self.correct(&plan, &e, &mut motion);
-            let begin = at.time_s;
+            let begin = at.time;
             for step in 0..steps {
                 let index = 2 * (k * steps + step);
                 let u = [
@@ -136,7 +137,7 @@ impl Pass<'_> {
                 let stride = if plan.linear {
                     plan.swing(u, &mut motion)
                 } else {
-                    at.time_s = begin + step as f64 * plan.step_s;
+                    at.time = begin + step as f64 * plan.step_s;
                     plan.pushed(&mut at, u, &mut motion)
                 };
                 plan.follow(stride, &mut motion.own);
@@ -150,7 +151,7 @@ impl Pass<'_> {
         let [x, v] = self.initial;
         let mut own = [[0.0; LANES]; MOST_STATES];
         let (later, earlier): (Vec<_>, Vec<_>) =
-            movers(self.parts.terms, self.parts.first).into_iter().partition(|m| m.term.lags());
+            movers(self.parts.terms, self.parts.first).into_iter().partition(|m| m.term.role() == Role::LowPass);
         for m in &earlier {
             m.term.begin(&x, &v, &self.parts.parameters[m.first..], &mut own[m.state..]);
         }
@@ -163,7 +164,7 @@ impl Pass<'_> {
 
     /// The reading expected before it is seen.
     #[inline(always)]
-    fn expected(&self, plan: &Plan<'_>, at: &Instant<'_>, motion: &Motion) -> Lanes {
+    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, motion: &Motion) -> Lanes {
         let mut y = at.x;
         for r in &plan.sensing {
             r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
@@ -219,9 +220,9 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::terms::damping::Coulomb;
-    use crate::diagnosis::driven::terms::law::BaseLanes;
-    use crate::diagnosis::driven::terms::term::Term;
+    use crate::physics::coulomb_friction::CoulombFriction;
+    use crate::physics::library::Term;
+    use crate::physics::state::BaseLanes;
 
     const OMEGA: f64 = 5.0;
     const PULL: f64 = 25.0;
@@ -240,7 +241,7 @@ mod tests {
             parts: Parts {
                 base: BaseLanes { gain: [1.0; LANES], stiffness: [PULL; LANES], damping: [0.0; LANES] },
                 oscillator: [[OMEGA; LANES], [0.0; LANES]],
-                terms: &[Term::Coulomb(Coulomb)],
+                terms: &[Term::CoulombFriction(CoulombFriction)],
                 parameters: &[[friction; LANES]],
                 first: &[0],
                 interval_s: h,

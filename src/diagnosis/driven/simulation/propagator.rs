@@ -4,8 +4,8 @@
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
 
-use crate::diagnosis::driven::terms::law::{LANES, Lanes};
 use crate::physics::free_oscillator::transition;
+use crate::physics::state::{LANES, Lanes};
 
 /// exp(At) in every lane.
 pub struct Transition {

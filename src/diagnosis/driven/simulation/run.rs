@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::Input;
-use crate::diagnosis::driven::terms::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
-use crate::diagnosis::driven::terms::law::{BaseLanes, LANES, Lanes};
+use crate::diagnosis::driven::simulation::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+use crate::physics::state::{BaseLanes, LANES, Lanes};
 
 use super::filter::{Keep, Pass, States};
 use super::shape::Shape;

@@ -2,10 +2,10 @@
 //! short the steps must be. Not for running it (`run`).
 
 use crate::diagnosis::driven::intake::input::MOST_STEPS;
-use crate::diagnosis::driven::terms::base::{BASE, INITIAL, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
-use crate::diagnosis::driven::terms::law::Noise;
-use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
-use crate::diagnosis::driven::terms::term::Term;
+use crate::diagnosis::driven::simulation::base::{BASE, INITIAL, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
+use crate::physics::law::{Noise, Role};
+use crate::physics::library::Term;
+use crate::physics::scales::{Coordinate, Scales};
 
 use super::gain::{self, Noisy};
 
@@ -31,7 +31,7 @@ impl Shape {
             .iter()
             .map(|t| {
                 let here = next;
-                next += t.parameters();
+                next += t.values();
                 here
             })
             .collect();
@@ -46,7 +46,7 @@ impl Shape {
     /// Places of what only says where the mass, and the states of terms, begin.
     pub fn beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().zip(&self.first).flat_map(|(term, first)| {
-            let end = first + term.parameters();
+            let end = first + term.values();
             end - term.unknown_beginnings()..end
         });
         [INITIAL, INITIAL + 1].into_iter().chain(of_terms).collect()
@@ -54,7 +54,7 @@ impl Shape {
 
     /// Parameters of one term.
     pub fn of<'a>(&self, term: usize, point: &'a [f64]) -> &'a [f64] {
-        &point[self.first[term]..self.first[term] + self.terms[term].parameters()]
+        &point[self.first[term]..self.first[term] + self.terms[term].values()]
     }
 
     /// The stationary gain at a point.
@@ -65,7 +65,7 @@ impl Shape {
             match term.noise() {
                 Some(Noise::Force) => noisy.force = point[*first],
                 Some(Noise::Walk) => noisy.walk = point[*first],
-                None if term.lags() => noisy.lag_s = point[*first],
+                None if term.role() == Role::LowPass => noisy.lag_s = point[*first],
                 None => {}
             }
         }

@@ -6,20 +6,15 @@
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
 
-use crate::diagnosis::driven::terms::friction::{self, Sliding};
-use crate::diagnosis::driven::terms::law::{BaseLanes, Constants, Instant, LANES, Lanes, Stride};
-use crate::diagnosis::driven::terms::term::Term;
+use crate::physics::coulomb_friction::{self, Sliding};
+use crate::physics::law::{Place, Role};
+use crate::physics::library::Term;
+use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_STAGED, Stride};
 
 use super::propagator::{Shift, Transition};
 
 /// Most own states of all terms of a model together.
 pub const MOST_STATES: usize = 8;
-/// Most of them that belong to terms which move the mass and so go through the stages with it; they come first.
-const MOST_STAGED: usize = 2;
-/// Place in the chain of the readout of what moves beside the mass; its states 0 and 1 are displacement and velocity.
-const MODES: u8 = 0;
-/// Place of the offset in the chain of the readout: what comes before it sees the displacement alone.
-const OFFSET: u8 = 3;
 
 /// Everything that moves during a pass.
 pub struct Motion {
@@ -89,16 +84,18 @@ impl<'a> Plan<'a> {
             all.retain(|m| kept(m.term));
             all
         };
-        let moving = placed(|t| t.moves() && !t.rubs());
-        let mut followers = placed(|t| t.follows());
+        let moving = placed(|t| t.role() == Role::Force);
+        let mut followers = placed(|t| t.role().follows());
         // A low-pass sees the others where they have come to.
-        followers.sort_by_key(|m| m.term.lags());
+        followers.sort_by_key(|m| m.term.role() == Role::LowPass);
         let constants = followers.iter().map(|m| m.term.constants(&parameters[m.first..], step_s)).collect();
-        let mut readers = placed(|t| t.reads().is_some());
-        readers.sort_by_key(|m| m.term.reads());
-        let (sensing, adding): (Vec<_>, Vec<_>) = readers.into_iter().partition(|m| m.term.reads() < Some(OFFSET));
-        let of = |kept: fn(&Term) -> bool| {
-            let found = terms.iter().zip(first).find(|(t, _)| kept(t));
+        let place = |m: &Mover<'a>| m.term.role().place();
+        let mut readers = placed(|t| t.role().place().is_some());
+        readers.sort_by_key(place);
+        let (sensing, adding): (Vec<_>, Vec<_>) =
+            readers.into_iter().partition(|m| place(m).is_some_and(Place::is_before_offset));
+        let of = |role: Role| {
+            let found = terms.iter().zip(first).find(|(t, _)| t.role() == role);
             found.map(|(_, f)| &parameters[*f])
         };
         Self {
@@ -106,17 +103,17 @@ impl<'a> Plan<'a> {
             step_s,
             half: Transition::new(&parts.oscillator, 0.5 * step_s),
             full: Transition::new(&parts.oscillator, step_s),
-            linear: !terms.iter().any(|t| t.moves()),
+            linear: !terms.iter().any(|t| t.role().acts_on_mass()),
             staged: moving.iter().any(|m| m.term.states() > 0),
             moving,
             followers,
             constants,
-            modes: sensing.iter().filter(|m| m.term.reads() == Some(MODES)).map(|m| m.state).collect(),
+            modes: sensing.iter().filter(|m| m.term.role() == Role::Mode).map(|m| m.state).collect(),
             sensing,
             adding,
-            delay: of(|t| t.delays()).map(|d| Shift::new(d, parts.interval_s / (2 * parts.steps) as f64)),
-            friction: of(|t| t.rubs()),
-            lagging: placed(|t| t.lags()).first().map(|m| m.state),
+            delay: of(Role::InputDelay).map(|d| Shift::new(d, parts.interval_s / (2 * parts.steps) as f64)),
+            friction: of(Role::Friction),
+            lagging: placed(|t| t.role() == Role::LowPass).first().map(|m| m.state),
         }
     }
 
@@ -142,9 +139,9 @@ impl<'a> Plan<'a> {
 
     /// One step under forces that depend on the motion; `at` stands at its beginning.
     #[inline(always)]
-    pub fn pushed(&self, at: &mut Instant<'_>, u: [Lanes; 3], motion: &mut Motion) -> Stride {
+    pub fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut Motion) -> Stride {
         let Self { parts, half, full, .. } = self;
-        let (h, from, staged, friction) = (self.step_s, at.time_s, self.staged, self.friction);
+        let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction);
         let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);
         let (hx, hv) = half.apply(&x, &v);
         let (fx, fv) = full.apply(&x, &v);
@@ -163,13 +160,13 @@ impl<'a> Plan<'a> {
                 }
             }
             match stage {
-                0 => (at.x, at.v, at.time_s, at.input) = (x, v, from, u[0]),
+                0 => (at.x, at.v, at.time, at.input) = (x, v, from, u[0]),
                 1 => {
                     for l in 0..LANES {
                         at.x[l] = hx[l] + 0.5 * h * half.xv[l] * a[0][l];
                         at.v[l] = hv[l] + 0.5 * h * half.vv[l] * a[0][l];
                     }
-                    (at.time_s, at.input) = (from + 0.5 * h, u[1]);
+                    (at.time, at.input) = (from + 0.5 * h, u[1]);
                 }
                 2 => {
                     at.x = hx;
@@ -182,7 +179,7 @@ impl<'a> Plan<'a> {
                         at.x[l] = fx[l] + h * half.xv[l] * a[2][l];
                         at.v[l] = fv[l] + h * half.vv[l] * a[2][l];
                     }
-                    (at.time_s, at.input) = (from + h, u[2]);
+                    (at.time, at.input) = (from + h, u[2]);
                 }
             }
             let mut acceleration = [0.0; LANES];
@@ -191,11 +188,11 @@ impl<'a> Plan<'a> {
             }
             for m in &self.moving {
                 let p = &parts.parameters[m.first..];
-                m.term.force(at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
+                m.term.force::<f64, LANES, false>(at, p, &here[m.state..], &mut rate[m.state..], &mut acceleration);
             }
             if let Some(friction) = friction {
                 if stage == 0 {
-                    side = friction::sides(&parts.base, friction, [&x, &v, &acceleration]);
+                    side = coulomb_friction::sides(&parts.base, friction, [&x, &v, &acceleration]);
                 }
                 for l in 0..LANES {
                     acceleration[l] -= side[l] * friction[l];
@@ -239,7 +236,7 @@ impl<'a> Plan<'a> {
             if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };
         for (m, constants) in self.followers.iter().zip(&self.constants) {
             let mut seen = stride;
-            if m.term.lags() && !modes.is_empty() {
+            if m.term.role() == Role::LowPass && !modes.is_empty() {
                 let (x1, v1) = together(modes, own, [&stride.x1, &stride.v1]);
                 seen = Stride { x0, v0, x1, v1, ..stride };
             }
@@ -263,7 +260,8 @@ pub fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
     let mut next = [0, MOST_STAGED];
     let mut all = Vec::new();
     for (term, first) in terms.iter().zip(first) {
-        let (next, end) = if term.moves() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
+        let (next, end) =
+            if term.role().acts_on_mass() { (&mut next[0], MOST_STAGED) } else { (&mut next[1], MOST_STATES) };
         if *next + term.states() <= end {
             all.push(Mover { term, first: *first, state: *next });
             *next += term.states();

@@ -8,16 +8,16 @@ use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
+use crate::diagnosis::driven::simulation::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
-use crate::diagnosis::driven::terms::base::{OMEGA, ZETA};
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::{CANDIDATES, Term};
 use crate::diagnosis::verdict::{
     Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where, Whiteness,
 };
 use crate::diagnosis::{Diagnosis, model};
 use crate::numerics::special;
+use crate::physics::library::{CANDIDATES, Term};
+use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
 use super::conclude::Conclusion;

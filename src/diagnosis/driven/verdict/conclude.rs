@@ -10,16 +10,16 @@ use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::diagnosis::driven::selection::earned::{SMALLEST_GAIN, without};
 use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::{Judged, Rival, Selection};
+use crate::diagnosis::driven::selection::lattice::Lattice;
 use crate::diagnosis::driven::selection::residual_structure::{left, loudest_by_chance, power_left};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding, weighed};
-use crate::diagnosis::driven::terms::quantisation::Lattice;
-use crate::diagnosis::driven::terms::scales::Scales;
-use crate::diagnosis::driven::terms::term::Term;
 use crate::diagnosis::verdict::Outcome;
 use crate::numerics::order;
 use crate::parallel;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
 pub const WHITE: f64 = 0.02;

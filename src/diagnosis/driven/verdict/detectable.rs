@@ -10,13 +10,13 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::earned::{LEVEL, SMALLEST_GAIN};
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::terms::law::LANES;
-use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
-use crate::diagnosis::driven::terms::term::Term;
 use crate::diagnosis::verdict::Detectable;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::{order, special};
 use crate::parallel;
+use crate::physics::library::Term;
+use crate::physics::scales::{Coordinate, Scales};
+use crate::physics::state::LANES;
 
 use super::words::{Channels, unit};
 
@@ -71,7 +71,7 @@ pub fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], cha
     let mut limits = Limits { least_over_noise: least, ..Limits::default() };
     for s in &found {
         let strength = if s.left > 1e-6 * s.raw { s.strength * least * noise / s.left } else { f64::INFINITY };
-        let parameter = s.term.words().parameters[s.parameter];
+        let parameter = s.term.candidate().parameters[s.parameter];
         limits.candidates.push(Detectable {
             id: s.term.id().to_owned(),
             parameter: parameter.name.to_owned(),
@@ -96,7 +96,9 @@ pub fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], cha
 
 /// Its signature for each parameter that is a strength; of several shapes the middle one.
 fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signature> {
-    if term.noise().is_some() || matches!(term, Term::Quantisation(_) | Term::EndStop(_) | Term::Saturation(_)) {
+    if term.noise().is_some()
+        || matches!(term, Term::ReadoutQuantisation(_) | Term::EndStop(_) | Term::ReadoutSaturation(_))
+    {
         return Vec::new();
     }
     let starts = term.starts(scales);

@@ -4,12 +4,12 @@ use std::f64::consts::SQRT_2;
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::terms::base::{GAIN, OMEGA, ZETA};
-use crate::diagnosis::driven::terms::law::Noise;
-use crate::diagnosis::driven::terms::term::Term;
+use crate::diagnosis::driven::simulation::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::repair::{Repair, Vibration};
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
+use crate::physics::law::Noise;
+use crate::physics::library::Term;
 use crate::sensor::{Accelerometer, Gyro, ProofMass, Sensor};
 
 /// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an input, one unit of
@@ -79,14 +79,14 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
         match term {
             _ if drives(term, p[0]) => {
                 if let Some(list) = not_expressible.as_deref_mut() {
-                    list.push(format!("{}, which came out negative: {}", term.id(), term.words().equation));
+                    list.push(format!("{}, which came out negative: {}", term.id(), term.candidate().equation));
                 }
             }
             Term::CubicStiffness(_) => mass.cubic_per_m2_s2 = p[0] * gain * gain,
             Term::QuadraticStiffness(_) => mass.quadratic_per_m_s2 = p[0] * gain,
             Term::QuadraticDamping(_) => mass.quadratic_damping_per_m = p[0] * gain.abs(),
-            Term::SqueezeFilm(_) => mass.squeeze_film_per_m2_s = p[0] * gain * gain,
-            Term::Coulomb(_) => mass.coulomb_m_s2 = p[0] / gain.abs(),
+            Term::SqueezeFilmDamping(_) => mass.squeeze_film_per_m2_s = p[0] * gain * gain,
+            Term::CoulombFriction(_) => mass.coulomb_m_s2 = p[0] / gain.abs(),
             _ => match term.noise() {
                 // Stationary displacement variance of white force with two-sided intensity N²: N²/(4ζω³).
                 Some(Noise::Force) => {
@@ -98,7 +98,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
                 }
                 None => {
                     if let Some(list) = not_expressible.as_deref_mut() {
-                        list.push(format!("{}: {}", term.id(), term.words().equation));
+                        list.push(format!("{}: {}", term.id(), term.candidate().equation));
                     }
                 }
             },
@@ -115,17 +115,21 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
 
 /// Within its interval a damping may come out below zero; a study takes none that drives.
 fn drives(term: &Term, size: f64) -> bool {
-    size < 0.0 && matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilm(_) | Term::Coulomb(_))
+    size < 0.0 && matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilmDamping(_) | Term::CoulombFriction(_))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::driven::terms::{damping, spring};
+    use crate::physics::coulomb_friction::CoulombFriction;
+    use crate::physics::cubic_stiffness::CubicStiffness;
 
     #[test]
     fn friction_below_zero_drives_and_a_softening_spring_does_not() {
-        assert!(drives(&Term::Coulomb(damping::Coulomb), -1.0) && !drives(&Term::Coulomb(damping::Coulomb), 1.0));
-        assert!(!drives(&Term::CubicStiffness(spring::Cubic), -1.0));
+        assert!(
+            drives(&Term::CoulombFriction(CoulombFriction), -1.0)
+                && !drives(&Term::CoulombFriction(CoulombFriction), 1.0)
+        );
+        assert!(!drives(&Term::CubicStiffness(CubicStiffness), -1.0));
     }
 }

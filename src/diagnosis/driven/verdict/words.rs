@@ -5,12 +5,12 @@ use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::terms::law::Noise;
-use crate::diagnosis::driven::terms::readout::QUANTISATION;
-use crate::diagnosis::driven::terms::scales::{Coordinate, Scales};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
 use crate::number::{short, with_uncertainty};
+use crate::physics::law::Noise;
+use crate::physics::readout_quantisation;
+use crate::physics::scales::{Coordinate, Scales};
 
 use super::conclude::{Conclusion, WHITE};
 
@@ -75,7 +75,7 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
     if let Some(noise) = term.noise() {
         return vec![strength(data, c, index, noise, reach, channels)];
     }
-    term.words()
+    term.candidate()
         .parameters
         .iter()
         .enumerate()
@@ -127,7 +127,7 @@ fn strength(data: &Data, c: &Conclusion, index: usize, noise: Noise, reach: f64,
     let deviation = variance.max(0.0).sqrt().min(10.0);
     let of_variance = (0.5 / fit.linear.residual.len().max(1) as f64).sqrt();
     let reach = reach * deviation.hypot(of_variance);
-    let parameter = fit.shape.terms[index].words().parameters[0];
+    let parameter = fit.shape.terms[index].candidate().parameters[0];
     Estimate {
         name: parameter.name.to_owned(),
         value: value * factor,
@@ -148,7 +148,7 @@ pub fn effects(
     let mut effects: Vec<Effect> = Vec::new();
     for named in &c.named {
         let term = c.model.fit.shape.terms[named.index];
-        let words = term.words();
+        let words = term.candidate();
         effects.push(Effect {
             id: words.id.to_owned(),
             statement: words.statement.to_owned(),
@@ -167,7 +167,7 @@ pub fn effects(
                 continue;
             }
             let Some(index) = rival.judged.fit.shape.terms.iter().position(|t| t.id() == rival.id) else { continue };
-            let words = rival.judged.fit.shape.terms[index].words();
+            let words = rival.judged.fit.shape.terms[index].candidate();
             let there =
                 Conclusion { model: rival.judged.clone(), spread: interval::spread(&rival.judged.fit), ..c.clone() };
             effects.push(Effect {
@@ -182,7 +182,7 @@ pub fn effects(
         }
     }
     if let Some(lattice) = &c.lattice {
-        let words = &QUANTISATION;
+        let words = &readout_quantisation::CANDIDATE;
         let step = lattice.step;
         effects.push(Effect {
             id: words.id.to_owned(),
