@@ -8,6 +8,7 @@ mod suite {
     pub mod cli;
     pub mod closed_form;
     pub mod convergence;
+    pub mod device_faults;
     pub mod diagnose_cli;
     pub mod diagnose_rest_cli;
     pub mod diagnosis_driven;
@@ -88,6 +89,8 @@ fn main() {
         suite::closed_form::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::noise_law::tests(),
+        // device_faults: a device that fails costs neither the run nor what was done.
+        suite::device_faults::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
     ]
