@@ -26,6 +26,7 @@ pub mod readout;
 pub mod real;
 pub mod refit;
 pub mod said;
+pub mod scratch;
 pub mod seal;
 pub mod standstill;
 pub mod turning;

@@ -14,6 +14,7 @@ use crate::trial::like;
 use crate::trial::outcome::Outcome;
 use crate::trial::plan::Plan;
 use crate::trial::real::{self, Found, Recipe};
+use crate::trial::scratch::Scratch;
 
 /// Arguments of `trial`.
 #[derive(Debug, clap::Args)]
@@ -97,15 +98,18 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     // Tried before the long work, so that a slip shows at once.
     arguments.out.as_deref().map_or(Ok(()), writable)?;
     let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
-    let scratch = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+    let scratch = Scratch::new(arguments.out.as_deref())?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
     if let Some(number) = arguments.case {
-        return one(&plan, number, folder, json);
+        return one(&plan, number, folder, json, &scratch);
     }
     let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
     remark!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
     let state = folder.join("verdicts.jsonl");
-    let done = if arguments.resume { blind::earlier(&state, &sealed) } else { Verdicts::new() };
+    let (done, unread) = if arguments.resume { blind::earlier(&state, &sealed)? } else { (Verdicts::new(), 0) };
+    if unread > 0 {
+        remark!("note: {unread} lines of {} cannot be read; their cases are asked again", state.display());
+    }
     if !arguments.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
@@ -118,7 +122,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
     let document = to_json(&outcome)?;
-    let real = recordings(recipe.as_ref())?;
+    let real = recordings(recipe.as_ref(), &scratch)?;
     if let Some(folder) = &arguments.out {
         let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
         write(folder, &run, &arguments.command())?;
@@ -149,13 +153,13 @@ struct Run<'a> {
 }
 
 /// The real recordings of the recipe, where both it and the data are there.
-fn recordings(recipe: Option<&Recipe>) -> Result<Vec<Found>> {
+fn recordings(recipe: Option<&Recipe>, scratch: &Scratch) -> Result<Vec<Found>> {
     let Some(recipe) = recipe else { return Ok(Vec::new()) };
     let Some(data) = real::folder() else {
         remark!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
         return Ok(Vec::new());
     };
-    real::run(recipe, &data, &blind::tool)
+    real::run(recipe, &data, &blind::tool, scratch)
 }
 
 fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
@@ -186,7 +190,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
 }
 
 /// Reproduces one case of a plan.
-fn one(plan: &Plan, number: usize, folder: &Path, json: bool) -> Result<()> {
+fn one(plan: &Plan, number: usize, folder: &Path, json: bool, scratch: &Scratch) -> Result<()> {
     let families = plan.families();
     let Some((family, nth)) = families.get(number).copied() else {
         let cause = format!("the trial has cases 0 to {}", families.len() - 1);
@@ -200,7 +204,7 @@ fn one(plan: &Plan, number: usize, folder: &Path, json: bool) -> Result<()> {
     let files = case.write(folder)?;
     write_whole(&folder.join("truth.json"), to_json(&case)?.as_bytes())?;
     if json {
-        let said = blind::ask(&case, &blind::tool)?;
+        let said = blind::ask(&case, &blind::tool, scratch)?;
         let mark = judge::judge(&case, &said).word();
         sayln!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?)?;
         return Ok(());
@@ -210,7 +214,7 @@ fn one(plan: &Plan, number: usize, folder: &Path, json: bool) -> Result<()> {
         sayln!("planted: {id}, {size:.3} × noise")?;
     }
     sayln!("files: {} and {}", files.recording.display(), files.model.display())?;
-    let said = blind::ask(&case, &blind::tool)?;
+    let said = blind::ask(&case, &blind::tool, scratch)?;
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::case::{Case, Files};
 use super::plan::Plan;
 use super::said::Said;
+use super::scratch::Scratch;
 use super::seal::{Sealed, Truth};
 use super::workers::side_by_side;
 use crate::diagnosis::verdict::Verdict;
@@ -80,23 +81,47 @@ struct Done {
     said: Said,
 }
 
-/// Verdicts of an earlier run on the same sealed truth.
-pub fn earlier(state: &Path, sealed: &Sealed) -> Verdicts {
-    // A line cut off by a power failure is simply not a verdict.
-    let text = std::fs::read_to_string(state).unwrap_or_default();
-    text.lines()
-        .filter_map(|line| serde_json::from_str::<Done>(line).ok())
-        .filter(|done| done.seal == sealed.sha256)
-        .map(|done| (done.number, done.said))
-        .collect()
+fn to_json_line(done: &Done) -> Result<String> {
+    let text = serde_json::to_string(done)
+        .map_err(|e| Error::new("could not note a verdict", e.to_string(), "report this as a defect"))?;
+    Ok(text + "\n")
+}
+
+/// Verdicts of an earlier run on the same sealed truth, and how many lines could not be read: one that a full disk or a power
+/// failure has cut off is not a verdict, and its case is asked again.
+///
+/// # Errors
+/// The file is there and cannot be read.
+pub fn earlier(state: &Path, sealed: &Sealed) -> Result<(Verdicts, usize)> {
+    let bytes = match std::fs::read(state) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        read => read.map_err(|e| Error::io("read", state, &e))?,
+    };
+    Ok(verdicts(&bytes, sealed))
+}
+
+/// Lines are read apart: what is no text in one of them spoils no other.
+fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
+    let lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty());
+    let (mut verdicts, mut unread) = (Verdicts::new(), 0);
+    for line in lines {
+        match serde_json::from_slice::<Done>(line) {
+            Ok(done) if done.seal == sealed.sha256 => {
+                verdicts.insert(done.number, done.said);
+            }
+            Ok(_) => {}
+            Err(_) => unread += 1,
+        }
+    }
+    (verdicts, unread)
 }
 
 /// One verdict from files in a folder that exists for this case only.
 ///
 /// # Errors
 /// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
-pub fn ask(case: &Case, subject: &Subject<'_>) -> Result<Said> {
-    let folder = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+    let folder = scratch.case()?;
     Ok(said(&case.write(folder.path())?, subject))
 }
 
@@ -127,6 +152,7 @@ pub fn run(
     // A line that was cut off must not swallow the next one.
     writeln!(file).map_err(|e| Error::io("write", state, &e))?;
     let file = Mutex::new(file);
+    let scratch = Scratch::new(Some(state.parent().unwrap_or(Path::new("."))))?;
     let open: Vec<&Case> = cases.iter().filter(|c| !done.contains_key(&c.number)).collect();
     let bar = progress::bar("blind verdicts", cases.len() as u64);
     bar.set_position((cases.len() - open.len()) as u64);
@@ -135,15 +161,17 @@ pub fn run(
         if progress::interrupted() {
             return Ok(None);
         }
-        let said = ask(case, subject)?;
+        let said = ask(case, subject, &scratch)?;
         // A diagnosis that stopped because of Ctrl-C is no verdict.
         if progress::interrupted() && said.outcome == "error" {
             return Ok(None);
         }
         let line = Done { seal: sealed.sha256.clone(), number: case.number, said };
-        if let (Ok(text), Ok(mut file)) = (serde_json::to_string(&line), file.lock()) {
-            writeln!(file, "{text}").map_err(|e| Error::io("write", state, &e))?;
-        }
+        let text = to_json_line(&line)?;
+        let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
+        // In one piece, so that a stop leaves a line whole or cut off, never without its end.
+        file.write_all(text.as_bytes()).map_err(|e| Error::io("write", state, &e))?;
+        drop(file);
         bar.inc(1);
         Ok(Some((line.number, line.said)))
     })?;

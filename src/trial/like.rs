@@ -13,6 +13,7 @@ use super::copy;
 use super::judge::{self, Mark};
 use super::physics::Physics;
 use super::said::Said;
+use super::scratch::Scratch;
 use super::standstill::Slow;
 use super::workers::side_by_side;
 use crate::diagnosis::candidate::Kind;
@@ -113,12 +114,13 @@ pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subjec
             return Err(Error::new(attempt(), cause, "use a driven or a static recording"));
         }
     };
+    let scratch = Scratch::new(None)?;
     let bar = progress::bar("planted copies", cases.len() as u64);
     let said: Vec<Said> = side_by_side(&cases, |case| {
         if progress::interrupted() {
             return Err(Error::interrupted(attempt(), "run it again, with --quick for fewer copies"));
         }
-        let said = blind::ask(case, subject);
+        let said = blind::ask(case, subject, &scratch);
         bar.inc(1);
         said
     })?;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::blind::{self, Subject};
 use super::case::Files;
 use super::said::Said;
+use super::scratch::Scratch;
 use crate::document::read_toml;
 use crate::error::{Error, Result};
 
@@ -105,10 +106,10 @@ fn cut(from: &Path, rows: [usize; 2], to: &Path) -> Result<()> {
 ///
 /// # Errors
 /// When files cannot be read; a diagnosis that fails is a row that says so.
-pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>) -> Result<Vec<Found>> {
+pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>, scratch: &Scratch) -> Result<Vec<Found>> {
     let mut found = Vec::new();
     for real in &recipe.recording {
-        let folder = tempfile::tempdir().map_err(|e| Error::io("create a folder in", &std::env::temp_dir(), &e))?;
+        let folder = scratch.case()?;
         let mut recording = data.join(&real.file);
         if let Some(rows) = real.rows {
             let part = folder.path().join("recording.csv");

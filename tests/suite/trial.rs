@@ -164,16 +164,19 @@ fn resume() -> Result<(), Failed> {
     };
     let half = &cases[..cases.len() / 2];
     blind::run(half, &sealed, &state, Verdicts::new(), &subject)?;
-    // A line that was being written when the power went.
-    std::fs::write(&state, std::fs::read_to_string(&state)? + "{\"seal\":\"")?;
+    // A line that was being written when the power went, in the middle of a letter; and one that is no text at all.
+    let whole = std::fs::read(&state)?;
+    let torn = [&whole[..], "{\"seal\":\"×".as_bytes().split_last().ok_or("empty")?.1, b"\n\xff\xfe\n"].concat();
+    std::fs::write(&state, torn)?;
     let (again, same) = blind::prepare(plan, folder.path(), true)?;
     check(again == sealed && same == cases, "the truth was drawn anew")?;
-    let done = blind::earlier(&state, &sealed);
+    let (done, unread) = blind::earlier(&state, &sealed)?;
+    check(unread == 2, format!("{unread} lines are said to be torn, and 2 are"))?;
     check(done.len() == half.len(), format!("{} of {} verdicts kept", done.len(), half.len()))?;
     let all = blind::run(&cases, &sealed, &state, done, &subject)?;
     check(all.len() == cases.len(), "not every case has a verdict")?;
     check(asked.load(Ordering::Relaxed) == cases.len(), "a verdict was asked for twice")?;
-    check(blind::earlier(&state, &sealed).len() == cases.len(), "the state file lost a verdict")?;
+    check(blind::earlier(&state, &sealed)?.0.len() == cases.len(), "the state file lost a verdict")?;
     let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false)?;
-    check(blind::earlier(&state, &other).is_empty(), "verdicts of another truth were taken")
+    check(blind::earlier(&state, &other)?.0.is_empty(), "verdicts of another truth were taken")
 }
