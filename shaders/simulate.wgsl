@@ -1,20 +1,13 @@
 // One tile: each invocation takes one member through the samples, from state to state. Twin of
-// `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why.
+// `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …` are replaced by what
+// the sensor terms have to say there, see `src/kernel/source/terms.rs`.
 
 override INTEGRATOR: u32 = 0u;
 override SUBSTEPS: u32 = 1u;
 override HAS_FORCE: bool = false;
-override HAS_WHITE: bool = false;
-override HAS_FLICKER: bool = false;
-override HAS_WALK: bool = false;
-override HAS_GYRO: bool = false;
-override HAS_GYRO_WHITE: bool = false;
-override HAS_GYRO_FLICKER: bool = false;
-override HAS_GYRO_WALK: bool = false;
 override HAS_SINE: bool = false;
+override HAS_GYRO: bool = false;
 override HAS_READING: bool = false;
-override HAS_RANGE: bool = false;
-override HAS_QUANTISATION: bool = false;
 
 @group(0) @binding(0) var<uniform> tile: Tile;
 @group(0) @binding(1) var<storage, read> columns: array<f32>;
@@ -24,17 +17,6 @@ override HAS_QUANTISATION: bool = false;
 // memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
-
-const STREAM_WHITE = 1u;
-const STREAM_FLICKER = 2u;
-const STREAM_WALK = 3u;
-const STREAM_GYRO_WHITE = 4u;
-const STREAM_GYRO_FLICKER = 5u;
-const STREAM_GYRO_WALK = 6u;
-const STREAM_FORCE = 7u;
-
-const RETAINED = 0.36787944;
-const RENEWED = 0.9298735;
 
 fn column(i: u32, which: u32) -> f32 {
     return columns[which * tile.stride + i];
@@ -47,25 +29,6 @@ fn pick(numbers: vec4<f32>, number: u32) -> f32 {
 
 fn amplitude(term: u32) -> f32 {
     return tile.flicker[term >> 2u][term & 3u];
-}
-
-fn advance(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
-    if INTEGRATOR == 1u {
-        return exact_hold(k, s, f, w);
-    }
-    if INTEGRATOR == 2u {
-        return runge_kutta_4(k, s, f, w);
-    }
-    if INTEGRATOR == 3u {
-        return runge_kutta_4_general(k, s, f, w);
-    }
-    if INTEGRATOR == 4u {
-        return exponential_rk_2(k, s, f, w);
-    }
-    if INTEGRATOR == 5u {
-        return rosenbrock_euler(k, s, f, w);
-    }
-    return s;
 }
 
 // Sum of the flicker terms 2 and slower that begin at `base`.
@@ -123,24 +86,16 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let sine = column(i, SINE);
     let phase = turns[i];
     let phase_step = turns[stride + i];
-    let bias = column(i, BIAS);
-    let scale = column(i, SCALE);
-    let k2 = column(i, K2);
+    let bias = column(i, ACCELEROMETER_BIAS);
+    let scale = column(i, SCALE_FACTOR);
+    let k2 = column(i, NONLINEARITY);
     let range = column(i, RANGE);
     let lsb = column(i, QUANTISATION);
     let steps = column(i, STEPS);
     let force_sigma = column(i, FORCE);
-    let white_sigma = column(i, WHITE);
-    let walk_sigma = column(i, WALK);
-    let flicker_scale = column(i, FLICKER);
     let gyro_bias = column(i, GYRO_BIAS);
-    let gyro_sigma = column(i, GYRO_WHITE);
-    let gyro_walk_sigma = column(i, GYRO_WALK);
-    let gyro_flicker_scale = column(i, GYRO_FLICKER);
 
     var s = vec2<f32>(state[STATE_E * stride + i], state[STATE_Q * stride + i]);
-    var walk = state[STATE_WALK * stride + i];
-    var gyro_walk = state[STATE_GYRO_WALK * stride + i];
     var position = state[STATE_POSITION * stride + i];
     var velocity = state[STATE_VELOCITY * stride + i];
     var rate = state[STATE_RATE * stride + i];
@@ -152,33 +107,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var failed = state[STATE_FAILED * stride + i];
     let bound = bitcast<u32>(f32(BOUND_M_S2));
 
-    let base = STATE_TERMS;
-    let gyro_base = STATE_TERMS + select(0u, tile.flicker_terms, HAS_FLICKER);
-    var terms = vec3<f32>();
-    var gyro_terms = vec3<f32>();
-    if HAS_FLICKER {
-        if tile.first_sample == 0u {
-            start_terms(i, base, member, STREAM_FLICKER);
-        }
-        terms = vec3<f32>(state[base * stride + i], state[(base + 1u) * stride + i], sum_slowest(i, base));
-    }
-    if HAS_GYRO_FLICKER {
-        if tile.first_sample == 0u {
-            start_terms(i, gyro_base, member, STREAM_GYRO_FLICKER);
-        }
-        gyro_terms =
-            vec3<f32>(state[gyro_base * stride + i], state[(gyro_base + 1u) * stride + i], sum_slowest(i, gyro_base));
-    }
-
+#terms begin
     var pushes = vec4<f32>();
-    var whites = vec4<f32>();
-    var walks = vec4<f32>();
-    var fasts = vec4<f32>();
-    var slows = vec2<f32>();
-    var gyro_whites = vec4<f32>();
-    var gyro_walks = vec4<f32>();
-    var gyro_fasts = vec4<f32>();
-    var gyro_slows = vec2<f32>();
     var error = 0.0;
 
     // Four samples at a time, which one draw serves. The four are a loop of known length, so that a compiler unrolls it,
@@ -189,28 +119,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         if HAS_FORCE {
             pushes = gaussians(counter, member, STREAM_FORCE, seed);
         }
-        if HAS_WHITE {
-            whites = gaussians(counter, member, STREAM_WHITE, seed);
-        }
-        if HAS_WALK {
-            walks = gaussians(counter, member, STREAM_WALK, seed);
-        }
-        if HAS_FLICKER {
-            fasts = gaussians(counter, member, STREAM_FLICKER, seed);
-            slows = gaussians(counter, member, STREAM_FLICKER | (1u << 8u), seed).xy;
-            terms.z = renew_slowest(i, base, 4u * counter, slows.y, terms.z);
-        }
-        if HAS_GYRO_WHITE {
-            gyro_whites = gaussians(counter, member, STREAM_GYRO_WHITE, seed);
-        }
-        if HAS_GYRO_WALK {
-            gyro_walks = gaussians(counter, member, STREAM_GYRO_WALK, seed);
-        }
-        if HAS_GYRO_FLICKER {
-            gyro_fasts = gaussians(counter, member, STREAM_GYRO_FLICKER, seed);
-            gyro_slows = gaussians(counter, member, STREAM_GYRO_FLICKER | (1u << 8u), seed).xy;
-            gyro_terms.z = renew_slowest(i, gyro_base, 4u * counter, gyro_slows.y, gyro_terms.z);
-        }
+#terms draw
 
         for (var number = 0u; number < 4u; number++) {
             let n = 4u * counter + number;
@@ -245,18 +154,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     let a = felt + s.x;
                     error = fma(fma(k2, a, scale), a, error);
                 }
-                if HAS_WHITE {
-                    error = fma(white_sigma, pick(whites, number), error);
-                }
-                if HAS_FLICKER {
-                    terms = renew_fastest(n, pick(fasts, number), slows.x, terms);
-                    let sum = fma(amplitude(0u), terms.x, fma(amplitude(1u), terms.y, terms.z));
-                    error = fma(flicker_scale, sum, error);
-                }
-                if HAS_WALK {
-                    walk = fma(walk_sigma, pick(walks, number), walk);
-                    error += walk;
-                }
+#terms add accelerometer
                 if HAS_RANGE {
                     error = max(min(error, range - felt), -range - felt);
                 }
@@ -269,18 +167,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                 // The gyro, the tilt and what gravity makes of it.
                 if HAS_GYRO {
                     var turn = gyro_bias;
-                    if HAS_GYRO_WHITE {
-                        turn = fma(gyro_sigma, pick(gyro_whites, number), turn);
-                    }
-                    if HAS_GYRO_FLICKER {
-                        gyro_terms = renew_fastest(n, pick(gyro_fasts, number), gyro_slows.x, gyro_terms);
-                        let sum = fma(amplitude(0u), gyro_terms.x, fma(amplitude(1u), gyro_terms.y, gyro_terms.z));
-                        turn = fma(gyro_flicker_scale, sum, turn);
-                    }
-                    if HAS_GYRO_WALK {
-                        gyro_walk = fma(gyro_walk_sigma, pick(gyro_walks, number), gyro_walk);
-                        turn += gyro_walk;
-                    }
+#terms add gyro
                     error = fma(tile.tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
                     rate += turn;
                 }
@@ -308,8 +195,6 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
 
     state[STATE_E * stride + i] = s.x;
     state[STATE_Q * stride + i] = s.y;
-    state[STATE_WALK * stride + i] = walk;
-    state[STATE_GYRO_WALK * stride + i] = gyro_walk;
     state[STATE_POSITION * stride + i] = position;
     state[STATE_VELOCITY * stride + i] = velocity;
     state[STATE_RATE * stride + i] = rate;
@@ -320,14 +205,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     state[STATE_RATE_TOTAL * stride + i] = rate_total.x;
     state[(STATE_RATE_TOTAL + 1u) * stride + i] = rate_total.y;
     state[STATE_FAILED * stride + i] = failed;
-    if HAS_FLICKER {
-        state[base * stride + i] = terms.x;
-        state[(base + 1u) * stride + i] = terms.y;
-    }
-    if HAS_GYRO_FLICKER {
-        state[gyro_base * stride + i] = gyro_terms.x;
-        state[(gyro_base + 1u) * stride + i] = gyro_terms.y;
-    }
+#terms end
 
     // Errors at the end of the tile: position, velocity, acceleration, tilt, and whether the member failed.
     let since = f32((tile.first_sample + tile.samples) & 63u);

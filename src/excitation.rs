@@ -1,48 +1,74 @@
 //! What the sensor is subjected to: specific force along the sensitive axis as a function of time.
 //!
-//! One shape per file. Not for the sensor's answer (`sensor`, `kernel`), and not for reading files: a replay is handed its
-//! samples by `study`.
+//! # Adding a kind
+//! One file with the waveform and its `KIND`: the name, the keys with their forms, and how a plan is made of them; and its
+//! name in [`KINDS`]. Reading, placing misspelt keys, refusing foreign and missing ones follow from it.
+//!
+//! Not for the sensor's answer (`sensor`, `kernel`).
 
+pub mod keys;
 pub mod multisine;
+pub mod plan;
 pub mod random;
+pub mod reader;
 pub mod rectangle;
 pub mod replay;
+pub mod rest;
+pub mod section;
 pub mod shock;
 pub mod sine;
 pub mod sweep;
+pub mod waveform;
 
-use crate::units::key::{Key, Sign};
+use std::sync::OnceLock;
 
-/// The size of an excitation, where it is drawn per member; its unit is that of the key it was read from.
-pub const SIZE: Key = Key::new(26, "excitation.amplitude", "excitation amplitude", "", 1.0, Sign::Any);
-/// Frequency of a member's own sine.
-pub const FREQUENCY: Key = Key::new(27, "excitation.frequency_hz", "excitation frequency", "Hz", 1.0, Sign::Positive);
-/// Phase of a member's own sine.
-pub const PHASE: Key = Key::new(28, "excitation.phase_rad", "excitation phase", "rad", 1.0, Sign::Any);
+use serde::Deserializer;
 
-/// Specific force along the sensitive axis, shared by all members up to `Sensor::excitation_gain`.
-pub trait Waveform: Send + Sync {
-    /// f(t), m/s².
-    fn specific_force_m_s2(&self, time_s: f64) -> f64;
+use crate::error::Result;
+use plan::Plan;
+use reader::{Kind, Reader, Run};
+use section::{Known, Section};
+
+pub use keys::{FREQUENCY, PHASE, SIZE};
+pub use rest::Rest;
+pub use sine::MemberSine;
+pub use waveform::Waveform;
+
+/// Every kind; the first is the one of a study that names none.
+pub const KINDS: &[Kind] =
+    &[rest::KIND, rectangle::KIND, sine::KIND, sweep::KIND, multisine::KIND, random::KIND, shock::KIND, replay::KIND];
+
+/// Reads `[excitation]`.
+///
+/// # Errors
+/// An unknown kind or key, a value of another form.
+pub fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
+    static KNOWN: OnceLock<Known> = OnceLock::new();
+    section::read(deserializer, KNOWN.get_or_init(|| Known::of(KINDS.iter().map(|k| (k.name, k.keys)))))
 }
 
-/// A sine whose amplitude, frequency and phase are drawn per member; added to the shared waveform.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MemberSine {
-    /// Amplitude, m/s².
-    pub amplitude_m_s2: f64,
-    /// Frequency, Hz.
-    pub frequency_hz: f64,
-    /// Phase at t = 0, rad.
-    pub phase_rad: f64,
+/// Makes the excitation of a run.
+///
+/// # Errors
+/// A key that is missing or belongs to another kind, a value that makes no sense, a recording that cannot be read.
+pub fn plan(section: &Section, run: Run<'_>) -> Result<Plan> {
+    let kind = KINDS.iter().find(|k| Some(k.name) == section.kind).unwrap_or(&rest::KIND);
+    let reader = Reader { kind, section, run };
+    let moving: Vec<&str> = KINDS.iter().filter(|k| !k.keys.is_empty()).map(|k| k.name).collect();
+    reader.only_its_keys(&moving)?;
+    (kind.plan)(&reader)
 }
 
-/// Nothing moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rest;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Waveform for Rest {
-    fn specific_force_m_s2(&self, _time_s: f64) -> f64 {
-        0.0
+    #[test]
+    fn a_key_has_one_form_whatever_the_kind() {
+        let keys: Vec<_> = KINDS.iter().flat_map(|k| k.keys).collect();
+        for (name, form) in &keys {
+            assert!(keys.iter().all(|(other, f)| other != name || f == form), "{name}");
+        }
+        assert_eq!(KINDS[0].name, "rest");
     }
 }

@@ -5,6 +5,7 @@
 pub mod cpu;
 pub mod flicker;
 pub mod force;
+pub mod fragment;
 pub mod integrator;
 pub mod job;
 pub mod layout;

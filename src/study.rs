@@ -5,8 +5,6 @@
 mod check;
 mod draw;
 pub mod file;
-pub mod number;
-pub mod plan;
 pub mod section;
 pub mod tolerances;
 
@@ -17,11 +15,12 @@ use sha2::{Digest, Sha256};
 
 use crate::document::{hexadecimal, parse_toml, read_toml};
 use crate::error::{Error, Result};
-use crate::excitation::Rest;
+use crate::excitation;
+use crate::excitation::plan::Plan;
+use crate::excitation::reader::Run;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
-use plan::Plan;
 use section::Section;
 use tolerances::Tolerances;
 
@@ -94,9 +93,11 @@ impl Study {
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file)?;
-        let duration_s = clock.duration_s();
         check::compare(source, file.compare.as_ref())?;
-        let excitation = plan::plan(source, &file.excitation, &mut tolerances, duration_s, seed, &folder)?;
+        let run = Run { source, duration_s: clock.duration_s(), seed, folder: &folder };
+        let excitation = excitation::plan(&file.excitation, run)?;
+        excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
+        check::signs(source, &tolerances)?;
         let excitation = excitation.resolved(source, clock.step_s)?;
         (file.members, file.seed) = (Some(members), Some(seed));
         // Debug writes every key that serde reads, and every digit of its numbers.
@@ -127,13 +128,7 @@ impl Study {
         check::numbers(&name, &still.tolerances)?;
         still.members = members;
         still.clock = Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples] };
-        still.excitation = Plan {
-            waveform: Arc::new(Rest),
-            variation: plan::Variation::None,
-            words: "at rest".into(),
-            highest_hz: None,
-            replayed_sha256: None,
-        };
+        still.excitation = excitation::rest::plan();
         Ok(still)
     }
 

@@ -3,6 +3,7 @@
 //! Inside the crate everything is SI (m, s, rad, m/s²) and f64 until a kernel chooses otherwise.
 
 pub mod key;
+pub mod number;
 
 /// Standard gravity, m/s² (CGPM 1901, exact by convention): the "g" of datasheets.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;

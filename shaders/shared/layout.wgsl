@@ -1,4 +1,5 @@
-// What host and device agree on; the mirrors stand in `src/kernel/layout.rs`, and a test compares them.
+// What host and device agree on; the mirrors stand in `src/kernel/layout.rs`, and a test compares them. Places in a
+// member's column and state, streams and codes are constants that `src/kernel/source.rs` writes in front of this file.
 
 // One tile: samples of a batch of members.
 struct Tile {
@@ -59,37 +60,3 @@ struct Report {
     padding_1: u32,
     padding_2: u32,
 }
-
-// Places in a member's column; the first eight are the oscillator's coefficients.
-const GAIN = 8u;
-const SINE = 9u;
-const BIAS = 10u;
-const SCALE = 11u;
-const K2 = 12u;
-const WHITE = 13u;
-const FLICKER = 14u;
-const WALK = 15u;
-const QUANTISATION = 16u;
-const RANGE = 17u;
-const FORCE = 18u;
-const GYRO_BIAS = 19u;
-const GYRO_WHITE = 20u;
-const GYRO_FLICKER = 21u;
-const GYRO_WALK = 22u;
-const STEPS = 23u;
-
-// Places in a member's state; flicker terms follow, the accelerometer's and then the gyro's.
-const STATE_E = 0u;
-const STATE_Q = 1u;
-const STATE_WALK = 2u;
-const STATE_GYRO_WALK = 3u;
-const STATE_POSITION = 4u;
-const STATE_VELOCITY = 5u;
-const STATE_RATE = 6u;
-const STATE_POSITION_TOTAL = 7u;
-const STATE_VELOCITY_TOTAL = 9u;
-const STATE_RATE_TOTAL = 11u;
-const STATE_FAILED = 13u;
-const STATE_TERMS = 14u;
-
-const BOUND_M_S2 = 1e7;

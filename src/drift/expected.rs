@@ -3,6 +3,7 @@
 //! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding without noise, a scale
 //! error on a sine drawn per member) is left out and said. See `navigation::closed_form` for the laws.
 
+use crate::excitation::plan::Variation;
 use crate::excitation::{self, Waveform};
 use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
@@ -11,10 +12,9 @@ use crate::sensor::source::Source;
 use crate::sensor::{Sense, SensorTerm, mechanics};
 use crate::statistics::quantity;
 use crate::study::Study;
-use crate::study::number::Number;
-use crate::study::plan::Variation;
 use crate::units::STANDARD_GRAVITY_M_S2;
 use crate::units::key::Key;
+use crate::units::number::Number;
 
 /// Mean and variance of one quantity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -4,9 +4,34 @@
 
 use std::f64::consts::TAU;
 
-use super::Waveform;
+use super::plan::{Plan, Spectrum};
+use super::reader::Kind;
+use super::section::Form;
+use super::waveform::Waveform;
 use crate::rng::{Philox, Stream};
 use rand::RngExt;
+
+/// Most lines: they are summed afresh at every step.
+const MOST_LINES: u32 = 4096;
+
+/// `kind = "multisine"`
+pub const KIND: Kind = Kind {
+    name: "multisine",
+    keys: &[("rms_m_s2", Form::Number), ("from_hz", Form::Number), ("to_hz", Form::Number), ("lines", Form::Whole)],
+    plan: |given| {
+        let rms = given.need("rms_m_s2")?;
+        let ((from_hz, to_hz), lines) = (given.band_hz()?, given.whole("lines")?);
+        if lines == 0 || lines > MOST_LINES {
+            return Err(given.refuse(
+                format!("`excitation.lines` = {lines}: need 1 to {MOST_LINES}"),
+                "for a dense spectrum use kind = \"random\"",
+            ));
+        }
+        let words = format!("multisine of {rms} m/s² rms, {lines} lines from {from_hz} Hz to {to_hz} Hz");
+        let shape = |rms_m_s2| Multisine::new(rms_m_s2, from_hz, to_hz, lines, given.run.seed);
+        Ok(Plan::sized(rms, shape, words, Spectrum::Band(from_hz.max(to_hz))))
+    },
+};
 
 /// Equal lines over a band.
 #[derive(Debug, Clone, PartialEq)]

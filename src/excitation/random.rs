@@ -10,9 +10,42 @@ use rand::RngExt;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::Waveform;
+use super::plan::{self, Plan};
+use super::reader::{Kind, Reader};
+use super::section::Form;
+use super::waveform::Waveform;
+use crate::error::Result;
 use crate::rng::{Philox, Stream};
 use crate::units::STANDARD_GRAVITY_M_S2;
+
+/// `kind = "random"`
+pub const KIND: Kind = Kind {
+    name: "random",
+    keys: &[("psd_g2_hz", Form::Pairs)],
+    plan: |given| {
+        let spectrum = table(given)?;
+        let (Some(first), Some(last)) = (spectrum.points.first(), spectrum.points.last()) else {
+            return Ok(super::rest::plan());
+        };
+        let words = format!("random vibration of {:.2} Grms from {} Hz to {} Hz", spectrum.grms(), first.0, last.0);
+        let waveform = RandomVibration::new(&spectrum, given.run.duration_s, given.run.seed);
+        Ok(Plan::shared(waveform, words, plan::Spectrum::Band(last.0)))
+    },
+};
+
+/// The table of the section, checked.
+fn table(given: &Reader<'_>) -> Result<Spectrum> {
+    let points: Vec<(f64, f64)> = given.pairs("psd_g2_hz")?.iter().map(|p| (p[0], p[1])).collect();
+    let increasing = points.windows(2).all(|w| w[0].0 < w[1].0);
+    let positive = points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());
+    if points.len() < 2 || !increasing || !positive {
+        return Err(given.refuse(
+            "`excitation.psd_g2_hz` needs two points or more, frequencies increasing, all numbers above zero",
+            "e.g. psd_g2_hz = [[20.0, 0.01], [2000.0, 0.01]] in Hz and g²/Hz",
+        ));
+    }
+    Ok(Spectrum { points })
+}
 
 /// Points per cycle of the highest line; cubic interpolation between them then errs by less than 0.3 % there.
 const OVERSAMPLING: f64 = 10.0;

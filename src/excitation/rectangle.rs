@@ -1,6 +1,22 @@
 //! A rectangular pulse: the paper's test of what double integration makes of a lagging proof mass.
 
-use super::Waveform;
+use super::plan::{Plan, Spectrum};
+use super::reader::Kind;
+use super::section::Form;
+use super::waveform::Waveform;
+
+/// `kind = "rectangle"`
+pub const KIND: Kind = Kind {
+    name: "rectangle",
+    keys: &[("amplitude_m_s2", Form::Number), ("start_s", Form::Number), ("length_s", Form::Number)],
+    plan: |given| {
+        let (amplitude, start_s) = (given.need("amplitude_m_s2")?, given.start_s()?);
+        let length_s = given.positive("length_s")?;
+        let words = format!("rectangle of {amplitude} m/s² from {start_s} s for {length_s} s");
+        let shape = |amplitude_m_s2| Rectangle { amplitude_m_s2, start_s, length_s };
+        Ok(Plan::sized(amplitude, shape, words, Spectrum::Shape))
+    },
+};
 
 /// `amplitude` from `start_s` (inclusive) for `length_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]

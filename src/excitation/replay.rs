@@ -1,6 +1,59 @@
 //! A recorded acceleration played back, linear between its samples.
 
-use super::Waveform;
+use super::plan::{Plan, Spectrum};
+use super::reader::{Kind, Reader};
+use super::section::Form;
+use super::waveform::Waveform;
+use crate::error::Result;
+use crate::recording;
+use crate::units::number::Number;
+
+/// `kind = "replay"`
+pub const KIND: Kind = Kind {
+    name: "replay",
+    keys: &[
+        ("file", Form::Text),
+        ("column", Form::Text),
+        ("scale", Form::Number),
+        ("rate_hz", Form::Real),
+        ("time", Form::Text),
+    ],
+    plan: |given| {
+        let (replay, sha256) = read(given)?;
+        let scale = given.number("scale").unwrap_or(Number::Fixed(1.0));
+        let (column, samples) = (given.need_text("column")?, replay.samples_m_s2.len());
+        let words = format!("replay of column {column}, {samples} samples at {} Hz", replay.rate_hz);
+        let shape = |factor: f64| Replay {
+            samples_m_s2: replay.samples_m_s2.iter().map(|v| v * factor).collect(),
+            rate_hz: replay.rate_hz,
+        };
+        Ok(Plan { replayed_sha256: Some(sha256), ..Plan::sized(scale, shape, words, Spectrum::Shape) })
+    },
+};
+
+/// The recording to play back, which must last as long as the run, and its SHA-256.
+fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
+    let (file, column) = (given.file("file")?, given.need_text("column")?);
+    let (rate_hz, time) = (given.real("rate_hz"), given.text("time").map(str::to_owned));
+    if rate_hz.is_none() && time.is_none() {
+        return Err(given.refuse(
+            "a replay needs its clock",
+            "add rate_hz = …, or time = \"t_s\" with the heading of a time column in s",
+        ));
+    }
+    let request = recording::Request { columns: vec![column.to_owned()], rate_hz, time, rows: None };
+    let mut recording = recording::read(&file, &request)?;
+    let samples_m_s2 = recording.columns.pop().map(|c| c.values).unwrap_or_default();
+    let replay = Replay { samples_m_s2, rate_hz: recording.rate_hz };
+    let duration_s = given.run.duration_s;
+    if replay.length_s() + 1.0 / replay.rate_hz < duration_s * (1.0 - 1e-9) {
+        return Err(given.refuse(
+            format!("the recording to replay lasts {} s, the run {duration_s} s", replay.length_s()),
+            format!("set duration_s to {} or less", replay.length_s()),
+        ));
+    }
+    Ok((replay, recording.sha256))
+}
 
 /// Samples on a uniform clock that starts at t = 0.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,24 @@
 
 use std::f64::consts::PI;
 
-use super::Waveform;
+use super::plan::{Plan, Spectrum};
+use super::reader::Kind;
+use super::section::Form;
+use super::waveform::Waveform;
+use crate::units::STANDARD_GRAVITY_M_S2;
+
+/// `kind = "shock"`
+pub const KIND: Kind = Kind {
+    name: "shock",
+    keys: &[("peak_g", Form::Number), ("start_s", Form::Number), ("length_s", Form::Number)],
+    plan: |given| {
+        let (peak, start_s) = (given.need("peak_g")?, given.start_s()?);
+        let length_s = given.positive("length_s")?;
+        let words = format!("half-sine shock of {peak} g for {length_s} s at {start_s} s");
+        let shape = |peak_m_s2| Shock { peak_m_s2, start_s, length_s };
+        Ok(Plan::sized(peak.scaled(STANDARD_GRAVITY_M_S2), shape, words, Spectrum::Shape))
+    },
+};
 
 /// One half period of a sine.
 #[derive(Debug, Clone, Copy, PartialEq)]

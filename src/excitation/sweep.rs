@@ -2,7 +2,23 @@
 
 use std::f64::consts::TAU;
 
-use super::Waveform;
+use super::plan::{Plan, Spectrum};
+use super::reader::Kind;
+use super::section::Form;
+use super::waveform::Waveform;
+
+/// `kind = "sweep"`
+pub const KIND: Kind = Kind {
+    name: "sweep",
+    keys: &[("amplitude_m_s2", Form::Number), ("from_hz", Form::Number), ("to_hz", Form::Number)],
+    plan: |given| {
+        let amplitude = given.need("amplitude_m_s2")?;
+        let ((from_hz, to_hz), length_s) = (given.band_hz()?, given.run.duration_s);
+        let words = format!("sweep of {amplitude} m/s² from {from_hz} Hz to {to_hz} Hz over the run");
+        let shape = |amplitude_m_s2| Sweep { amplitude_m_s2, from_hz, to_hz, length_s };
+        Ok(Plan::sized(amplitude, shape, words, Spectrum::Band(from_hz.max(to_hz))))
+    },
+};
 
 /// Linear sweep; the phase is the integral of the frequency, so that no instant jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]

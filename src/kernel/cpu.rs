@@ -16,4 +16,5 @@ pub mod poincare;
 pub mod reading;
 pub mod reduce;
 pub mod simulate;
+pub mod stretch;
 pub mod sums;

@@ -35,6 +35,81 @@ pub enum Integrator {
     },
 }
 
+/// Which proof masses a method can step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// None.
+    Nothing,
+    /// Linear ones.
+    Linear,
+    /// Those with a cubic spring that hardens, or none.
+    Hardening,
+    /// Those with any cubic spring.
+    Cubic,
+    /// Those with any term.
+    General,
+}
+
+/// What is known of a method, whatever its substeps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Method {
+    /// In a report.
+    pub name: &'static str,
+    /// Name of its function in `shaders/shared/oscillator.wgsl`, and in capitals of its code.
+    pub wgsl: &'static str,
+    /// Whether there is a state to step.
+    pub moves: bool,
+    /// The proof masses that it can step.
+    pub reach: Reach,
+    /// Above this ω₀h it grows without bound on an undamped oscillator; infinity where the linear part is exact.
+    pub stable_below: f64,
+}
+
+/// The methods, in the order of [`Integrator`]'s variants.
+pub const METHODS: &[Method] = &[
+    Method { name: "ideal", wgsl: "ideal", moves: false, reach: Reach::Nothing, stable_below: f64::INFINITY },
+    Method { name: "exact map", wgsl: "exact_hold", moves: true, reach: Reach::Linear, stable_below: f64::INFINITY },
+    Method { name: "Runge-Kutta 4", wgsl: "runge_kutta_4", moves: true, reach: Reach::Cubic, stable_below: RK4_STABLE },
+    Method {
+        name: "Runge-Kutta 4 (all terms)",
+        wgsl: "runge_kutta_4_general",
+        moves: true,
+        reach: Reach::General,
+        stable_below: RK4_STABLE,
+    },
+    Method {
+        name: "exponential Runge-Kutta 2",
+        wgsl: "exponential_rk_2",
+        moves: true,
+        reach: Reach::Cubic,
+        stable_below: f64::INFINITY,
+    },
+    Method {
+        name: "exponential Rosenbrock-Euler",
+        wgsl: "rosenbrock_euler",
+        moves: true,
+        reach: Reach::Hardening,
+        stable_below: f64::INFINITY,
+    },
+];
+
+impl Method {
+    /// Its number in the shader: its place in [`METHODS`].
+    pub fn code(&self) -> usize {
+        METHODS.iter().position(|m| m == self).unwrap_or(METHODS.len())
+    }
+
+    fn reaches(&self, mass: &ProofMass) -> bool {
+        match self.reach {
+            Reach::Nothing => false,
+            Reach::Linear => mass.cubic_per_m2_s2 == 0.0 && !mass.has_further_terms(),
+            Reach::Hardening => mass.cubic_per_m2_s2 >= 0.0 && !mass.has_further_terms(),
+            Reach::Cubic => !mass.has_further_terms(),
+            Reach::General => true,
+        }
+    }
+}
+
 /// The largest ω₀h at which classic Runge–Kutta is accurate: 25 steps per period.
 const RK4_ACCURATE: f64 = 0.25;
 /// Above this ω₀h classic Runge–Kutta grows without bound on an undamped oscillator (2√2, less a margin).
@@ -127,11 +202,23 @@ impl Integrator {
     /// What the noise of the force is multiplied by, given W = (ω₀h)²: Runge–Kutta wants it as it stands in the equation, W·w;
     /// the others as the reading that it is.
     pub fn force_scale(self, w: f64) -> f64 {
-        if self.is_runge_kutta() { w } else { 1.0 }
+        match self {
+            Self::RungeKutta4 { .. } | Self::RungeKutta4General { .. } => w,
+            _ => 1.0,
+        }
     }
 
-    fn is_runge_kutta(self) -> bool {
-        matches!(self, Self::RungeKutta4 { .. } | Self::RungeKutta4General { .. })
+    /// What is known of it.
+    pub fn method(self) -> &'static Method {
+        let place = match self {
+            Self::Ideal => 0,
+            Self::ExactHold => 1,
+            Self::RungeKutta4 { .. } => 2,
+            Self::RungeKutta4General { .. } => 3,
+            Self::ExponentialRk2 { .. } => 4,
+            Self::RosenbrockEuler { .. } => 5,
+        };
+        &METHODS[place]
     }
 
     /// Refuses a proof mass that this integrator cannot step.
@@ -142,23 +229,17 @@ impl Integrator {
         let Some(m) = proof_mass else { return Ok(()) };
         // Every member of an ensemble is checked: nothing is written unless it fails.
         let attempt = || format!("could not integrate with {self}");
-        let holds = match self {
-            Self::Ideal => false,
-            Self::ExactHold => m.cubic_per_m2_s2 == 0.0 && !m.has_further_terms(),
-            Self::RosenbrockEuler { .. } => m.cubic_per_m2_s2 >= 0.0 && !m.has_further_terms(),
-            Self::RungeKutta4 { .. } | Self::ExponentialRk2 { .. } => !m.has_further_terms(),
-            Self::RungeKutta4General { .. } => true,
-        };
-        if !holds {
+        if !self.method().reaches(m) {
             let cause = "the proof mass has terms that it leaves out";
             return Err(Error::new(attempt(), cause, "let the tool choose the integrator"));
         }
         let stiffness = m.natural_frequency_rad_s * step_s / f64::from(self.substeps());
-        if self.is_runge_kutta() && stiffness > RK4_STABLE {
+        let bound = self.method().stable_below;
+        if stiffness > bound {
             let need = RK4_ACCURATE / m.natural_frequency_rad_s;
             return Err(Error::new(
                 attempt(),
-                format!("the step is unstable: ω₀h = {stiffness:.2}, and above {RK4_STABLE} the solution blows up"),
+                format!("the step is unstable: ω₀h = {stiffness:.2}, and above {bound} the solution blows up"),
                 format!("use a step of at most {need:.2e} s (ω₀h = {RK4_ACCURATE}), or let the tool choose"),
             ));
         }
@@ -169,12 +250,8 @@ impl Integrator {
 impl std::fmt::Display for Integrator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Ideal => write!(f, "ideal"),
-            Self::ExactHold => write!(f, "exact map"),
-            Self::RungeKutta4 { substeps } => write!(f, "Runge-Kutta 4 × {substeps}"),
-            Self::RungeKutta4General { substeps } => write!(f, "Runge-Kutta 4 (all terms) × {substeps}"),
-            Self::ExponentialRk2 { substeps } => write!(f, "exponential Runge-Kutta 2 × {substeps}"),
-            Self::RosenbrockEuler { substeps } => write!(f, "exponential Rosenbrock-Euler × {substeps}"),
+            Self::Ideal | Self::ExactHold => write!(f, "{}", self.method().name),
+            _ => write!(f, "{} × {}", self.method().name, self.substeps()),
         }
     }
 }
@@ -203,6 +280,22 @@ mod tests {
         assert_eq!(chosen(1200.0, 0.001, -1e9), Integrator::RungeKutta4 { substeps: 31 });
         let further = ProofMass { coulomb_m_s2: 0.1, ..mass(30.0, 0.7, 0.0) };
         assert_eq!(Integrator::choose(Some(&further), 1e-3).integrator, Integrator::RungeKutta4General { substeps: 1 });
+    }
+
+    #[test]
+    fn every_integrator_has_the_method_of_its_name() {
+        let all = [
+            (Integrator::Ideal, "ideal"),
+            (Integrator::ExactHold, "exact map"),
+            (Integrator::RungeKutta4 { substeps: 2 }, "Runge-Kutta 4 × 2"),
+            (Integrator::RungeKutta4General { substeps: 1 }, "Runge-Kutta 4 (all terms) × 1"),
+            (Integrator::ExponentialRk2 { substeps: 4 }, "exponential Runge-Kutta 2 × 4"),
+            (Integrator::RosenbrockEuler { substeps: 1 }, "exponential Rosenbrock-Euler × 1"),
+        ];
+        for (place, (integrator, name)) in all.into_iter().enumerate() {
+            assert_eq!((integrator.method().code(), integrator.to_string()), (place, name.to_owned()));
+        }
+        assert_eq!(METHODS.len(), all.len());
     }
 
     #[test]

@@ -13,8 +13,51 @@ pub const FORCES: usize = 4096;
 pub const REDUCE_WORKGROUP: u32 = 64;
 /// Members that a workgroup of `reduce` sums up.
 pub const BLOCK: u32 = 256;
-/// Numbers of a member's state before its flicker terms.
-pub const STATE: usize = 14;
+/// Places in a member's state, emitted into the shader as `STATE_…`. Totals are two numbers each: a sum and what it lost.
+pub mod state {
+    use crate::rng::Stream;
+    use crate::sensor::SensorTerm;
+    use crate::sensor::error_law::ErrorLaw;
+    use crate::sensor::terms::alike;
+
+    /// Error of the reading.
+    pub const E: usize = 0;
+    /// Rate of the reading times the substep.
+    pub const Q: usize = 1;
+    /// Position since the last multiple of 64 samples.
+    pub const POSITION: usize = 2;
+    /// Velocity since then.
+    pub const VELOCITY: usize = 3;
+    /// Rate of turn summed since then.
+    pub const RATE: usize = 4;
+    /// Position up to then.
+    pub const POSITION_TOTAL: usize = 5;
+    /// Velocity up to then.
+    pub const VELOCITY_TOTAL: usize = 7;
+    /// Rate of turn summed up to then.
+    pub const RATE_TOTAL: usize = 9;
+    /// Whether the member left the range of its model.
+    pub const FAILED: usize = 11;
+    /// Random walks, one for each term that is one.
+    pub const WALKS: usize = 12;
+    /// How many random walks there are.
+    pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
+    /// Flicker terms follow here, a set for each sensor term that is switched on.
+    pub const TERMS: usize = WALKS + WALK_COUNT;
+    /// By name.
+    pub const NAMED: [(&str, usize); 10] = [
+        ("E", E),
+        ("Q", Q),
+        ("POSITION", POSITION),
+        ("VELOCITY", VELOCITY),
+        ("RATE", RATE),
+        ("POSITION_TOTAL", POSITION_TOTAL),
+        ("VELOCITY_TOTAL", VELOCITY_TOTAL),
+        ("RATE_TOTAL", RATE_TOTAL),
+        ("FAILED", FAILED),
+        ("TERMS", TERMS),
+    ];
+}
 
 /// Mirror of `Tile`.
 #[repr(C)]

@@ -6,32 +6,47 @@
 use super::flicker;
 use super::integrator::Integrator;
 use super::job::{Clock, Member};
-use crate::sensor::ProofMass;
+use crate::sensor::{ProofMass, SensorTerm};
 
 /// Numbers of one member.
-pub const COLUMNS: usize = 24;
+pub const COLUMNS: usize = column::TERMS + SensorTerm::COUNT;
 /// Coefficients of the oscillator, the first columns.
 pub const COEFFICIENTS: usize = 8;
 
-/// Places in a member's column.
-#[allow(missing_docs)]
+/// Places in a member's column, emitted into the shader by the same names.
 pub mod column {
+    use crate::sensor::SensorTerm;
+
+    /// Factor on the shared excitation.
     pub const GAIN: usize = 8;
+    /// Amplitude of the member's own sine.
     pub const SINE: usize = 9;
-    pub const BIAS: usize = 10;
-    pub const SCALE: usize = 11;
-    pub const K2: usize = 12;
-    pub const WHITE: usize = 13;
-    pub const FLICKER: usize = 14;
-    pub const WALK: usize = 15;
-    pub const QUANTISATION: usize = 16;
-    pub const RANGE: usize = 17;
-    pub const FORCE: usize = 18;
-    pub const GYRO_BIAS: usize = 19;
-    pub const GYRO_WHITE: usize = 20;
-    pub const GYRO_FLICKER: usize = 21;
-    pub const GYRO_WALK: usize = 22;
-    pub const STEPS: usize = 23;
+    /// Brownian force per sample.
+    pub const FORCE: usize = 10;
+    /// Steps of the reading per m/s², 0 without steps.
+    pub const STEPS: usize = 11;
+    /// The sensor terms, in the order of their table.
+    pub const TERMS: usize = 12;
+    /// By name.
+    pub const NAMED: [(&str, usize); 4] = [("GAIN", GAIN), ("SINE", SINE), ("FORCE", FORCE), ("STEPS", STEPS)];
+
+    /// Where a term stands.
+    pub const fn of(term: SensorTerm) -> usize {
+        TERMS + term as usize
+    }
+
+    /// Constant bias of the accelerometer.
+    pub const BIAS: usize = of(SensorTerm::AccelerometerBias);
+    /// Scale-factor error.
+    pub const SCALE: usize = of(SensorTerm::ScaleFactor);
+    /// Second-order nonlinearity.
+    pub const K2: usize = of(SensorTerm::Nonlinearity);
+    /// Size of a step of the reading.
+    pub const QUANTISATION: usize = of(SensorTerm::Quantisation);
+    /// Full scale.
+    pub const RANGE: usize = of(SensorTerm::Range);
+    /// Constant bias of the gyro.
+    pub const GYRO_BIAS: usize = of(SensorTerm::GyroBias);
 }
 
 /// A member, ready for a kernel.
@@ -43,36 +58,23 @@ pub struct Column {
     pub turns: [u32; 2],
 }
 
-/// The largest f32 below infinity stands for "no limit": f32 arithmetic on it must not overflow into NaN.
-const NO_LIMIT: f64 = 1e30;
-
 impl Column {
     /// Derives the numbers of a member.
     pub fn of(member: &Member, clock: &Clock, integrator: Integrator) -> Self {
         let sample_s = clock.sample_s();
         let substep_s = clock.step_s / f64::from(integrator.substeps());
-        let (root, sensor) = (sample_s.sqrt(), &member.sensor);
-        let (a, g) = (&sensor.accelerometer, &sensor.gyro);
+        let sensor = &member.sensor;
         let mut values = [0.0; COLUMNS];
         if let Some(mass) = &sensor.proof_mass {
             values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
             let scale = integrator.force_scale(values[0]);
-            values[column::FORCE] = scale * mass.force_noise_m_s_rts / root;
+            values[column::FORCE] = scale * mass.force_noise_m_s_rts / sample_s.sqrt();
         }
         values[column::GAIN] = sensor.excitation_gain;
-        values[column::BIAS] = a.bias_m_s2;
-        values[column::SCALE] = a.scale_factor;
-        values[column::K2] = a.k2_per_m_s2;
-        values[column::WHITE] = a.velocity_random_walk_m_s_rts / root;
-        values[column::FLICKER] = a.bias_instability_m_s2;
-        values[column::WALK] = a.acceleration_random_walk_m_s2_rts * root;
-        values[column::QUANTISATION] = a.quantisation_m_s2;
-        values[column::STEPS] = steps_per_m_s2(a.quantisation_m_s2);
-        values[column::RANGE] = a.range_m_s2.min(NO_LIMIT);
-        values[column::GYRO_BIAS] = g.bias_rad_s;
-        values[column::GYRO_WHITE] = g.angle_random_walk_rad_rts / root;
-        values[column::GYRO_FLICKER] = g.bias_instability_rad_s;
-        values[column::GYRO_WALK] = g.rate_random_walk_rad_s_rts * root;
+        for term in SensorTerm::ALL {
+            values[column::of(term)] = term.law().per_sample(sensor.error(term), sample_s);
+        }
+        values[column::STEPS] = steps_per_m_s2(values[column::QUANTISATION]);
         let mut turns = [0; 2];
         if let Some(sine) = &member.sine {
             values[column::SINE] = sine.amplitude_m_s2;
@@ -81,6 +83,16 @@ impl Column {
         }
         Self { values, turns }
     }
+
+    /// Whether the member has this term.
+    pub fn has(&self, term: SensorTerm) -> bool {
+        self.values[column::of(term)] != absent(term)
+    }
+}
+
+/// The column of a term that a member does not have.
+pub fn absent(term: SensorTerm) -> f64 {
+    term.law().per_sample(term.law().neutral(), 1.0)
 }
 
 /// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a GPU's own division may be

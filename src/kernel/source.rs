@@ -4,6 +4,14 @@
 
 #[cfg(test)]
 mod mirror;
+pub mod terms;
+
+use super::cpu::sums::BOUND_M_S2;
+use super::flicker::RETAINED;
+use super::integrator::METHODS;
+use super::layout::state;
+use super::member::column;
+use crate::rng::Stream;
 
 /// A shader, ready for a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,8 +38,40 @@ pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shade
 
 /// The ensemble kernel.
 pub fn simulate(int64: bool) -> Shader {
-    let own = include_str!("../../shaders/simulate.wgsl");
-    with_random_numbers("simulate", &[LAYOUT, OSCILLATOR, ACCUMULATE, own].join("\n"), int64)
+    let own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
+    let text = [&constants(), LAYOUT, OSCILLATOR, &advance(), ACCUMULATE, &own].join("\n");
+    with_random_numbers("simulate", &text, int64)
+}
+
+/// One step of the proof mass by whichever method the pipeline was made for.
+fn advance() -> String {
+    let mut text = "fn advance(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {\n".to_owned();
+    for method in METHODS.iter().filter(|m| m.moves) {
+        let (name, code) = (method.wgsl, method.wgsl.to_uppercase());
+        text += &format!("    if INTEGRATOR == {code} {{\n        return {name}(k, s, f, w);\n    }}\n");
+    }
+    text + "    return s;\n}\n"
+}
+
+/// What the host knows by number, so that no number is written twice: columns, states, streams and bounds.
+fn constants() -> String {
+    let mut text = terms::declarations();
+    for (name, place) in column::NAMED {
+        text += &format!("const {name} = {place}u;\n");
+    }
+    for (name, place) in state::NAMED {
+        text += &format!("const STATE_{name} = {place}u;\n");
+    }
+    text += &format!("const STREAM_FORCE = {}u;\n", Stream::Force as u32);
+    for method in METHODS {
+        text += &format!("const {} = {}u;\n", method.wgsl.to_uppercase(), method.code());
+    }
+    // The second as the shader has had it: one unit in the last place of an f32 above the host's.
+    let floats = [("RETAINED", RETAINED as f32), ("RENEWED", 0.929_873_5_f32), ("BOUND_M_S2", BOUND_M_S2)];
+    for (name, value) in floats {
+        text += &format!("const {name} = {value:?};\n");
+    }
+    text
 }
 
 /// Text that both map kernels share.

@@ -36,6 +36,19 @@ impl ErrorLaw {
         }
     }
 
+    /// A number that laws of the same kind share, whatever they draw.
+    pub const fn kind(self) -> u32 {
+        match self {
+            Self::Constant => 0,
+            Self::Proportional(_) => 1,
+            Self::White(_) => 2,
+            Self::Flicker(_) => 3,
+            Self::Walk(_) => 4,
+            Self::Rounding => 5,
+            Self::FullScale => 6,
+        }
+    }
+
     /// The power of time by which an accelerometer's position error grows, where it is one power; a gyro's, which acts
     /// through tilt and gravity, grows by one more.
     pub fn position_exponent(self) -> Option<f64> {

@@ -118,11 +118,28 @@ impl SensorTerm {
         self.row().law
     }
 
+    /// How many earlier terms follow a law of the same kind: its place among their states.
+    pub const fn rank(self) -> usize {
+        alike(self.law(), self as usize)
+    }
+
     /// The power of time by which it makes position drift, where it is one power.
     pub fn position_exponent(self) -> Option<f64> {
         let through_tilt = if self.sense() == Sense::Gyro { 1.0 } else { 0.0 };
         self.law().position_exponent().map(|p| p + through_tilt)
     }
+}
+
+/// How many terms follow a law of this kind, among the first `rows` of the table.
+pub const fn alike(law: ErrorLaw, rows: usize) -> usize {
+    let (mut count, mut row) = (0, 0);
+    while row < rows {
+        if ROWS[row].law.kind() == law.kind() {
+            count += 1;
+        }
+        row += 1;
+    }
+    count
 }
 
 #[rustfmt::skip]

@@ -1,13 +1,13 @@
 //! Whether the numbers of a study make sense, each alone and together, before anything is computed.
 
 use super::file::{Compare, File};
-use super::number::Number;
 use super::section::Section;
 use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
 use crate::kernel::job::Clock;
 use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::{Key, Sign};
+use crate::units::number::Number;
 
 /// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
 const MOST_STEPS: f64 = 1e12;

@@ -1,7 +1,7 @@
 //! One member of the ensemble: tolerances drawn, mechanics derived.
 
-use super::plan::Variation;
 use super::tolerances::Tolerances;
+use crate::excitation::plan::Variation;
 use crate::excitation::{self, MemberSine};
 use crate::kernel::job::Member;
 use crate::sensor::{ProofMass, Sensor, SensorTerm, mechanics};

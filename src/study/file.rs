@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
-use super::number::Number;
 use super::section::{self, Numbers};
+use crate::excitation;
 
 /// The whole file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -32,53 +32,13 @@ pub struct File {
     #[serde(default, deserialize_with = "section::gyro")]
     pub gyro: Option<Numbers>,
     /// What the sensor is subjected to.
-    #[serde(default)]
-    pub excitation: Excitation,
+    #[serde(default, deserialize_with = "excitation::section")]
+    pub excitation: excitation::section::Section,
     /// When to look.
     #[serde(default)]
     pub report: Report,
     /// A static log to lay beside the simulation.
     pub compare: Option<Compare>,
-}
-
-/// `[excitation]`: `kind` says which of the other keys belong.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the keys say it; each kind's file in `excitation` says the rest")]
-pub struct Excitation {
-    pub kind: Option<Kind>,
-    pub amplitude_m_s2: Option<Number>,
-    pub frequency_hz: Option<Number>,
-    pub phase_rad: Option<Number>,
-    pub start_s: Option<Number>,
-    pub length_s: Option<Number>,
-    pub from_hz: Option<Number>,
-    pub to_hz: Option<Number>,
-    pub rms_m_s2: Option<Number>,
-    pub lines: Option<u32>,
-    pub psd_g2_hz: Option<Vec<[f64; 2]>>,
-    pub peak_g: Option<Number>,
-    pub file: Option<PathBuf>,
-    pub column: Option<String>,
-    pub scale: Option<Number>,
-    pub rate_hz: Option<f64>,
-    pub time: Option<String>,
-}
-
-/// Shapes of excitation.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "one file each in `excitation`")]
-pub enum Kind {
-    #[default]
-    Rest,
-    Rectangle,
-    Sine,
-    Sweep,
-    Multisine,
-    Random,
-    Shock,
-    Replay,
 }
 
 /// `[report]`

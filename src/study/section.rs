@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
-use super::number::Number;
 use super::tolerances::{Tolerances, keys};
 use crate::units::key::Key;
+use crate::units::number::Number;
 
 /// The numbers given in one section, by key.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -113,6 +113,8 @@ impl<'de> Visitor<'de> for Reading {
                 None => read.sample_rate_hz = Some(map.next_value()?),
             }
         }
+        // The order of the keys in the file means nothing.
+        read.numbers.0.sort_by_key(|(key, _)| key.slot);
         Ok(read)
     }
 }

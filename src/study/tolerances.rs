@@ -4,11 +4,11 @@
 
 use std::ops::{Index, IndexMut};
 
-use super::number::Number;
 use crate::excitation;
 use crate::rng::{Stream, philox4x32_10};
 use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::{Key, SLOTS};
+use crate::units::number::Number;
 
 /// Every key of a study that may be drawn per member, section by section, in the order of a sensor table.
 pub fn keys() -> impl Iterator<Item = &'static Key> {

@@ -16,12 +16,13 @@ use crate::backend::cpu::column;
 use crate::backend::{Backend, Batch, Partial, Ran, Unfinished, tile};
 use crate::error::{Error, Result};
 use crate::kernel::force;
-use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
-use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, STATE};
+use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
 use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Histogram, Machine, Moments};
 
@@ -82,7 +83,7 @@ impl Backend for Ensembles {
         }
         let terms = flicker_amplitudes(&job.clock).len();
         // Two sets of flicker terms at most; moments of every report stay on the device until the end.
-        let widest = 4 * (COLUMNS.max(STATE + 2 * terms) as u64);
+        let widest = 4 * (COLUMNS.max(state::TERMS + 2 * terms) as u64);
         let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
         let room = self.gpu.adapter.largest_binding;
         let counts = (job.clock.report_samples.len() * 4 * (BINS + 2) * 4) as u64;
@@ -162,6 +163,7 @@ impl Plan {
         let turns: Vec<u32> =
             (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
         let constants = constants(job, &drawn)?;
+        let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.sample_s();
         let mut flicker = [0.0; 16];
@@ -179,18 +181,19 @@ impl Plan {
             zero: 0,
             flicker,
         };
-        let on = |name: &str| constants.iter().any(|(n, v)| *n == name && *v != 0.0);
-        let sets = usize::from(on("HAS_FLICKER")) + usize::from(on("HAS_GYRO_FLICKER"));
+        let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
+        let flickers = SensorTerm::ALL.into_iter().filter(|term| matches!(term.law(), ErrorLaw::Flicker(_)));
+        let sets = flickers.filter(on).count();
         let reports = job.clock.report_samples.len() as u64;
         let mut bins: Vec<layout::Bins> =
             batch.bins.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
         bins.resize(reports as usize * 4, layout::Bins::zeroed());
         let blocks = stride / u64::from(BLOCK);
-        let state_bytes = 4 * stride * (STATE + sets * amplitudes.len()) as u64;
+        let state_bytes = 4 * stride * (state::TERMS + sets * amplitudes.len()) as u64;
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
-            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64), &constants)?,
+            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64), &named)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             tile,
             columns: gpu.upload(cast_slice(&columns))?,
@@ -337,35 +340,23 @@ fn finish(p: &layout::Partial) -> Moments {
 
 /// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the job are asked beside
 /// those of the batch, so that every batch of a job runs the same kernel: two compilations may round differently.
-fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(&'static str, f64)>> {
+fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
     let asked = job.members.min(ASKED);
     let mut drawn = (0..asked).map(|i| column(job, i * (job.members / asked))).collect::<Result<Vec<Column>>>()?;
     drawn.extend_from_slice(batch);
-    let any = |c: usize, none: f64| drawn.iter().any(|d| d.values[c] != none);
-    let has = |c: usize| f64::from(u8::from(any(c, 0.0)));
-    let integrator = match job.integrator {
-        Integrator::Ideal => 0.0,
-        Integrator::ExactHold => 1.0,
-        Integrator::RungeKutta4 { .. } => 2.0,
-        Integrator::RungeKutta4General { .. } => 3.0,
-        Integrator::ExponentialRk2 { .. } => 4.0,
-        Integrator::RosenbrockEuler { .. } => 5.0,
-    };
-    let gyro = (column::GYRO_BIAS..=column::GYRO_WALK).any(|c| any(c, 0.0));
-    Ok(vec![
-        ("INTEGRATOR", integrator),
-        ("SUBSTEPS", job.steps_per_sample() as f64),
-        ("HAS_FORCE", has(column::FORCE)),
-        ("HAS_WHITE", has(column::WHITE)),
-        ("HAS_FLICKER", has(column::FLICKER)),
-        ("HAS_WALK", has(column::WALK)),
-        ("HAS_GYRO", f64::from(u8::from(gyro))),
-        ("HAS_GYRO_WHITE", has(column::GYRO_WHITE)),
-        ("HAS_GYRO_FLICKER", has(column::GYRO_FLICKER)),
-        ("HAS_GYRO_WALK", has(column::GYRO_WALK)),
-        ("HAS_SINE", has(column::SINE)),
-        ("HAS_READING", f64::from(u8::from(any(column::SCALE, 0.0) || any(column::K2, 0.0)))),
-        ("HAS_RANGE", f64::from(u8::from(drawn.iter().any(|d| d.values[column::RANGE] < 1e30)))),
-        ("HAS_QUANTISATION", has(column::QUANTISATION)),
-    ])
+    let any = |c: usize| drawn.iter().any(|d| d.values[c] != 0.0);
+    let has = |term: SensorTerm| drawn.iter().any(|d| d.has(term));
+    let some = |wanted: &dyn Fn(SensorTerm) -> bool| SensorTerm::ALL.into_iter().any(|t| wanted(t) && has(t));
+    let flag = |on: bool| f64::from(u8::from(on));
+    let reading = |t: SensorTerm| matches!(t.law(), ErrorLaw::Proportional(_));
+    let mut constants = vec![
+        ("INTEGRATOR".to_owned(), job.integrator.method().code() as f64),
+        ("SUBSTEPS".to_owned(), job.steps_per_sample() as f64),
+        ("HAS_FORCE".to_owned(), flag(any(column::FORCE))),
+        ("HAS_SINE".to_owned(), flag(any(column::SINE))),
+        ("HAS_GYRO".to_owned(), flag(some(&|t| t.sense() == Sense::Gyro))),
+        ("HAS_READING".to_owned(), flag(some(&reading))),
+    ];
+    constants.extend(SensorTerm::ALL.map(|term| (source::terms::switch(term), flag(has(term)))));
+    Ok(constants)
 }

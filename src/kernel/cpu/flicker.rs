@@ -4,13 +4,16 @@
 //! stream 2 + j starts term j.
 
 use super::lanes::{Kernel, LANES, Lane};
+use super::stretch::Numbers;
 use crate::kernel::flicker::{RENEWED, RETAINED, slow_term};
+use crate::kernel::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
+use crate::rng::Stream;
 
 /// State of one instrument's terms.
 #[derive(Debug, Clone)]
 pub struct Flicker<T> {
-    pub(super) terms: Vec<Lane<T>>,
+    terms: Vec<Lane<T>>,
     /// Weighted sum of terms 2 and slower.
     slowest: Lane<T>,
 }
@@ -29,8 +32,72 @@ impl<T: Real> Flicker<T> {
     }
 }
 
+/// Bias instability in the shader.
+pub const FLICKER: Fragment = Fragment {
+    begin: "
+    let $term_scale = column(i, $TERM);
+    let $term_base = $base;
+    var $term_terms = vec3<f32>();
+    var $term_fasts = vec4<f32>();
+    var $term_slows = vec2<f32>();
+    if HAS_$TERM {
+        if tile.first_sample == 0u {
+            start_terms(i, $term_base, member, STREAM_$TERM);
+        }
+        $term_terms = vec3<f32>(
+            state[$term_base * stride + i],
+            state[($term_base + 1u) * stride + i],
+            sum_slowest(i, $term_base),
+        );
+    }
+",
+    draw: "
+        if HAS_$TERM {
+            $term_fasts = gaussians(counter, member, STREAM_$TERM, seed);
+            $term_slows = gaussians(counter, member, STREAM_$TERM | (1u << 8u), seed).xy;
+            $term_terms.z = renew_slowest(i, $term_base, 4u * counter, $term_slows.y, $term_terms.z);
+        }
+",
+    add: "
+                if HAS_$TERM {
+                    $term_terms = renew_fastest(n, pick($term_fasts, number), $term_slows.x, $term_terms);
+                    let sum = fma(amplitude(0u), $term_terms.x, fma(amplitude(1u), $term_terms.y, $term_terms.z));
+                    $out = fma($term_scale, sum, $out);
+                }
+",
+    end: "
+    if HAS_$TERM {
+        state[$term_base * stride + i] = $term_terms.x;
+        state[($term_base + 1u) * stride + i] = $term_terms.y;
+    }
+",
+};
+
+/// Starts the terms where a run begins, renews those whose turn it is, and adds `scale` times their weighted sum to the
+/// samples of a stretch.
+pub(super) fn add<T: Real>(
+    numbers: &mut Numbers<'_, T>,
+    stream: Stream,
+    flicker: &mut Flicker<T>,
+    amplitudes: &[T],
+    scale: &Lane<T>,
+    out: &mut [Lane<T>],
+) {
+    let (level, first) = (numbers.level, numbers.from);
+    if first == 0 {
+        for j in 1..flicker.terms.len() {
+            numbers.pairs(stream, 2 + j, 0, 1);
+            flicker.terms[j] = numbers.pairs[0];
+        }
+    }
+    numbers.pairs(stream, 1, first >> 2, (((numbers.until - 1) >> 2) - (first >> 2) + 1) as usize);
+    let range = numbers.renew(stream);
+    let (fast, slow) = (&numbers.each[range], &*numbers.pairs);
+    level.run(AddFlicker { flicker, amplitudes, scale, first, fast, slow, out });
+}
+
 /// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive samples.
-pub(super) struct AddFlicker<'a, T> {
+struct AddFlicker<'a, T> {
     pub flicker: &'a mut Flicker<T>,
     /// Weights of the terms.
     pub amplitudes: &'a [T],
@@ -68,7 +135,7 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
             }
             let [quick, slow, ..] = &mut terms[..] else { return };
             relax::<T, FMA>(keep, new, quick, fast);
-            add::<T, FMA>([self.amplitudes[0], self.amplitudes[1]], [quick, slow, slowest], self.scale, out);
+            add_sum::<T, FMA>([self.amplitudes[0], self.amplitudes[1]], [quick, slow, slowest], self.scale, out);
         }
     }
 }
@@ -81,7 +148,7 @@ fn relax<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, number: 
 }
 
 #[inline(always)]
-fn add<T: Real, const FMA: bool>(a: [T; 2], terms: [&Lane<T>; 3], scale: &Lane<T>, out: &mut Lane<T>) {
+fn add_sum<T: Real, const FMA: bool>(a: [T; 2], terms: [&Lane<T>; 3], scale: &Lane<T>, out: &mut Lane<T>) {
     let [quick, slow, slowest] = terms;
     for l in 0..LANES {
         let sum = fma::<T, FMA>(a[1], slow[l], slowest[l]);

@@ -5,11 +5,14 @@
 use super::flicker::Flicker;
 use super::lanes::{LANES, Lane};
 use super::noise::Drawer;
+use super::reading::State;
 use super::sums::{BOUND_M_S2, CHUNK, Sums};
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
-use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
+use crate::kernel::member::{COLUMNS, Column, absent, column, flicker_amplitudes};
 use crate::numerics::elementary::Real;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
 
 /// What all members share.
 #[derive(Debug, Clone)]
@@ -40,19 +43,10 @@ impl<T: Real> Shared<T> {
 /// Error terms and forces that some of these members have.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Active {
-    pub(super) white: bool,
-    pub(super) flicker: bool,
-    pub(super) walk: bool,
     pub(super) force: bool,
-    pub(super) gyro: bool,
-    pub(super) gyro_white: bool,
-    pub(super) gyro_flicker: bool,
-    pub(super) gyro_walk: bool,
     pub(super) sine: bool,
     pub(super) gain: bool,
-    pub(super) reading: bool,
-    pub(super) range: bool,
-    pub(super) quantisation: bool,
+    terms: [bool; SensorTerm::COUNT],
 }
 
 impl Active {
@@ -62,20 +56,21 @@ impl Active {
         let differs = |c: usize, none: f64| columns[c].0.iter().fold(false, |any, v| any | (*v != T::of(none)));
         let any = |c: usize| differs(c, 0.0);
         Self {
-            white: any(column::WHITE),
-            flicker: any(column::FLICKER),
-            walk: any(column::WALK),
             force: any(column::FORCE),
-            gyro: (column::GYRO_BIAS..=column::GYRO_WALK).any(any),
-            gyro_white: any(column::GYRO_WHITE),
-            gyro_flicker: any(column::GYRO_FLICKER),
-            gyro_walk: any(column::GYRO_WALK),
             sine: any(column::SINE),
             gain: differs(column::GAIN, 1.0),
-            reading: any(column::SCALE) || any(column::K2),
-            range: columns[column::RANGE].0.iter().any(|v| *v < T::of(1e30)),
-            quantisation: any(column::QUANTISATION),
+            terms: SensorTerm::ALL.map(|term| differs(column::of(term), absent(term))),
         }
+    }
+
+    /// Whether some of these members have the term.
+    pub(super) fn has(&self, term: SensorTerm) -> bool {
+        self.terms[term as usize]
+    }
+
+    /// Whether some of them have a term of this sense that `wanted` picks by its law.
+    pub(super) fn any(&self, sense: Sense, wanted: impl Fn(ErrorLaw) -> bool) -> bool {
+        SensorTerm::ALL.into_iter().any(|t| t.sense() == sense && wanted(t.law()) && self.has(t))
     }
 }
 
@@ -88,10 +83,7 @@ pub struct Members<T> {
     pub(super) turns: [Lane<u32>; 2],
     pub(super) e: Lane<T>,
     pub(super) q: Lane<T>,
-    pub(super) walk: Lane<T>,
-    pub(super) gyro_walk: Lane<T>,
-    pub(super) flicker: Flicker<T>,
-    pub(super) gyro_flicker: Flicker<T>,
+    pub(super) reading: State<T>,
     pub(super) sums: Sums<T>,
     /// Errors of the last reading.
     pub(super) acceleration: Lane<T>,
@@ -127,9 +119,11 @@ impl<T: Real> Members<T> {
             (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
         }
         members.active = Active::of(&members.columns);
-        let terms = |on: bool| Flicker::new(if on { flicker_terms } else { 0 });
-        members.flicker = terms(members.active.flicker);
-        members.gyro_flicker = terms(members.active.gyro_flicker);
+        for term in SensorTerm::ALL {
+            if members.active.has(term) && matches!(term.law(), ErrorLaw::Flicker(_)) {
+                members.reading.flickers[term.rank()] = Flicker::new(flicker_terms);
+            }
+        }
         Ok(members)
     }
 
@@ -143,10 +137,7 @@ impl<T: Real> Members<T> {
             turns: [Lane::splat(0); 2],
             e: zero,
             q: zero,
-            walk: zero,
-            gyro_walk: zero,
-            flicker: Flicker::new(0),
-            gyro_flicker: Flicker::new(0),
+            reading: State::new(),
             sums: Sums::new(),
             acceleration: zero,
         }
@@ -156,23 +147,10 @@ impl<T: Real> Members<T> {
     /// set them all to those of a run that was stopped.
     pub fn exchange(&mut self, with: &mut dyn FnMut(f64) -> f64) {
         // No `..`: a new field must decide here whether tiles change it.
-        let Self {
-            draw: _,
-            active: _,
-            columns: _,
-            turns: _,
-            e,
-            q,
-            walk,
-            gyro_walk,
-            flicker,
-            gyro_flicker,
-            sums,
-            acceleration,
-        } = self;
+        let Self { draw: _, active: _, columns: _, turns: _, e, q, reading, sums, acceleration } = self;
         let Sums { velocity, position, rate, velocity_total, position_total, rate_total, failed } = sums;
-        let lanes = [e, q, walk, gyro_walk, acceleration, velocity, position, rate];
-        let numbers = lanes.into_iter().chain(flicker.lanes()).chain(gyro_flicker.lanes()).flat_map(|lane| &mut lane.0);
+        let lanes = [e, q, acceleration, velocity, position, rate];
+        let numbers = lanes.into_iter().chain(reading.lanes()).flat_map(|lane| &mut lane.0);
         numbers.for_each(|v| *v = T::of(with(v.f64())));
         let totals = [velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
         totals.for_each(|v| *v = with(*v));

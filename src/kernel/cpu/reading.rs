@@ -1,12 +1,91 @@
-//! What an instrument adds to a reading: white noise, a random walk, the end of its range and the size of its steps.
+//! What an instrument adds to a reading, law by law: white noise, a random walk, the end of its range and the size of its
+//! steps. Beside each law that the shader takes from here stands its WGSL.
 //!
 //! Each is added to consecutive samples of 64 members; bias instability has a file of its own.
 
+use super::flicker::{self, Flicker};
 use super::lanes::{Kernel, LANES, Lane};
+use super::stretch::Numbers;
+use crate::kernel::fragment::Fragment;
+use crate::kernel::layout::state;
+use crate::kernel::member::{COLUMNS, column};
 use crate::numerics::elementary::{Real, fma};
+use crate::rng::Stream;
+use crate::sensor::SensorTerm;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::terms::alike;
+
+/// Terms that are bias instability.
+const FLICKERS: usize = alike(ErrorLaw::Flicker(Stream::Host), SensorTerm::COUNT);
+
+/// What the terms carry from sample to sample.
+#[derive(Debug, Clone)]
+pub(super) struct State<T> {
+    /// Where each random walk has got to.
+    pub walks: [Lane<T>; state::WALK_COUNT],
+    /// The Gauss–Markov terms of each bias instability.
+    pub flickers: [Flicker<T>; FLICKERS],
+}
+
+impl<T: Real> State<T> {
+    /// At the beginning, without any flicker terms.
+    pub fn new() -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        Self { walks: [zero; state::WALK_COUNT], flickers: std::array::from_fn(|_| Flicker::new(0)) }
+    }
+
+    /// All that changes from sample to sample.
+    pub fn lanes(&mut self) -> impl Iterator<Item = &mut Lane<T>> {
+        let Self { walks, flickers } = self;
+        walks.iter_mut().chain(flickers.iter_mut().flat_map(Flicker::lanes))
+    }
+}
+
+/// Adds one term to consecutive samples; laws that act on the reading as a whole are added elsewhere.
+pub(super) fn add<T: Real>(
+    term: SensorTerm,
+    numbers: &mut Numbers<'_, T>,
+    columns: &[Lane<T>; COLUMNS],
+    state: &mut State<T>,
+    amplitudes: &[T],
+    out: &mut [Lane<T>],
+) {
+    let (level, scale) = (numbers.level, &columns[column::of(term)]);
+    match term.law() {
+        ErrorLaw::White(stream) => level.run(AddWhite { scale, numbers: numbers.each(stream), out }),
+        ErrorLaw::Walk(stream) => {
+            let walk = &mut state.walks[term.rank()];
+            level.run(AddWalk { scale, numbers: numbers.each(stream), walk, out });
+        }
+        ErrorLaw::Flicker(stream) => {
+            flicker::add(numbers, stream, &mut state.flickers[term.rank()], amplitudes, scale, out);
+        }
+        // In `oscillator` with the reading itself, and in `Limit`.
+        ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
+    }
+}
+
+/// White noise in the shader.
+pub const WHITE: Fragment = Fragment {
+    begin: "
+    let $term_sigma = column(i, $TERM);
+    var $term_numbers = vec4<f32>();
+",
+    draw: "
+        if HAS_$TERM {
+            $term_numbers = gaussians(counter, member, STREAM_$TERM, seed);
+        }
+",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_sigma, pick($term_numbers, number), $out);
+                }
+",
+    end: "",
+};
 
 /// White noise.
-pub(super) struct AddWhite<'a, T> {
+struct AddWhite<'a, T> {
     /// Deviation.
     pub scale: &'a Lane<T>,
     pub numbers: &'a [Lane<T>],
@@ -25,8 +104,27 @@ impl<T: Real> Kernel for AddWhite<'_, T> {
     }
 }
 
+/// A random walk in the shader.
+pub const WALK: Fragment = Fragment {
+    begin: "
+    let $term_sigma = column(i, $TERM);
+    var $term_numbers = vec4<f32>();
+    var $term_walk = state[STATE_$TERM * stride + i];
+",
+    draw: WHITE.draw,
+    add: "
+                if HAS_$TERM {
+                    $term_walk = fma($term_sigma, pick($term_numbers, number), $term_walk);
+                    $out += $term_walk;
+                }
+",
+    end: "
+    state[STATE_$TERM * stride + i] = $term_walk;
+",
+};
+
 /// A random walk.
-pub(super) struct AddWalk<'a, T> {
+struct AddWalk<'a, T> {
     /// Deviation of one increment.
     pub scale: &'a Lane<T>,
     pub numbers: &'a [Lane<T>],

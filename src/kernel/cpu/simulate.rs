@@ -5,26 +5,21 @@
 //! instruction set, whatever stands before and after it, which a kernel that had them all inside would be for every
 //! integrator and observer (300 to 680 kB each). Units inside: one sample is the unit of time.
 
-use std::ops::Range;
-
-use super::flicker::{AddFlicker, Flicker};
 use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
-use super::noise::{Draw, Drawer, stream};
 use super::oscillator::{
     ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, RungeKutta4General, Step,
 };
-use super::reading::{AddWalk, AddWhite, Limit};
+use super::reading::{self, Limit};
+use super::stretch::{Numbers, STRETCH};
 use super::sums::Integrate;
 use crate::kernel::force::Force;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::member::column;
 use crate::numerics::elementary::Real;
 use crate::rng::Stream;
-
-/// Samples that go through a phase together: few enough that their numbers stay in the first-level cache, enough that
-/// calling a phase costs nothing. A multiple of the four samples that share a counter, and a divisor of `sums::CHUNK`.
-const STRETCH: usize = 16;
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
 
 /// Sees every sample: reading errors of the accelerometer (m/s²) and of the gyro (rad/s).
 pub type Observer<'a, T> = dyn FnMut(&Lane<T>, &Lane<T>) + 'a;
@@ -82,7 +77,7 @@ impl<T: Real> Simulate<'_, T> {
         let here = at..at + (until - from) as usize;
         let Stretch { numbers, slow, felt, error, turn } = stretch;
         let (felt, error, turn) = (&mut felt[here.clone()], &mut error[here.clone()], &mut turn[here.clone()]);
-        let mut source = Source { level, drawer: m.draw, from, until, numbers, slow };
+        let mut numbers = Numbers { level, drawer: m.draw, from, until, each: numbers, pairs: slow };
 
         let substeps = shared.substeps as usize;
         let local = (from - self.first) as usize * substeps;
@@ -92,13 +87,17 @@ impl<T: Real> Simulate<'_, T> {
             q: &mut m.q,
             force: &self.force[local..local + here.len() * substeps],
             substeps,
-            push: on.force.then(|| source.each(Stream::Force)),
+            push: on.force.then(|| numbers.each(Stream::Force)),
             gain: on.gain,
             sine: on.sine.then_some((&m.turns, from * u64::from(shared.substeps) * 2)),
-            scaled: on.reading,
+            scaled: on.any(Sense::Accelerometer, |law| matches!(law, ErrorLaw::Proportional(_))),
             error,
             felt,
         };
+        let turns = on.any(Sense::Gyro, |_| true);
+        if turns {
+            turn.fill(m.columns[column::GYRO_BIAS]);
+        }
         match shared.integrator {
             Integrator::Ideal => level.run(Step(Ideal, motion)),
             Integrator::ExactHold => level.run(Step(ExactHold, motion)),
@@ -109,104 +108,24 @@ impl<T: Real> Simulate<'_, T> {
         }
 
         let k = &m.columns;
-        if on.white {
-            source.white(Stream::AccelerometerWhite, &k[column::WHITE], error);
+        for term in SensorTerm::ALL.into_iter().filter(|t| on.has(*t)) {
+            let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
+            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, out);
         }
-        if on.flicker {
-            let flicker = &mut m.flicker;
-            source.flicker(Stream::AccelerometerFlicker, flicker, &shared.flicker, &k[column::FLICKER], error);
-        }
-        if on.walk {
-            source.walk(Stream::AccelerometerWalk, &k[column::WALK], &mut m.walk, error);
-        }
-        if on.range || on.quantisation {
-            let range = on.range.then_some(&k[column::RANGE]);
-            let steps = on.quantisation.then_some([&k[column::QUANTISATION], &k[column::STEPS]]);
+        let (range, rounded) = (on.has(SensorTerm::Range), on.has(SensorTerm::Quantisation));
+        if range || rounded {
+            let range = range.then_some(&k[column::RANGE]);
+            let steps = rounded.then_some([&k[column::QUANTISATION], &k[column::STEPS]]);
             level.run(Limit { range, steps, felt, error });
-        }
-        if on.gyro {
-            turn.fill(k[column::GYRO_BIAS]);
-        }
-        if on.gyro_white {
-            source.white(Stream::GyroWhite, &k[column::GYRO_WHITE], turn);
-        }
-        if on.gyro_flicker {
-            let flicker = &mut m.gyro_flicker;
-            source.flicker(Stream::GyroFlicker, flicker, &shared.flicker, &k[column::GYRO_FLICKER], turn);
-        }
-        if on.gyro_walk {
-            source.walk(Stream::GyroWalk, &k[column::GYRO_WALK], &mut m.gyro_walk, turn);
         }
         if let Some(observer) = &mut self.observer {
             error.iter().zip(&*turn).for_each(|(error, turn)| observer(error, turn));
         }
         let tilt_gain = shared.tilt_gain;
-        let turn = on.gyro.then_some(&*turn);
+        let turn = turns.then_some(&*turn);
         level.run(Integrate { sums: &mut m.sums, end: until, error, turn, tilt_gain, e: &m.e });
         if let Some(last) = error.last() {
             m.acceleration = *last;
         }
-    }
-}
-
-/// Draws the numbers of a stretch, one purpose after the other, and adds noises made of them.
-struct Source<'a, T> {
-    level: Level,
-    drawer: Drawer,
-    from: u64,
-    until: u64,
-    numbers: &'a mut [Lane<T>; STRETCH],
-    slow: &'a mut [Lane<T>; STRETCH / 2],
-}
-
-impl<T: Real> Source<'_, T> {
-    /// Draws one number a sample; says where they are.
-    fn renew(&mut self, purpose: Stream) -> Range<usize> {
-        let (first, last) = (self.from >> 2, (self.until - 1) >> 2);
-        let counters = (last - first + 1) as usize;
-        let out = &mut self.numbers[..4 * counters];
-        self.level.run(Draw { drawer: self.drawer, stream: stream(purpose, 0), counter: first as u32, each: 4, out });
-        let skipped = (self.from & 3) as usize;
-        skipped..skipped + (self.until - self.from) as usize
-    }
-
-    fn each(&mut self, purpose: Stream) -> &[Lane<T>] {
-        let range = self.renew(purpose);
-        &self.numbers[range]
-    }
-
-    fn white(&mut self, purpose: Stream, scale: &Lane<T>, out: &mut [Lane<T>]) {
-        let level = self.level;
-        level.run(AddWhite { scale, numbers: self.each(purpose), out });
-    }
-
-    fn walk(&mut self, purpose: Stream, scale: &Lane<T>, walk: &mut Lane<T>, out: &mut [Lane<T>]) {
-        let level = self.level;
-        level.run(AddWalk { scale, numbers: self.each(purpose), walk, out });
-    }
-
-    fn flicker(
-        &mut self,
-        purpose: Stream,
-        flicker: &mut Flicker<T>,
-        amplitudes: &[T],
-        scale: &Lane<T>,
-        out: &mut [Lane<T>],
-    ) {
-        let (level, drawer, first) = (self.level, self.drawer, self.from);
-        let draw = |term: usize, counter: u32, out: &mut [Lane<T>]| {
-            level.run(Draw { drawer, stream: stream(purpose, term), counter, each: 2, out });
-        };
-        if first == 0 {
-            for j in 1..flicker.terms.len() {
-                draw(2 + j, 0, &mut self.slow[..2]);
-                flicker.terms[j] = self.slow[0];
-            }
-        }
-        let counters = (((self.until - 1) >> 2) - (first >> 2) + 1) as usize;
-        draw(1, (first >> 2) as u32, &mut self.slow[..2 * counters]);
-        let range = self.renew(purpose);
-        let (fast, slow) = (&self.numbers[range], &*self.slow);
-        level.run(AddFlicker { flicker, amplitudes, scale, first, fast, slow, out });
     }
 }

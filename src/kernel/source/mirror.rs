@@ -6,8 +6,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::Shader;
 use crate::kernel::layout::{self, Bins, OrbitTile, Partial, Report, Tile};
-use crate::kernel::member::column as member;
-use crate::kernel::{cpu, source};
+use crate::kernel::source;
+use crate::sensor::SensorTerm;
 
 /// A shader that parses and validates.
 fn parsed(shader: &Shader) -> naga::Module {
@@ -165,34 +165,31 @@ fn has(shader: &Shader, name: &str, value: &str) {
 }
 
 #[test]
-fn columns_states_and_bounds_agree() {
+fn columns_and_bounds_agree() {
     let simulate = source::simulate(false);
-    MEMBER.iter().for_each(|(name, place)| has(&simulate, name, &format!("{place}u")));
-    has(&simulate, "STATE_TERMS", &format!("{}u", layout::STATE));
-    has(&simulate, "BOUND_M_S2", "1e7");
-    assert_eq!(cpu::sums::BOUND_M_S2, 1e7);
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
     let reduce = source::reduce();
     has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
     has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));
 }
 
-/// A member's columns.
-const MEMBER: [(&str, usize); 16] = [
-    ("GAIN", member::GAIN),
-    ("SINE", member::SINE),
-    ("BIAS", member::BIAS),
-    ("SCALE", member::SCALE),
-    ("K2", member::K2),
-    ("WHITE", member::WHITE),
-    ("FLICKER", member::FLICKER),
-    ("WALK", member::WALK),
-    ("QUANTISATION", member::QUANTISATION),
-    ("RANGE", member::RANGE),
-    ("FORCE", member::FORCE),
-    ("GYRO_BIAS", member::GYRO_BIAS),
-    ("GYRO_WHITE", member::GYRO_WHITE),
-    ("GYRO_FLICKER", member::GYRO_FLICKER),
-    ("GYRO_WALK", member::GYRO_WALK),
-    ("STEPS", member::STEPS),
-];
+/// Whether the shader's text uses a name beyond declaring it.
+fn uses(shader: &Shader, name: &str) -> bool {
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    shader.text.split(|c| !word(c)).filter(|w| *w == name).count() > 1
+}
+
+/// Each term's column and switch are declared once and used, so that a row that no law takes up is noticed.
+#[test]
+fn every_sensor_term_is_taken_up_by_the_shader() {
+    let simulate = source::simulate(false);
+    assert!(!simulate.text.contains("#terms") && !simulate.text.contains('$'), "a line was not replaced");
+    let module = parsed(&simulate);
+    for term in SensorTerm::ALL {
+        let switch = source::terms::switch(term);
+        assert!(module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(&switch)), "{switch}");
+        assert!(uses(&simulate, &source::terms::name(term)), "{term:?} is in no one's hands");
+    }
+    let without = Shader { name: "without", text: simulate.text.replace("column(i, GYRO_BIAS)", "0.0") };
+    assert!(!uses(&without, "GYRO_BIAS"));
+}

@@ -4,9 +4,9 @@ use crate::number::rounded;
 use crate::report::table::Table;
 use crate::sensor::SensorTerm;
 use crate::study::Study;
-use crate::study::number::Number;
 use crate::study::tolerances::keys;
 use crate::units::key::Key;
+use crate::units::number::Number;
 
 /// Which noise is meant, said once.
 pub const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \

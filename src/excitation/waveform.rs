@@ -1,0 +1,7 @@
+//! A specific force as a function of time.
+
+/// Specific force along the sensitive axis, shared by all members up to `Sensor::excitation_gain`.
+pub trait Waveform: Send + Sync {
+    /// f(t), m/s².
+    fn specific_force_m_s2(&self, time_s: f64) -> f64;
+}
