@@ -41,6 +41,7 @@ pub mod readout_nonlinearity;
 pub mod readout_quantisation;
 pub mod readout_saturation;
 pub mod scales;
+pub mod side_by_side;
 pub mod squeeze_film_damping;
 pub mod state;
 pub mod stiffness_drift;

@@ -3,6 +3,7 @@
 //! One room per stage, each of which imports only those before it: `intake` → `simulation` → `identification` → `selection` →
 //! `verdict`, over the laws in `physics`.
 
+pub mod base;
 pub mod identification;
 pub mod intake;
 pub mod selection;

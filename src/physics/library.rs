@@ -7,7 +7,8 @@ use crate::numerics::elementary::Real;
 use super::candidate::Candidate;
 use super::dimension::{Dimension, Units};
 use super::law::{Law, Noise, Role};
-use super::state::{Constants, Instants, Lanes, Stride, each, each_reading};
+use super::side_by_side::{each, each_reading};
+use super::state::{Constants, Instants, Lanes, Stride};
 use super::study::Key;
 
 macro_rules! library {

@@ -1,11 +1,7 @@
 //! What a law is given: the state of the mass at one instant, one step that it has taken, and how many are simulated at once.
 //!
-//! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side, from which [`each`] feeds
-//! it lane by lane, in loops that compile to vector instructions. Units are the caller's (see [`super::dimension`]).
-
-use crate::numerics::elementary::Real;
-
-use super::law::Law;
+//! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side, from which `side_by_side`
+//! feeds it lane by lane. Units are the caller's (see [`super::dimension`]).
 
 /// Parameter sets that the diagnosis simulates side by side.
 pub const LANES: usize = 8;
@@ -79,59 +75,6 @@ impl<T: Copy, const N: usize> Instants<'_, T, N> {
             environment: self.environment,
         }
     }
-}
-
-/// Adds a law's force to the acceleration of N masses and writes the rates of its states.
-#[inline(always)]
-pub fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
-    law: &L,
-    at: &Instants<'_, T, N>,
-    p: &[[T; N]],
-    own: &[[T; N]],
-    rates: &mut [[T; N]],
-    acceleration: &mut [T; N],
-) {
-    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
-    // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
-    let (Some(p), Some(own), Some(rates)) = (p.get(..values), own.get(..states), rates.get_mut(..states)) else {
-        return;
-    };
-    for l in 0..N {
-        let (at, p) = (at.lane(l), picked::<T, N, MOST_VALUES>(p, l));
-        let z = picked::<T, N, MOST_STAGED>(own, l);
-        acceleration[l] = law.force::<T, FMA>(&at, &p, &z, acceleration[l]);
-        let rate = law.rates::<T, FMA>(&at, &p, &z);
-        for (rates, rate) in rates.iter_mut().zip(rate) {
-            rates[l] = rate;
-        }
-    }
-}
-
-/// Lets a law change the readings of N masses.
-#[inline(always)]
-pub fn each_reading<L: Law, const N: usize>(
-    law: &L,
-    at: &Instants<'_, f64, N>,
-    p: &[[f64; N]],
-    own: &[[f64; N]],
-    y: &mut [f64; N],
-) {
-    let (values, states) = (law.values(), law.states().min(MOST_STAGED));
-    let (Some(p), Some(own)) = (p.get(..values), own.get(..states)) else { return };
-    for l in 0..N {
-        let (p, z) = (picked::<f64, N, MOST_VALUES>(p, l), picked::<f64, N, MOST_STAGED>(own, l));
-        y[l] = law.reading(&at.lane(l), &p, &z, y[l]);
-    }
-}
-
-/// One lane of some rows, zero beyond them.
-#[inline(always)]
-fn picked<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]], l: usize) -> [T; MOST] {
-    let mut out = [T::default(); MOST];
-    for (out, row) in out.iter_mut().zip(rows) {
-        *out = row[l];
-    }
-    out
 }
 
 /// What a law needs at every step of a pass and that does not change during it.

@@ -2,6 +2,7 @@
 //! simulation that both rest on has the order that its steps are chosen for.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::driven::base::BASE;
 use proofmass::diagnosis::driven::identification::fit::{Search, fit};
 use proofmass::diagnosis::driven::identification::interval::spread;
 use proofmass::diagnosis::driven::identification::profile::profiles;
@@ -11,7 +12,6 @@ use proofmass::diagnosis::driven::identification::start_search::StartSearch;
 use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
 use proofmass::diagnosis::driven::intake::work::Stage;
-use proofmass::diagnosis::driven::simulation::base::BASE;
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
 use proofmass::diagnosis::driven::simulation::shape::Shape;

@@ -16,14 +16,16 @@ pub fn among_files<'a>(taken: impl IntoIterator<Item = &'a Taken>) -> Arrows {
     arrows
 }
 
-/// Room by room: the modules directly below each module, with all that stands in them. A file beside its own folder is the
-/// folder's door, and no room of it.
-pub fn among_rooms<'a>(taken: impl IntoIterator<Item = &'a Taken>) -> Arrows {
+/// Room by room: of the modules directly below each module those that are folders, with all that stands in them.
+pub fn among_rooms<'a>(taken: impl IntoIterator<Item = &'a Taken>, is_folder: impl Fn(&Module) -> bool) -> Arrows {
     let mut arrows = Arrows::new();
     for t in taken {
         let common = t.by.iter().zip(&t.from).take_while(|(a, b)| a == b).count();
         if common < t.by.len() && common < t.from.len() {
-            arrows.entry(t.by[..=common].to_vec()).or_default().insert(t.from[..=common].to_vec());
+            let (by, from) = (t.by[..=common].to_vec(), t.from[..=common].to_vec());
+            if is_folder(&by) && is_folder(&from) {
+                arrows.entry(by).or_default().insert(from);
+            }
         }
     }
     arrows

@@ -11,7 +11,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::{LANES, Lanes};
 
-pub use crate::diagnosis::driven::simulation::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+pub use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
 pub use crate::diagnosis::driven::simulation::shape::{Shape, coordinates};
 
 /// A fit in progress: which parameters move, and how.

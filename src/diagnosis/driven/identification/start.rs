@@ -4,9 +4,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::diagnosis::driven::base::BASE;
 use crate::diagnosis::driven::intake::alignment::{Alignment, align};
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::base::BASE;
 use crate::diagnosis::driven::simulation::shape::Shape;
 use crate::diagnosis::model;
 use crate::numerics::moments::mean_sd;

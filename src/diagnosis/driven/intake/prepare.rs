@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use crate::diagnosis::driven::simulation::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
+use crate::diagnosis::driven::base::{BASE, OMEGAS_PER_SAMPLE, ZETAS};
 use crate::diagnosis::model;
 use crate::error::{Error, Result, nearest};
 use crate::number::short;

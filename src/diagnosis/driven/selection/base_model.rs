@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use crate::diagnosis::driven::base::{BASE, OMEGA};
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::{Input, Interpolation};
 use crate::diagnosis::driven::intake::prepare::Notes;
-use crate::diagnosis::driven::simulation::base::{BASE, OMEGA};
 use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::shape::Shape;
 use crate::diagnosis::model;

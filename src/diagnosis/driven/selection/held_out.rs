@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::driven::base::{INITIAL, OFFSET};
 use crate::diagnosis::driven::identification::fit::{Fit, Search};
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::base::{INITIAL, OFFSET};
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
 use crate::diagnosis::driven::simulation::shape::coordinates;

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::Input;
-use crate::diagnosis::driven::simulation::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
 use crate::physics::state::{BaseLanes, LANES, Lanes};
 
 use super::filter::{Keep, Pass, States};

@@ -1,8 +1,8 @@
 //! Which parameters a model has, and what follows from them alone: the base, its terms, their places, how each moves, how
 //! short the steps must be. Not for running it (`run`).
 
+use crate::diagnosis::driven::base::{BASE, INITIAL, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
 use crate::diagnosis::driven::intake::input::MOST_STEPS;
-use crate::diagnosis::driven::simulation::base::{BASE, INITIAL, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
 use crate::physics::law::{Noise, Role};
 use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};

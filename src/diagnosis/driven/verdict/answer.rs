@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use crate::diagnosis::candidate::Kind;
+use crate::diagnosis::driven::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
-use crate::diagnosis::driven::simulation::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::verdict::{

@@ -2,9 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
+use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::repair::{Repair, Vibration};
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
