@@ -13,7 +13,7 @@ use crate::error::{Error, Result, nearest};
 
 mod whole;
 
-pub use whole::{Staged, UNFINISHED, sync_folder, write_whole};
+pub use whole::{Staged, UNFINISHED, write_whole};
 
 /// Parses a TOML document. `name` stands in messages for where it came from.
 ///
@@ -146,18 +146,14 @@ pub fn to_json(result: &impl Serialize) -> Result<String> {
         .map_err(|e| Error::new("could not write the result as JSON", e.to_string(), "report this as a defect"))
 }
 
+/// A string as TOML writes it, quotes included.
+pub fn toml_string(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
 /// Bytes as hexadecimal digits, two each: how checksums are written.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// Finds out before the work whether its result can be kept: makes the folder and tries it.
-///
-/// # Errors
-/// When the folder cannot be made or written.
-pub fn writable(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
-    tempfile::tempfile_in(folder).map(drop).map_err(|e| Error::io("write in", folder, &e))
 }
 
 #[cfg(test)]

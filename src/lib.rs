@@ -14,7 +14,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `progress` `error` `document` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `progress` `error` `document` `output` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `physics` `sensor` `excitation` `recording` `navigation` `dynamics` | the physics, one idea each |
@@ -46,6 +46,7 @@ pub mod map;
 pub mod navigation;
 pub mod number;
 pub mod numerics;
+pub mod output;
 pub mod paper;
 pub mod parallel;
 pub mod physics;

@@ -49,6 +49,8 @@ pub struct Study {
     /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies with the same one give the
     /// same numbers.
     pub identity: String,
+    /// Recordings that it reads.
+    pub reads: Vec<PathBuf>,
 }
 
 /// What the command line changes in a study.
@@ -94,6 +96,9 @@ impl Study {
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file)?;
         check::compare(source, file.compare.as_ref())?;
+        let compared = file.compare.as_ref().map(|c| c.file.as_path());
+        let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);
+        let reads = recordings.map(|recording| folder.join(recording)).collect();
         let run = Run { source, duration_s: clock.duration_s(), seed, folder: &folder };
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
@@ -112,6 +117,7 @@ impl Study {
             compare: file.compare,
             folder,
             identity,
+            reads,
         })
     }
 
@@ -179,11 +185,29 @@ impl Study {
     }
 }
 
+/// Longest name of a study, bytes: a folder's, with room for what a file system adds.
+const LONGEST_NAME_BYTES: usize = 100;
+
+/// What a study's name may be made of.
+fn plain(c: char) -> bool {
+    c.is_alphanumeric() || "-_. ".contains(c)
+}
+
+/// The name of a study about a file of this name: what no folder may be called becomes a hyphen, and accents that stand for
+/// themselves, as in file names on a Mac, go.
+pub fn name_for(stem: &str) -> String {
+    let accents = '\u{300}'..='\u{36f}';
+    let kept = stem.chars().filter(|c| !accents.contains(c)).map(|c| if plain(c) { c } else { '-' });
+    let mut name: String = kept.skip_while(|c| *c == '.' || *c == ' ').collect();
+    name.truncate(name.floor_char_boundary(LONGEST_NAME_BYTES - 20));
+    let name = name.trim_end();
+    if name.is_empty() { "recording".into() } else { name.into() }
+}
+
 /// A name that can be a folder's.
 fn checked_name(source: &str, name: Option<String>) -> Result<String> {
     let name = name.unwrap_or_else(|| "study".into());
-    let plain = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
-    match !name.is_empty() && name.len() <= 100 && name.chars().all(plain) && !name.starts_with('.') {
+    match !name.is_empty() && name.len() <= LONGEST_NAME_BYTES && name.chars().all(plain) && !name.starts_with('.') {
         true => Ok(name),
         false => Err(Error::new(
             format!("could not use {source}"),

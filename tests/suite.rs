@@ -16,10 +16,12 @@ mod suite {
     pub mod diagnosis_tumble;
     pub mod driven_bad_input;
     pub mod dynamics;
+    pub mod hostile_names;
     pub mod invariance;
     pub mod law;
     pub mod mistakes;
     pub mod noise_law;
+    pub mod outputs;
     pub mod paper;
     pub mod parity;
     pub mod planted;
@@ -45,6 +47,10 @@ fn main() {
         suite::architecture::tests(),
         // cli: the commands answer as the contract says.
         suite::cli::tests(),
+        // outputs: a run replaces its own files and nobody else's.
+        suite::outputs::tests(),
+        // hostile_names: headings, units and paths of any text are written so that they can be read back.
+        suite::hostile_names::tests(),
         // mistakes: what a newcomer does wrong is refused in a sentence.
         suite::mistakes::tests(),
         // law: random numbers and error growth follow their laws, and the controls fail.

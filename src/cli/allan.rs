@@ -1,13 +1,14 @@
 //! `proofmass allan`: noise coefficients of a static log, and a sensor for a study made of them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::say::{remark, sayln};
-use crate::document::{writable, write_whole};
 use crate::error::{Error, Result};
+use crate::output::{self, Folder};
 use crate::recording::Request;
+use crate::recording::noise::{self, Noise};
+use crate::recording::rows;
 use crate::recording::unit::{Quantity, Unit};
-use crate::recording::{noise, rows};
 use crate::report::allan as report;
 
 /// Arguments of `allan`.
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Folder for report.html, sensor.toml and, where a scale is given, a study.toml that runs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -63,7 +67,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         ));
     }
     rows::open(&arguments.recording)?;
-    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
     let request = Request { columns, rate_hz: arguments.rate_hz, time: arguments.time.clone(), ..Request::default() };
     let noise = noise::analyse(&arguments.recording, &request, |name| {
         let among = |columns: &[String]| columns.iter().any(|c| c == name);
@@ -74,23 +78,45 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         }
     })?;
     let file = arguments.recording.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if let Some(folder) = &arguments.out {
-        let fragments = report::fragments(&file, &noise);
-        for fragment in &fragments {
-            write_whole(&folder.join(&fragment.name), fragment.toml.as_bytes())?;
-        }
-        write_whole(&folder.join("report.html"), report::page(&file, &noise, &fragments).as_bytes())?;
-        remark!("wrote {} and {}", folder.join("report.html").display(), folder.join("sensor.toml").display());
-        if let Some(study) = report::study(&arguments.recording, &noise) {
-            write_whole(&folder.join("study.toml"), study.as_bytes())?;
-            remark!("simulate it beside its log: proofmass study {}", folder.join("study.toml").display());
-        }
-    }
+    let written = folder.map(|folder| write(folder, &arguments.recording, &file, &noise)).transpose();
     if json {
         sayln!("{:#}", report::document(&file, &noise))?;
     } else {
         report::tables(&noise).iter().try_for_each(|table| sayln!("{table}"))?;
         report::notes(&noise).iter().try_for_each(|note| sayln!("{note}"))?;
     }
+    let Some((folder, files)) = arguments.out.as_ref().zip(written?) else { return Ok(()) };
+    remark!("wrote {} in {}", files.join(", "), folder.display());
+    if files.iter().any(|name| name == STUDY) {
+        remark!("simulate it beside its log: proofmass study {}", folder.join(STUDY).display());
+    }
     Ok(())
+}
+
+const REPORT: &str = "report.html";
+const STUDY: &str = "study.toml";
+
+impl Arguments {
+    fn outputs(&self) -> output::Request {
+        let scaled = !self.accelerometer.is_empty() || !self.gyro.is_empty();
+        let files = [REPORT, "sensor.toml"].into_iter().chain(scaled.then_some(STUDY));
+        output::Request {
+            command: "allan",
+            inputs: vec![self.recording.clone()],
+            writes: files.map(str::to_owned).collect(),
+            force: self.force,
+            ..output::Request::default()
+        }
+    }
+}
+
+/// Writes the results and gives the files' names.
+fn write(mut folder: Folder, recording: &Path, file: &str, noise: &Noise) -> Result<Vec<String>> {
+    let fragments = report::fragments(file, noise);
+    let mut files = vec![(REPORT.to_owned(), report::page(file, noise, &fragments))];
+    files.extend(fragments.into_iter().map(|fragment| (fragment.name, fragment.toml)));
+    files.extend(report::study(recording, noise).map(|study| (STUDY.to_owned(), study)));
+    files.iter().try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+    folder.finish()?;
+    Ok(files.into_iter().map(|(name, _)| name).collect())
 }

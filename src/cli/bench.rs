@@ -8,9 +8,9 @@ use super::say::{remark, say, sayln};
 use crate::backend::gpu::simulate::Ensembles;
 use crate::benchmark::others::Ticks;
 use crate::benchmark::{self, Row};
-use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
+use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::bench;
 
@@ -21,8 +21,11 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     backend: Choice,
     /// Folder for report.html, summary.md and its figures
-    #[arg(long)]
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    force: bool,
     /// Print rows of the work unit that other tools are measured on, as CSV
     #[arg(long, hide = true)]
     peers: bool,
@@ -36,7 +39,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if arguments.peers {
         return benchmark::peers::rows().iter().try_for_each(|row| sayln!("{row}"));
     }
-    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let request = || output::Request {
+        command: "bench",
+        writes: FILES.map(str::to_owned).into(),
+        force: arguments.force,
+        ..output::Request::default()
+    };
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
     let stopped = |e: Error| e.within("could not finish the measurements", "run them again");
     let bar = progress::bar("measuring", 0);
     let told = |what: &str| bar.set_message(what.to_owned());
@@ -51,14 +60,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     bar.finish_and_clear();
     let others = Ticks::now().zip(begun).map(|(now, begun)| now.others_since(&begun));
-    if let Some(folder) = &arguments.out {
-        let (sizes, lengths) = (bench::sizes(&rows).file_svg(), bench::lengths(&rows).file_svg());
-        let (page, summary) = (bench::page(&rows, others), bench::summary(&rows, others));
-        let files = [("report.html", page), ("summary.md", summary), ("sizes.svg", sizes), ("lengths.svg", lengths)];
-        for (name, text) in files {
-            write_whole(&folder.join(name), text.as_bytes())?;
-        }
-        remark!("wrote {}", folder.join("report.html").display());
+    let written = folder.map_or(Ok(()), |folder| write(folder, &rows, others));
+    if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+        remark!("wrote {}", folder.join(FILES[0]).display());
     }
     if json {
         sayln!("{:#}", serde_json::json!({ "schema": "proofmass.bench/1", "others_cpu_share": others, "rows": rows }))?;
@@ -66,5 +70,18 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         say(format_args!("{}", bench::table(&rows)))?;
         sayln!("{}", bench::busy(others))?;
     }
-    Ok(())
+    written
+}
+
+const FILES: [&str; 4] = ["report.html", "summary.md", "sizes.svg", "lengths.svg"];
+
+fn write(mut folder: Folder, rows: &[Row], others: Option<f64>) -> Result<()> {
+    let texts = [
+        bench::page(rows, others),
+        bench::summary(rows, others),
+        bench::sizes(rows).file_svg(),
+        bench::lengths(rows).file_svg(),
+    ];
+    FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+    folder.finish()
 }

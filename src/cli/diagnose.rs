@@ -1,12 +1,13 @@
 //! `proofmass diagnose`: a recording and the model that should explain it in, a verdict out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::say::{say, sayln};
-use crate::diagnosis::model;
+use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::{self, Diagnosis, consequence, repair};
-use crate::document::{to_json, writable, write_whole};
+use crate::document::to_json;
 use crate::error::Result;
+use crate::output::{self, Folder};
 use crate::report::diagnosis as page;
 
 /// Arguments of `diagnose`.
@@ -17,9 +18,12 @@ pub struct Arguments {
     /// What the recording is and what is believed of it (model.toml)
     #[arg(long)]
     pub model: PathBuf,
-    /// Where to write report.html, verdict.json, model.toml and the figures
+    /// Where to write report.html, verdict.json, repaired.toml and the figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// Diagnoses, prints the verdict and writes the report.
@@ -29,33 +33,49 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
     let recording = model::read_recording(&arguments.recording, &model)?;
-    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let outputs = || outputs(arguments, &model);
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
     let diagnosis = diagnosis::diagnose(&recording, &model)?;
     let costs = consequence::costs(&diagnosis)?;
-    if let Some(folder) = &arguments.out {
-        write(folder, &diagnosis, &costs)?;
-    }
+    // The answer of long work is said even where its report cannot be written.
+    let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
     if json {
         sayln!("{}", to_json(&diagnosis.verdict)?)?;
     } else {
         say(format_args!("{}", page::terminal(&diagnosis, &costs)))?;
-        if let Some(folder) = &arguments.out {
-            sayln!("report: {}", folder.join("report.html").display())?;
+        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            sayln!("report: {}", folder.join(REPORT).display())?;
         }
     }
-    Ok(())
+    written
 }
 
-fn write(folder: &Path, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> Result<()> {
+const REPORT: &str = "report.html";
+const VERDICT: &str = "verdict.json";
+/// Never a name that an input carries: model.toml is what the user believes.
+const REPAIRED: &str = "repaired.toml";
+
+fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
+    let poses = if let Model::Tumble(tumble) = model { tumble.poses.clone() } else { None };
+    output::Request {
+        command: "diagnose",
+        inputs: vec![arguments.recording.clone(), arguments.model.clone()],
+        reads: poses.into_iter().collect(),
+        writes: [REPORT, VERDICT, REPAIRED].map(str::to_owned).into(),
+        force: arguments.force,
+    }
+}
+
+fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> Result<()> {
     let exhibits = page::exhibits(&diagnosis.detail);
     for exhibit in &exhibits {
-        write_whole(&folder.join(format!("{}.svg", exhibit.name)), exhibit.figure.file_svg().as_bytes())?;
+        folder.write(&format!("{}.svg", exhibit.name), exhibit.figure.file_svg().as_bytes())?;
     }
-    write_whole(&folder.join("verdict.json"), to_json(&diagnosis.verdict)?.as_bytes())?;
+    folder.write(VERDICT, to_json(&diagnosis.verdict)?.as_bytes())?;
     let study = diagnosis.repair.as_ref().map(|r| repair::study_document(r, &diagnosis.verdict));
     if let Some(study) = &study {
-        write_whole(&folder.join("model.toml"), study.as_bytes())?;
+        folder.write(REPAIRED, study.as_bytes())?;
     }
-    let html = page::page(diagnosis, costs, &exhibits, study.as_deref());
-    write_whole(&folder.join("report.html"), html.as_bytes())
+    folder.write(REPORT, page::page(diagnosis, costs, &exhibits, study.as_deref()).as_bytes())?;
+    folder.finish()
 }

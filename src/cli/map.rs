@@ -1,17 +1,19 @@
 //! `proofmass map`: a map.toml in, the maps and bifurcation diagrams of its oscillator out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::json;
 
 use super::device::on_device;
 use super::say::{say, sayln};
-use crate::document::{read_toml, writable, write_whole};
+use crate::document::read_toml;
 use crate::ensemble::Choice;
 use crate::error::Result;
+use crate::map::document::Document;
 use crate::map::grid::Grid;
 use crate::map::{Atlas, compute};
 use crate::number::significant;
+use crate::output::{self, Folder};
 use crate::report::map as page;
 
 const EXAMPLE: &str = "map.toml:
@@ -49,6 +51,9 @@ pub struct Arguments {
     /// Where to write report.html, one CSV per map and the figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     pub backend: Choice,
@@ -59,22 +64,39 @@ pub struct Arguments {
 /// # Errors
 /// A map file that cannot be used; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let document: crate::map::document::Document = read_toml(&arguments.map)?;
+    let document: Document = read_toml(&arguments.map)?;
     document.check()?;
-    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    let outputs = || outputs(arguments, &document);
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
     let atlas = on_device(arguments.backend, |device| compute(document.clone(), device))?;
-    if let Some(folder) = &arguments.out {
-        write(folder, &atlas)?;
-    }
+    let written = folder.map_or(Ok(()), |folder| write(folder, &atlas));
     if json {
         sayln!("{:#}", summary(&atlas))?;
     } else {
         say(format_args!("{}", page::table(&atlas)))?;
-        if let Some(folder) = &arguments.out {
-            sayln!("report: {}", folder.join("report.html").display())?;
+        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            sayln!("report: {}", folder.join(REPORT).display())?;
         }
     }
-    Ok(())
+    written
+}
+
+const REPORT: &str = "report.html";
+
+fn outputs(arguments: &Arguments, document: &Document) -> output::Request {
+    let tables = (0..document.map.len()).map(csv_name);
+    let figures = page::file_names(document).into_iter().flatten();
+    output::Request {
+        command: "map",
+        inputs: vec![arguments.map.clone()],
+        writes: tables.chain(figures).chain([REPORT.to_owned()]).collect(),
+        force: arguments.force,
+        ..output::Request::default()
+    }
+}
+
+fn csv_name(map: usize) -> String {
+    format!("map-{}.csv", map + 1)
 }
 
 fn summary(atlas: &Atlas) -> serde_json::Value {
@@ -107,9 +129,9 @@ fn csv(grid: &Grid) -> String {
     text
 }
 
-fn write(folder: &Path, atlas: &Atlas) -> Result<()> {
+fn write(mut folder: Folder, atlas: &Atlas) -> Result<()> {
     for (i, grid) in atlas.grids.iter().enumerate() {
-        write_whole(&folder.join(format!("map-{}.csv", i + 1)), csv(grid).as_bytes())?;
+        folder.write(&csv_name(i), csv(grid).as_bytes())?;
     }
     let lede = format!(
         "Where a driven Duffing proof mass is periodic and where it is chaotic: largest Lyapunov exponent and period over \
@@ -121,7 +143,8 @@ fn write(folder: &Path, atlas: &Atlas) -> Result<()> {
     paper.table(&page::table(atlas));
     page::write(&mut paper, atlas);
     for (name, figure) in page::figures(atlas) {
-        write_whole(&folder.join(format!("{name}.svg")), figure.file_svg().as_bytes())?;
+        folder.write(&name, figure.file_svg().as_bytes())?;
     }
-    write_whole(&folder.join("report.html"), paper.finish().as_bytes())
+    folder.write(REPORT, paper.finish().as_bytes())?;
+    folder.finish()
 }

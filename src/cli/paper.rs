@@ -6,9 +6,9 @@ use serde_json::json;
 
 use super::device::on_device;
 use super::say::{say, sayln};
-use crate::document::{writable, write_whole};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
+use crate::output::{self, Folder};
 use crate::paper::compute;
 use crate::report::paper as page;
 use crate::trial::real;
@@ -19,6 +19,9 @@ pub struct Arguments {
     /// Where to write report.html
     #[arg(long, value_name = "DIR", default_value = "reports/paper")]
     pub out: PathBuf,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long)]
+    pub force: bool,
     /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
@@ -39,11 +42,17 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
         ));
     }
-    writable(&arguments.out)?;
+    let request = output::Request {
+        command: "paper",
+        writes: vec![REPORT.into()],
+        force: arguments.force,
+        ..output::Request::default()
+    };
+    let mut folder = Folder::open(&arguments.out, request)?;
     let data = arguments.data.clone().or_else(real::folder);
     let paper = on_device(arguments.backend, |device| compute(data.as_deref(), true, device))
         .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
-    write_whole(&arguments.out.join("report.html"), page::page(&paper).as_bytes())?;
+    let written = folder.write(REPORT, page::page(&paper).as_bytes()).and_then(|()| folder.finish());
     if json {
         sayln!("{:#}", json!({ "schema": "proofmass.paper/1", "figures": paper.exhibits() }))?;
     } else {
@@ -51,7 +60,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         for failure in page::failures(&paper) {
             sayln!("does not hold: {failure}")?;
         }
-        sayln!("report: {}", arguments.out.join("report.html").display())?;
+        if written.is_ok() {
+            sayln!("report: {}", arguments.out.join(REPORT).display())?;
+        }
     }
-    Ok(())
+    written
 }
+
+const REPORT: &str = "report.html";

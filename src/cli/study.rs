@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{say, sayln};
-use crate::document::{to_json, writable, write_whole};
+use crate::document::to_json;
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
 use crate::ensemble::{Backends, Choice, Keeper, Options};
 use crate::error::Result;
+use crate::output::{self, Folder};
 use crate::report::study as page;
 use crate::study::{self, Overrides, Study};
 
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long)]
+    pub force: bool,
     /// Go on with a run that was stopped by Ctrl-C
     #[arg(long)]
     pub resume: bool,
@@ -43,12 +47,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Some(path) => study::read(path, overrides)?,
         None => study::read_default(overrides)?,
     };
-    let folder = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
-    writable(&folder)?;
+    let path = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
     let mut keeper = match arguments.resume {
-        true => Keeper::resume(&folder, &study.identity)?,
-        false => Keeper::new(&folder, &study.identity),
+        true => Keeper::resume(&path, &study.identity)?,
+        false => Keeper::new(&path, &study.identity),
     };
+    let mut folder = Folder::open(&path, outputs(arguments, &study))?;
+    folder.state(Keeper::FILES, arguments.resume)?;
     let (options, mut backends) = (Options { backend: arguments.backend, ..Options::default() }, Backends::default());
     let drift = drift::answer(&study, |job, _| backends.run(job, &options, &mut keeper))?;
     // The answer comes before the report: a disk that is full costs the report, not the run.
@@ -57,9 +62,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     } else {
         say(format_args!("{}", page::terminal(&study, &drift)))?;
     }
-    write(&folder, &study, &drift).map_err(|error| keeper.kept(error))?;
+    write(&mut folder, &study, &drift).map_err(|error| keeper.kept(error))?;
     if !json {
-        sayln!("report:     {}", folder.join("report.html").display())?;
+        sayln!("report:     {}", path.join(REPORT).display())?;
     }
     keeper.forget()
 }
@@ -72,7 +77,21 @@ pub fn run_default(json: bool) -> Result<()> {
     run(&Arguments::default(), json)
 }
 
-fn write(folder: &Path, study: &Study, drift: &Drift) -> Result<()> {
-    write_whole(&folder.join("envelope.svg"), page::envelope_figure(drift).draw().file_svg().as_bytes())?;
-    write_whole(&folder.join("report.html"), page::page(study, drift).finish().as_bytes())
+const REPORT: &str = "report.html";
+const ENVELOPE: &str = "envelope.svg";
+
+fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
+    output::Request {
+        command: "study",
+        inputs: arguments.study.iter().cloned().collect(),
+        reads: study.reads.clone(),
+        writes: [REPORT, ENVELOPE].map(str::to_owned).into(),
+        force: arguments.force,
+    }
+}
+
+fn write(folder: &mut Folder, study: &Study, drift: &Drift) -> Result<()> {
+    folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
+    folder.write(REPORT, page::page(study, drift).finish().as_bytes())?;
+    folder.finish()
 }

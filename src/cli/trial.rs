@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
-use crate::document::{to_json, writable, write_whole};
+use crate::document::to_json;
 use crate::error::{Error, Result};
+use crate::output::{self, Folder};
 use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
 use crate::trial::campaign::Campaign;
@@ -22,6 +23,9 @@ pub struct Arguments {
     /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Fewer and shorter recordings: at most two minutes instead of twenty
     #[arg(long)]
     pub quick: bool,
@@ -95,17 +99,19 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let cause = format!("{} cases of {} samples", plan.cases, plan.samples);
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));
     }
-    // Tried before the long work, so that a slip shows at once.
-    arguments.out.as_deref().map_or(Ok(()), writable)?;
+    if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
+        return one(&plan, number, path, arguments.force, json);
+    }
     let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
+    let mut kept = arguments.out.as_deref().map(|path| keep(path, arguments, recipe.as_ref())).transpose()?;
+    if let Some(kept) = &mut kept {
+        STATES.iter().try_for_each(|name| kept.state(name, arguments.resume))?;
+    }
     let scratch = Scratch::new(arguments.out.as_deref())?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
-    if let Some(number) = arguments.case {
-        return one(&plan, number, folder, json, &scratch);
-    }
     let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
     remark!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
-    let state = folder.join("verdicts.jsonl");
+    let state = folder.join(STATES[1]);
     let (done, unread) = if arguments.resume { blind::earlier(&state, &sealed)? } else { (Verdicts::new(), 0) };
     if unread > 0 {
         remark!("note: {unread} lines of {} cannot be read; their cases are asked again", state.display());
@@ -123,11 +129,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
     let document = to_json(&outcome)?;
     let real = recordings(recipe.as_ref(), &scratch)?;
-    if let Some(folder) = &arguments.out {
-        let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
-        write(folder, &run, &arguments.command())?;
-        write_whole(&folder.join("trial.json"), document.as_bytes())?;
-    }
+    let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
+    let written = kept.map_or(Ok(()), |kept| write(kept, &run, &arguments.command(), &document));
     if json {
         sayln!("{document}")?;
     } else {
@@ -136,11 +139,35 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         if !real.is_empty() {
             say(format_args!("\n{}", report::recordings(&real)))?;
         }
-        if let Some(folder) = &arguments.out {
-            sayln!("\nreport: {}", folder.join("report.html").display())?;
+        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
         }
     }
-    Ok(())
+    written
+}
+
+/// The sealed truth, and a line for each verdict: what a stopped trial goes on from.
+const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
+const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "limits.svg", "trial.json"];
+
+/// The folder of a trial; to resume one, there must be one.
+fn keep(path: &Path, arguments: &Arguments, recipe: Option<&Recipe>) -> Result<Folder> {
+    if arguments.resume && !path.join(STATES[0]).is_file() {
+        return Err(Error::new(
+            "could not resume",
+            format!("no trial in {}", path.display()),
+            "leave --resume out to begin anew, or give the --out of the interrupted trial",
+        ));
+    }
+    let models = recipe.iter().flat_map(|recipe| &recipe.recording).map(|real| real.model.clone());
+    let request = output::Request {
+        command: "trial",
+        reads: arguments.recordings.iter().cloned().chain(models).collect(),
+        writes: FILES.map(str::to_owned).into(),
+        force: arguments.force,
+        ..output::Request::default()
+    };
+    Folder::open(path, request)
 }
 
 /// Everything that a report is made from.
@@ -162,35 +189,47 @@ fn recordings(recipe: Option<&Recipe>, scratch: &Scratch) -> Result<Vec<Found>> 
     real::run(recipe, &data, &blind::tool, scratch)
 }
 
-fn write(folder: &Path, run: &Run<'_>, command: &str) -> Result<()> {
+fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Result<()> {
     let Run { plan, outcome, cases, verdicts, real } = run;
-    let files = [
-        ("report.html", report::page(plan, outcome, cases, verdicts, real)),
-        ("summary.md", report::summary(plan, outcome, command, real)),
-        ("power.svg", report::figures::power(outcome).file_svg()),
-        ("limits.svg", report::figures::limits(outcome).file_svg()),
+    let texts = [
+        report::page(plan, outcome, cases, verdicts, real),
+        report::summary(plan, outcome, command, real),
+        report::figures::power(outcome).file_svg(),
+        report::figures::limits(outcome).file_svg(),
+        document.to_owned(),
     ];
-    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
+    FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+    STATES.iter().for_each(|name| folder.record(name));
+    folder.finish()
 }
 
 /// Plants into copies of a user's recording.
 fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Result<()> {
+    let request = || output::Request {
+        command: "trial --like",
+        inputs: vec![recording.into(), model.into()],
+        writes: ["power.json", "power.html"].map(str::to_owned).into(),
+        force: arguments.force,
+        ..output::Request::default()
+    };
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
     let power = like::power(recording, model, arguments.quick, arguments.seed, &blind::tool)?;
     let document = to_json(&power)?;
-    if let Some(folder) = &arguments.out {
-        write_whole(&folder.join("power.json"), document.as_bytes())?;
-        write_whole(&folder.join("power.html"), report::like::page(&power).as_bytes())?;
-    }
+    let written = folder.map_or(Ok(()), |mut folder| {
+        folder.write("power.json", document.as_bytes())?;
+        folder.write("power.html", report::like::page(&power).as_bytes())?;
+        folder.finish()
+    });
     if json {
         sayln!("{document}")?;
     } else {
         say(format_args!("{}", report::like::terminal(&power)))?;
     }
-    Ok(())
+    written
 }
 
 /// Reproduces one case of a plan.
-fn one(plan: &Plan, number: usize, folder: &Path, json: bool, scratch: &Scratch) -> Result<()> {
+fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Result<()> {
     let families = plan.families();
     let Some((family, nth)) = families.get(number).copied() else {
         let cause = format!("the trial has cases 0 to {}", families.len() - 1);
@@ -200,11 +239,23 @@ fn one(plan: &Plan, number: usize, folder: &Path, json: bool, scratch: &Scratch)
             "give --seed and --cases of that trial",
         ));
     };
+    let names = ["recording.csv", "model.toml", "truth.json"];
+    let request = output::Request {
+        command: "trial --case",
+        writes: names.map(str::to_owned).into(),
+        force,
+        ..output::Request::default()
+    };
+    let mut folder = Folder::open(path, request)?;
     let case = plan.draw(number, family, nth);
-    let files = case.write(folder)?;
-    write_whole(&folder.join("truth.json"), to_json(&case)?.as_bytes())?;
+    let [recording, model] = case.texts();
+    for (name, text) in names.into_iter().zip([recording, model, to_json(&case)?]) {
+        folder.write(name, text.as_bytes())?;
+    }
+    folder.finish()?;
+    let scratch = Scratch::new(None)?;
     if json {
-        let said = blind::ask(&case, &blind::tool, scratch)?;
+        let said = blind::ask(&case, &blind::tool, &scratch)?;
         let mark = judge::judge(&case, &said).word();
         sayln!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?)?;
         return Ok(());
@@ -213,8 +264,8 @@ fn one(plan: &Plan, number: usize, folder: &Path, json: bool, scratch: &Scratch)
     for (id, size) in case.sizes_over_noise() {
         sayln!("planted: {id}, {size:.3} × noise")?;
     }
-    sayln!("files: {} and {}", files.recording.display(), files.model.display())?;
-    let said = blind::ask(&case, &blind::tool, scratch)?;
+    sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;
+    let said = blind::ask(&case, &blind::tool, &scratch)?;
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {

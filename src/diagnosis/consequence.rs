@@ -1,7 +1,7 @@
 //! What the omission costs in metres: position error after 10 s and 60 s, with and without the named physics.
 //!
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by `rectification`. One axis,
-//! flat earth. Not an ensemble: `proofmass study` runs DIR/model.toml for distributions.
+//! flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml for distributions.
 
 use super::Diagnosis;
 use super::rectification;

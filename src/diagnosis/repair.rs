@@ -3,7 +3,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::document::toml_string;
+use crate::escape;
 use crate::sensor::{Sensor, SensorTerm};
+use crate::study::name_for;
 use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
 use super::verdict::Verdict;
@@ -64,16 +67,16 @@ pub struct Cost {
     pub basis: String,
 }
 
-/// Comments in model.toml are broken at this many characters.
+/// Comments in repaired.toml are broken at this many characters.
 const COMMENT_WIDTH: usize = 100;
 
-/// The repaired sensor as a study: DIR/model.toml. What a study cannot run stands in comments, so that nothing named is lost.
+/// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments, so that nothing named is lost.
 pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
     let mut text = String::new();
     let mut comment = |line: &str| {
         let mut width = 0;
-        for (n, word) in line.split_whitespace().enumerate() {
+        for (n, word) in escape::line(line).split_whitespace().enumerate() {
             let length = word.chars().count() + 1;
             let (lead, start) = if n == 0 { ("# ", 2) } else { ("\n#   ", 4) };
             if n == 0 || width + length > COMMENT_WIDTH {
@@ -86,7 +89,9 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
         }
         text.push('\n');
     };
-    let file = Path::new(&verdict.recording.file).file_name().unwrap_or_default().to_string_lossy();
+    let path = Path::new(&verdict.recording.file);
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = format!("{}-repaired", name_for(&path.file_stem().unwrap_or_default().to_string_lossy()));
     comment(&format!("The sensor of {file} with the physics that its diagnosis named."));
     comment(&format!("Verdict: {}. {}", verdict.verdict.name(), verdict.sentence));
     comment(&repair.relation);
@@ -104,7 +109,8 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     }
     let _ = write!(
         text,
-        "\nname = \"repaired\"\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
+        "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
+        toml_string(&name),
         1.0 / rate_hz
     );
     section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));

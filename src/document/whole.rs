@@ -53,7 +53,7 @@ impl Staged {
 }
 
 /// Makes renamings in a folder survive a power failure, where the file system can.
-pub fn sync_folder(folder: &Path) {
+fn sync_folder(folder: &Path) {
     // Not every system opens folders; the files themselves are on the disk already.
     let _ = File::open(folder).and_then(|f| f.sync_all());
 }

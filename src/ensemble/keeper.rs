@@ -37,6 +37,9 @@ pub struct Keeper {
 }
 
 impl Keeper {
+    /// What the files are called; `*` is the number of a part.
+    pub const FILES: &str = "interrupted-*.json";
+
     /// Keeps nothing.
     pub fn none() -> Self {
         Self::of(None, "", false)

@@ -49,6 +49,16 @@ pub struct Section {
     pub given: Vec<(&'static str, Value)>,
 }
 
+impl Section {
+    /// The recording that it replays, as given.
+    pub fn file(&self) -> Option<&str> {
+        self.given.iter().find_map(|(key, value)| match value {
+            Value::Text(file) if *key == "file" => Some(file.as_str()),
+            _ => None,
+        })
+    }
+}
+
 /// What there is to choose from.
 pub struct Known {
     kinds: Vec<&'static str>,

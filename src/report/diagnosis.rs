@@ -11,6 +11,8 @@ mod words;
 
 pub use exhibit::{Exhibit, Part};
 
+use std::collections::HashSet;
+
 use crate::diagnosis::repair::{Cost, Repair, Row};
 use crate::diagnosis::standing::{Note, Ranked};
 use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
@@ -21,13 +23,23 @@ use super::html::Page;
 use super::table::Table;
 use crate::number::{duration, rounded, significant, with_uncertainty};
 
-/// The figures of any kind of diagnosis.
+/// The figures of any kind of diagnosis, no two of one file name.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
-    match detail {
+    let mut all = match detail {
         Detail::Driven(detail) => driven::exhibits(detail),
         Detail::Static(detail) => rest::exhibits(detail),
         Detail::Tumble(detail) => tumble::exhibits(detail),
+    };
+    // Headings that differ in what no file name holds (`a/b`, `a b`), or in case alone, would share a file.
+    let mut taken = HashSet::new();
+    for exhibit in &mut all {
+        let names = std::iter::once(exhibit.name.clone()).chain((2..).map(|n| format!("{}-{n}", exhibit.name)));
+        if let Some(free) = names.into_iter().find(|name| !taken.contains(&name.to_lowercase())) {
+            taken.insert(free.to_lowercase());
+            exhibit.name = free;
+        }
     }
+    all
 }
 
 /// What stands on a terminal.
@@ -103,7 +115,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.section("What to do next");
     page.callout(&verdict.next_experiment);
     if let Some(study) = study {
-        page.paragraph("The repaired sensor as a study, also in model.toml beside this page: run it with `proofmass study model.toml`.");
+        page.paragraph("The repaired sensor as a study, also in repaired.toml beside this page: run it with `proofmass study repaired.toml`.");
         page.preformatted(study);
     }
     if !verdict.findings.is_empty() {

@@ -3,7 +3,7 @@
 use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::html::Page;
 use super::table::Table;
-use crate::map::document::Quantity;
+use crate::map::document::{Document, Quantity};
 use crate::map::grid::Grid;
 use crate::map::{Atlas, Bifurcation};
 use crate::number::significant;
@@ -102,20 +102,19 @@ pub fn diagram(b: &Bifurcation) -> [Figure; 2] {
     [cloud(&b.up, "force rising"), cloud(&b.down, "force falling")]
 }
 
-/// Every figure with a file name.
+/// File names of the figures, a pair for each map and then for each diagram.
+pub fn file_names(document: &Document) -> Vec<[String; 2]> {
+    let names = |what: &'static str, count: usize, pair: [&'static str; 2]| {
+        (1..=count).map(move |n| pair.map(|which| format!("{what}-{n}-{which}.svg")))
+    };
+    let maps = names("map", document.map.len(), ["exponent", "period"]);
+    maps.chain(names("bifurcation", document.bifurcation.len(), ["up", "down"])).collect()
+}
+
+/// Every figure with its file name.
 pub fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
-    let mut all = Vec::new();
-    for (i, g) in atlas.grids.iter().enumerate() {
-        let [exponent, period] = grid(atlas, g);
-        all.push((format!("map-{}-exponent", i + 1), exponent));
-        all.push((format!("map-{}-period", i + 1), period));
-    }
-    for (i, b) in atlas.diagrams.iter().enumerate() {
-        let [up, down] = diagram(b);
-        all.push((format!("bifurcation-{}-up", i + 1), up));
-        all.push((format!("bifurcation-{}-down", i + 1), down));
-    }
-    all
+    let figures = atlas.grids.iter().map(|g| grid(atlas, g)).chain(atlas.diagrams.iter().map(diagram));
+    file_names(&atlas.document).into_iter().zip(figures).flat_map(|(names, pair)| names.into_iter().zip(pair)).collect()
 }
 
 /// Writes maps and diagrams onto a page.

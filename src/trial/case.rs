@@ -9,8 +9,7 @@ use super::driven::Driven;
 use super::standstill::Still;
 use super::turning::{GRAVITY_M_S2, Turned};
 use crate::diagnosis::candidate::Kind;
-use crate::document::write_whole;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// How an effect is concealed, or what else a case is for. Each is a row of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -238,19 +237,27 @@ impl Case {
         }
     }
 
-    /// Writes what the diagnosis may see, and nothing else.
-    ///
-    /// # Errors
-    /// When the folder cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<Files> {
+    /// What the diagnosis may see, and nothing else: the recording and the base model.
+    pub fn texts(&self) -> [String; 2] {
         let (recording, model) = match &self.body {
             Body::Driven(d) => driven_files(d),
             Body::Still(s) => still_files(s),
             Body::Turned(t) => turned_files(t),
         };
+        [recording, model]
+    }
+
+    /// Writes [`texts`](Self::texts) into a folder.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<Files> {
+        let [recording, model] = self.texts();
         let files = Files { recording: folder.join("recording.csv"), model: folder.join("model.toml") };
-        write_whole(&files.recording, recording.as_bytes())?;
-        write_whole(&files.model, model.as_bytes())?;
+        // They serve one verdict and go with their folder: nobody meets half of one after a crash.
+        for (path, text) in [(&files.recording, recording), (&files.model, model)] {
+            std::fs::write(path, text).map_err(|e| Error::io("write", path, &e))?;
+        }
         Ok(files)
     }
 }

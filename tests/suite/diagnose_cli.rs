@@ -101,7 +101,7 @@ fn contract() -> Result<(), Failed> {
         "the page loads something",
     )?;
     check(fs::read_to_string(out.join("residual-by-pose.svg"))?.contains("<svg"), "no figure file")?;
-    study(&out.join("model.toml"), &bench.path("study"), 64).map(|_| ())
+    study(&out.join("repaired.toml"), &bench.path("study"), 64).map(|_| ())
 }
 
 fn bad_input() -> Result<(), Failed> {

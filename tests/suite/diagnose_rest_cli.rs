@@ -60,10 +60,10 @@ fn contract() -> Result<(), Failed> {
     // K = σ of a step · √rate = 0.2 mg · √100 Hz.
     let interval: Vec<f64> = (0..2).filter_map(|i| effect["parameters"][0]["ci95"][i].as_f64()).collect();
     check(interval[0] < 2.0 && 2.0 < interval[1], format!("K: {interval:?} mg/√s"))?;
-    for file in ["report.html", "verdict.json", "model.toml", "allan-x.svg"] {
+    for file in ["report.html", "verdict.json", "repaired.toml", "allan-x.svg"] {
         check(out.join(file).is_file(), format!("no {file}"))?;
     }
-    let drift = study(&out.join("model.toml"), &bench.path("study"), 256)?;
+    let drift = study(&out.join("repaired.toml"), &bench.path("study"), 256)?;
     // Closed form: σ² = N²t³/3 + K²t⁵/20, N = 1 mg/√100 Hz, at one minute: the study holds both.
     let (n, k, t) = (0.1 * 9.80665e-3, 2.0 * 9.80665e-3, 60.0f64);
     let expected = (n * n * t.powi(3) / 3.0 + k * k * t.powi(5) / 20.0).sqrt();
@@ -189,7 +189,7 @@ fn driven_runs_in_study() -> Result<(), Failed> {
     let model = "kind = \"driven\"\nrate_hz = 500.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
     let verdict = bench.diagnose(&duffing(), model, &["--json", "--out", &out.display().to_string()])?.json()?;
     check(verdict["effects"][0]["id"] == "cubic-stiffness", format!("{}", verdict["sentence"]))?;
-    let repaired = fs::read_to_string(out.join("model.toml"))?;
+    let repaired = fs::read_to_string(out.join("repaired.toml"))?;
     check(repaired.contains("\ncubic_stiffness_per_m2_s2 = "), "the named spring is not in the repaired model")?;
-    study(&out.join("model.toml"), &bench.path("study"), 256).map(|_| ())
+    study(&out.join("repaired.toml"), &bench.path("study"), 256).map(|_| ())
 }

@@ -1,5 +1,6 @@
 //! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro pair.
 
+use crate::escape::line;
 use crate::number::rounded;
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
@@ -21,6 +22,7 @@ pub struct Fragment {
 /// Where no scale was given the one fragment holds the coefficients in the file's units, as comments.
 pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     let of = |quantity| noise.channels.iter().filter(move |c| c.unit.quantity == quantity && c.fit.is_some());
+    let file = line(file);
     let (mut accelerometers, mut gyros) = (of(Quantity::Accelerometer), of(Quantity::Gyro));
     let mut out = Vec::new();
     loop {
@@ -71,7 +73,7 @@ pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
 
 fn section(sense: Sense, channel: &Channel) -> String {
     let name = sense.name();
-    let mut out = format!("\n[{name}]  # column {}, {} per unit\n", channel.name, channel.unit.name);
+    let mut out = format!("\n[{name}]  # column {}, {} per unit\n", line(&channel.name), line(&channel.unit.name));
     let Some(fit) = &channel.fit else { return out };
     if !fit.good() {
         out += "# The five terms do not describe this channel's Allan curve: see the report.\n";
@@ -102,7 +104,7 @@ fn section(sense: Sense, channel: &Channel) -> String {
 
 fn commented(channel: &Channel) -> String {
     let Some(fit) = &channel.fit else { return String::new() };
-    let mut out = format!("# {}:", channel.name);
+    let mut out = format!("# {}:", line(&channel.name));
     for term in [Term::White, Term::Flicker, Term::Walk] {
         let unit = channel.unit.coefficient(term).0;
         let coefficient = fit.coefficients[term as usize];

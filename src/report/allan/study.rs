@@ -5,17 +5,20 @@
 use std::path::Path;
 
 use super::fragment::{five, keys};
+use crate::document::toml_string;
+use crate::escape::line;
 use crate::numerics::allan::law::Term;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
 use crate::sensor::Sense;
+use crate::study::name_for;
 use crate::units::{DEGREE, MILLI_G};
 
 /// The run is this long, s, and at least so many samples.
 const LASTS_S: f64 = 60.0;
 const LEAST_SAMPLES: f64 = 100.0;
 
-/// The study of the log at `path`; `None` where no column has a scale.
+/// The study of the log at `path`, named after it; `None` where no column has a scale.
 pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     let of = |quantity| -> Vec<&Channel> {
         noise.channels.iter().filter(|c| c.unit.quantity == quantity && c.fit.is_some()).collect()
@@ -25,13 +28,15 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
         return None;
     }
     let rate_hz = noise.source.rate_hz;
+    let name = name_for(&path.file_stem().unwrap_or_default().to_string_lossy());
     let path = path.canonicalize().unwrap_or_else(|_| path.into());
     let samples = (LASTS_S * rate_hz).round().max(LEAST_SAMPLES);
     let mut toml = format!(
         "# The sensor of a log at rest, and the log beside its simulation: run it with `proofmass study`.\n# Each coefficient \
          is drawn from the intervals of all axes that support it (95 %). Bias is absent: a log at rest cannot tell it\n# from \
-         gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet.\nname = \"sensor\"\nseed = 1\nmembers = \
-         4096\nduration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
+         gravity and the Earth's rate; add bias_mg and bias_deg_h from the datasheet.\nname = {}\nseed = 1\nmembers = 4096\n\
+         duration_s = {:?}\n\n[sensor]\nsample_rate_hz = {rate_hz:?}\n",
+        toml_string(&name),
         samples / rate_hz
     );
     for (sense, channels) in [(Sense::Accelerometer, &accelerometers), (Sense::Gyro, &gyros)] {
@@ -39,14 +44,17 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
             toml += &format!("\n[{}]\n{}", sense.name(), drawn(channels, sense));
         }
     }
-    toml += &format!("\n[compare]\nfile = {:?}\nrate_hz = {rate_hz:?}\n", path.display().to_string());
+    let Some(file) = path.to_str() else {
+        return Some(toml + "\n# The log is not compared: its path is not UTF-8, which TOML needs.\n");
+    };
+    toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
     for (sense, scale, unit, channels) in
         [(Sense::Accelerometer, "scale_mg", MILLI_G, &accelerometers), (Sense::Gyro, "scale_deg_s", DEGREE, &gyros)]
     {
         for channel in channels {
             toml += &format!(
-                "\n[[compare.axis]]\ncolumn = {:?}\n{scale} = {:?}\n[compare.axis.{}]\n{}",
-                channel.name,
+                "\n[[compare.axis]]\ncolumn = {}\n{scale} = {:?}\n[compare.axis.{}]\n{}",
+                toml_string(&channel.name),
                 channel.unit.si / unit,
                 sense.name(),
                 drawn(&[channel], sense)
@@ -73,7 +81,7 @@ fn drawn(channels: &[&Channel], sense: Sense) -> String {
         let holds = |c: &&&Channel| c.fit.as_ref().is_some_and(|f| f.coefficients[term as usize].supported());
         let names: Vec<&str> = channels.iter().filter(holds).map(|c| c.name.as_str()).collect();
         if !names.is_empty() {
-            out += &format!("# also found, not simulated: {what} in {}\n", names.join(", "));
+            out += &format!("# also found, not simulated: {what} in {}\n", line(&names.join(", ")));
         }
     }
     out

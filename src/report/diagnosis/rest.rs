@@ -1,10 +1,14 @@
 //! Figures of a diagnosis: a sensor at rest, its noise and its drift.
 
 use crate::diagnosis::rest::{ChannelDetail, Detail};
+use crate::escape::file_name;
 use crate::numerics::order;
 
 use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
+
+/// So many characters of a heading stand in the names of its figures' files.
+const HEADING: usize = 80;
 
 /// Its figures; one of them is the opening: the channel in which most was named.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
@@ -41,7 +45,7 @@ fn allan(channel: &ChannelDetail, unit: &str, part: Part) -> Exhibit {
     .with("recorded", Ink::Blue, Mark::Dots(3), series(&channel.allan, 1));
     Exhibit {
         part,
-        name: format!("allan-{}", file_name(&channel.name)),
+        name: format!("allan-{}", file_name(&channel.name, HEADING)),
         figure: chart.draw(),
         caption: format!(
             "Dots: recorded. Dashed: a constant and white noise. Line: the repaired model ({}). Where dots and dashes part is \
@@ -62,7 +66,7 @@ fn density(channel: &ChannelDetail, unit: &str) -> Exhibit {
     .with("repaired model, without its curves", Ink::Red, Mark::Line, series(&channel.density, 3));
     Exhibit {
         part: Part::Isolation,
-        name: format!("density-{}", file_name(&channel.name)),
+        name: format!("density-{}", file_name(&channel.name, HEADING)),
         figure: chart.draw(),
         caption:
             "Recorded spectrum against both models. Curves in time (ramp, warm-up, sine, environment) are not part of \
@@ -88,7 +92,7 @@ fn trace(channel: &ChannelDetail, unit: &str) -> Exhibit {
     }
     Exhibit {
         part: Part::Improvement,
-        name: format!("trace-{}", file_name(&channel.name)),
+        name: format!("trace-{}", file_name(&channel.name, HEADING)),
         figure: chart.draw(),
         caption: if has_curve {
             "Block means of the reading, and what the repaired model predicts of them.".into()
@@ -96,9 +100,4 @@ fn trace(channel: &ChannelDetail, unit: &str) -> Exhibit {
             "Block means of the reading. The repaired model adds noise only, so it has no curve to draw here.".into()
         },
     }
-}
-
-/// A heading as part of a file name.
-fn file_name(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect()
 }

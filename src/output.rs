@@ -1,0 +1,255 @@
+//! A folder of results: what a run may replace there, and the files of one run put into their places together.
+//!
+//! The same command on the same input path replaces its own files. Any other file, and one that was changed since it was
+//! written, is the user's: it is refused by name before the work begins and again before anything is replaced, unless the run
+//! is forced. The files that a run reads are never replaced. `.proofmass.json` in the folder knows what was written
+//! ([`manifest`]); a lock keeps a second run out ([`lock`]).
+
+pub mod lock;
+pub mod manifest;
+mod refusal;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use crate::document::{Staged, UNFINISHED, hexadecimal};
+use crate::error::{Error, Result};
+use lock::Lock;
+use manifest::{Identity, Manifest, Run};
+
+/// What is about to write into a folder.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Request {
+    /// The subcommand: "study".
+    pub command: &'static str,
+    /// The files that it was asked about: the same command on the same ones replaces its own results.
+    pub inputs: Vec<PathBuf>,
+    /// Further files that it reads.
+    pub reads: Vec<PathBuf>,
+    /// Files that it will write, as far as is known beforehand.
+    pub writes: Vec<String>,
+    /// Replace the user's files too.
+    pub force: bool,
+}
+
+/// A folder that one run writes into. Dropped without [`Folder::finish`], it has replaced nothing.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// What runs have written, this one's states included.
+    manifest: Manifest,
+    identity: Identity,
+    /// Full paths of the files that are read.
+    read: Vec<PathBuf>,
+    force: bool,
+    staged: BTreeMap<String, (Staged, String)>,
+    /// Files of the run's own making.
+    recorded: Vec<String>,
+    // Fields are dropped in their order: a folder that was made for nothing goes last.
+    _lock: Lock,
+    _made: Made,
+}
+
+/// Takes a folder away again that was made for nothing.
+#[derive(Debug)]
+struct Made(Option<PathBuf>);
+
+impl Drop for Made {
+    fn drop(&mut self) {
+        if let Some(path) = &self.0 {
+            // Refused where something stands in it.
+            let _ = std::fs::remove_dir(path);
+        }
+    }
+}
+
+fn full(path: &Path) -> PathBuf {
+    path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of a file that stands in a folder, hexadecimal; `None` for what is no file or cannot be read.
+fn checksum_of(path: &Path) -> Option<String> {
+    // A pipe is never opened: it would be waited for.
+    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    std::fs::read(path).ok().map(|bytes| checksum(&bytes))
+}
+
+impl Folder {
+    /// Makes the folder, locks it, sweeps what killed runs left half-written, and finds out whether the results may be
+    /// written.
+    ///
+    /// # Errors
+    /// The folder cannot be made or written, another run is writing there, or files of the user's are in the way.
+    pub fn open(path: &Path, request: Request) -> Result<Self> {
+        let made = Made((!path.exists()).then(|| path.to_path_buf()));
+        std::fs::create_dir_all(path).map_err(|e| Error::io("create the folder", path, &e))?;
+        let lock = Lock::take(path)?;
+        sweep(path);
+        let manifest = match Manifest::read(path) {
+            Err(_) if request.force => Manifest::default(),
+            read => read?,
+        };
+        let inputs = request.inputs.iter().map(|p| full(p).display().to_string()).collect();
+        let folder = Self {
+            path: path.to_path_buf(),
+            manifest,
+            identity: Identity { command: request.command.into(), inputs },
+            read: request.inputs.iter().chain(&request.reads).map(|p| full(p)).collect(),
+            force: request.force,
+            staged: BTreeMap::new(),
+            recorded: Vec::new(),
+            _lock: lock,
+            _made: made,
+        };
+        let earlier = folder.earlier();
+        folder.check(request.writes.iter().chain(earlier.files.keys()).map(String::as_str))?;
+        Ok(folder)
+    }
+
+    /// Files that change while the run goes on, which the run writes itself, and from which it can be resumed: a name, which may
+    /// hold one `*` for any text. `resume` says that those which lie there are meant to be gone on from, whoever put them there.
+    ///
+    /// # Errors
+    /// A file of the user's has such a name, or the folder cannot be written.
+    pub fn state(&mut self, pattern: &str, resume: bool) -> Result<()> {
+        if !resume {
+            let names = self.matching(pattern);
+            self.check(names.iter().map(String::as_str))?;
+        }
+        let mut run = self.earlier();
+        if !run.states.insert(pattern.into()) {
+            return Ok(());
+        }
+        self.manifest.set(run);
+        self.manifest.write(&self.path)
+    }
+
+    /// Files in the folder whose names match a pattern.
+    fn matching(&self, pattern: &str) -> Vec<String> {
+        let names = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        names.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|n| manifest::matches(pattern, n)).collect()
+    }
+
+    /// Lists a file that the run has written itself among its results: changed after [`finish`](Self::finish), it is the user's.
+    pub fn record(&mut self, name: &str) {
+        self.recorded.push(name.into());
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the same run has written here before.
+    fn earlier(&self) -> Run {
+        self.manifest.run(&self.identity).cloned().unwrap_or_else(|| Run::new(self.identity.clone()))
+    }
+
+    /// Refuses to replace what is not this run's own.
+    fn check<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<()> {
+        let mut found: Vec<(String, refusal::Reason)> = Vec::new();
+        for name in names {
+            let reason = self.reason(name);
+            if let Some(reason) = reason.filter(|r| !self.force || r.stands_against_force())
+                && found.iter().all(|(known, _)| known != name)
+            {
+                found.push((name.into(), reason));
+            }
+        }
+        if found.is_empty() { Ok(()) } else { Err(refusal::refuse(&self.path, &found)) }
+    }
+
+    /// Why a file must not be replaced, if it must not.
+    fn reason(&self, name: &str) -> Option<refusal::Reason> {
+        let path = self.path.join(name);
+        let about = std::fs::symlink_metadata(&path).ok()?;
+        if self.read.contains(&full(&path)) {
+            return Some(refusal::Reason::Input);
+        }
+        if about.is_dir() {
+            return Some(refusal::Reason::Folder);
+        }
+        let sha256 = checksum_of(&path).unwrap_or_default();
+        if self.manifest.run(&self.identity).is_some_and(|run| run.wrote(name, &sha256)) {
+            return None;
+        }
+        Some(match self.manifest.runs.iter().find(|run| run.names(name)) {
+            Some(run) if run.identity == self.identity => refusal::Reason::Changed,
+            Some(run) => refusal::Reason::Other(run.identity.clone()),
+            None => refusal::Reason::Unknown,
+        })
+    }
+
+    /// Writes a file beside its place; [`finish`](Self::finish) puts it there.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<()> {
+        let staged = Staged::new(&self.path.join(name), bytes)?;
+        self.staged.insert(name.into(), (staged, checksum(bytes)));
+        Ok(())
+    }
+
+    /// Puts everything that was written into its place, and takes away what this run had written here before and has not
+    /// written again: a repaired model of a sensor that is found to be in order now would be wrong.
+    ///
+    /// # Errors
+    /// Files of the user's came into the way meanwhile (then nothing is replaced), or the folder cannot be written.
+    pub fn finish(&mut self) -> Result<()> {
+        self.check(self.staged.keys().map(String::as_str))?;
+        let earlier = self.earlier();
+        let mut run = Run::new(self.identity.clone());
+        run.states = earlier.states.clone();
+        run.states.retain(|pattern| !self.recorded.contains(pattern));
+        let recorded = self.recorded.iter().filter_map(|n| Some((n.clone(), checksum_of(&self.path.join(n))?)));
+        run.files = self.staged.iter().map(|(n, (_, sha256))| (n.clone(), sha256.clone())).chain(recorded).collect();
+        let known = earlier.files.keys().chain(earlier.replaced.keys()).chain(run.files.keys());
+        run.replaced = known.filter_map(|n| Some((n.clone(), checksum_of(&self.path.join(n))?))).collect();
+        let stale = |(name, sha256): &(&String, &String)| !run.files.contains_key(*name) && earlier.wrote(name, sha256);
+        let stale: Vec<PathBuf> = run.replaced.iter().filter(stale).map(|(name, _)| self.path.join(name)).collect();
+        self.manifest.set(run.clone());
+        self.manifest.write(&self.path)?;
+        for (staged, _) in std::mem::take(&mut self.staged).into_values() {
+            staged.publish()?;
+        }
+        for path in stale.iter().filter(|path| !self.read.contains(&full(path))) {
+            std::fs::remove_file(path).map_err(|e| Error::io("remove", path, &e))?;
+        }
+        run.replaced.clear();
+        self.manifest.set(run);
+        self.manifest.write(&self.path)
+    }
+}
+
+impl Drop for Folder {
+    /// A run that came to nothing leaves no word of states that it has not kept.
+    fn drop(&mut self) {
+        let run = self.earlier();
+        let kept = || run.states.iter().any(|pattern| !self.matching(pattern).is_empty());
+        if run.states.is_empty() || !run.files.is_empty() || kept() || !self.path.is_dir() {
+            return;
+        }
+        self.manifest.set(Run::new(run.identity));
+        // Nobody can be told here; a name too many does no harm.
+        let _ = match self.manifest.runs.is_empty() {
+            true => std::fs::remove_file(self.path.join(manifest::NAME)).is_ok(),
+            false => self.manifest.write(&self.path).is_ok(),
+        };
+    }
+}
+
+/// Removes what runs that were killed have left half-written. Only under the lock: nobody else is writing.
+fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let unfinished = entry.file_name().to_string_lossy().starts_with(UNFINISHED);
+        if unfinished && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Why a file in a folder of results must not be replaced, in words.
+
+use std::path::Path;
+
+use super::manifest::Identity;
+use crate::error::Error;
+
+/// So many files of a kind are named.
+const NAMED: usize = 6;
+
+/// Why a file must not be replaced.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reason {
+    /// The run reads it.
+    Input,
+    /// A folder stands there.
+    Folder,
+    /// It has been changed since this run wrote it.
+    Changed,
+    /// Another run wrote it.
+    Other(Identity),
+    /// No run wrote it.
+    Unknown,
+}
+
+impl Reason {
+    /// Whether it holds for a run that is forced too.
+    pub fn stands_against_force(&self) -> bool {
+        matches!(self, Self::Input | Self::Folder)
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Self::Input => "read by this very run".into(),
+            Self::Folder => "a folder, where a file would go".into(),
+            Self::Changed => "changed since proofmass wrote it".into(),
+            Self::Unknown => "not written by proofmass".into(),
+            Self::Other(Identity { command, inputs }) if inputs.is_empty() => {
+                format!("written by `proofmass {command}`")
+            }
+            Self::Other(Identity { command, inputs }) => {
+                format!("written by `proofmass {command}` for {}", inputs.join(" and "))
+            }
+        }
+    }
+}
+
+/// The error that names the files.
+pub fn refuse(folder: &Path, found: &[(String, Reason)]) -> Error {
+    let mut reasons: Vec<&Reason> = found.iter().map(|(_, reason)| reason).collect();
+    reasons.sort();
+    reasons.dedup();
+    let sentence = |reason: &&Reason| {
+        let names: Vec<&str> = found.iter().filter(|(_, r)| r == *reason).map(|(name, _)| name.as_str()).collect();
+        let more = match names.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        format!("{}{more}: {}", names[..names.len().min(NAMED)].join(", "), reason.words())
+    };
+    let cause: Vec<String> = reasons.iter().map(sentence).collect();
+    let hint = match found.iter().any(|(_, reason)| reason.stands_against_force()) {
+        true => "give another folder with --out DIR",
+        false => "give another folder with --out DIR, or --force to replace them",
+    };
+    Error::new(format!("could not replace files in {}", folder.display()), cause.join("; "), hint)
+}
