@@ -112,12 +112,13 @@ pub fn stopped_by() -> Option<Signal> {
 pub fn interrupted() -> bool {
     STOP.load(Ordering::Relaxed) != 0
 }
+
 /// Tells the user, on stderr, what a long run does otherwise than asked; on top of a bar that is drawn.
 pub fn remark(bar: &ProgressBar, sentence: &str) {
     use std::io::Write as _;
     bar.suspend(|| {
         // Where nobody can be told, the report still says it.
-        let _ = writeln!(std::io::stderr(), "{sentence}");
+        let _ = writeln!(std::io::stderr(), "{}", crate::escape::terminal(sentence));
     });
 }
 
