@@ -266,7 +266,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
     }
     sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;
     let said = blind::ask(&case, &blind::tool, &scratch)?;
-    sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome, said.groups, said.seconds, said.words)?;
+    sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
         let truth =

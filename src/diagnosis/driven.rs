@@ -111,9 +111,12 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
         narrow.test = data.test.clone();
         conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
     };
-    notes
-        .findings
-        .extend(conclusion.left_out.iter().map(|what| format!("{what}, as the work for the conclusion was spent")));
+    notes.findings.extend(
+        conclusion
+            .left_out
+            .iter()
+            .map(|what| format!("{}, as the work for the conclusion was spent", words::left_out(*what))),
+    );
     let last = &conclusion.model.fit;
     notes.mind_jumps(&data, &run::trace(&data, &last.shape, &last.point, &last.run(&data, true)).0);
     let mut answer = answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes.findings);

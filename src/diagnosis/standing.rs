@@ -4,6 +4,7 @@
 //! base model, the model chosen, and its terms that are *named*, each with the evidence that it rests on and the *rivals*
 //! that would do as well in its place. Words for people are made from these in `report::diagnosis`.
 
+use super::driven::verdict::dropped::Dropped;
 use super::tumble::account::Fate;
 use super::tumble::group::Group;
 
@@ -81,7 +82,7 @@ pub enum Note {
     /// Judged by what it adds to the other named effects.
     BesideNamed,
     /// It was in the model and has no name.
-    Dropped(&'static str),
+    Dropped(Dropped),
     /// In the poses of an IMU that was turned by hand.
     InPoses {
         /// The residual it is judged by.

@@ -67,7 +67,7 @@ pub fn recordings(found: &[Found]) -> Table {
     for real in found {
         let groups: Vec<String> = real.said.groups.iter().map(|g| g.join(" or ")).collect();
         let known = if real.truth.is_empty() { "nothing to be named".to_owned() } else { real.truth.join(", ") };
-        let said = format!("{}: {}", real.said.outcome, groups.join(", "));
+        let said = format!("{}: {}", real.said.outcome.name(), groups.join(", "));
         table.row([
             real.name.clone(),
             format!("{known} ({})", real.source),
@@ -252,7 +252,7 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
         let sizes: Vec<String> =
             case.sizes_over_noise().iter().map(|(id, s)| format!("{id} {}", significant(*s, 2))).collect();
         let groups: Vec<String> = said.groups.iter().map(|g| g.join(" | ")).collect();
-        let words = format!("{} {}", said.outcome, groups.join(" + "));
+        let words = format!("{} {}", said.outcome.name(), groups.join(" + "));
         let mark = judge::judge(case, said).word().to_owned();
         let cells = [case.family.name().to_owned(), sizes.join(" + "), words, mark];
         table.row(std::iter::once(case.number.to_string()).chain(cells));

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Files};
 use super::plan::Plan;
-use super::said::Said;
+use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::seal::{Sealed, Truth};
 use super::workers::side_by_side;
@@ -163,7 +163,7 @@ pub fn run(
         }
         let said = ask(case, subject, &scratch)?;
         // A diagnosis that stopped because of Ctrl-C is no verdict.
-        if progress::interrupted() && said.outcome == "error" {
+        if progress::interrupted() && said.outcome == Ending::Error {
             return Ok(None);
         }
         let line = Done { seal: sealed.sha256.clone(), number: case.number, said };

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::said::Said;
+use super::said::{Ending, Said};
 
 /// What a verdict was worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -65,16 +65,16 @@ impl Mark {
 pub fn judge(case: &Case, said: &Said) -> Mark {
     let truth = case.planted();
     let ids = said.ids();
-    match said.outcome.as_str() {
-        "error" => Mark::Error,
-        "adequate" => Mark::Silent,
-        "unexplained" => Mark::Unexplained,
-        "undecidable" => {
+    match said.outcome {
+        Ending::Error => Mark::Error,
+        Ending::Adequate => Mark::Silent,
+        Ending::Unexplained => Mark::Unexplained,
+        Ending::Undecidable => {
             let covered = truth.iter().all(|t| ids.contains(t));
             let tight = said.groups.iter().all(|g| g.len() <= 2 && g.iter().any(|id| truth.contains(id)));
             if !truth.is_empty() && covered && tight { Mark::Tied } else { Mark::Undecided }
         }
-        _ => {
+        Ending::Explained => {
             let (inside, outside): (Vec<_>, Vec<_>) = ids.iter().partition(|id| truth.contains(id));
             match (inside.len(), outside.len()) {
                 (hit, 0) if hit == truth.len() && hit > 0 => Mark::Named,
@@ -88,16 +88,16 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
 
 /// Whether a verdict on a null raised an alarm: a name, or a mismatch claimed.
 pub fn is_alarm(said: &Said) -> bool {
-    match said.outcome.as_str() {
-        "adequate" | "error" => false,
-        "undecidable" => !said.groups.is_empty(),
-        _ => true,
+    match said.outcome {
+        Ending::Adequate | Ending::Error => false,
+        Ending::Undecidable => !said.groups.is_empty(),
+        Ending::Explained | Ending::Unexplained => true,
     }
 }
 
 /// Whether the mismatch was noticed at all, whatever it was called.
 pub fn is_detected(said: &Said) -> bool {
-    !matches!(said.outcome.as_str(), "adequate" | "error")
+    !matches!(said.outcome, Ending::Adequate | Ending::Error)
 }
 
 /// For each planted parameter that the verdict gives an interval for: whether the interval covers the truth.

@@ -12,7 +12,7 @@ use super::case::{Body, Case, Family};
 use super::copy;
 use super::judge::{self, Mark};
 use super::physics::Physics;
-use super::said::Said;
+use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::standstill::Slow;
 use super::workers::side_by_side;
@@ -177,9 +177,9 @@ fn revealed(rest: &[(&Case, &Said)], background: &[String]) -> Vec<Revealed> {
         let tried = Tried {
             effect_over_noise: size,
             strength: case.strength(),
-            noticed: judge::is_detected(said) && (said.outcome != "explained" || said.ids() != background),
+            noticed: judge::is_detected(said) && (said.outcome != Ending::Explained || said.ids() != background),
             named: mark.is_named(),
-            said: format!("{} {}", said.outcome, groups.join(" + ")).trim().to_owned(),
+            said: format!("{} {}", said.outcome.name(), groups.join(" + ")).trim().to_owned(),
             others: if mark == Mark::Named {
                 Vec::new()
             } else {

@@ -247,7 +247,7 @@ fn confusion(judged: &[Judged<'_>]) -> Vec<Confusion> {
         let planted = j.case.planted();
         let planted = if planted.is_empty() { "nothing".into() } else { planted.join(" + ") };
         let groups: Vec<String> = j.said.groups.iter().map(|g| g.join(" | ")).collect();
-        let said = if groups.is_empty() { j.said.outcome.clone() } else { groups.join(" + ") };
+        let said = if groups.is_empty() { j.said.outcome.name().to_owned() } else { groups.join(" + ") };
         let kind = j.case.kind();
         counts.entry((kind.name(), planted, said)).or_insert((kind, 0)).1 += 1;
     }

@@ -19,11 +19,51 @@ pub struct Number {
     pub ci95: [f64; 2],
 }
 
+/// How a diagnosis ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Ending {
+    /// Nothing is missing.
+    Adequate,
+    /// Named effects account for the mismatch.
+    Explained,
+    /// The mismatch is real, and nothing in the library accounts for it.
+    Unexplained,
+    /// Candidates are tied, or the recording is too weak.
+    Undecidable,
+    /// No verdict: it stopped with an error.
+    Error,
+}
+
+impl Ending {
+    /// As in verdict.json, or "error".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Adequate => Outcome::Adequate.name(),
+            Self::Explained => Outcome::Explained.name(),
+            Self::Unexplained => Outcome::Unexplained.name(),
+            Self::Undecidable => Outcome::Undecidable.name(),
+            Self::Error => "error",
+        }
+    }
+}
+
+impl From<Outcome> for Ending {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Adequate => Self::Adequate,
+            Outcome::Explained => Self::Explained,
+            Outcome::Unexplained => Self::Unexplained,
+            Outcome::Undecidable => Self::Undecidable,
+        }
+    }
+}
+
 /// One verdict, in brief.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Said {
-    /// The outcome's word, or "error".
-    pub outcome: String,
+    /// How it ended.
+    pub outcome: Ending,
     /// Named effects; under "undecidable" those that tie stand in one group.
     pub groups: Vec<Vec<String>>,
     /// Fitted numbers of the named effects.
@@ -69,7 +109,7 @@ impl Said {
             .collect();
         let test = verdict.fit.test;
         Self {
-            outcome: verdict.verdict.name().into(),
+            outcome: verdict.verdict.into(),
             groups,
             numbers,
             rmse: [test.rmse_before, test.rmse_after, verdict.fit.noise_floor],
@@ -81,7 +121,7 @@ impl Said {
     /// When the diagnosis stopped with an error.
     pub fn from_error(error: &crate::error::Error, seconds: f64) -> Self {
         Self {
-            outcome: "error".into(),
+            outcome: Ending::Error,
             groups: Vec::new(),
             numbers: Vec::new(),
             rmse: [0.0; 3],
@@ -96,5 +136,21 @@ impl Said {
         ids.sort();
         ids.dedup();
         ids
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ending_is_written_as_its_name_and_read_back() {
+        let all = [Outcome::Adequate, Outcome::Explained, Outcome::Unexplained, Outcome::Undecidable];
+        for ending in all.map(Ending::from).into_iter().chain([Ending::Error]) {
+            let text = serde_json::to_string(&ending).expect("a word");
+            assert_eq!(text, format!("\"{}\"", ending.name()));
+            assert_eq!(serde_json::from_str::<Ending>(&text).expect("the same word"), ending);
+        }
+        assert!(serde_json::from_str::<Ending>("\"explaned\"").is_err());
     }
 }

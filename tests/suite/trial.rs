@@ -13,7 +13,7 @@ use proofmass::trial::case::{Case, Family, Files};
 use proofmass::trial::outcome::Outcome;
 use proofmass::trial::physics::Physics;
 use proofmass::trial::plan::Plan;
-use proofmass::trial::said::Said;
+use proofmass::trial::said::{Ending, Said};
 use rand::RngExt;
 
 use super::world::{check, near, test};
@@ -72,15 +72,15 @@ fn files_tell_nothing() -> Result<(), Failed> {
     Ok(())
 }
 
-fn said(outcome: &str, groups: Vec<Vec<String>>) -> Said {
-    Said { outcome: outcome.into(), groups, numbers: vec![], rmse: [2.0, 1.0, 1.0], seconds: 0.1, words: String::new() }
+fn said(outcome: Ending, groups: Vec<Vec<String>>) -> Said {
+    Said { outcome, groups, numbers: vec![], rmse: [2.0, 1.0, 1.0], seconds: 0.1, words: String::new() }
 }
 
 fn oracle(case: &Case) -> Said {
     match (case.planted(), case.in_library()) {
-        (ids, _) if ids.is_empty() => said("adequate", vec![]),
-        (_, false) => said("unexplained", vec![]),
-        (ids, true) => said("explained", ids.into_iter().map(|id| vec![id]).collect()),
+        (ids, _) if ids.is_empty() => said(Ending::Adequate, vec![]),
+        (_, false) => said(Ending::Unexplained, vec![]),
+        (ids, true) => said(Ending::Explained, ids.into_iter().map(|id| vec![id]).collect()),
     }
 }
 
@@ -96,15 +96,16 @@ fn controls() -> Result<(), Failed> {
 
     // Negative control: a name drawn at random is right one time in 21 and alarms at every null.
     let mut rng = Philox::new(1, 0, Stream::Host);
-    let mut coin =
-        |_: &Case| said("explained", vec![vec![Physics::LIBRARY[rng.random_range(0..Physics::LIBRARY.len())].id()]]);
+    let mut coin = |_: &Case| {
+        said(Ending::Explained, vec![vec![Physics::LIBRARY[rng.random_range(0..Physics::LIBRARY.len())].id()]])
+    };
     let worst = Outcome::of(&cases, &verdicts(&mut coin), "seal");
     check(worst.named_correctly < 0.25, format!("a coin is right {} of the time", worst.named_correctly))?;
     near("false alarms of the coin", worst.false_alarm_rate.value, 1.0, 0.0)?;
     near("flagged by the coin", worst.unknown_flagged, 0.0, 0.0)?;
 
     // Silence is no merit: nothing is found, and no limit either.
-    let mut mute = |_: &Case| said("adequate", vec![]);
+    let mut mute = |_: &Case| said(Ending::Adequate, vec![]);
     let silent = Outcome::of(&cases, &verdicts(&mut mute), "seal");
     near("named in silence", silent.named_correctly, 0.0, 0.0)?;
     check(silent.detection_limit.iter().all(|l| l.effect_over_noise.is_none()), "silence has a detection limit")?;
@@ -114,7 +115,7 @@ fn controls() -> Result<(), Failed> {
     let truth = single.planted()[0].clone();
     let mark = |group: &[&str]| {
         let group = group.iter().map(|g| (*g).to_owned()).collect();
-        proofmass::trial::judge::judge(single, &said("undecidable", vec![group])).is_named()
+        proofmass::trial::judge::judge(single, &said(Ending::Undecidable, vec![group])).is_named()
     };
     check(mark(&[&truth, "other"]), "a tie of two with the truth is right")?;
     check(!mark(&[&truth, "other", "third"]), "a tie of three is not")?;

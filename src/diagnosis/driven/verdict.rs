@@ -4,6 +4,7 @@ pub mod answer;
 pub mod conclude;
 pub mod detail;
 mod detectable;
+pub mod dropped;
 mod isolation;
 mod sensor;
 pub mod surface;

@@ -26,14 +26,6 @@ impl Series {
             Series::LookAlikes => "three that can be mistaken for each other",
         }
     }
-
-    /// Why one of them has no name.
-    pub fn reason(self) -> &'static str {
-        match self {
-            Series::ManyLaws => "only in a series: more than three laws at once",
-            Series::LookAlikes => "only in a series: three that can be mistaken for each other",
-        }
-    }
 }
 
 /// Whether these terms are a series.

@@ -11,9 +11,7 @@ use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, set
 use crate::diagnosis::driven::selection::judged::Selection;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
-use crate::diagnosis::verdict::{
-    Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where, Whiteness,
-};
+use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where};
 use crate::diagnosis::{Diagnosis, model};
 use crate::numerics::special;
 use crate::physics::library::{CANDIDATES, Term};
@@ -81,7 +79,7 @@ pub fn answer(
         effects,
         location,
         fit: scores(data, c, errors, &model.split.test, &output_unit),
-        residual_after: Whiteness { white: c.after.p_value > 0.05, p_value: c.after.p_value.clamp(0.0, 1.0) },
+        residual_after: c.remainder.whiteness(),
         findings,
         detectable: limits.candidates,
     };
@@ -124,7 +122,10 @@ fn located(data: &Data, [before, after]: [&[f64]; 2], state: &[f64], surface: &S
 
 /// What was dropped and why, and which names rest on fitted samples alone.
 fn doubtful(c: &Conclusion) -> Vec<String> {
-    let dropped = c.dropped.iter().map(|(term, reason)| format!("{} was tried and dropped: {reason}", term.id()));
+    let dropped = c
+        .dropped
+        .iter()
+        .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), words::dropped(*reason)));
     let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
         let id = c.model.fit.shape.terms[named.index].id();
         format!("{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it")

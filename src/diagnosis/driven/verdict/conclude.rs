@@ -15,6 +15,9 @@ use crate::diagnosis::driven::selection::residual_structure::{left, loudest_by_c
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding, weighed};
+use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
+use crate::diagnosis::ruling::{Evidence, rule};
 use crate::diagnosis::verdict::Outcome;
 use crate::numerics::order;
 use crate::parallel;
@@ -27,10 +30,12 @@ pub const WHITE: f64 = 0.02;
 const FAINT: f64 = 0.05;
 /// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
 const EVEN: f64 = 0.01;
-/// Level at which structure counts as found.
-const LEVEL: f64 = 1e-3;
-/// Level at which a stretch louder than the others counts as found.
-const LOUD: f64 = 1e-5;
+/// Questions that are asked of what is left: structure in the innovations, structure in their power, a loud stretch.
+const QUESTIONS: f64 = 3.0;
+/// Probability below which one of them counts as answered.
+const LEVEL: f64 = REAL / QUESTIONS;
+/// How much more often a loud stretch comes by chance than χ² of normal noise says: real noise has heavier tails.
+const HEAVY_TAILS: f64 = 100.0;
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
 /// How far.
@@ -40,8 +45,6 @@ const FAR_ABOVE: f64 = 30.0;
 const LEAST_PART: f64 = 1e-3;
 /// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
-/// Part of the held-out error that must go before a coloured remainder may be called a detail.
-const NEARLY_ALL: f64 = 0.99;
 
 /// What may be said.
 #[derive(Debug, Clone)]
@@ -55,11 +58,13 @@ pub struct Conclusion {
     /// Terms that hold, strongest first.
     pub named: Vec<Named>,
     /// Terms that were in the model and do not hold, with the reason.
-    pub dropped: Vec<(Term, &'static str)>,
+    pub dropped: Vec<(Term, Dropped)>,
     /// Why terms that each earn a place got no name together, where they did not.
     pub series: Option<Series>,
     /// What is left of the final model's innovations.
     pub after: Structure,
+    /// All tests of what is left, in the vocabulary of every kind.
+    pub remainder: Remainder,
     /// Coarse rounding, where it explains the remainder.
     pub lattice: Option<Lattice>,
     /// Uncertainty of the final model's parameters.
@@ -69,7 +74,7 @@ pub struct Conclusion {
     /// What the conclusion may cost.
     pub budget: Budget,
     /// What was not done because that was spent.
-    pub left_out: Vec<&'static str>,
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Draws the conclusion: models fitted to the train samples of `data`, judged on its test samples.
@@ -85,7 +90,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let series = draft.drop_series();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
     let lattice = rounding(data, &draft.model);
-    let outcome = draft.outcome(nameless, !twins && series.is_none(), lattice.is_some());
+    let remainder = remainder(data, &draft.model, &draft.after);
+    let outcome = rule(&draft.evidence(nameless, twins || series.is_some(), lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.drop_stand_ins(share);
     }
@@ -95,7 +101,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         intervals(data, &draft.model.fit, &draft.scales, &draft.named, draft.budget)
     };
     if !finished {
-        draft.left_out.push(PARABOLA);
+        draft.left_out.push(LeftOut::Profiles);
     }
     let Draft { base, model, named, dropped, after, scales, budget, left_out, .. } = draft;
     Conclusion {
@@ -105,6 +111,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         named,
         dropped,
         series,
+        remainder,
         after,
         lattice,
         spread,
@@ -125,20 +132,30 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
     let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
     let after = left(data, &model.fit);
     let mut left_out = c.left_out.clone();
-    left_out.retain(|what| *what != PARABOLA);
+    left_out.retain(|what| *what != LeftOut::Profiles);
     let (spread, finished) = if c.outcome == Outcome::Unexplained {
         (interval::spread(&model.fit), true)
     } else {
         intervals(data, &model.fit, scales, &c.named, budget)
     };
     if !finished {
-        left_out.push(PARABOLA);
+        left_out.push(LeftOut::Profiles);
     }
-    Conclusion { base, model, after, spread, budget, left_out, ..c }
+    let remainder = remainder(data, &model, &after);
+    Conclusion { base, model, after, remainder, spread, budget, left_out, ..c }
 }
 
-/// What is said of intervals that no profile has confirmed.
-const PARABOLA: &str = "the intervals of laws with a corner are those of a parabola: their profiles were not finished";
+/// The three questions asked of what a model leaves.
+fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
+    let structure = Test { p_value: QUESTIONS * after.p_value, size: Size::of(after.share, WHITE, FAINT) };
+    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
+    let power = model.fit.shape.is_noisy().then(|| power_left(data, &model.fit));
+    let power = power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.share, EVEN, f64::INFINITY) });
+    let by_chance = QUESTIONS * HEAVY_TAILS * loudest_by_chance(&model.fit.linear.residual);
+    // A loud stretch may be a disturbance: alone it does not say that the library fails.
+    let loud = Test { p_value: by_chance, size: Size::Faint };
+    Remainder::of([structure, loud].into_iter().chain(power))
+}
 
 /// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they need.
 fn intervals(data: &Data, fit: &Fit, scales: &Scales, named: &[Named], budget: Budget) -> (Spread, bool) {
@@ -163,8 +180,8 @@ struct Draft<'a> {
     after: Structure,
     rivals: Vec<Vec<Rival>>,
     named: Vec<Named>,
-    dropped: Vec<(Term, &'static str)>,
-    left_out: Vec<&'static str>,
+    dropped: Vec<(Term, Dropped)>,
+    left_out: Vec<LeftOut>,
 }
 
 impl<'a> Draft<'a> {
@@ -200,7 +217,7 @@ impl<'a> Draft<'a> {
         self.term(named.index).noise().is_some()
     }
 
-    fn drop_term(&mut self, index: usize, reason: &'static str) {
+    fn drop_term(&mut self, index: usize, reason: Dropped) {
         let term = self.term(index);
         self.dropped.push((term, reason));
     }
@@ -211,9 +228,7 @@ impl<'a> Draft<'a> {
         for weighed in weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals) {
             match weighed {
                 Ok(named) => self.named.push(named),
-                Err(index) => {
-                    self.drop_term(index, "the model breaks down without it, so that nothing says what it adds")
-                }
+                Err(index) => self.drop_term(index, Dropped::Indispensable),
             }
         }
     }
@@ -225,10 +240,10 @@ impl<'a> Draft<'a> {
             all.min_by(|a, b| a.free_without.total_cmp(&b.free_without)).map(|n| n.index)
         };
         while let Some(index) = worst(self) {
-            self.drop_term(index, "made the prediction of the test samples worse");
+            self.drop_term(index, Dropped::Worsens);
             if self.data.work.is_spent(self.budget) {
                 self.named.retain(|n| n.index != index);
-                self.left_out.push("terms were not weighed again without one that made the prediction worse");
+                self.left_out.push(LeftOut::WeighingAgain);
                 continue;
             }
             let Some(poorer) = without(self.data, &self.model, index, &self.scales) else { break };
@@ -249,7 +264,7 @@ impl<'a> Draft<'a> {
         let (holding, following): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
         self.named = holding;
         for n in following {
-            self.drop_term(n.index, "follows only the rounding of the readings; carried along, not named");
+            self.drop_term(n.index, Dropped::FollowsRounding);
         }
     }
 
@@ -268,11 +283,7 @@ impl<'a> Draft<'a> {
         let (named, carried): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
         self.named = named;
         for n in &carried {
-            let reason = if n.growth < need {
-                "smaller than what is still unexplained; carried along, not named"
-            } else {
-                "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
-            };
+            let reason = if n.growth < need { Dropped::SmallerThanTheRest } else { Dropped::WithinInexactness };
             self.drop_term(n.index, reason);
         }
         carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
@@ -288,7 +299,7 @@ impl<'a> Draft<'a> {
         let faint: Vec<usize> = self.named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
         let has_twin = |i: usize| faint.iter().any(|j| i != *j && alike(&self.term(i), &self.term(*j)));
         let twins: Vec<usize> = faint.iter().copied().filter(|i| has_twin(*i)).collect();
-        twins.iter().for_each(|i| self.drop_term(*i, "only together with another that it can be mistaken for"));
+        twins.iter().for_each(|i| self.drop_term(*i, Dropped::Twin));
         self.named.retain(|n| !twins.contains(&n.index));
         !twins.is_empty()
     }
@@ -298,34 +309,26 @@ impl<'a> Draft<'a> {
         let terms: Vec<Term> = self.named.iter().map(|n| self.term(n.index)).collect();
         let found = series(&terms)?;
         for n in std::mem::take(&mut self.named) {
-            self.drop_term(n.index, found.reason());
+            self.drop_term(n.index, Dropped::Series(found));
         }
         Some(found)
     }
 
-    /// Which of the four verdicts; `nameless` is what is carried without a name, `single` that no names had to go together.
-    fn outcome(&self, nameless: f64, single: bool, rounded: bool) -> Outcome {
-        let (model, after) = (&self.model, &self.after);
-        // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
-        let power = power_left(self.data, &model.fit);
-        let tidy = !model.fit.shape.is_noisy() || power.share < EVEN || power.p_value > LEVEL;
-        let even = loudest_by_chance(&model.fit.linear.residual) > LOUD;
-        let white = tidy && even && single && (after.share < WHITE || after.p_value > LEVEL);
-        // By what has a name: what is carried without one does not explain.
-        let gone = 1.0 - model.held_out.free() * (1.0 + nameless) / self.base.held_out.free().max(1e-300);
-        let something = !self.named.is_empty() || rounded;
-        // A base model whose error goes only with terms that earn no name is not adequate.
-        let nothing = !something && self.removed() < FAINT;
-        if self.named.iter().any(|n| !n.rivals.is_empty()) {
-            Outcome::Undecidable
-        } else if something && (white || gone > NEARLY_ALL && single && !self.selection.cut_short) {
-            Outcome::Explained
-        } else if white && nothing {
-            Outcome::Adequate
-        } else if self.named.is_empty() && single && nothing && after.share < FAINT {
-            Outcome::Undecidable
-        } else {
-            Outcome::Unexplained
+    /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the final model.
+    fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
+        let (model, base) = (&self.model, &self.base);
+        Evidence {
+            named: self.named.len() + usize::from(rounded),
+            tied: self.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+            stand_ins,
+            // A base model whose error goes only with terms that earn no name is not adequate.
+            nameless: self.removed(),
+            remainder: remainder.size,
+            // By what has a name: what is carried without one does not explain.
+            removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
+            search_complete: !self.selection.cut_short,
+            has_power: self.after.detectable_share < 1.0,
+            ..Evidence::default()
         }
     }
 
@@ -337,7 +340,7 @@ impl<'a> Draft<'a> {
         let towers = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
         let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(towers);
         for n in others {
-            self.drop_term(n.index, "a stand-in: does not bring the residual to the noise");
+            self.drop_term(n.index, Dropped::StandIn);
         }
         self.named = towering;
         if self.named.iter().all(|n| self.is_noise(n)) {

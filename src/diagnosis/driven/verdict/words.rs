@@ -5,6 +5,7 @@ use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
+use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
 use crate::number::{short, with_uncertainty};
@@ -242,7 +243,7 @@ pub fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Ve
     ranked
 }
 
-fn alone(trial: &Trial, tried: usize, dropped: Option<&'static str>, channels: &Channels) -> Ranked {
+fn alone(trial: &Trial, tried: usize, dropped: Option<Dropped>, channels: &Channels) -> Ranked {
     let note = match (dropped, &trial.judged) {
         (Some(reason), _) => Note::Dropped(reason),
         (None, Some(_)) => Note::Alone,
@@ -300,12 +301,16 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
              past, the input or the state.",
             short(100.0 * c.after.share)
         ),
-        Outcome::Unexplained => format!(
-            "{} hold{}, but do not account for everything: {fall}, and {} % of the variance of what is left can be foreseen.",
-            listed(&named, "and"),
-            if named.len() == 1 { "s" } else { "" },
-            short(100.0 * c.after.share)
-        ),
+        Outcome::Unexplained => {
+            let holding = holding(effects, &named);
+            format!(
+                "{} hold{}, but do not account for everything: {fall}, and {} % of the variance of what is left can be \
+                 foreseen.",
+                listed(&holding, "and"),
+                if holding.len() == 1 { "s" } else { "" },
+                short(100.0 * c.after.share)
+            )
+        }
         Outcome::Adequate => format!(
             "Nothing is missing that this recording could show: the base model's error of {} {unit} is white, and an effect \
              that moved {} % of its variance would have been seen.",
@@ -313,6 +318,22 @@ pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> Stri
             short(100.0 * c.after.detectable_share)
         ),
     }
+}
+
+/// Effects with their numbers, tied ones once: "a or b".
+fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut said: Vec<&str> = Vec::new();
+    for (effect, words) in effects.iter().zip(named) {
+        if said.contains(&effect.id.as_str()) {
+            continue;
+        }
+        said.push(&effect.id);
+        said.extend(effect.confusable_with.iter().map(String::as_str));
+        let tied = std::iter::once(&effect.id).chain(&effect.confusable_with).cloned().collect::<Vec<_>>();
+        out.push(if effect.confusable_with.is_empty() { words.clone() } else { tied.join(" or ") });
+    }
+    out
 }
 
 /// What else a reader of the verdict must know of the recording, as a sentence.
@@ -359,5 +380,32 @@ fn listed(items: &[String], last: &str) -> String {
         [] => String::new(),
         [one] => one.clone(),
         [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
+    }
+}
+
+/// Why a term has no name, as a clause.
+pub fn dropped(reason: Dropped) -> String {
+    match reason {
+        Dropped::Indispensable => "the model breaks down without it, so that nothing says what it adds".into(),
+        Dropped::Worsens => "made the prediction of the test samples worse".into(),
+        Dropped::FollowsRounding => "follows only the rounding of the readings; carried along, not named".into(),
+        Dropped::SmallerThanTheRest => "smaller than what is still unexplained; carried along, not named".into(),
+        Dropped::WithinInexactness => {
+            "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
+                .into()
+        }
+        Dropped::Twin => "only together with another that it can be mistaken for".into(),
+        Dropped::Series(series) => format!("only in a series: {}", series.words()),
+        Dropped::StandIn => "a stand-in: does not bring the residual to the noise".into(),
+    }
+}
+
+/// What was left undone, as a clause.
+pub fn left_out(what: LeftOut) -> &'static str {
+    match what {
+        LeftOut::Profiles => {
+            "the intervals of laws with a corner are those of a parabola: their profiles were not finished"
+        }
+        LeftOut::WeighingAgain => "terms were not weighed again without one that made the prediction worse",
     }
 }

@@ -1,0 +1,33 @@
+//! Why a term has no name, and what was left undone.
+
+use crate::diagnosis::driven::selection::series::Series;
+
+/// Why a term that was in the model has no name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dropped {
+    /// The model cannot be fitted without it, so that nothing says what it adds.
+    Indispensable,
+    /// It makes the prediction of the test samples worse.
+    Worsens,
+    /// It follows the rounding of the readings.
+    FollowsRounding,
+    /// It is smaller than what is still unexplained.
+    SmallerThanTheRest,
+    /// It is too small beside the other terms to be told from their inexactness.
+    WithinInexactness,
+    /// It does something only together with another that it can be mistaken for.
+    Twin,
+    /// It is one of a series.
+    Series(Series),
+    /// It does not bring the residual to the noise.
+    StandIn,
+}
+
+/// What was not done because the work for it was spent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// Profiles of laws with a corner: their intervals are those of a parabola.
+    Profiles,
+    /// Weighing the terms again after one was dropped that made the prediction worse.
+    WeighingAgain,
+}
