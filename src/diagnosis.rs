@@ -1,9 +1,11 @@
 //! When simulation and recording differ: locate the mismatch, name the physics, model it, show the fit improve.
 //!
-//! Chain: residual → detection → isolation → identification → selection → verdict. One sub-folder per kind of recording;
-//! each returns the same [`Diagnosis`], with its own plain numbers for figures in [`Detail`]. Not for drawing: `report`
-//! turns a `Diagnosis` into a page.
+//! Chain: detection → isolation → selection → ruling. One sub-folder per kind of recording: it reads its recording, tries its
+//! candidates and weighs what is left (`remainder`); from that evidence `ruling` draws the verdict, the same for all kinds.
+//! The vocabulary of a selection stands in `standing`. Each kind returns the same [`answer::Answer`]: numbers and typed
+//! reasons. Not for words or drawing: `report` turns an `Answer` into the public document and a page.
 
+pub mod answer;
 pub use crate::physics::candidate;
 pub mod consequence;
 pub mod detection;
@@ -21,43 +23,16 @@ pub mod verdict;
 use crate::error::Result;
 use crate::recording::Recording;
 
+use answer::Answer;
 use candidate::Candidate;
 use model::Model;
-use repair::Repair;
-use standing::Ranked;
-use verdict::Verdict;
-
-/// What a diagnosis found, whatever the kind of recording.
-#[derive(Debug, Clone)]
-pub struct Diagnosis {
-    /// The public document.
-    pub verdict: Verdict,
-    /// Every candidate that was tried, best first, named or not.
-    pub ranking: Vec<Ranked>,
-    /// The sensor with and without the named physics, for a study and for the cost in metres. `None` where nothing a
-    /// study could run came out, e.g. when the base model could not be fitted.
-    pub repair: Option<Repair>,
-    /// Plain numbers behind the figures.
-    pub detail: Detail,
-}
-
-/// What each kind keeps for its figures and its own paragraphs.
-#[derive(Debug, Clone)]
-pub enum Detail {
-    /// Input and output of one proof mass.
-    Driven(Box<driven::Detail>),
-    /// A sensor at rest.
-    Static(Box<rest::Detail>),
-    /// An IMU in many still poses.
-    Tumble(Box<tumble::Detail>),
-}
 
 /// Diagnoses a recording by the kind its model states.
 ///
 /// # Errors
 /// When the recording cannot be judged at all (columns missing, too few samples); what can be survived stands in
-/// `verdict.findings` instead.
-pub fn diagnose(recording: &Recording, model: &Model) -> Result<Diagnosis> {
+/// `Answer::findings` instead.
+pub fn diagnose(recording: &Recording, model: &Model) -> Result<Answer> {
     match model {
         Model::Driven(model) => driven::diagnose(recording, model),
         Model::Static(model) => rest::diagnose(recording, model),

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use super::say::{say, sayln};
 use crate::diagnosis::model::{self, Model};
-use crate::diagnosis::{self, Diagnosis, consequence, repair};
+use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::output::{self, Folder};
-use crate::report::diagnosis as page;
+use crate::report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -35,8 +35,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let recording = model::read_recording(&arguments.recording, &model)?;
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let diagnosis = diagnosis::diagnose(&recording, &model)?;
-    let costs = consequence::costs(&diagnosis)?;
+    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model)?);
+    let costs = consequence::costs(diagnosis.repair.as_ref())?;
     // The answer of long work is said even where its report cannot be written.
     let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
     if json {

@@ -3,13 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
+use crate::diagnosis::verdict::Verdict;
+use crate::diagnosis::{self, model};
 use crate::document::to_json;
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
+use crate::report::diagnosis::worded;
 use crate::report::trial as report;
 use crate::trial::blind::{self, Verdicts};
 use crate::trial::campaign::Campaign;
-use crate::trial::case::Case;
+use crate::trial::case::{Case, Files};
 use crate::trial::judge;
 use crate::trial::like;
 use crate::trial::outcome::Outcome;
@@ -119,7 +122,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if !arguments.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
-    let verdicts = blind::run(&cases, &sealed, &state, done, &blind::tool).map_err(|error| match arguments.out {
+    let verdicts = blind::run(&cases, &sealed, &state, done, &tool).map_err(|error| match arguments.out {
         Some(_) => error,
         // The folder is a scratch one and goes with the process.
         None => Error { hint: "run it again; with --out DIR finished verdicts would be kept".into(), ..error },
@@ -186,7 +189,7 @@ fn recordings(recipe: Option<&Recipe>, scratch: &Scratch) -> Result<Vec<Found>> 
         remark!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
         return Ok(Vec::new());
     };
-    real::run(recipe, &data, &blind::tool, scratch)
+    real::run(recipe, &data, &tool, scratch)
 }
 
 fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Result<()> {
@@ -213,7 +216,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
         ..output::Request::default()
     };
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
-    let power = like::power(recording, model, arguments.quick, arguments.seed, &blind::tool)?;
+    let power = like::power(recording, model, arguments.quick, arguments.seed, &tool)?;
     let document = to_json(&power)?;
     let written = folder.map_or(Ok(()), |mut folder| {
         folder.write("power.json", document.as_bytes())?;
@@ -255,7 +258,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
     folder.finish()?;
     let scratch = Scratch::new(None)?;
     if json {
-        let said = blind::ask(&case, &blind::tool, &scratch)?;
+        let said = blind::ask(&case, &tool, &scratch)?;
         let mark = judge::judge(&case, &said).word();
         sayln!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?)?;
         return Ok(());
@@ -265,7 +268,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
         sayln!("planted: {id}, {size:.3} × noise")?;
     }
     sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;
-    let said = blind::ask(&case, &blind::tool, &scratch)?;
+    let said = blind::ask(&case, &tool, &scratch)?;
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
@@ -275,4 +278,11 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
     }
     sayln!("mark: {}", judge::judge(&case, &said).word())?;
     Ok(())
+}
+
+/// The tool itself, by the way that `proofmass diagnose` goes.
+fn tool(files: &Files) -> Result<Verdict> {
+    let model = model::read(&files.model)?;
+    let recording = model::read_recording(&files.recording, &model)?;
+    Ok(worded(diagnosis::diagnose(&recording, &model)?).verdict)
 }

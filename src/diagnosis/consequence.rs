@@ -3,7 +3,6 @@
 //! Constant and random errors by their closed forms, the proof mass under the stated vibration by `rectification`. One axis,
 //! flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml for distributions.
 
-use super::Diagnosis;
 use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
 use crate::error::Result;
@@ -27,8 +26,8 @@ struct Drift {
 ///
 /// # Errors
 /// When stopped by Ctrl-C.
-pub fn costs(diagnosis: &Diagnosis) -> Result<Vec<Cost>> {
-    let Some(repair) = &diagnosis.repair else { return Ok(Vec::new()) };
+pub fn costs(repair: Option<&Repair>) -> Result<Vec<Cost>> {
+    let Some(repair) = repair else { return Ok(Vec::new()) };
     let before = Drift::of(&repair.before, &repair.vibration)?;
     let mut rows = vec![row(Row::Before, before.total(), repair)];
     if repair.after != repair.before {

@@ -17,7 +17,7 @@ use crate::physics::library::Term;
 use crate::progress;
 use crate::recording::Recording;
 
-use super::Diagnosis;
+use super::answer::Answer;
 use super::model;
 
 use identification::fit;
@@ -34,7 +34,7 @@ use verdict::{answer, conclude, words};
 ///
 /// # Errors
 /// As `prepare::prepare`; and where no oscillator at all can be fitted.
-pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosis> {
+pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Answer> {
     let part = excerpt::excerpt(recording, model);
     let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
     let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(kept, model)?;
@@ -119,7 +119,5 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Diagnosi
     );
     let last = &conclusion.model.fit;
     notes.mind_jumps(&data, &run::trace(&data, &last.shape, &last.point, &last.run(&data, true)).0);
-    let mut answer = answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes.findings);
-    answer.verdict.sentence += &words::doubts(&notes.doubts);
-    Ok(answer)
+    Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes))
 }

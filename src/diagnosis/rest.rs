@@ -12,9 +12,10 @@ mod channel;
 mod common;
 mod conclusion;
 mod describe;
-mod detail;
+pub mod detail;
 mod effects;
 mod estimate;
+mod findings;
 mod jump;
 mod laws;
 mod location;
@@ -28,12 +29,11 @@ mod sensor;
 mod spectrum;
 mod standing;
 mod telegraph;
-mod words;
 
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};
 
-use super::Diagnosis;
+use super::answer::Answer;
 use super::model;
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -52,7 +52,7 @@ const FEWEST: usize = 256;
 ///
 /// # Errors
 /// Fewer than 256 samples, or columns that are not there.
-pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Diagnosis> {
+pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Answer> {
     let rows = rows(recording, model);
     let column = |name: &String| {
         recording.column(name).map(|values| &values[rows.clone()]).ok_or_else(|| {

@@ -11,7 +11,7 @@ mod candidate;
 mod check;
 mod conclusion;
 mod consequence;
-mod detail;
+pub mod detail;
 mod fit;
 pub mod group;
 mod imu;
@@ -24,7 +24,6 @@ mod selection;
 mod slopes;
 mod start;
 mod units;
-mod words;
 
 use std::ops::Range;
 
@@ -33,7 +32,7 @@ pub use candidate::CANDIDATES;
 pub use detail::{Detail, PoseDetail};
 pub use imu::Imu;
 
-use super::Diagnosis;
+use super::answer::Answer;
 use super::model;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
@@ -43,7 +42,7 @@ use fit::Fit;
 ///
 /// # Errors
 /// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them.
-pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Diagnosis> {
+pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Answer> {
     let given = model.poses.as_ref().map(|path| poses::read(path, recording.samples())).transpose()?;
     diagnose_in(recording, model, given)
 }
@@ -52,11 +51,7 @@ pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Diagnosi
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_in(
-    recording: &Recording,
-    model: &model::Tumble,
-    given: Option<Vec<Range<usize>>>,
-) -> Result<Diagnosis> {
+pub fn diagnose_in(recording: &Recording, model: &model::Tumble, given: Option<Vec<Range<usize>>>) -> Result<Answer> {
     let mut findings = recording.findings.clone();
     let imu = columns(recording, model, &mut findings)?;
     check::channels(recording, model)?;

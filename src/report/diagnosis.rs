@@ -6,17 +6,19 @@ mod driven;
 mod exhibit;
 mod profile;
 mod rest;
+mod standing;
 mod tumble;
 mod words;
 
 pub use exhibit::{Exhibit, Part};
+pub use words::{Diagnosis, worded};
 
 use std::collections::HashSet;
 
+use crate::diagnosis::answer::Detail;
 use crate::diagnosis::repair::{Cost, Repair, Row};
 use crate::diagnosis::standing::{Note, Ranked};
 use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
-use crate::diagnosis::{Detail, Diagnosis};
 
 use super::figure::Figure;
 use super::html::Page;
@@ -82,7 +84,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     if !tried.is_empty() {
         page.paragraph(&format!(
             "Every candidate that was tried, best first. {} p is corrected for the number of candidates tried.",
-            words::meaning_of_gains(verdict.kind)
+            standing::meaning_of_gains(verdict.kind)
         ));
         page.table(&ranking_table(&tried));
     }
@@ -278,7 +280,7 @@ fn effects_table(effects: &[Effect]) -> Table {
 fn ranking_table(ranking: &[&Ranked]) -> Table {
     let mut table = Table::new(&["candidate", "channels", "held-out gain", "95 %", "p", "named", "note"]);
     for r in ranking {
-        let [gain, interval] = words::gain(r.gain);
+        let [gain, interval] = standing::gain(r.gain);
         table.row([
             r.id.to_owned(),
             r.channels.join(", "),
@@ -286,7 +288,7 @@ fn ranking_table(ranking: &[&Ranked]) -> Table {
             interval,
             if r.p_value < 1e-6 { "<10⁻⁶".into() } else { significant(r.p_value, 2) },
             if r.named { "yes" } else { "no" }.to_owned(),
-            words::note(&r.note),
+            standing::note(&r.note),
         ]);
     }
     table

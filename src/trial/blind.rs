@@ -15,7 +15,6 @@ use super::scratch::Scratch;
 use super::seal::{Sealed, Truth};
 use super::workers::side_by_side;
 use crate::diagnosis::verdict::Verdict;
-use crate::diagnosis::{self, model};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::progress;
@@ -25,16 +24,6 @@ pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
-
-/// The tool itself, by the way that `proofmass diagnose` goes.
-///
-/// # Errors
-/// As `diagnose`.
-pub fn tool(files: &Files) -> Result<Verdict> {
-    let model = model::read(&files.model)?;
-    let recording = model::read_recording(&files.recording, &model)?;
-    Ok(diagnosis::diagnose(&recording, &model)?.verdict)
-}
 
 /// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, a truth of the same plan that lies there is
 /// kept.

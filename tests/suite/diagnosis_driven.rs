@@ -6,15 +6,20 @@ mod plant;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::driven;
 use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
-use proofmass::diagnosis::{Diagnosis, driven};
 use proofmass::recording::{Column, Recording, Request, read};
+use proofmass::report::diagnosis::{Diagnosis, worded};
 
 use super::world::{check, data_test, near, test};
 use plant::{Plan, plant};
 use proofmass::trial::physics::Physics;
 use proofmass::trial::plant::Size;
+
+fn diagnose(recording: &Recording, model: &Driven) -> proofmass::error::Result<Diagnosis> {
+    driven::diagnose(recording, model).map(worded)
+}
 
 /// Listed by the suite.
 pub fn tests() -> Vec<Trial> {
@@ -81,12 +86,9 @@ fn recording(columns: Vec<(&str, Vec<f64>)>) -> Recording {
 fn diagnosed(plan: &Plan) -> Result<(Diagnosis, f64), Failed> {
     let planted = plant(plan)?;
     let found = if plan.driven {
-        driven::diagnose(
-            &recording(vec![("u", planted.input), ("y", planted.reading)]),
-            &model(Some("u"), Split::default()),
-        )
+        diagnose(&recording(vec![("u", planted.input), ("y", planted.reading)]), &model(Some("u"), Split::default()))
     } else {
-        driven::diagnose(&recording(vec![("y", planted.reading)]), &model(None, Split::default()))
+        diagnose(&recording(vec![("y", planted.reading)]), &model(None, Split::default()))
     };
     Ok((found.map_err(|e| e.to_string())?, planted.strength))
 }
@@ -122,9 +124,8 @@ fn strong() -> Result<(), Failed> {
     for (unit, sign) in [(1.0, 1.0), (1000.0, 1.0), (1.0, -1.0), (3e-9, -1.0)] {
         let input: Vec<f64> = planted.input.iter().map(|u| sign * u).collect();
         let reading: Vec<f64> = planted.reading.iter().map(|y| unit * y).collect();
-        let found =
-            driven::diagnose(&recording(vec![("u", input), ("y", reading)]), &model(Some("u"), Split::default()))
-                .map_err(|e| e.to_string())?;
+        let found = diagnose(&recording(vec![("u", input), ("y", reading)]), &model(Some("u"), Split::default()))
+            .map_err(|e| e.to_string())?;
         let v = &found.verdict;
         // Control: the base model is lost indeed, by a hundred times the noise, a fifth of the output.
         check(v.fit.test.rmse_before > 100.0 * v.fit.noise_floor, "the base model is not lost")?;
@@ -208,7 +209,7 @@ fn ring_down() -> Result<(), Failed> {
 fn refused() -> Result<(), Failed> {
     let planted = plant(&Plan { samples: 600, ..plan(None, 0.0) })?;
     let (u, y) = (planted.input, planted.reading);
-    let says = |r: Recording, m: Driven, word: &str| match driven::diagnose(&r, &m) {
+    let says = |r: Recording, m: Driven, word: &str| match diagnose(&r, &m) {
         Err(e) if e.to_string().contains(word) => Ok(()),
         Err(e) => Err(Failed::from(format!("expected \"{word}\" in {e}"))),
         Ok(_) => Err(Failed::from(format!("no error with \"{word}\""))),
@@ -226,7 +227,7 @@ fn refused() -> Result<(), Failed> {
     holed[300] = f64::NAN;
     says(recording(vec![("u", u.clone()), ("y", holed)]), model(Some("u"), Split::default()), "row 300")?;
     // A dead input is survived as a ring-down, and said.
-    let dead = driven::diagnose(&recording(vec![("u", vec![0.0; 600]), ("y", y)]), &model(Some("u"), Split::default()));
+    let dead = diagnose(&recording(vec![("u", vec![0.0; 600]), ("y", y)]), &model(Some("u"), Split::default()));
     let said = dead.map_err(|e| e.to_string())?.verdict.findings.join(" ");
     check(said.contains("never changes"), said)
 }
@@ -241,7 +242,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
         start: Start::default(),
         split: Split { train: vec![train], test: vec![[30_000, 40_000]] },
     };
-    Ok(driven::diagnose(&recording, &model).map_err(|e| e.to_string())?)
+    Ok(diagnose(&recording, &model).map_err(|e| e.to_string())?)
 }
 
 fn silverbox_quiet(folder: &Path) -> Result<(), Failed> {

@@ -2,9 +2,10 @@
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::diagnosis::model::{Noise, Static, StaticColumns};
-use proofmass::diagnosis::rest::diagnose;
+use proofmass::diagnosis::rest;
 use proofmass::diagnosis::verdict::{Effect, Outcome, Verdict};
 use proofmass::recording::{self, Column, Recording, Request};
+use proofmass::report::diagnosis::{Diagnosis, worded};
 use proofmass::rng::{Philox, Stream};
 use rand::RngExt as _;
 use rayon::prelude::*;
@@ -14,6 +15,14 @@ use super::world::{check, data_test, test};
 use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 
 mod plant;
+
+fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
+    rest::diagnose(recording, model).map(worded)
+}
+
+fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
+    rest::diagnose(recording, model).map(worded)
+}
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {

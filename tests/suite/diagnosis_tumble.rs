@@ -2,9 +2,9 @@
 
 use libtest_mimic::{Failed, Trial};
 use nalgebra::{Matrix3, Vector3};
-use proofmass::diagnosis::Diagnosis;
 use proofmass::diagnosis::tumble::diagnose_in;
 use proofmass::diagnosis::verdict::Outcome;
+use proofmass::report::diagnosis::{Diagnosis, worded};
 use rayon::prelude::*;
 
 use super::tumble_bench::{Imu, model};
@@ -23,7 +23,7 @@ pub fn tests() -> Vec<Trial> {
 
 fn diagnose(imu: &Imu, seed: u64) -> Result<Diagnosis, Failed> {
     let (recording, ranges) = imu.record(seed);
-    Ok(diagnose_in(&recording, &model(), Some(ranges))?)
+    Ok(worded(diagnose_in(&recording, &model(), Some(ranges))?))
 }
 
 fn names(d: &Diagnosis) -> Vec<(String, char)> {

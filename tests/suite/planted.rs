@@ -4,7 +4,11 @@
 //! exceeds with a probability of one in a thousand. The full trial is `proofmass trial`.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::verdict::Verdict;
+use proofmass::diagnosis::{self, model};
+use proofmass::report::diagnosis::worded;
 use proofmass::trial::blind::{self, Verdicts};
+use proofmass::trial::case::Files;
 use proofmass::trial::interval::Share;
 use proofmass::trial::outcome::Outcome;
 use proofmass::trial::plan::Plan;
@@ -39,11 +43,18 @@ fn within(outcome: &Outcome) -> Result<(), Failed> {
     check(outcome.errors == 0.0, format!("{} of the diagnoses stopped with an error", outcome.errors))
 }
 
+/// By the way that `proofmass diagnose` goes.
+fn tool(files: &Files) -> proofmass::error::Result<Verdict> {
+    let model = model::read(&files.model)?;
+    let recording = model::read_recording(&files.recording, &model)?;
+    Ok(worded(diagnosis::diagnose(&recording, &model)?).verdict)
+}
+
 fn quick() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let (sealed, cases) = blind::prepare(Plan::quick(20), folder.path(), false)?;
     let state = folder.path().join("verdicts.jsonl");
-    let verdicts = blind::run(&cases, &sealed, &state, Verdicts::new(), &blind::tool)?;
+    let verdicts = blind::run(&cases, &sealed, &state, Verdicts::new(), &tool)?;
     let outcome = Outcome::of(&sealed.open()?.cases, &verdicts, &sealed.sha256);
     within(&outcome).map_err(|failed| {
         let said = outcome.confusion.iter().filter(|c| c.planted != c.said);

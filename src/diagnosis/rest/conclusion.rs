@@ -4,21 +4,22 @@ use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::common::Common;
-use super::detail::Detail;
+use super::detail::{ChannelDetail, Detail};
 use super::effects::{self, Found};
+use super::findings;
 use super::jump;
 use super::residual::{Residual, TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::{self, Law, Part};
 use super::standing::correction;
-use super::{describe, location, plausible, sensor, telegraph, words};
+use super::{describe, location, plausible, sensor, telegraph};
+use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
 use crate::diagnosis::ruling::{Evidence, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Fit, LogScore, SCHEMA, Score, Source, Verdict};
-use crate::diagnosis::{Detail as AnyDetail, Diagnosis};
+use crate::diagnosis::verdict::{Effect, Fit, LogScore, Score, Source};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
@@ -34,13 +35,13 @@ pub(super) struct Material<'a> {
 }
 
 /// Draws it.
-pub(super) fn conclude(material: Material<'_>) -> Diagnosis {
+pub(super) fn conclude(material: Material<'_>) -> Answer {
     let mut draft = Draft::of(material);
     draft.find_effects();
     draft.test_residuals();
     draft.drop_stand_ins();
     draft.mention();
-    draft.diagnosis()
+    draft.answer()
 }
 
 /// A conclusion in the making; vectors by channel, in the recording's order.
@@ -93,7 +94,7 @@ impl<'a> Draft<'a> {
             let own = effects::of_terms(i, channel, &self.selected[i], self.shares(i), self.unit);
             self.effects.extend(own);
             self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise, self.unit));
-            self.findings.extend(words::band_limit(channel, &self.finals[i]));
+            self.findings.extend(findings::band_limit(channel, &self.finals[i]));
             self.findings.extend(plausible::level(channel, &self.finals[i], noise));
         }
     }
@@ -162,12 +163,12 @@ impl<'a> Draft<'a> {
             all.fold(1.0, f64::min)
         };
         if self.all_fit() && strict() < REAL {
-            self.findings.push(words::within_tolerance());
+            self.findings.push(findings::within_tolerance());
         }
         for (i, channel) in self.channels.iter().enumerate() {
             if self.effects.iter().any(|e| e.is(Cause::GaussMarkov, i)) {
                 let told = telegraph::power(channel, &self.finals[i], REAL / count);
-                self.findings.extend(words::popcorn(channel, told));
+                self.findings.extend(findings::popcorn(channel, told));
             }
         }
     }
@@ -183,43 +184,42 @@ impl<'a> Draft<'a> {
         }
     }
 
-    fn diagnosis(self) -> Diagnosis {
+    fn answer(self) -> Answer {
         let (channels, count) = (self.channels, self.channels.len());
         let effects: Vec<Effect> = self.effects.iter().filter_map(|e| e.public(channels)).collect();
-        let outcome = rule(&self.evidence(&effects));
         let fits: Vec<bool> = (0..count).map(|i| self.fits(i)).collect();
         let before: Vec<Vec<f64>> =
             (0..count).map(|i| base_variances(&channels[i], &self.selected[i], self.model)).collect();
-        let location = location::locate(channels, self.selected, &self.residuals, &fits, self.unit);
-        let names = |i: usize| -> Vec<String> {
-            effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect()
+        let (places, location) = location::locate(channels, self.selected, &self.residuals, &fits);
+        let of_channel = |i: usize| ChannelDetail {
+            named: effects.iter().filter(|e| e.channels.contains(&channels[i].name)).map(|e| e.id.clone()).collect(),
+            fits: fits[i],
+            ..describe::detail(&channels[i], &before[i], &self.finals[i])
         };
-        let details =
-            (0..count).map(|i| describe::detail(&channels[i], &before[i], &self.finals[i], names(i))).collect();
-        let verdict = Verdict {
-            schema: SCHEMA,
+        let follows_temperature = self.effects.iter().any(|e| e.cause == Cause::TemperatureSensitivity);
+        let detail = Detail {
+            unit: self.unit.into(),
+            channels: (0..count).map(of_channel).collect(),
+            temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
+            location,
+        };
+        Answer {
             kind: Kind::Static,
-            verdict: outcome,
-            sentence: words::sentence(outcome, &effects, &location.summary, channels, &fits),
+            outcome: rule(&self.evidence(&effects)),
             recording: Source {
                 file: self.recording.path.display().to_string(),
                 sha256: self.recording.sha256.clone(),
                 samples: self.recording.samples(),
                 rate_hz: self.recording.rate_hz,
             },
+            places,
             fit: fit(channels, self.selected, &self.finals, &before, self.unit),
             residual_after: self.remainder().whiteness(),
-            next_experiment: words::next_experiment(outcome, &self.effects, self.model),
-            detectable: Vec::new(),
-            location,
-            effects,
-            findings: self.findings,
-        };
-        Diagnosis {
             ranking: ranking(channels, self.selected, &self.effects),
             repair: sensor::repair(channels, &self.finals, &self.effects, self.model),
-            detail: AnyDetail::Static(Box::new(Detail { unit: self.unit.into(), channels: details })),
-            verdict,
+            detail: answer::Detail::Static(Box::new(detail)),
+            effects,
+            findings: self.findings,
         }
     }
 }

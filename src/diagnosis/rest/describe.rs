@@ -39,7 +39,7 @@ fn allan_variance(bins: &[Bin], variances: &[f64], count: usize, factor: usize) 
 }
 
 /// What figures show of a channel.
-pub(super) fn detail(channel: &Channel, base: &[f64], fitted: &Fitted, named: Vec<String>) -> ChannelDetail {
+pub(super) fn detail(channel: &Channel, base: &[f64], fitted: &Fitted) -> ChannelDetail {
     let count = channel.values.len();
     let curve = fitted.mean_curve(count);
     let of_curve = allan::curve(&curve, channel.rate_hz);
@@ -61,7 +61,7 @@ pub(super) fn detail(channel: &Channel, base: &[f64], fitted: &Fitted, named: Ve
             [(from + to) as f64 / 2.0 / channel.rate_hz, mean(&channel.values), mean(&curve)]
         })
         .collect();
-    ChannelDetail { name: channel.name.clone(), named, allan, density, trace }
+    ChannelDetail { name: channel.name.clone(), allan, density, trace, ..ChannelDetail::default() }
 }
 
 /// Densities, at least eight coefficients a point so that the eye is not led astray.

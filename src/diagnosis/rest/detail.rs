@@ -1,4 +1,6 @@
-//! Plain numbers behind the figures of a sensor at rest.
+//! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its words.
+
+use crate::diagnosis::verdict::Stretch;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
@@ -7,6 +9,10 @@ pub struct Detail {
     pub unit: String,
     /// One per channel.
     pub channels: Vec<ChannelDetail>,
+    /// Whether something that a temperature column would show is named, and none was recorded.
+    pub temperature_unlogged: bool,
+    /// Where the mismatch lives.
+    pub location: Location,
 }
 
 /// What the figures show of a channel; all in file units.
@@ -16,10 +22,72 @@ pub struct ChannelDetail {
     pub name: String,
     /// Ids named in it.
     pub named: Vec<String>,
+    /// Whether its own model leaves noise.
+    pub fits: bool,
     /// τ in s, recorded Allan deviation, base model's, repaired model's.
     pub allan: Vec<[f64; 4]>,
     /// Frequency in Hz, one-sided density recorded, base, repaired, unit/√Hz.
     pub density: Vec<[f64; 4]>,
     /// Time in s, block mean, repaired model's curve (0 where it has none).
     pub trace: Vec<[f64; 3]>,
+}
+
+/// Where the mismatch lives: the one that repair removed where every channel is described, else what is left.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Location {
+    /// Whether the models found describe every channel.
+    pub described: bool,
+    /// Jumps of the bias, each once for all channels that take part.
+    pub jumps: Vec<Jump>,
+    /// Channels that hop between two levels.
+    pub hops: Vec<Hops>,
+    /// Channels that are not noise as modelled, worst first.
+    pub mismatches: Vec<Mismatch>,
+    /// Further such channels, by name.
+    pub also: Vec<String>,
+}
+
+/// A jump of the bias.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jump {
+    /// Channels that jump then.
+    pub channels: Vec<String>,
+    /// When, s.
+    pub time_s: f64,
+}
+
+/// A bias that hops between two levels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hops {
+    /// Which channel.
+    pub channel: String,
+    /// Between the levels, in the unit of the channels.
+    pub apart: f64,
+    /// Mean time at the lower and at the higher level, s.
+    pub dwell_s: [f64; 2],
+    /// How often.
+    pub count: usize,
+}
+
+/// How a channel differs from noise as modelled.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mismatch {
+    /// Which channel.
+    pub channel: String,
+    /// The band of frequency, Hz, that stands out most.
+    pub band_hz: Option<Stretch>,
+    /// Frequency below which it has less power than modelled, Hz, and the share of it that it has.
+    pub fading: Option<[f64; 2]>,
+    /// Whether nothing is amiss in time.
+    pub steady: bool,
+    /// Time, s, and size, in standard deviations, of a single reading far off.
+    pub outlier: Option<(f64, f64)>,
+    /// Least and most power over that modelled among stretches of time.
+    pub power: [f64; 2],
+    /// Stretches of time that stand out, s.
+    pub time_s: Vec<Stretch>,
+    /// Change of the power from end to end over its mean, where it creeps.
+    pub creep: Option<f64>,
+    /// Whether nothing is amiss outside those stretches.
+    pub only_there: bool,
 }

@@ -14,6 +14,30 @@ pub struct Account {
     pub above: Vec<(Group, f64)>,
     /// Candidates that would account for it with values that no sensor has.
     pub oversized: Vec<(&'static str, Sense)>,
+    /// What the base model leaves.
+    pub location: Location,
+}
+
+/// Where the base model's mismatch lives.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Location {
+    /// Each kind of residual.
+    pub residuals: Vec<Rms>,
+    /// Poses that stand out of the noise.
+    pub standing_out: usize,
+    /// The component of gravity that the excess follows most.
+    pub axis: Option<&'static str>,
+}
+
+/// One kind of residual, root-mean-square, in the unit of its group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rms {
+    /// Which.
+    pub group: Group,
+    /// What there is.
+    pub value: f64,
+    /// What noise alone leaves.
+    pub noise: f64,
 }
 
 /// A named effect and what it cannot be told from.

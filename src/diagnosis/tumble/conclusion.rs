@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::account::{Account, Fate, NamedTerm, SeenFrom};
+use super::account::{Account, Fate, Location, NamedTerm, SeenFrom};
 use super::by_pose::pose_details;
 use super::calibration::{Calibration, Point, gyro};
 use super::candidate::{NEVER_FITTED, Seen, Stated};
@@ -14,13 +14,12 @@ use super::isolation::locate;
 use super::residual::Residual;
 use super::selection::{Folds, Named, Selection, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
-use super::words::{next_experiment, sentence};
+use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::Tumble;
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, SCHEMA, Score, Source, Verdict};
-use crate::diagnosis::{Detail as AnyDetail, Diagnosis};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Score, Source};
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -43,23 +42,22 @@ pub struct Case<'a> {
 
 impl Case<'_> {
     /// The diagnosis.
-    pub fn conclude(mut self, selection: Selection) -> Diagnosis {
+    pub fn conclude(mut self, selection: Selection) -> Answer {
         if !selection.base.determined {
             self.findings.push("the poses do not span all directions: the base model itself is not determined".into());
         }
         let calibration = Calibration::from_point(&selection.chosen.point);
         let forces = self.observed.forces_m_s2(&calibration);
         let residual = Residual::of(&selection.chosen);
-        let outcome = rule(&evidence(&selection, &residual));
         let replicates = selection.chosen.replicates(self.observed.poses.len());
         let effects: Vec<Effect> =
             selection.named.iter().map(|n| self.effect(n, &selection.chosen, &replicates)).collect();
-        let detail = self.detail(&selection, &residual, calibration, &forces, &effects);
-        let verdict = Verdict {
-            schema: SCHEMA,
+        let (places, location) = locate(self.observed, &selection.base, &forces);
+        let account = account(&selection, &residual, location);
+        let detail = self.detail(&selection, account, calibration, &forces, &effects);
+        Answer {
             kind: Kind::Tumble,
-            verdict: outcome,
-            sentence: sentence(outcome, &detail),
+            outcome: rule(&evidence(&selection, &residual)),
             recording: Source {
                 file: self.recording.path.display().to_string(),
                 sha256: self.recording.sha256.clone(),
@@ -67,18 +65,13 @@ impl Case<'_> {
                 rate_hz: self.recording.rate_hz,
             },
             effects,
-            location: locate(self.observed, &selection.base, &forces),
+            places,
             fit: self.fit(&selection),
             residual_after: residual.remainder.whiteness(),
-            next_experiment: next_experiment(outcome, &detail.account),
-            detectable: Vec::new(),
-            findings: self.findings.clone(),
-        };
-        Diagnosis {
-            verdict,
             ranking: self.ranking(&selection),
             repair: Some(self.repair(&selection, &detail)),
-            detail: AnyDetail::Tumble(Box::new(detail)),
+            detail: answer::Detail::Tumble(Box::new(detail)),
+            findings: self.findings,
         }
     }
 
@@ -141,7 +134,7 @@ impl Case<'_> {
     fn detail(
         &self,
         selection: &Selection,
-        residual: &Residual,
+        account: Account,
         calibration: Calibration,
         forces: &[Vector3<f64>],
         effects: &[Effect],
@@ -171,7 +164,7 @@ impl Case<'_> {
             g_sensitivity,
             length_m_s2,
             gravity_m_s2: self.observed.imu.gravity_m_s2,
-            account: account(selection, residual),
+            account,
         }
     }
 
@@ -258,7 +251,7 @@ fn evidence(selection: &Selection, residual: &Residual) -> ruling::Evidence {
 }
 
 /// What the words rest on.
-fn account(selection: &Selection, residual: &Residual) -> Account {
+fn account(selection: &Selection, residual: &Residual, location: Location) -> Account {
     let named = |n: &Named| NamedTerm {
         id: n.standing.term.id(),
         sensor: n.standing.term.sensor,
@@ -270,6 +263,7 @@ fn account(selection: &Selection, residual: &Residual) -> Account {
         named: selection.named.iter().map(named).collect(),
         above: residual.above.clone(),
         oversized: oversized.map(|s| (s.term.id(), s.term.sensor)).collect(),
+        location,
     }
 }
 

@@ -1,4 +1,6 @@
-//! The three kinds of residual that poses leave.
+//! The three kinds of residual that poses leave, and the units that they are stated in.
+
+use crate::units::DEGREE;
 
 /// Which residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,3 +15,22 @@ pub enum Group {
 
 /// All groups in order.
 pub const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
+
+impl Group {
+    /// The unit that it is stated in.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Group::Gravity => "mm/s²",
+            Group::Still => "°/s",
+            Group::Turn => "mrad",
+        }
+    }
+
+    /// That unit, from SI.
+    pub fn factor(self) -> f64 {
+        match self {
+            Group::Still => 1.0 / DEGREE,
+            Group::Gravity | Group::Turn => 1e3,
+        }
+    }
+}

@@ -2,70 +2,34 @@
 
 use nalgebra::Vector3;
 
+use super::account::{Location, Rms};
 use super::fit::Fit;
 use super::group::{GROUPS, Group};
 use super::imu::Observed;
-use crate::diagnosis::verdict::{Stretch, Where};
-use crate::number::short;
+use crate::diagnosis::answer::Places;
+use crate::diagnosis::verdict::Stretch;
 use crate::numerics::special::{chi_squared_above, discoveries};
-use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
+use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Share of the stretches named that may be false.
 const FALSE_DISCOVERIES: f64 = 0.05;
 
-/// One kind of residual, in the unit people say it in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Residual {
-    group: Group,
-    /// Root mean square.
-    rms: f64,
-    /// What noise alone leaves.
-    noise: f64,
-}
-
-impl Group {
-    /// What it is, in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Group::Gravity => "length of gravity",
-            Group::Still => "gyro at rest",
-            Group::Turn => "gravity's direction after a turn",
-        }
-    }
-
-    /// The unit people say it in.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Group::Gravity => "mm/s²",
-            Group::Still => "°/s",
-            Group::Turn => "mrad",
-        }
-    }
-
-    /// That unit, from SI.
-    pub fn factor(self) -> f64 {
-        match self {
-            Group::Still => 1.0 / DEGREE,
-            Group::Gravity | Group::Turn => 1e3,
-        }
-    }
-}
-
 /// Root-mean-square of each kind of residual.
-fn residuals(fit: &Fit) -> [Residual; 3] {
-    GROUPS.map(|group| {
+fn residuals(fit: &Fit) -> Vec<Rms> {
+    let of = |group: Group| {
         let mut sums = (0.0, 0.0, 0.0);
         for r in (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] == group) {
             let (value, deviation) = (fit.rows.residual[r], fit.rows.deviation[r]);
             sums = (sums.0 + (value * deviation).powi(2), sums.1 + deviation.powi(2), sums.2 + 1.0);
         }
         let root = |sum: f64| (sum / f64::max(sums.2, 1.0)).sqrt() * group.factor();
-        Residual { group, rms: root(sums.0), noise: root(sums.1) }
-    })
+        Rms { group, value: root(sums.0), noise: root(sums.1) }
+    };
+    GROUPS.map(of).into()
 }
 
 /// Isolation of the base model's residual; `forces` as the repaired model sees them.
-pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> Where {
+pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> (Places, Location) {
     let excess: Vec<(f64, f64)> = (0..observed.poses.len())
         .map(|k| {
             let own = (0..base.rows.pose.len()).filter(|r| base.rows.pose[*r] == k);
@@ -84,21 +48,12 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> W
         .map(|((p, e), _)| Stretch { from: seconds(p.samples.start), to: seconds(p.samples.end), excess: e.0 })
         .collect();
     let (axis, state) = by_component(base, forces);
-    let kinds: Vec<String> = residuals(base)
-        .iter()
-        .map(|r| {
-            let unit = r.group.unit();
-            format!("{}: {} {unit} rms where noise leaves {} {unit}", r.group.words(), short(r.rms), short(r.noise))
-        })
-        .collect();
-    let place = match (time_s.len(), state.is_empty()) {
-        (0, _) => "no pose stands out of the noise".to_owned(),
-        (n, true) => format!("{n} of {} poses stand out", observed.poses.len()),
-        (n, false) => {
-            format!("{n} of {} poses stand out, most by the share of gravity along {axis}", observed.poses.len())
-        }
+    let location = Location {
+        residuals: residuals(base),
+        standing_out: time_s.len(),
+        axis: Some(axis).filter(|_| !state.is_empty()),
     };
-    Where { summary: format!("{}; {place}", kinds.join("; ")), time_s, state, ..Where::default() }
+    (Places { time_s, state, ..Places::default() }, location)
 }
 
 /// The component of gravity that the excess follows most, and the excess in five bins of it (in m/s²).

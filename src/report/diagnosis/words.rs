@@ -1,89 +1,95 @@
-//! A candidate's standing in words.
+//! From an answer to words, and with them to the public document.
 
-use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::driven::verdict::words as driven;
-use crate::diagnosis::standing::{Gain, Note};
-use crate::diagnosis::tumble::account::{Fate, SeenFrom};
-use crate::number::short;
+mod rest;
+mod tumble;
 
-/// What became of a candidate, in a few words.
-pub fn note(note: &Note) -> String {
-    match note {
-        Note::Screened => "screened out by the linear step".into(),
-        Note::Alone => "alone, on the base model".into(),
-        Note::AloneByLikelihood { gain, held_out_better } => format!(
-            "alone: log-likelihood {}{:.1}; held-out data are predicted {}",
-            if *gain < 0.0 { "−" } else { "+" },
-            gain.abs(),
-            if *held_out_better { "better" } else { "no better" }
-        ),
-        Note::BesideNamed => "what it adds to the other named effects".into(),
-        Note::Dropped(reason) => format!("dropped: {}", driven::dropped(*reason)),
-        Note::InPoses { judged, fate } => format!("judged by {}{}", judged.words(), fated(fate)),
-        Note::Indistinguishable => "cannot be told from the common scale by any pose: both multiply |f|".into(),
-    }
+use crate::diagnosis::answer::{Answer, Detail};
+use crate::diagnosis::repair::Repair;
+use crate::diagnosis::standing::Ranked;
+use crate::diagnosis::verdict::{SCHEMA, Verdict, Where};
+
+pub use tumble::residual;
+
+/// A diagnosis in words and numbers.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The public document.
+    pub verdict: Verdict,
+    /// Every candidate that was tried, best first, named or not.
+    pub ranking: Vec<Ranked>,
+    /// The sensor with and without the named physics, for a study and for the cost in metres.
+    pub repair: Option<Repair>,
+    /// What only this kind of recording has: numbers behind its figures.
+    pub detail: Detail,
 }
 
-fn fated(fate: &Fate) -> String {
-    match fate {
-        Fate::Named => ", beside the others named".into(),
-        Fate::Withdrawn => "; it helps, but what is left stays above the noise".into(),
-        Fate::Undetermined => "; not determined by these poses".into(),
-        Fate::Implausible => "; fitted outside its plausible range".into(),
-        Fate::Absent { beside_named, seen_from } => {
-            let beside = if *beside_named { ", beside those named" } else { "" };
-            let seen = match seen_from {
-                None => String::new(),
-                Some(SeenFrom::Strength { value, unit }) => {
-                    format!("; above {} {unit} it would have been seen", short(*value))
-                }
-                Some(SeenFrom::EarthRateDegH(value)) => {
-                    format!("; the earth's rate is 15.04 °/h, and below {} °/h none could be seen", short(*value))
-                }
-            };
-            format!("{beside}{seen}")
-        }
-    }
+/// What is said of an answer.
+struct Said {
+    /// The verdict in one or two sentences.
+    sentence: String,
+    /// Where the mismatch lives.
+    place: String,
+    /// What would decide or confirm.
+    next_experiment: String,
 }
 
-/// What the column of gains means for a kind of recording.
-pub fn meaning_of_gains(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Driven | Kind::Tumble => {
-            "The gain is the share of the held-out error above the noise that goes away (1 is all of it), with its 95 % \
-             interval."
-        }
-        Kind::Static => {
-            "The gain is measured on held-out data: of a noise law, the share of the log-likelihood that the model chosen \
-             gains; of a drift curve, the share of the mean square that it removes."
-        }
-    }
-}
-
-/// A gain in a table, with its interval where it has one; in-sample ones are marked.
-pub fn gain(gain: Gain) -> [String; 2] {
-    let interval = gain.ci95().map_or("–".to_owned(), |[low, high]| format!("{} to {}", share(low), share(high)));
-    let value = match gain {
-        Gain::HeldOut { value, .. } => share(value),
-        Gain::InSample { value } => format!("{} (fitted data)", share(value)),
+/// Puts an answer into words.
+pub fn worded(answer: Answer) -> Diagnosis {
+    let said = said(&answer);
+    let detectable = answer.detail.detectable().to_vec();
+    let Answer { kind, outcome, recording, effects, places, fit, residual_after, findings, ranking, repair, detail } =
+        answer;
+    let verdict = Verdict {
+        schema: SCHEMA,
+        kind,
+        verdict: outcome,
+        sentence: said.sentence,
+        recording,
+        effects,
+        location: Where {
+            summary: said.place,
+            time_s: places.time_s,
+            frequency_hz: places.frequency_hz,
+            state: places.state,
+            state_cells: places.state_cells,
+        },
+        fit,
+        residual_after,
+        detectable,
+        next_experiment: said.next_experiment,
+        findings,
     };
-    [value, interval]
+    Diagnosis { verdict, ranking, repair, detail }
 }
 
-/// A share of one: three decimals at most, for its interval is wider than a fourth.
-fn share(value: f64) -> String {
-    if value.abs() < 5e-4 { "0".into() } else { format!("{value:.3}").replacen('-', "−", 1) }
+fn said(answer: &Answer) -> Said {
+    match &answer.detail {
+        Detail::Driven(detail) => Said {
+            sentence: detail.words.sentence.clone(),
+            place: detail.words.place.clone(),
+            next_experiment: detail.words.next_experiment.clone(),
+        },
+        Detail::Static(detail) => {
+            let place = rest::place(detail);
+            Said {
+                sentence: rest::sentence(answer.outcome, &answer.effects, &place, detail),
+                next_experiment: rest::next_experiment(answer.outcome, detail).into(),
+                place,
+            }
+        }
+        Detail::Tumble(detail) => Said {
+            sentence: tumble::sentence(answer.outcome, detail),
+            place: tumble::place(detail),
+            next_experiment: tumble::next_experiment(answer.outcome, &detail.account).into(),
+        },
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_gain_on_fitted_data_never_looks_like_one_on_held_out_data() {
-        let held_out = gain(Gain::held_out(0.5, [0.4, 0.6]));
-        assert_eq!(held_out, ["0.500", "0.400 to 0.600"]);
-        assert_eq!(gain(Gain::held_out(0.5, [f64::NEG_INFINITY, f64::INFINITY])), ["0.500", "–"]);
-        assert_eq!(gain(Gain::InSample { value: 0.5 }), ["0.500 (fitted data)", "–"]);
+/// "a, b and c".
+fn join(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [one] => one.clone(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
     }
 }

@@ -2,24 +2,26 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::answer::{self, Answer, Places};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::driven::base::{OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::prepare::Notes;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
-use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, SCHEMA, Score, Source, Verdict, Where};
-use crate::diagnosis::{Diagnosis, model};
+use crate::diagnosis::model;
+use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, Score, Source};
 use crate::numerics::special;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
 use super::conclude::Conclusion;
-use super::detail::{Detail, Shown};
+use super::detail::{Detail, Shown, Words};
 use super::detectable::{Limits, limits};
 use super::isolation::{Compared, locate};
 use super::sensor::repair;
@@ -41,8 +43,8 @@ pub fn answer(
     scales: &Scales,
     selection: &Selection,
     c: &Conclusion,
-    mut findings: Vec<String>,
-) -> Diagnosis {
+    notes: Notes,
+) -> Answer {
     let output = model.columns.output.clone();
     let output_unit = words::unit_of(&output, "output unit");
     let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| words::unit_of(i, "input unit"));
@@ -59,35 +61,21 @@ pub fn answer(
     let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
     let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
     let errors = [before.as_slice(), after.as_slice()];
-    let location = located(data, errors, &states.x, &surfaces[0], &output_unit);
+    let (places, place) = located(data, errors, &states.x, &surfaces[0], &output_unit);
+    let Notes { mut findings, doubts, .. } = notes;
     findings.extend(doubtful(c));
     // What would have been seen is only known where what is left is noise.
     let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
-    let mut verdict = Verdict {
-        schema: SCHEMA,
-        kind: Kind::Driven,
-        verdict: c.outcome,
-        sentence: words::sentence(c, &effects, &channels),
-        recording: Source {
-            file: recording.path.display().to_string(),
-            sha256: recording.sha256.clone(),
-            samples: recording.samples(),
-            rate_hz: recording.rate_hz,
-        },
+    let words = Words {
+        sentence: words::sentence(c, &effects, &channels) + &words::doubts(&doubts),
+        place,
         next_experiment: words::next_experiment(c, &effects, data.input.is_some()),
-        effects,
-        location,
-        fit: scores(data, c, errors, &model.split.test, &output_unit),
-        residual_after: c.remainder.whiteness(),
-        findings,
-        detectable: limits.candidates,
     };
-    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &verdict.effects, &c.spread, c.budget);
-    verdict
-        .findings
-        .extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
-    verdict.findings.extend(profiles.iter().filter_map(profile::Profile::finding));
+    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &effects, &c.spread, c.budget);
+    findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
+    findings.extend(profiles.iter().filter_map(profile::Profile::finding));
+    let fit = scores(data, c, errors, &model.split.test, &output_unit);
     let detail = Detail {
         profiles,
         output,
@@ -102,22 +90,46 @@ pub fn answer(
         surfaces,
         least_over_noise: limits.least_over_noise,
         alike: limits.alike,
+        detectable: limits.candidates,
+        words,
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
     let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
-    Diagnosis { verdict, ranking, repair, detail: crate::diagnosis::Detail::Driven(Box::new(detail)) }
+    Answer {
+        kind: Kind::Driven,
+        outcome: c.outcome,
+        recording: Source {
+            file: recording.path.display().to_string(),
+            sha256: recording.sha256.clone(),
+            samples: recording.samples(),
+            rate_hz: recording.rate_hz,
+        },
+        effects,
+        places,
+        fit,
+        residual_after: c.remainder.whiteness(),
+        findings,
+        ranking,
+        repair,
+        detail: answer::Detail::Driven(Box::new(detail)),
+    }
 }
 
 /// Where the base model errs, and what the force that it lacks follows.
-fn located(data: &Data, [before, after]: [&[f64]; 2], state: &[f64], surface: &Surface, unit: &str) -> Where {
+fn located(
+    data: &Data,
+    [before, after]: [&[f64]; 2],
+    state: &[f64],
+    surface: &Surface,
+    unit: &str,
+) -> (Places, String) {
     let compared = Compared { error: before, noise: after, state, rate_hz: data.rate_hz, unit };
-    let mut location = locate(&compared, data.hull.start);
-    location.state_cells = surface.strongest(CELLS_SHOWN);
-    if let Some(words) = surface.words() {
-        location.summary += &format!("; {words}");
+    let (places, mut words) = locate(&compared, data.hull.start);
+    if let Some(of_surface) = surface.words() {
+        words += &format!("; {of_surface}");
     }
-    location
+    (Places { state_cells: surface.strongest(CELLS_SHOWN), ..places }, words)
 }
 
 /// What was dropped and why, and which names rest on fitted samples alone.

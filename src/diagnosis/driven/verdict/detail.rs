@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::diagnosis::driven::identification::profile::Profile;
 use crate::diagnosis::standing::Gain;
+use crate::diagnosis::verdict::Detectable;
 
 use super::surface::Surface;
 
@@ -38,8 +39,23 @@ pub struct Detail {
     pub named: bool,
     /// How the misfit rises around each named parameter.
     pub profiles: Vec<Profile>,
+    /// Where nothing is named: what would have been, candidate by candidate.
+    pub detectable: Vec<Detectable>,
+    /// The verdict in words.
+    pub words: Words,
     /// Candidates: id, gain, named.
     pub candidates: Vec<(String, Gain, bool)>,
+}
+
+/// What is said of a driven recording.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Words {
+    /// The verdict in one or two sentences.
+    pub sentence: String,
+    /// Where the mismatch lives.
+    pub place: String,
+    /// What would decide or confirm.
+    pub next_experiment: String,
 }
 
 /// Recording and both models where they differ most, sample by sample.

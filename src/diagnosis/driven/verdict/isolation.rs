@@ -3,8 +3,9 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::answer::Places;
 use crate::diagnosis::driven::selection::residual_structure::correlation;
-use crate::diagnosis::verdict::{Stretch, Where};
+use crate::diagnosis::verdict::Stretch;
 use crate::number::short;
 use crate::numerics::{order, special, spectrum};
 
@@ -37,10 +38,10 @@ pub struct Compared<'a> {
 }
 
 /// Excess everywhere, neighbouring stretches joined.
-pub fn locate(c: &Compared<'_>, from: usize) -> Where {
+pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String) {
     let n = c.error.len().min(c.noise.len()).min(c.state.len());
     if n < 64 {
-        return Where { summary: "too short to say where".into(), ..Where::default() };
+        return (Places::default(), "too short to say where".into());
     }
     let power = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() / v.len().max(1) as f64;
     let floor = power(&c.noise[..n]).max(1e-300);
@@ -79,7 +80,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> Where {
     } else {
         summary(mean, &frequency_hz, &state, &time_s, c.unit)
     };
-    Where { summary, time_s, frequency_hz, state, ..Where::default() }
+    (Places { time_s, frequency_hz, state, ..Places::default() }, summary)
 }
 
 fn summary(mean: f64, frequency: &[Stretch], state: &[Stretch], time: &[Stretch], unit: &str) -> String {

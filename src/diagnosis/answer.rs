@@ -1,0 +1,70 @@
+//! What a diagnosis found, whatever the kind of recording: numbers and typed reasons. The words, and with them the public
+//! document, are made in `report::diagnosis`.
+
+use super::candidate::Kind;
+use super::repair::Repair;
+use super::standing::Ranked;
+use super::verdict::{Detectable, Effect, Fit, Outcome, Source, StateCell, Stretch, Whiteness};
+use super::{driven, rest, tumble};
+
+/// What a diagnosis found.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// Kind of recording.
+    pub kind: Kind,
+    /// Which of the four verdicts.
+    pub outcome: Outcome,
+    /// What was diagnosed.
+    pub recording: Source,
+    /// Named effects, strongest first.
+    pub effects: Vec<Effect>,
+    /// Where the mismatch lives.
+    pub places: Places,
+    /// How well it fits.
+    pub fit: Fit,
+    /// Whether anything is left.
+    pub residual_after: Whiteness,
+    /// Found in the file and survived, in sentences.
+    pub findings: Vec<String>,
+    /// Every candidate that was tried, best first, named or not.
+    pub ranking: Vec<Ranked>,
+    /// The sensor with and without the named physics, for a study and for the cost in metres. `None` where nothing a
+    /// study could run came out, e.g. when the base model could not be fitted.
+    pub repair: Option<Repair>,
+    /// What only this kind of recording has: numbers behind its figures, reasons behind its words.
+    pub detail: Detail,
+}
+
+/// Where the mismatch lives, after false-discovery control.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Places {
+    /// In time, s.
+    pub time_s: Vec<Stretch>,
+    /// In frequency, Hz.
+    pub frequency_hz: Vec<Stretch>,
+    /// In state (amplitude), output unit; at rest averaging time in s.
+    pub state: Vec<Stretch>,
+    /// In the plane of displacement and velocity, strongest first; driven recordings only.
+    pub state_cells: Vec<StateCell>,
+}
+
+/// What each kind keeps for its figures and its own paragraphs.
+#[derive(Debug, Clone)]
+pub enum Detail {
+    /// Input and output of one proof mass.
+    Driven(Box<driven::verdict::detail::Detail>),
+    /// A sensor at rest.
+    Static(Box<rest::detail::Detail>),
+    /// An IMU in many still poses.
+    Tumble(Box<tumble::detail::Detail>),
+}
+
+impl Detail {
+    /// What would have been named: of driven recordings where nothing is. At rest and in poses it is not worked out.
+    pub fn detectable(&self) -> &[Detectable] {
+        match self {
+            Self::Driven(detail) => &detail.detectable,
+            Self::Static(_) | Self::Tumble(_) => &[],
+        }
+    }
+}

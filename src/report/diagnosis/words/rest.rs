@@ -1,0 +1,166 @@
+//! The verdict on a sensor at rest in words.
+
+use crate::diagnosis::rest::detail::{Detail, Hops, Mismatch};
+use crate::diagnosis::verdict::{Effect, Outcome, named};
+use crate::number::{duration, short};
+
+/// The verdict in a sentence; `place` says where the mismatch lives.
+pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Detail) -> String {
+    match outcome {
+        Outcome::Adequate => {
+            "A constant and white noise describe every channel: nothing is missing that this recording could show."
+                .into()
+        }
+        Outcome::Explained => format!("The model leaves out {}. With that, what is left is noise.", named(effects)),
+        Outcome::Undecidable => {
+            let (ties, sure) = parted(effects);
+            if sure.is_empty() {
+                format!("The model leaves something out, and the recording cannot tell which: {ties}.")
+            } else {
+                format!(
+                    "The model leaves out {}; and something else, of which the recording cannot tell which: {ties}.",
+                    named(&sure)
+                )
+            }
+        }
+        Outcome::Unexplained => {
+            let of = |is: bool| -> String {
+                let names = detail.channels.iter().filter(|c| c.fits == is).map(|c| c.name.as_str());
+                names.collect::<Vec<_>>().join(", ")
+            };
+            let left_out = if effects.is_empty() {
+                "The mismatch is real and nothing in the library accounts for it".to_owned()
+            } else {
+                let (ties, sure) = parted(effects);
+                let all: Vec<String> = [named(&sure), ties].into_iter().filter(|part| !part.is_empty()).collect();
+                format!("The model leaves out {}; and more that nothing in the library accounts for", all.join("; "))
+            };
+            let others = match of(true) {
+                fine if fine.is_empty() => String::new(),
+                fine => format!(" What is left of {fine} is noise."),
+            };
+            if detail.channels.len() == 1 {
+                format!("{left_out}. {place}")
+            } else {
+                format!("{left_out} in {}. {place}{others}", of(false))
+            }
+        }
+    }
+}
+
+/// Tied effects in words, and those that are sure.
+fn parted(effects: &[Effect]) -> (String, Vec<Effect>) {
+    let (ties, sure): (Vec<Effect>, Vec<Effect>) = effects.iter().cloned().partition(|e| !e.confusable_with.is_empty());
+    let tie = |e: &Effect| format!("{} or {} in {}", e.id, e.confusable_with.join(" or "), e.channels.join(", "));
+    (ties.iter().map(tie).collect::<Vec<_>>().join("; "), sure)
+}
+
+/// What would decide or confirm.
+pub fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
+    match outcome {
+        _ if detail.temperature_unlogged => {
+            "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
+             the slopes."
+        }
+        Outcome::Adequate => "A longer log: slow terms show only at averaging times that it holds several of.",
+        Outcome::Explained => "A second log on another day: the same coefficients should come out.",
+        Outcome::Undecidable => "A log four times as long: the candidates part at longer averaging times.",
+        Outcome::Unexplained => {
+            "Log again on a quiet foundation, at another sampling rate and with temperature beside it: what moves with which \
+             tells vibration, aliasing and environment apart."
+        }
+    }
+}
+
+/// Where the mismatch lives.
+pub fn place(detail: &Detail) -> String {
+    let location = &detail.location;
+    let mut spoken: Vec<String> = Vec::new();
+    for jump in &location.jumps {
+        spoken.push(format!(
+            "{}: the bias jumps, most at {}; no law of noise or drift in the library does that.",
+            jump.channels.join(", "),
+            duration(jump.time_s)
+        ));
+    }
+    spoken.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
+    if !location.hops.is_empty() {
+        spoken.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
+    }
+    spoken.extend(location.mismatches.iter().map(|m| mismatch(m, location.described)));
+    if !location.also.is_empty() {
+        spoken.push(format!("Also in {}.", location.also.join(", ")));
+    }
+    if spoken.is_empty() {
+        spoken.push("Nowhere: no band of frequency and no stretch of time stands out.".into());
+    }
+    spoken.join(" ")
+}
+
+/// A channel that hops between two levels.
+fn hops(hops: &Hops, unit: &str) -> String {
+    let [low, high] = hops.dwell_s.map(duration);
+    format!(
+        "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
+         and {high} at the higher level).",
+        hops.channel,
+        short(hops.apart),
+        hops.count
+    )
+}
+
+/// One channel's residual in a sentence.
+fn mismatch(residual: &Mismatch, described: bool) -> String {
+    let name = &residual.channel;
+    let by = if described { "of white noise" } else { "that the best model explains" };
+    if let Some(s) = residual.band_hz {
+        // A law of drift or noise reaches over a decade at least.
+        let narrow = s.to < 1.6 * s.from && s.excess > 1.3;
+        return format!(
+            "{name}: most between {} and {} Hz (averaging times {} to {}), with {} times the power {by}.{}",
+            short(s.from),
+            short(s.to),
+            duration(0.37 / s.to),
+            duration(0.37 / s.from),
+            short(s.excess),
+            if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
+        );
+    }
+    let fading = residual.fading.map(|[below_hz, share]| {
+        format!(
+            "below {} Hz it has only {} times the power that the best model has there: what fluctuates slowly is held back, \
+             as where the sensor tracks and removes its own bias",
+            short(below_hz),
+            short(share)
+        )
+    });
+    if let (Some(fading), true) = (&fading, residual.steady) {
+        return format!("{name}: {fading}.");
+    }
+    let single = residual.outlier.map(|(at, size)| {
+        format!(" A single reading at {} lies {} standard deviations off.", duration(at), short(size))
+    });
+    let [low, high] = residual.power.map(short);
+    let unsteady = match residual.time_s.as_slice() {
+        [] if residual.creep.is_some() => format!(
+            "{name}: its noise is not steady, its power {} by {} of its mean from end to end.",
+            if residual.creep.is_some_and(|c| c > 0.0) { "grows" } else { "falls" },
+            short(residual.creep.unwrap_or(0.0).abs())
+        ),
+        [] if single.is_some() => return format!("{name}:{}", single.unwrap_or_default()),
+        [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
+        [first, more @ ..] => format!(
+            "{name}: its noise is not steady. From {} to {}{} it has up to {high} times the power modelled, at its quietest \
+             {low} times{}.",
+            duration(first.from),
+            duration(first.to),
+            match more.len() {
+                0 => String::new(),
+                1 => " and in one more stretch".into(),
+                n => format!(" and in {n} more stretches"),
+            },
+            if residual.only_there { "; outside that what is left is noise" } else { "" }
+        ),
+    };
+    unsteady + &single.unwrap_or_default() + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()
+}

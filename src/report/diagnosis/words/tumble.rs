@@ -1,0 +1,135 @@
+//! The verdict on an IMU that was turned by hand, in plain words.
+
+use super::join;
+use crate::diagnosis::tumble::account::{Account, NamedTerm, Rms};
+use crate::diagnosis::tumble::detail::Detail;
+use crate::diagnosis::tumble::group::{GROUPS, Group};
+use crate::diagnosis::verdict::Outcome;
+use crate::number::short;
+use crate::sensor::Sense;
+
+/// One or two sentences for the first screen.
+pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
+    let account = &detail.account;
+    let improvement = |group: Group| {
+        let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
+        let [before, after] = detail.held_out[n];
+        format!("{} {} → {} {}", residual(group), short(before), short(after), group.unit())
+    };
+    let names: Vec<String> = account.named.iter().map(name).collect();
+    match outcome {
+        Outcome::Adequate => format!(
+            "Nothing is missing that these {} poses could show: what is left of gravity, of the gyro at rest and of \
+                 the turns is noise.",
+            detail.poses.len()
+        ),
+        Outcome::Explained => format!(
+            "The model left out {}. With {} fitted, poses that were held out agree: {}.",
+            join(&names),
+            if names.len() == 1 { "it" } else { "them" },
+            join(&GROUPS.map(improvement))
+        ),
+        Outcome::Unexplained => {
+            let (group, times) = account.above.first().copied().unwrap_or((Group::Gravity, 1.0));
+            let part = match names.is_empty() {
+                true => "Nothing in the library accounts for the mismatch".to_owned(),
+                false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
+            };
+            let beyond = account.oversized.iter().map(|(id, sensor)| {
+                format!(
+                    " {} would carry it, but only with values that no sensor has: are units and columns right?",
+                    spoken(id, *sensor)
+                )
+            });
+            let still = format!("{part}: {} still errs by {} times its noise.", residual(group), short(times.sqrt()));
+            still + &beyond.collect::<String>()
+        }
+        Outcome::Undecidable if !account.base_determined => {
+            "These poses do not span all directions, so that not even offsets and scales are determined.".into()
+        }
+        Outcome::Undecidable => {
+            let pairs: Vec<String> = account.named.iter().filter(|n| !n.rivals.is_empty()).map(name).collect();
+            format!("Something is left out, but these poses cannot tell which: {}.", join(&pairs))
+        }
+    }
+}
+
+/// Where the base model's mismatch lives.
+pub fn place(detail: &Detail) -> String {
+    let location = &detail.account.location;
+    let of = |r: &Rms| {
+        let unit = r.group.unit();
+        let [value, noise] = [r.value, r.noise].map(short);
+        format!("{}: {value} {unit} rms where noise leaves {noise} {unit}", residual(r.group))
+    };
+    let kinds: Vec<String> = location.residuals.iter().map(of).collect();
+    let poses = detail.poses.len();
+    let place = match (location.standing_out, location.axis) {
+        (0, _) => "no pose stands out of the noise".to_owned(),
+        (n, None) => format!("{n} of {poses} poses stand out"),
+        (n, Some(axis)) => format!("{n} of {poses} poses stand out, most by the share of gravity along {axis}"),
+    };
+    format!("{}; {place}", kinds.join("; "))
+}
+
+/// A kind of residual.
+pub fn residual(group: Group) -> &'static str {
+    match group {
+        Group::Gravity => "length of gravity",
+        Group::Still => "gyro at rest",
+        Group::Turn => "gravity's direction after a turn",
+    }
+}
+
+/// What would decide or confirm.
+pub fn next_experiment(outcome: Outcome, account: &Account) -> &'static str {
+    match outcome {
+        Outcome::Adequate => {
+            "To see smaller effects: more poses, each longer, spread over all directions, and quick turns \
+                              between them."
+        }
+        Outcome::Explained => {
+            "Repeat the poses on another day with this calibration: constants that hold are the \
+                               sensor's, constants that move are temperature or mounting."
+        }
+        Outcome::Unexplained => match account.above.first() {
+            Some((Group::Still, _)) => {
+                "Repeat the same attitude with another heading, and after turning in from the other \
+                                        side: a rate that follows the heading points outside the sensor, one that follows \
+                                        the way in points to hysteresis."
+            }
+            Some((Group::Turn, _)) => {
+                "Repeat single turns about one axis, slow and fast, to and fro: what depends on speed \
+                                       is the gyro's bandwidth or clock, what depends on direction its scale."
+            }
+            _ => {
+                "Return to the same attitude from opposite sides several times: bias that depends on the way in is \
+                  hysteresis, bias that does not repeat is the mount."
+            }
+        },
+        Outcome::Undecidable if !account.base_determined => {
+            "Add poses on the faces and edges that are missing: each axis up, down and slanted."
+        }
+        Outcome::Undecidable => {
+            "Add poses where the candidates differ: each axis up and down, slanted in between, and \
+                                 every attitude twice at different times."
+        }
+    }
+}
+
+/// "misalignment of the gyro", or "misalignment of the gyro or scale-factor" where they are tied.
+fn name(named: &NamedTerm) -> String {
+    std::iter::once(spoken(named.id, named.sensor).as_str())
+        .chain(named.rivals.iter().copied())
+        .collect::<Vec<_>>()
+        .join(" or ")
+}
+
+/// "misalignment of the gyro".
+fn spoken(id: &str, sensor: Sense) -> String {
+    format!("{id} of the {}", sensor.name())
+}
+
+fn is_are(names: &[String]) -> &'static str {
+    if names.len() == 1 { "is" } else { "are" }
+}
