@@ -20,10 +20,6 @@ fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<D
     rest::diagnose(recording, model).map(worded)
 }
 
-fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
-    rest::diagnose(recording, model).map(worded)
-}
-
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
