@@ -1,6 +1,5 @@
 //! The verdict on an IMU that was turned by hand, in plain words.
 
-use super::join;
 use crate::diagnosis::tumble::account::{Account, NamedTerm, Rms};
 use crate::diagnosis::tumble::detail::Detail;
 use crate::diagnosis::tumble::group::{GROUPS, Group};
@@ -132,4 +131,13 @@ fn spoken(id: &str, sensor: Sense) -> String {
 
 fn is_are(names: &[String]) -> &'static str {
     if names.len() == 1 { "is" } else { "are" }
+}
+
+/// "a, b and c".
+fn join(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [one] => one.clone(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
 }
