@@ -28,7 +28,7 @@ use intake::{excerpt, stretches};
 use selection::{base_model, folds, judged, stepwise};
 use simulation::run;
 pub use verdict::detail::Detail;
-use verdict::{answer, conclude, words};
+use verdict::{answer, conclude, findings};
 
 /// Diagnoses it.
 ///
@@ -115,7 +115,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Answer> 
         conclusion
             .left_out
             .iter()
-            .map(|what| format!("{}, as the work for the conclusion was spent", words::left_out(*what))),
+            .map(|what| format!("{}, as the work for the conclusion was spent", findings::left_out(*what))),
     );
     let last = &conclusion.model.fit;
     notes.mind_jumps(&data, &run::trace(&data, &last.shape, &last.point, &last.run(&data, true)).0);

@@ -180,6 +180,7 @@ impl<'a> Draft<'a> {
             // A drift that is a jump in truth has been dropped, and the library holds no jump.
             stand_ins: self.leaps.contains(&true),
             remainder: self.remainder().size,
+            // Laws of noise change no prediction, and a curve that predicts worse does not count in the selection.
             ..Evidence::default()
         }
     }

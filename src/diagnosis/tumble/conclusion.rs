@@ -57,7 +57,7 @@ impl Case<'_> {
         let detail = self.detail(&selection, account, calibration, &forces, &effects);
         Answer {
             kind: Kind::Tumble,
-            outcome: rule(&evidence(&selection, &residual)),
+            outcome: rule(&evidence(&selection, &residual, self.ratio_interval(&selection)[0])),
             recording: Source {
                 file: self.recording.path.display().to_string(),
                 sha256: self.recording.sha256.clone(),
@@ -240,12 +240,13 @@ impl Case<'_> {
 }
 
 /// What the verdict rests on.
-fn evidence(selection: &Selection, residual: &Residual) -> ruling::Evidence {
+fn evidence(selection: &Selection, residual: &Residual, held_out_ratio: f64) -> ruling::Evidence {
     ruling::Evidence {
         base_determined: selection.base.determined,
         named: selection.named.len(),
         tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
         remainder: residual.remainder.size,
+        held_out_ratio,
         ..ruling::Evidence::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::words::residual;
 use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::driven::verdict::words as driven;
+use crate::diagnosis::driven::verdict::findings::dropped;
 use crate::diagnosis::standing::{Gain, Note};
 use crate::diagnosis::tumble::account::{Fate, SeenFrom};
 use crate::number::short;
@@ -19,7 +19,7 @@ pub fn note(note: &Note) -> String {
             if *held_out_better { "better" } else { "no better" }
         ),
         Note::BesideNamed => "what it adds to the other named effects".into(),
-        Note::Dropped(reason) => format!("dropped: {}", driven::dropped(*reason)),
+        Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
         Note::InPoses { judged, fate } => format!("judged by {}{}", residual(*judged), fated(fate)),
         Note::Indistinguishable => "cannot be told from the common scale by any pose: both multiply |f|".into(),
     }

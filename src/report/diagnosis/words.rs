@@ -1,5 +1,6 @@
 //! From an answer to words, and with them to the public document.
 
+mod driven;
 mod rest;
 mod tumble;
 
@@ -65,9 +66,9 @@ pub fn worded(answer: Answer) -> Diagnosis {
 fn said(answer: &Answer) -> Said {
     match &answer.detail {
         Detail::Driven(detail) => Said {
-            sentence: detail.words.sentence.clone(),
-            place: detail.words.place.clone(),
-            next_experiment: detail.words.next_experiment.clone(),
+            sentence: driven::sentence(answer, detail),
+            place: detail.account.place.clone(),
+            next_experiment: driven::next_experiment(answer, &detail.account),
         },
         Detail::Static(detail) => {
             let place = rest::place(detail);

@@ -225,3 +225,23 @@ impl Evaluation {
         }
     }
 }
+
+/// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.
+pub fn ratio_interval(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
+    let n = before.blocks.len();
+    let whole = |skip: Option<usize>| {
+        let sum = |h: &HeldOut| -> f64 {
+            h.blocks.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, b)| b.free).sum()
+        };
+        0.5 * (sum(after).max(1e-300) / sum(before).max(1e-300)).ln()
+    };
+    let centre = whole(None);
+    if n < 3 {
+        return [0.0, centre.exp().max(1.0)];
+    }
+    let apart: Vec<f64> = (0..n).map(|i| whole(Some(i))).collect();
+    let mean = apart.iter().sum::<f64>() / n as f64;
+    let variance = apart.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n as f64 - 1.0) / n as f64;
+    let reach = special::t_quantile(0.975, n as f64 - 1.0) * variance.sqrt();
+    [(centre - reach).exp(), (centre + reach).exp().min(1e6)]
+}

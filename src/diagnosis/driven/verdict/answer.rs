@@ -9,24 +9,25 @@ use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::prepare::Notes;
-use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, settled};
+use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, Score, Source};
-use crate::numerics::special;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
 use super::conclude::Conclusion;
-use super::detail::{Detail, Shown, Words};
+use super::conclude::WHITE;
+use super::detail::{Account, Detail, Shown};
 use super::detectable::{Limits, limits};
+use super::effects::{self, Channels};
+use super::findings;
 use super::isolation::{Compared, locate};
 use super::sensor::repair;
 use super::surface::{Motion, Surface, surface};
-use super::words::{self, Channels};
 
 /// Periods of the resonance that a look at both models spans, and the samples that it has at least and at most.
 const PERIODS: f64 = 8.0;
@@ -46,11 +47,11 @@ pub fn answer(
     notes: Notes,
 ) -> Answer {
     let output = model.columns.output.clone();
-    let output_unit = words::unit_of(&output, "output unit");
-    let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| words::unit_of(i, "input unit"));
+    let output_unit = effects::unit_of(&output, "output unit");
+    let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
-    let effects = words::effects(data, c, selection, scales, &channels);
-    let ranking = words::ranking(c, selection, &channels);
+    let named = effects::effects(data, c, selection, scales, &channels);
+    let ranking = effects::ranking(c, selection, &channels);
     let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
     let (after, repaired) = free(&c.model.fit);
@@ -65,14 +66,18 @@ pub fn answer(
     let Notes { mut findings, doubts, .. } = notes;
     findings.extend(doubtful(c));
     // What would have been seen is only known where what is left is noise.
-    let silent = effects.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
+    let silent = named.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
-    let words = Words {
-        sentence: words::sentence(c, &effects, &channels) + &words::doubts(&doubts),
+    let account = Account {
         place,
-        next_experiment: words::next_experiment(c, &effects, data.input.is_some()),
+        doubts,
+        has_input: data.input.is_some(),
+        predictable: c.after.share,
+        is_structured: c.after.share >= WHITE,
+        detectable_share: c.after.detectable_share,
+        series: c.series,
     };
-    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &effects, &c.spread, c.budget);
+    let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);
     findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
     findings.extend(profiles.iter().filter_map(profile::Profile::finding));
     let fit = scores(data, c, errors, &model.split.test, &output_unit);
@@ -91,7 +96,7 @@ pub fn answer(
         least_over_noise: limits.least_over_noise,
         alike: limits.alike,
         detectable: limits.candidates,
-        words,
+        account,
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
@@ -105,7 +110,7 @@ pub fn answer(
             samples: recording.samples(),
             rate_hz: recording.rate_hz,
         },
-        effects,
+        effects: named,
         places,
         fit,
         residual_after: c.remainder.whiteness(),
@@ -137,7 +142,7 @@ fn doubtful(c: &Conclusion) -> Vec<String> {
     let dropped = c
         .dropped
         .iter()
-        .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), words::dropped(*reason)));
+        .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), findings::dropped(*reason)));
     let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
         let id = c.model.fit.shape.terms[named.index].id();
         format!("{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it")
@@ -161,12 +166,12 @@ fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[us
     };
     Fitted {
         unit: unit.to_owned(),
-        noise_floor: words::noise_floor(data, &c.model.fit),
+        noise_floor: effects::noise_floor(data, &c.model.fit),
         train: Score { rmse_before: rmse(before), rmse_after: rmse(after), ratio_ci95: None },
         test: Score {
             rmse_before: c.base.held_out.free().sqrt(),
             rmse_after: c.model.held_out.free().sqrt(),
-            ratio_ci95: Some(ratio(&c.base.held_out, &c.model.held_out)),
+            ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
         },
         test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
         log_score: noisy.then(|| LogScore {
@@ -192,26 +197,6 @@ fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec
         Some(RangeScore { from, to, rmse_before, rmse_after })
     };
     ranges.iter().filter_map(score).collect()
-}
-
-/// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.
-fn ratio(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
-    let n = before.blocks.len();
-    let whole = |skip: Option<usize>| {
-        let sum = |h: &HeldOut| -> f64 {
-            h.blocks.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, b)| b.free).sum()
-        };
-        0.5 * (sum(after).max(1e-300) / sum(before).max(1e-300)).ln()
-    };
-    let centre = whole(None);
-    if n < 3 {
-        return [0.0, centre.exp().max(1.0)];
-    }
-    let apart: Vec<f64> = (0..n).map(|i| whole(Some(i))).collect();
-    let mean = apart.iter().sum::<f64>() / n as f64;
-    let variance = apart.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n as f64 - 1.0) / n as f64;
-    let reach = special::t_quantile(0.975, n as f64 - 1.0) * variance.sqrt();
-    [(centre - reach).exp(), (centre + reach).exp().min(1e6)]
 }
 
 /// Recording and both models around the held-out block on which they differ most (the base errs most, where nothing is

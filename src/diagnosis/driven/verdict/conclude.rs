@@ -8,7 +8,7 @@ use crate::diagnosis::driven::identification::step_length::enough;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::diagnosis::driven::selection::earned::{SMALLEST_GAIN, without};
-use crate::diagnosis::driven::selection::held_out::held_out;
+use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
 use crate::diagnosis::driven::selection::judged::{Judged, Rival, Selection};
 use crate::diagnosis::driven::selection::lattice::Lattice;
 use crate::diagnosis::driven::selection::residual_structure::{left, loudest_by_chance, power_left};
@@ -328,7 +328,8 @@ impl<'a> Draft<'a> {
             removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
             search_complete: !self.selection.cut_short,
             has_power: self.after.detectable_share < 1.0,
-            ..Evidence::default()
+            held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
+            base_determined: true,
         }
     }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::driven::identification::profile::Profile;
+use crate::diagnosis::driven::selection::series::Series;
 use crate::diagnosis::standing::Gain;
 use crate::diagnosis::verdict::Detectable;
 
@@ -41,21 +42,29 @@ pub struct Detail {
     pub profiles: Vec<Profile>,
     /// Where nothing is named: what would have been, candidate by candidate.
     pub detectable: Vec<Detectable>,
-    /// The verdict in words.
-    pub words: Words,
+    /// What the words rest on.
+    pub account: Account,
     /// Candidates: id, gain, named.
     pub candidates: Vec<(String, Gain, bool)>,
 }
 
-/// What is said of a driven recording.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Words {
-    /// The verdict in one or two sentences.
-    pub sentence: String,
-    /// Where the mismatch lives.
+/// What the words of a driven recording rest on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Account {
+    /// Where the mismatch lives, in a sentence.
     pub place: String,
-    /// What would decide or confirm.
-    pub next_experiment: String,
+    /// What a reader of the verdict must know, as clauses.
+    pub doubts: Vec<String>,
+    /// Whether it was driven; else it is a free ring-down.
+    pub has_input: bool,
+    /// Fraction of the variance of what is left that is predictable from its past, the input and the state.
+    pub predictable: f64,
+    /// Whether that is too much to be called white.
+    pub is_structured: bool,
+    /// Smallest such fraction that would have been seen.
+    pub detectable_share: f64,
+    /// Why terms that each earn a place got no name together, where they did not.
+    pub series: Option<Series>,
 }
 
 /// Recording and both models where they differ most, sample by sample.

@@ -18,7 +18,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::LANES;
 
-use super::words::{Channels, unit};
+use super::effects::{Channels, unit};
 
 /// Share of the recordings in which such an effect would be named.
 const POWER: f64 = 0.9;

@@ -29,7 +29,6 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
             join(&GROUPS.map(improvement))
         ),
         Outcome::Unexplained => {
-            let (group, times) = account.above.first().copied().unwrap_or((Group::Gravity, 1.0));
             let part = match names.is_empty() {
                 true => "Nothing in the library accounts for the mismatch".to_owned(),
                 false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
@@ -40,8 +39,13 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
                     spoken(id, *sensor)
                 )
             });
-            let still = format!("{part}: {} still errs by {} times its noise.", residual(group), short(times.sqrt()));
-            still + &beyond.collect::<String>()
+            let still = match account.above.first() {
+                Some((group, times)) => {
+                    format!("{} still errs by {} times its noise", residual(*group), short(times.sqrt()))
+                }
+                None => "poses that were held out are predicted worse than without".to_owned(),
+            };
+            format!("{part}: {still}.") + &beyond.collect::<String>()
         }
         Outcome::Undecidable if !account.base_determined => {
             "These poses do not span all directions, so that not even offsets and scales are determined.".into()

@@ -1,19 +1,19 @@
-//! What a conclusion says in words and public numbers: effects with intervals, the sentence, the next experiment.
+//! A conclusion in public numbers: named effects with their intervals in the recording's own units, and every candidate's
+//! standing.
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Outcome};
-use crate::number::{short, with_uncertainty};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
 use crate::physics::law::Noise;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
 
-use super::conclude::{Conclusion, WHITE};
+use super::conclude::Conclusion;
 
 /// Names of the columns and their units.
 #[derive(Debug, Clone, PartialEq)]
@@ -258,154 +258,5 @@ fn alone(trial: &Trial, tried: usize, dropped: Option<Dropped>, channels: &Chann
         p_value: (c.p_value * tried as f64).min(1.0),
         named: false,
         note,
-    }
-}
-
-/// One or two plain sentences.
-pub fn sentence(c: &Conclusion, effects: &[Effect], channels: &Channels) -> String {
-    let (before, after) = (c.base.held_out.free().sqrt(), c.model.held_out.free().sqrt());
-    let unit = &channels.output_unit;
-    let fall = format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after));
-    let named: Vec<String> = effects
-        .iter()
-        .map(|e| {
-            let p = e.parameters.first();
-            let number = p.map_or(String::new(), |p| {
-                let half = 0.5 * (p.ci95[1] - p.ci95[0]);
-                let unit = p.unit.replace("^2", "²").replace("^3", "³");
-                format!(" ({} = {} {unit})", p.name, with_uncertainty(p.value, half))
-            });
-            format!("{}{number}", e.id)
-        })
-        .collect();
-    match c.outcome {
-        Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
-        Outcome::Undecidable if effects.is_empty() => format!(
-            "Something faint is left ({} % of the variance can be foreseen), too weak in this recording to be named.",
-            short(100.0 * c.after.share)
-        ),
-        Outcome::Undecidable => {
-            let also: Vec<String> =
-                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
-            format!(
-                "Something is missing, and this recording cannot tell {} apart; with either, {fall}.",
-                listed(&also, "and")
-            )
-        }
-        Outcome::Unexplained if named.is_empty() && (c.series.is_some() || c.after.share < WHITE) => format!(
-            "The mismatch is real, and the library has only a series of stand-ins for it{}, none of which holds by itself.",
-            c.series.map_or(String::new(), |s| format!(" ({})", s.words()))
-        ),
-        Outcome::Unexplained if named.is_empty() => format!(
-            "The mismatch is real, and nothing in the library accounts for it: {} % of what is left can be foreseen from the \
-             past, the input or the state.",
-            short(100.0 * c.after.share)
-        ),
-        Outcome::Unexplained => {
-            let holding = holding(effects, &named);
-            format!(
-                "{} hold{}, but do not account for everything: {fall}, and {} % of the variance of what is left can be \
-                 foreseen.",
-                listed(&holding, "and"),
-                if holding.len() == 1 { "s" } else { "" },
-                short(100.0 * c.after.share)
-            )
-        }
-        Outcome::Adequate => format!(
-            "Nothing is missing that this recording could show: the base model's error of {} {unit} is white, and an effect \
-             that moved {} % of its variance would have been seen.",
-            short(before),
-            short(100.0 * c.after.detectable_share)
-        ),
-    }
-}
-
-/// Effects with their numbers, tied ones once: "a or b".
-fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
-    let mut said: Vec<&str> = Vec::new();
-    for (effect, words) in effects.iter().zip(named) {
-        if said.contains(&effect.id.as_str()) {
-            continue;
-        }
-        said.push(&effect.id);
-        said.extend(effect.confusable_with.iter().map(String::as_str));
-        let tied = std::iter::once(&effect.id).chain(&effect.confusable_with).cloned().collect::<Vec<_>>();
-        out.push(if effect.confusable_with.is_empty() { words.clone() } else { tied.join(" or ") });
-    }
-    out
-}
-
-/// What else a reader of the verdict must know of the recording, as a sentence.
-pub fn doubts(clauses: &[String]) -> String {
-    if clauses.is_empty() { String::new() } else { format!(" But mind: {}.", clauses.join("; ")) }
-}
-
-/// What would decide or confirm.
-pub fn next_experiment(c: &Conclusion, effects: &[Effect], input: bool) -> String {
-    let source = if input { "drive" } else { "release" };
-    match c.outcome {
-        Outcome::Undecidable if effects.is_empty() => {
-            "Record longer, or harder: what is left must rise well above the noise before it can be named.".to_owned()
-        }
-        Outcome::Undecidable => {
-            let tied: Vec<&str> =
-                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
-            format!(
-                "Record again with another amplitude and band ({source} at a third and at three times this level, with power \
-                 well above the resonance too): {} then part, because they grow differently with amplitude and frequency.",
-                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), "and")
-            )
-        }
-        Outcome::Explained => format!(
-            "Confirm on a recording at a different level ({source} at twice the amplitude): the parameters stated must stay \
-             within their intervals."
-        ),
-        Outcome::Unexplained => format!(
-            "{} at one frequency and a ladder of amplitudes, up and down: what depends on history shows as a difference \
-             between both ways, what depends on amplitude as a bend, what does neither is noise.",
-            if input { "Drive" } else { "Release" }
-        ),
-        Outcome::Adequate => format!(
-            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING --model \
-             MODEL.toml` plants each candidate into copies of this recording and says from which size on it would have been \
-             named.",
-            if input { "Drive" } else { "Release" }
-        ),
-    }
-}
-
-fn listed(items: &[String], last: &str) -> String {
-    match items {
-        [] => String::new(),
-        [one] => one.clone(),
-        [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
-    }
-}
-
-/// Why a term has no name, as a clause.
-pub fn dropped(reason: Dropped) -> String {
-    match reason {
-        Dropped::Indispensable => "the model breaks down without it, so that nothing says what it adds".into(),
-        Dropped::Worsens => "made the prediction of the test samples worse".into(),
-        Dropped::FollowsRounding => "follows only the rounding of the readings; carried along, not named".into(),
-        Dropped::SmallerThanTheRest => "smaller than what is still unexplained; carried along, not named".into(),
-        Dropped::WithinInexactness => {
-            "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
-                .into()
-        }
-        Dropped::Twin => "only together with another that it can be mistaken for".into(),
-        Dropped::Series(series) => format!("only in a series: {}", series.words()),
-        Dropped::StandIn => "a stand-in: does not bring the residual to the noise".into(),
-    }
-}
-
-/// What was left undone, as a clause.
-pub fn left_out(what: LeftOut) -> &'static str {
-    match what {
-        LeftOut::Profiles => {
-            "the intervals of laws with a corner are those of a parabola: their profiles were not finished"
-        }
-        LeftOut::WeighingAgain => "terms were not weighed again without one that made the prediction worse",
     }
 }

@@ -1,0 +1,130 @@
+//! The verdict on a driven recording, or a ring-down, in words.
+
+use crate::diagnosis::answer::Answer;
+use crate::diagnosis::driven::verdict::detail::{Account, Detail};
+use crate::diagnosis::verdict::{Effect, Outcome};
+use crate::number::{short, with_uncertainty};
+
+/// One or two plain sentences.
+pub fn sentence(answer: &Answer, detail: &Detail) -> String {
+    let (account, effects, unit) = (&detail.account, &answer.effects, &detail.unit);
+    let (before, after) = (answer.fit.test.rmse_before, answer.fit.test.rmse_after);
+    let fall = format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after));
+    let named: Vec<String> = effects
+        .iter()
+        .map(|e| {
+            let p = e.parameters.first();
+            let number = p.map_or(String::new(), |p| {
+                let half = 0.5 * (p.ci95[1] - p.ci95[0]);
+                let unit = p.unit.replace("^2", "²").replace("^3", "³");
+                format!(" ({} = {} {unit})", p.name, with_uncertainty(p.value, half))
+            });
+            format!("{}{number}", e.id)
+        })
+        .collect();
+    let sentence = match answer.outcome {
+        Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
+        Outcome::Undecidable if effects.is_empty() => format!(
+            "Something faint is left ({} % of the variance can be foreseen), too weak in this recording to be named.",
+            short(100.0 * account.predictable)
+        ),
+        Outcome::Undecidable => {
+            let also: Vec<String> =
+                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
+            format!(
+                "Something is missing, and this recording cannot tell {} apart; with either, {fall}.",
+                listed(&also, "and")
+            )
+        }
+        Outcome::Unexplained if named.is_empty() && (account.series.is_some() || !account.is_structured) => format!(
+            "The mismatch is real, and the library has only a series of stand-ins for it{}, none of which holds by itself.",
+            account.series.map_or(String::new(), |s| format!(" ({})", s.words()))
+        ),
+        Outcome::Unexplained if named.is_empty() => format!(
+            "The mismatch is real, and nothing in the library accounts for it: {} % of what is left can be foreseen from the \
+             past, the input or the state.",
+            short(100.0 * account.predictable)
+        ),
+        Outcome::Unexplained => {
+            let holding = holding(effects, &named);
+            format!(
+                "{} hold{}, but do not account for everything: {fall}, and {} % of the variance of what is left can be \
+                 foreseen.",
+                listed(&holding, "and"),
+                if holding.len() == 1 { "s" } else { "" },
+                short(100.0 * account.predictable)
+            )
+        }
+        Outcome::Adequate => format!(
+            "Nothing is missing that this recording could show: the base model's error of {} {unit} is white, and an effect \
+             that moved {} % of its variance would have been seen.",
+            short(before),
+            short(100.0 * account.detectable_share)
+        ),
+    };
+    sentence + &doubts(&account.doubts)
+}
+
+/// Effects with their numbers, tied ones once: "a or b".
+fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    let mut said: Vec<&str> = Vec::new();
+    for (effect, words) in effects.iter().zip(named) {
+        if said.contains(&effect.id.as_str()) {
+            continue;
+        }
+        said.push(&effect.id);
+        said.extend(effect.confusable_with.iter().map(String::as_str));
+        let tied = std::iter::once(&effect.id).chain(&effect.confusable_with).cloned().collect::<Vec<_>>();
+        out.push(if effect.confusable_with.is_empty() { words.clone() } else { tied.join(" or ") });
+    }
+    out
+}
+
+/// What else a reader of the verdict must know of the recording, as a sentence.
+fn doubts(clauses: &[String]) -> String {
+    if clauses.is_empty() { String::new() } else { format!(" But mind: {}.", clauses.join("; ")) }
+}
+
+/// What would decide or confirm.
+pub fn next_experiment(answer: &Answer, account: &Account) -> String {
+    let (effects, input) = (&answer.effects, account.has_input);
+    let source = if input { "drive" } else { "release" };
+    match answer.outcome {
+        Outcome::Undecidable if effects.is_empty() => {
+            "Record longer, or harder: what is left must rise well above the noise before it can be named.".to_owned()
+        }
+        Outcome::Undecidable => {
+            let tied: Vec<&str> =
+                effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
+            format!(
+                "Record again with another amplitude and band ({source} at a third and at three times this level, with power \
+                 well above the resonance too): {} then part, because they grow differently with amplitude and frequency.",
+                listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), "and")
+            )
+        }
+        Outcome::Explained => format!(
+            "Confirm on a recording at a different level ({source} at twice the amplitude): the parameters stated must stay \
+             within their intervals."
+        ),
+        Outcome::Unexplained => format!(
+            "{} at one frequency and a ladder of amplitudes, up and down: what depends on history shows as a difference \
+             between both ways, what depends on amplitude as a bend, what does neither is noise.",
+            if input { "Drive" } else { "Release" }
+        ),
+        Outcome::Adequate => format!(
+            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING --model \
+             MODEL.toml` plants each candidate into copies of this recording and says from which size on it would have been \
+             named.",
+            if input { "Drive" } else { "Release" }
+        ),
+    }
+}
+
+fn listed(items: &[String], last: &str) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
+    }
+}
