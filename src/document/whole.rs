@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 use crate::error::{Error, Result};
 
@@ -14,7 +14,8 @@ pub const UNFINISHED: &str = ".proofmass-";
 /// A file that is written but does not stand in its place yet; dropped, it is gone.
 #[derive(Debug)]
 pub struct Staged {
-    file: NamedTempFile,
+    // Closed: a run may stage more files than a process may have open.
+    file: TempPath,
     path: PathBuf,
 }
 
@@ -39,7 +40,7 @@ impl Staged {
         let mut file = builder.tempfile_in(folder).map_err(|e| Error::io("write in", folder, &e))?;
         // Renamed before its bytes are on the disk, a file could be empty after a power failure.
         file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(|e| Error::io("write", path, &e))?;
-        Ok(Self { file, path: path.into() })
+        Ok(Self { file: file.into_temp_path(), path: path.into() })
     }
 
     /// Puts the file in its place; what stood there is replaced.
@@ -48,7 +49,7 @@ impl Staged {
     /// A folder stands there, or the file system refuses.
     pub fn publish(self) -> Result<()> {
         let Self { file, path } = self;
-        file.persist(&path).map(drop).map_err(|e| Error::io("write", &path, &e.error))
+        file.persist(&path).map_err(|e| Error::io("write", &path, &e.error))
     }
 }
 

@@ -1,12 +1,12 @@
 //! `.proofmass.json`: which runs have written into a folder, and the SHA-256 of each file as it was written.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::{Component, Path};
 
 use serde::{Deserialize, Serialize};
 
-use crate::document::{to_json, write_whole};
+use crate::document::{open, to_json, write_whole};
 use crate::error::{Error, Result};
 
 /// The file's name.
@@ -100,11 +100,11 @@ impl Manifest {
     /// It cannot be read, or is not what proofmass writes.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(NAME);
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Self::default()),
-            Err(e) => return Err(Error::io("read", &path, &e)),
-        };
+        if std::fs::symlink_metadata(&path).is_err_and(|e| e.kind() == ErrorKind::NotFound) {
+            return Ok(Self::default());
+        }
+        let mut text = Vec::new();
+        open(&path, "manifest")?.read_to_end(&mut text).map_err(|e| Error::io("read", &path, &e))?;
         let refuse = |cause: String| {
             let hint =
                 "without it, no file there is known to be replaceable: give another folder with --out DIR, or --force";

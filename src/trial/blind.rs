@@ -25,20 +25,23 @@ pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
 
-/// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, a truth of the same plan that lies there is
-/// kept.
+/// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, the truth that lies there is kept.
 ///
 /// # Errors
-/// When the folder cannot be written, or on Ctrl-C.
+/// When the folder cannot be written, when the truth to resume is that of another plan, or on Ctrl-C.
 pub fn prepare(plan: Plan, folder: &Path, resume: bool) -> Result<(Sealed, Vec<Case>)> {
     let path = folder.join("truth.json");
     if resume && path.is_file() {
         let sealed = Sealed::of(&path)?;
-        if let Ok(truth) = sealed.open()
-            && truth.plan == plan
-        {
-            return Ok((sealed, truth.cases));
+        let truth = sealed.open()?;
+        if truth.plan != plan {
+            return Err(Error::new(
+                format!("could not resume the trial in {}", folder.display()),
+                "its seed, cases, samples or campaign are others",
+                "give the options of that trial, or leave --resume out to begin anew",
+            ));
         }
+        return Ok((sealed, truth.cases));
     }
     let families = plan.families();
     let bar = progress::bar("planting effects", families.len() as u64);

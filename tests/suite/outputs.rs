@@ -32,6 +32,7 @@ pub fn tests() -> Vec<Trial> {
         test("outputs: files follow the umask", unix::umask),
         test("outputs: a killed run leaves no lock", unix::killed),
         test("outputs: a stopped run ends with 128 and its signal", unix::signals),
+        test("outputs: more files than a process may have open", unix::many),
         test("outputs: documents that are pipes or devices are refused", unix::pipes),
         test("outputs: help that cannot be printed is an error", unix::full),
     ]);
@@ -245,6 +246,7 @@ fn trials() -> Result<(), Failed> {
     accepted("first", &trial(&[])?)?;
     accepted("anew", &trial(&["--seed", "2"])?)?;
     accepted("resumed", &trial(&["--seed", "2", "--resume"])?)?;
+    trial(&["--seed", "3", "--resume"])?.refuses("another trial", "its seed, cases, samples or campaign are others")?;
     let path = bench.path("out/verdicts.jsonl");
     let edited = fs::read_to_string(&path)? + "\n";
     fs::write(&path, edited)?;
@@ -315,6 +317,23 @@ mod unix {
             check(ended.code() == Some(code), format!("{signal}: {ended:?}, expected {code}"))?;
         }
         Ok(())
+    }
+
+    pub fn many() -> Result<(), Failed> {
+        let bench = Bench::new()?;
+        let mut rng = Philox::new(6, 0, Stream::Host);
+        let names: Vec<String> = (0..16).map(|n| format!("c{n}")).collect();
+        let mut row = || names.iter().map(|_| format!("{:.5}", rng.normal())).collect::<Vec<_>>().join(",") + "\n";
+        let log = bench.file("log.csv", &(names.join(",") + "\n" + &(0..300).map(|_| row()).collect::<String>()))?;
+        let model = bench
+            .file("model.toml", &format!("kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels = {names:?}\n"))?;
+        let binary = program();
+        let mut shell = Command::new("sh");
+        shell.args(["-c", "ulimit -n 32; exec \"$0\" diagnose \"$1\" --model \"$2\" --out \"$3\""]);
+        accepted("32 open files", &run(shell.arg(binary.get_program()).arg(log).arg(model).arg(bench.path("out")))?)?;
+        // Three figures of each channel.
+        let written = content(&bench.path("out"))?.len();
+        check(written >= 48, format!("{written} files"))
     }
 
     pub fn pipes() -> Result<(), Failed> {
