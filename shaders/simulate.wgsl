@@ -8,6 +8,7 @@ override HAS_FORCE: bool = false;
 override HAS_SINE: bool = false;
 override HAS_GYRO: bool = false;
 override HAS_READING: bool = false;
+override HAS_STILL: bool = false;
 
 @group(0) @binding(0) var<uniform> tile: Tile;
 @group(0) @binding(1) var<storage, read> columns: array<f32>;
@@ -47,9 +48,15 @@ fn start_terms(i: u32, base: u32, member: vec2<u32>, stream: u32) {
     }
 }
 
+// Where in the schedule of renewals the 64 members of this one begin, samples.
+fn place(i: u32) -> u32 {
+    let group = ((tile.first_member.x >> 6u) | (tile.first_member.y << 26u)) + (i >> 6u);
+    return ((group * SPREAD) & PLACE_MASK) << 4u;
+}
+
 // Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group of four begins.
 fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
-    let zeros = countTrailingZeros(n);
+    let zeros = countTrailingZeros(n + place(i));
     let j = (zeros + 1u) >> 1u;
     if n < tile.first_sample || n == 0u || (zeros & 1u) == 0u || j >= tile.flicker_terms {
         return sum;
@@ -83,7 +90,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         vec4<f32>(column(i, 4u), column(i, 5u), column(i, 6u), column(i, 7u)),
     );
     let gain = column(i, GAIN);
-    let sine = column(i, SINE);
+    // While a still start lasts, nothing moves and no tilt is integrated.
+    let still = HAS_STILL && tile.first_sample < tile.still_samples;
+    let sine = select(column(i, SINE), 0.0, still);
+    let tilt_gain = select(tile.tilt_gain, 0.0, still);
     let phase = turns[i];
     let phase_step = turns[stride + i];
     let bias = column(i, ACCELEROMETER_BIAS);
@@ -106,6 +116,24 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var rate_total = vec2<f32>(state[STATE_RATE_TOTAL * stride + i], state[(STATE_RATE_TOTAL + 1u) * stride + i]);
     var failed = state[STATE_FAILED * stride + i];
     let bound = bitcast<u32>(f32(BOUND_M_S2));
+
+    // At its end the means are taken off and the integrals begin.
+    var mean = 0.0;
+    var gyro_mean = 0.0;
+    if HAS_STILL {
+        mean = state[STATE_MEAN * stride + i];
+        gyro_mean = state[STATE_GYRO_MEAN * stride + i];
+        if tile.first_sample == tile.still_samples {
+            mean = tile.still_share * (velocity_total.x + (velocity + velocity_total.y));
+            gyro_mean = tile.still_share * (rate_total.x + (rate + rate_total.y));
+            position = 0.0;
+            velocity = 0.0;
+            rate = 0.0;
+            position_total = vec2<f32>();
+            velocity_total = vec2<f32>();
+            rate_total = vec2<f32>();
+        }
+    }
 
 #terms begin
     var pushes = vec4<f32>();
@@ -163,12 +191,18 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     let reading = opaque((opaque(felt, zero) + error) * steps, zero);
                     error = fma(lsb, round(reading) - reading, error);
                 }
+                if HAS_STILL {
+                    error -= mean;
+                }
 
                 // The gyro, the tilt and what gravity makes of it.
                 if HAS_GYRO {
                     var turn = gyro_bias;
 #terms add gyro
-                    error = fma(tile.tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
+                    if HAS_STILL {
+                        turn -= gyro_mean;
+                    }
+                    error = fma(tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
                     rate += turn;
                 }
 
@@ -205,6 +239,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     state[STATE_RATE_TOTAL * stride + i] = rate_total.x;
     state[(STATE_RATE_TOTAL + 1u) * stride + i] = rate_total.y;
     state[STATE_FAILED * stride + i] = failed;
+    if HAS_STILL {
+        state[STATE_MEAN * stride + i] = mean;
+        state[STATE_GYRO_MEAN * stride + i] = gyro_mean;
+    }
 #terms end
 
     // Errors at the end of the tile: position, velocity, acceleration, tilt, and whether the member failed.
@@ -216,6 +254,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     errors[i] = tile.sample_s * tile.sample_s * moved;
     errors[stride + i] = tile.sample_s * (velocity_total.x + (velocity + velocity_total.y));
     errors[2u * stride + i] = error;
-    errors[3u * stride + i] = tile.sample_s * (rate_total.x + (rate + rate_total.y));
+    // Levelling by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean.
+    errors[3u * stride + i] = fma(-tile.level, mean, tile.sample_s * (rate_total.x + (rate + rate_total.y)));
     errors[4u * stride + i] = failed;
 }

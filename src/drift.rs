@@ -4,17 +4,22 @@
 
 pub mod budget;
 pub mod compare;
+pub mod disturbance;
 pub mod document;
 pub mod expected;
+pub mod windows;
 
 use crate::error::{Error, Result};
 use crate::kernel::integrator::{Choice, Integrator};
 use crate::kernel::job::Job;
+use crate::navigation::closed_form::Process;
 use crate::navigation::power_law;
+use crate::sensor::source::Source;
 use crate::statistics::{Statistics, Summary, quantity};
 use crate::study::Study;
+use crate::units::STANDARD_GRAVITY_M_S2;
 use budget::Budget;
-use expected::Expected;
+use expected::{Expected, Moment};
 
 /// Points of a curve, evenly spaced on a log axis and, for its end on a linear one, evenly in time.
 const CURVE_POINTS: [usize; 2] = [36, 20];
@@ -83,9 +88,9 @@ pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistic
     }
     let report = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let expected = Expected::of(study, &samples);
-    let budget = budget::make(study, choice.integrator, &samples, run)?;
+    let budget = budget::make(study, choice.integrator, &samples, &mut run)?;
     let growth = growth(&statistics, &expected);
-    let compared = compare::run(study)?;
+    let compared = compare::run(study, &mut run)?;
     Ok(Drift { statistics, report, expected, growth, budget, choice, compared })
 }
 
@@ -107,13 +112,20 @@ fn growth(statistics: &Statistics, expected: &Expected) -> Growth {
     let sd = statistics.series(quantity::POSITION, |s| s.sd);
     let envelope: Vec<(f64, f64)> = statistics.time_s.iter().copied().zip(sd).collect();
     let last = expected.time_s.len() - 1;
+    // What a still start leaves of a source is a constant bias, and grows as one; the rest of it by its own power.
+    let bias_share = |source: Source| {
+        let (integrations, factor) = if source.is_gyro() { (3, STANDARD_GRAVITY_M_S2.powi(2)) } else { (2, 1.0) };
+        let left = expected.bias_left.iter().find(|(other, _)| *other == source).map_or(0.0, |(_, left)| *left);
+        factor * left * Process::Constant(1.0).variance(integrations, expected.time_s[last])
+    };
     let from_sources = power_law::EXPONENTS.map(|exponent| {
-        let variance: f64 = expected
-            .sources
-            .iter()
-            .filter(|(source, _)| source.position_exponent() == Some(exponent))
-            .map(|(_, rows)| rows[last][quantity::POSITION].variance)
-            .sum();
+        let part = |(source, rows): &(Source, Vec<[Moment; 4]>)| {
+            let (whole, bias) = (rows[last][quantity::POSITION].variance, bias_share(*source));
+            let own = if source.position_exponent() == Some(exponent) { (whole - bias).max(0.0) } else { 0.0 };
+            let of_bias = if source.is_gyro() { 3.0 } else { 2.0 };
+            own + if of_bias == exponent { bias } else { 0.0 }
+        };
+        let variance: f64 = expected.sources.iter().map(part).sum();
         variance.sqrt() / expected.time_s[last].powf(exponent)
     });
     Growth {

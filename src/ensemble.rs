@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::{Backend, Batch, Partial, Ran};
 use crate::error::Result;
-use crate::kernel::job::Job;
+use crate::kernel::job::{Clock, Job};
 use crate::progress;
 use crate::statistics::{Bins, Moments, Statistics, Summary};
 
@@ -219,8 +219,9 @@ fn summed(job: &Job, state: &State, took: Duration) -> Statistics {
     }
 }
 
-/// Report times of a job, s.
+/// Report times of a job, s, from the end of its still start.
 pub fn times_s(job: &Job) -> Vec<f64> {
+    let Clock { report_samples, still_samples, .. } = &job.clock;
     let sample_s = job.clock.sample_s();
-    job.clock.report_samples.iter().map(|&n| n as f64 * sample_s).collect()
+    report_samples.iter().map(|&n| n.saturating_sub(*still_samples) as f64 * sample_s).collect()
 }

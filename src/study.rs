@@ -2,7 +2,9 @@
 //!
 //! Not for running anything: `ensemble` integrates the job, `drift` makes the answer of it.
 
+pub mod alignment;
 mod check;
+mod compare;
 mod draw;
 pub mod file;
 pub mod section;
@@ -21,6 +23,7 @@ use crate::excitation::reader::Run;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
+use alignment::Alignment;
 use section::Section;
 use tolerances::Tolerances;
 
@@ -36,8 +39,10 @@ pub struct Study {
     pub seed: u64,
     /// Number of members.
     pub members: u64,
-    /// Discrete time; `report_samples` are the user's report times.
+    /// Discrete time from the end of the still start, if there is one; `report_samples` are the user's report times.
     pub clock: Clock,
+    /// How a run begins.
+    pub alignment: Alignment,
     /// Every number that may be drawn.
     pub tolerances: Tolerances,
     /// What the sensor is subjected to.
@@ -95,7 +100,8 @@ impl Study {
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file)?;
-        check::compare(source, file.compare.as_ref())?;
+        let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s())?;
+        compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
         let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);
         let reads = recordings.map(|recording| folder.join(recording)).collect();
@@ -112,6 +118,7 @@ impl Study {
             seed,
             members,
             clock,
+            alignment,
             tolerances,
             excitation,
             compare: file.compare,
@@ -133,12 +140,14 @@ impl Study {
         }
         check::numbers(&name, &still.tolerances)?;
         still.members = members;
-        still.clock = Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples] };
+        still.alignment = Alignment::Ideal;
+        still.clock =
+            Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples], still_samples: 0 };
         still.excitation = excitation::rest::plan();
         Ok(still)
     }
 
-    /// Length of the run, s.
+    /// Length of the run, s, from the end of the still start.
     pub fn duration_s(&self) -> f64 {
         self.clock.duration_s()
     }
@@ -170,13 +179,21 @@ impl Study {
         })
     }
 
-    /// The ensemble to integrate, with statistics at `report_samples`.
-    pub fn job(&self, integrator: Integrator, report_samples: Vec<u64>) -> Job {
+    /// Length of the still start, s; 0 without one.
+    pub fn still_s(&self) -> f64 {
+        self.alignment.still_samples() as f64 * self.sample_s()
+    }
+
+    /// The ensemble to integrate, with statistics at `report_samples` after the end of the still start.
+    pub fn job(&self, integrator: Integrator, mut report_samples: Vec<u64>) -> Job {
+        let still_samples = self.alignment.still_samples();
+        report_samples.iter_mut().for_each(|sample| *sample += still_samples);
+        let samples = self.clock.samples + still_samples;
         let (tolerances, variation, seed) = (self.tolerances.clone(), self.excitation.variation, self.seed);
         Job {
             seed,
             members: self.members,
-            clock: Clock { report_samples, ..self.clock.clone() },
+            clock: Clock { samples, report_samples, still_samples, ..self.clock.clone() },
             draw: Arc::new(move |index| draw::member(&tolerances, variation, seed, index)),
             waveform: self.excitation.waveform.clone(),
             integrator,

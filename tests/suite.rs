@@ -28,10 +28,12 @@ mod suite {
     pub mod recording;
     pub mod scale;
     pub mod start_search;
+    pub mod still_start;
     pub mod study;
     pub mod study_cli;
     pub mod trial;
     pub mod tumble_bench;
+    pub mod windows;
     pub mod world;
 }
 
@@ -93,6 +95,10 @@ fn main() {
         suite::planted::tests(),
         // closed_form: every error source alone drifts as its law says.
         suite::closed_form::tests(),
+        // still_start: what averaging the first seconds leaves of each error.
+        suite::still_start::tests(),
+        // windows: a recorded log beside its prediction.
+        suite::windows::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.

@@ -19,6 +19,11 @@ struct Tile {
     sample_s: f32,
     // Zero, which no compiler knows: it keeps compensated sums from being optimised away.
     zero: u32,
+    // Samples of the still start, one over that, and the tilt that hides an error of 1 m/s² when levelling, rad.
+    still_samples: u32,
+    still_share: f32,
+    level: f32,
+    padding: u32,
     // Amplitudes of the flicker terms, four by four.
     flicker: array<vec4<f32>, 4>,
 }

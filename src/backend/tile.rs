@@ -17,13 +17,15 @@ pub struct Tile {
 }
 
 /// The tile that begins at sample `from`: at most `most` samples (rounded down to a multiple of four, the numbers that
-/// one draw gives, unless fewer are allowed), and never beyond a report time or the end of the run.
+/// one draw gives, unless fewer are allowed), and never beyond the end of the still start, a report time or the end of the
+/// run.
 pub fn next(clock: &Clock, from: u64, most: u64) -> Option<Tile> {
     if from >= clock.samples {
         return None;
     }
     let due = clock.report_samples.iter().position(|&r| r > from);
     let stop = due.map_or(clock.samples, |i| clock.report_samples[i].min(clock.samples));
+    let stop = if from < clock.still_samples { stop.min(clock.still_samples) } else { stop };
     let longest = if most >= 4 { (from + most) & !3 } else { from + most.max(1) };
     if longest < stop {
         return Some(Tile { samples: from..longest, report: None });
@@ -57,7 +59,13 @@ mod tests {
 
     #[test]
     fn tiles_cover_the_run_once_and_end_at_every_report() {
-        let clock = Clock { step_s: 1e-3, steps_per_sample: 1, samples: 1003, report_samples: vec![5, 6, 500, 1003] };
+        let clock = Clock {
+            step_s: 1e-3,
+            steps_per_sample: 1,
+            samples: 1003,
+            report_samples: vec![5, 6, 500, 1003],
+            still_samples: 0,
+        };
         for most in [1, 3, 4, 7, 64, 5000] {
             let (mut from, mut reports) = (0, vec![]);
             while let Some(tile) = next(&clock, from, most) {
@@ -74,7 +82,7 @@ mod tests {
     fn submissions_are_as_many_whatever_the_report_times() {
         let submissions = |every: u64| {
             let report_samples: Vec<u64> = (1..=100_000 / every).map(|i| i * every).collect();
-            let clock = Clock { step_s: 1e-3, steps_per_sample: 1, samples: 100_000, report_samples };
+            let clock = Clock { step_s: 1e-3, steps_per_sample: 1, samples: 100_000, report_samples, still_samples: 0 };
             let (mut from, mut count, mut reports) = (0, 0, 0);
             while from < clock.samples {
                 let tiles = submission(&clock, from, 4000, 3000);

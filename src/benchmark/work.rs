@@ -30,6 +30,7 @@ fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Jo
             steps_per_sample: 1,
             samples,
             report_samples: (1..=samples / 256).map(|i| i * 256).collect(),
+            still_samples: 0,
         },
         draw: Arc::new(move |_| Member { sensor, sine: None }),
         waveform: Arc::new(Sine { amplitude_m_s2: 7.0, frequency_hz: 1.3, offset_m_s2: 0.0 }),

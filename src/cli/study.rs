@@ -79,19 +79,23 @@ pub fn run_default(json: bool) -> Result<()> {
 
 const REPORT: &str = "report.html";
 const ENVELOPE: &str = "envelope.svg";
+const WINDOWS: &str = "windows.svg";
 
 fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
     output::Request {
         command: "study",
         inputs: arguments.study.iter().cloned().collect(),
         reads: study.reads.clone(),
-        writes: [REPORT, ENVELOPE].map(str::to_owned).into(),
+        writes: [REPORT, ENVELOPE, WINDOWS].map(str::to_owned).into(),
         force: arguments.force,
     }
 }
 
 fn write(folder: &mut Folder, study: &Study, drift: &Drift) -> Result<()> {
     folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
+    if let Some(figure) = page::windows_figure(&drift.compared) {
+        folder.write(WINDOWS, figure.file_svg().as_bytes())?;
+    }
     folder.write(REPORT, page::page(study, drift).finish().as_bytes())?;
     folder.finish()
 }

@@ -1,20 +1,23 @@
-//! The first comparison of simulation and recording: the Allan deviation of a static log over that of simulated sensors.
+//! The first comparison of simulation and recording: the Allan deviation of a static log beside that of simulated sensors,
+//! and, where the study asks for windows, its drift beside theirs.
 //!
 //! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest, as often as the kernel
 //! has lanes, for as long as the log lasts. Not a diagnosis: it says where the two leave each other, `diagnose` says why.
 
+use super::windows::{self, Drifted};
 use crate::backend::cpu;
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::integrator::Integrator;
+use crate::kernel::job::Job;
 use crate::numerics::allan::{Accumulator, curve};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::{self, Recording};
 use crate::sensor::Sense;
+use crate::statistics::Statistics;
 use crate::study::Study;
 use crate::study::file::Axis;
-use crate::units::{DEGREE, MILLI_G};
 
 /// One axis: Allan deviations in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,8 +52,27 @@ pub enum Outcome {
     NotAsked,
     /// The log is not on this machine.
     Absent(String),
-    /// Axis by axis, with what reading the log found.
-    Compared(Vec<Likeness>, Vec<String>),
+    /// It was compared.
+    Compared(Box<Comparison>),
+}
+
+/// A log beside the simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The log, as the study names it.
+    pub file: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+    /// Its samples.
+    pub samples: usize,
+    /// Its sampling rate.
+    pub rate_hz: f64,
+    /// Allan deviations, axis by axis.
+    pub axes: Vec<Likeness>,
+    /// Drift in windows, axis by axis; empty where the study asks for none.
+    pub windows: Vec<Drifted>,
+    /// What reading the log found, and which windows are disturbed.
+    pub findings: Vec<String>,
 }
 
 impl Likeness {
@@ -75,19 +97,22 @@ impl Likeness {
     }
 }
 
-/// Compares, if the study asks for it and the log is there.
+/// Compares, if the study asks for it and the log is there. `simulate` integrates the ensembles of the windows.
 ///
 /// # Errors
-/// A log that is there and cannot be read, columns that are not in it, Ctrl-C.
-pub fn run(study: &Study) -> Result<Outcome> {
+/// A log that is there and cannot be read, columns that are not in it, a log too short for its windows, Ctrl-C.
+pub fn run(study: &Study, simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>) -> Result<Outcome> {
     let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
     let path = study.folder.join(&compare.file);
     if !path.exists() {
         return Ok(Outcome::Absent(compare.file.display().to_string()));
     }
     let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
-    let request = recording::Request { columns, rate_hz: Some(compare.rate_hz), time: None, rows: None };
+    let (rate_hz, time) = (compare.rate_hz, compare.time.clone());
+    let request = recording::Request { columns, rate_hz, time, ..recording::Request::default() };
     let log = recording::read(&path, &request)?;
+    // Refused before the work, not after it.
+    let cuts = windows::cuts(study, compare, &log)?;
     let bar = crate::progress::bar("comparing", compare.axis.len() as u64);
     let axes: Result<Vec<Likeness>> = parallel::map(&compare.axis, |axis| {
         let likeness = likeness(study, axis, &log);
@@ -97,14 +122,26 @@ pub fn run(study: &Study) -> Result<Outcome> {
     .into_iter()
     .collect();
     bar.finish_and_clear();
-    Ok(Outcome::Compared(axes?, log.findings))
+    let axes = axes?;
+    let mut drifted = Vec::new();
+    for axis in compare.axis.iter().filter(|_| !cuts.is_empty()) {
+        drifted.push(windows::drifted(study, axis, &log, &cuts, &mut *simulate)?);
+    }
+    let mut findings: Vec<String> = log.findings.iter().map(ToString::to_string).collect();
+    findings.extend(drifted.iter().flat_map(Drifted::findings));
+    Ok(Outcome::Compared(Box::new(Comparison {
+        file: compare.file.display().to_string(),
+        sha256: log.sha256.clone(),
+        samples: log.samples(),
+        rate_hz: log.rate_hz,
+        axes,
+        windows: drifted,
+        findings,
+    })))
 }
 
 fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
-    let (sense, scale) = match (axis.scale_mg, axis.scale_deg_s) {
-        (Some(scale), _) => (Sense::Accelerometer, scale * MILLI_G),
-        (None, scale) => (Sense::Gyro, scale.unwrap_or(1.0) * DEGREE),
-    };
+    let (sense, scale) = axis.unit();
     let values: Vec<f64> = log.column(&axis.column).unwrap_or_default().iter().map(|v| v * scale).collect();
     let still = study.at_rest(axis, 1.0 / log.rate_hz, values.len() as u64, LANES as u64)?;
     let mass = still.stiffest();

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::Drift;
+use super::compare::Outcome;
 use super::expected::Expected;
+use super::windows::{self, Drifted};
 use crate::navigation::power_law::EXPONENTS;
 use crate::statistics::{Origin, Summary, quantity};
 use crate::study::Study;
@@ -30,6 +32,13 @@ pub struct Document {
     closed_form: ClosedForm,
     growth: Vec<Power>,
     error_budget: Vec<Share>,
+    /// The recorded log in windows beside the prediction; absent where the study asks for none, empty without the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    windows: Option<Vec<Windows>>,
+    /// The same without windows that hold a knock, a jump or a filled gap, where there are such.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    windows_undisturbed: Vec<Windows>,
+    findings: Vec<String>,
     member_steps: u64,
     seconds: f64,
 }
@@ -84,6 +93,20 @@ struct Moments {
     sd: Vec<f64>,
 }
 
+/// Windows of one length of one axis: the share of them inside the central 50, 90 and 99 % of the prediction, and standard
+/// deviations in m (accelerometer) or rad (gyro, tilt).
+#[derive(Debug, Clone, Serialize)]
+struct Windows {
+    axis: String,
+    seconds: f64,
+    windows: usize,
+    inside50: f64,
+    inside90: f64,
+    inside99: f64,
+    sd_recorded: f64,
+    sd_predicted: f64,
+}
+
 #[derive(Debug, Clone, Serialize)]
 struct Power {
     exponent: f64,
@@ -110,6 +133,21 @@ impl Document {
             closed_form_m_per_s_to_the_exponent: drift.growth.expected[k],
         };
         let budget = &drift.budget;
+        let asked = study.compare.as_ref().is_some_and(|c| c.windows_s.is_some());
+        let (findings, drifted): (Vec<String>, &[Drifted]) = match &drift.compared {
+            Outcome::NotAsked => (Vec::new(), &[]),
+            Outcome::Absent(file) => {
+                (vec![format!("the log {file} is not on this machine: nothing was compared")], &[])
+            }
+            Outcome::Compared(comparison) => (comparison.findings.clone(), &comparison.windows),
+        };
+        let windows = |undisturbed: bool| -> Vec<Windows> {
+            let of_axis = |axis: &Drifted| {
+                let those = axis.windows.iter().filter(|w| !undisturbed || w.disturbed() > 0);
+                those.map(|w| Windows::of(&axis.column, w, undisturbed)).collect::<Vec<_>>()
+            };
+            drifted.iter().flat_map(of_axis).collect()
+        };
         Self {
             schema: SCHEMA,
             name: study.name.clone(),
@@ -148,6 +186,9 @@ impl Document {
                     share_of_variance: drift.report.iter().map(|k| budget.fraction(share, *k)).collect(),
                 })
                 .collect(),
+            windows: asked.then(|| windows(false)),
+            windows_undisturbed: windows(true),
+            findings,
             member_steps: drift.statistics.member_steps,
             seconds: drift.statistics.seconds,
         }
@@ -164,6 +205,23 @@ fn parts(origins: &[Origin]) -> Vec<Part> {
     match origins {
         [only] if only.reason.is_none() => Vec::new(),
         origins => origins.iter().map(part).collect(),
+    }
+}
+
+impl Windows {
+    fn of(axis: &str, windows: &windows::Windows, undisturbed: bool) -> Self {
+        let count = windows.errors(undisturbed).len();
+        let [inside50, inside90, inside99] = windows.inside(undisturbed).map(|hits| hits as f64 / count.max(1) as f64);
+        Self {
+            axis: axis.to_owned(),
+            seconds: windows.seconds,
+            windows: count,
+            inside50,
+            inside90,
+            inside99,
+            sd_recorded: windows.sd_recorded(undisturbed),
+            sd_predicted: windows.sd_predicted,
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::source::Source;
-use crate::sensor::{Sense, SensorTerm, mechanics};
+use crate::sensor::{SensorTerm, mechanics};
 use crate::statistics::quantity;
 use crate::study::Study;
 use crate::units::STANDARD_GRAVITY_M_S2;
@@ -32,37 +32,46 @@ pub struct Expected {
     pub time_s: Vec<f64>,
     /// Sources with a closed form, each with its moments per time, in the order of `statistics::QUANTITIES`.
     pub sources: Vec<(Source, Vec<[Moment; 4]>)>,
-    /// What has none, in words.
+    /// Variance of the constant bias that the still start leaves of a source, (m/s²)² or (rad/s)²; nothing without one.
+    pub bias_left: Vec<(Source, f64)>,
+    /// What has no closed form, in words.
     pub left_out: Vec<String>,
 }
 
 impl Expected {
     /// The closed forms of `study` at these samples.
     pub fn of(study: &Study, samples: &[u64]) -> Self {
+        let still_s = study.still_s();
         let time_s: Vec<f64> = samples.iter().map(|s| *s as f64 * study.sample_s()).collect();
         let laws = Source::ALL.map(|source| (source, law(study, source)));
         // Worth its millions of steps only where a source follows the motion.
         let moves = laws.iter().any(|(_, law)| matches!(law, Law::Motion { .. }));
         let motion = if moves { Motion::of(study, &time_s) } else { Motion::default() };
         let mut left_out = Vec::new();
-        let mut sources = Vec::new();
+        let (mut sources, mut bias_left) = (Vec::new(), Vec::new());
         for (source, law) in laws {
             match law {
                 Law::Absent => {}
                 Law::None(why) => left_out.push(format!("{}: {why}", source.name())),
                 Law::Constant { mean, variance } => {
                     let moment = |t: f64, n: u32| {
-                        let unit = Process::Constant(1.0).variance(n, t);
+                        let unit = Process::Constant(1.0).variance_after_still_start(still_s, n, t);
                         Moment { mean: mean * unit.sqrt(), variance: variance * unit }
                     };
-                    sources.push((source, chain(source, &time_s, moment)));
+                    let levelled = if still_s > 0.0 { Moment { mean, variance } } else { Moment::default() };
+                    sources.push((source, chain(source, &time_s, moment, levelled)));
                 }
                 Law::Random(processes) => {
                     let moment = |t: f64, n: u32| Moment {
                         mean: 0.0,
-                        variance: processes.iter().map(|p| now_or_later(*p, n, t, study.sample_s())).sum(),
+                        variance: processes.iter().map(|p| now_or_later(*p, still_s, n, t, study.sample_s())).sum(),
                     };
-                    sources.push((source, chain(source, &time_s, moment)));
+                    let mut levelled = Moment::default();
+                    if still_s > 0.0 {
+                        levelled.variance = processes.iter().map(|p| p.variance_of_mean(still_s)).sum();
+                        bias_left.push((source, processes.iter().map(|p| p.bias_left(still_s)).sum()));
+                    }
+                    sources.push((source, chain(source, &time_s, moment, levelled)));
                 }
                 Law::Motion { power, mean, variance } => {
                     let at = |k: usize| {
@@ -76,7 +85,7 @@ impl Expected {
                 }
             }
         }
-        Self { time_s, sources, left_out }
+        Self { time_s, sources, bias_left, left_out }
     }
 
     /// All sources together: means add, variances add.
@@ -88,17 +97,18 @@ impl Expected {
     }
 }
 
-/// White noise before any integration is the noise of one sample.
-fn now_or_later(process: Process, integrations: u32, time_s: f64, sample_s: f64) -> f64 {
+/// White noise before any integration is the noise of one sample, and what the still start leaves.
+fn now_or_later(process: Process, still_s: f64, integrations: u32, time_s: f64, sample_s: f64) -> f64 {
     match process {
-        Process::White(density) if integrations == 0 => density * density / sample_s,
-        p => p.variance(integrations, time_s),
+        Process::White(density) if integrations == 0 => density * density / sample_s + process.bias_left(still_s),
+        p => p.variance_after_still_start(still_s, integrations, time_s),
     }
 }
 
 /// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by g where it is a gyro's.
-fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment) -> Vec<[Moment; 4]> {
-    let gyro = matches!(source, Source::Term(term) if term.sense() == Sense::Gyro);
+/// `levelled` is the mean of an accelerometer's source over a still start: the tilt of that much gravity hides it.
+fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment, levelled: Moment) -> Vec<[Moment; 4]> {
+    let gyro = source.is_gyro();
     let g = STANDARD_GRAVITY_M_S2;
     let by_gravity = |m: Moment| Moment { mean: g * m.mean, variance: g * g * m.variance };
     let row = |t: &f64| {
@@ -106,9 +116,10 @@ fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment) ->
         for (q, n) in [(quantity::POSITION, 2), (quantity::VELOCITY, 1), (quantity::ACCELERATION, 0)] {
             row[q] = if gyro { by_gravity(moment(*t, n + 1)) } else { moment(*t, n) };
         }
-        if gyro {
-            row[quantity::TILT] = moment(*t, 1);
-        }
+        row[quantity::TILT] = match gyro {
+            true => moment(*t, 1),
+            false => Moment { mean: -levelled.mean / g, variance: levelled.variance / (g * g) },
+        };
         row
     };
     time_s.iter().map(row).collect()
@@ -180,17 +191,19 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     }
 }
 
+/// Places in the schedule of a flicker term over which its variance is averaged, at most.
+const MOST_PLACES: u64 = 256;
+
 /// The sum of held processes that the kernels make bias instability of.
 fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
     let term = |j: usize| {
-        let (first, hold) = flicker::first_and_hold(j);
-        Process::Held {
-            sigma: instability * flicker::amplitude(j),
-            first_s: first as f64 * study.sample_s(),
-            hold_s: hold as f64 * study.sample_s(),
-        }
+        // The mean over the places at which groups of members begin is that of as many processes of a share each.
+        let (hold, firsts) = flicker::hold_and_firsts(j, MOST_PLACES);
+        let sigma = instability * flicker::amplitude(j) / (firsts.len() as f64).sqrt();
+        let (sample_s, hold_s) = (study.sample_s(), hold as f64 * study.sample_s());
+        firsts.into_iter().map(move |first| Process::Held { sigma, first_s: first as f64 * sample_s, hold_s })
     };
-    (0..flicker::terms(study.clock.samples)).map(term).collect()
+    (0..flicker::terms(study.alignment.still_samples() + study.clock.samples)).flat_map(term).collect()
 }
 
 /// Scale errors act on the motion: a drawn coefficient times a drawn gain to the same power.

@@ -15,10 +15,10 @@ pub(super) fn check(job: &Job) -> Result<()> {
         return refuse("the run has no samples, no steps or no step size", "lengthen duration_s or shorten step_s");
     }
     let ordered = clock.report_samples.windows(2).all(|w| w[0] < w[1]);
-    let inside = clock.report_samples.iter().all(|&r| r >= 1 && r <= clock.samples);
+    let inside = clock.report_samples.iter().all(|&r| r > clock.still_samples && r <= clock.samples);
     if clock.report_samples.is_empty() || !ordered || !inside {
         return refuse(
-            "the report times do not increase, or lie outside the run",
+            "the report times do not increase, or lie outside the run or in its still start",
             "give times between 0 and duration_s",
         );
     }

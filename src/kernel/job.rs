@@ -17,6 +17,9 @@ pub struct Clock {
     pub samples: u64,
     /// Samples after which statistics are taken, increasing, 1-based (the last one is usually `samples`).
     pub report_samples: Vec<u64>,
+    /// How many of the first samples are a still start: the sensor stands still, and at their end the mean errors of
+    /// accelerometer and gyro are taken off and the integrals begin. Zero for an ideal start.
+    pub still_samples: u64,
 }
 
 impl Clock {
@@ -25,7 +28,12 @@ impl Clock {
         self.step_s * f64::from(self.steps_per_sample)
     }
 
-    /// Length of the run, s.
+    /// One over the samples of the still start, 0 without one.
+    pub fn still_share(&self) -> f64 {
+        if self.still_samples == 0 { 0.0 } else { 1.0 / self.still_samples as f64 }
+    }
+
+    /// Length of the run, s, its still start included.
     pub fn duration_s(&self) -> f64 {
         self.samples as f64 * self.sample_s()
     }
@@ -60,6 +68,12 @@ pub struct Job {
 }
 
 impl Job {
+    /// The tilt, per m/s² of accelerometer error, that levelling by that accelerometer leaves: its share of gravity hides
+    /// the error, rad/(m/s²). Zero without gravity.
+    pub fn level_rad_per_m_s2(&self) -> f64 {
+        if self.gravity_m_s2 == 0.0 { 0.0 } else { 1.0 / self.gravity_m_s2 }
+    }
+
     /// Steps that the integrator does in a sample, substeps counted.
     pub fn steps_per_sample(&self) -> u64 {
         u64::from(self.clock.steps_per_sample) * u64::from(self.integrator.substeps())

@@ -38,14 +38,18 @@ pub mod state {
     pub const RATE_TOTAL: usize = 9;
     /// Whether the member left the range of its model.
     pub const FAILED: usize = 11;
+    /// Mean error of the accelerometer that a still start takes off.
+    pub const MEAN: usize = 12;
+    /// Mean error of the gyro that it takes off.
+    pub const GYRO_MEAN: usize = 13;
     /// Random walks, one for each term that is one.
-    pub const WALKS: usize = 12;
+    pub const WALKS: usize = 14;
     /// How many random walks there are.
     pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
     /// Flicker terms follow here, a set for each sensor term that is switched on.
     pub const TERMS: usize = WALKS + WALK_COUNT;
     /// By name.
-    pub const NAMED: [(&str, usize); 10] = [
+    pub const NAMED: [(&str, usize); 12] = [
         ("E", E),
         ("Q", Q),
         ("POSITION", POSITION),
@@ -55,6 +59,8 @@ pub mod state {
         ("VELOCITY_TOTAL", VELOCITY_TOTAL),
         ("RATE_TOTAL", RATE_TOTAL),
         ("FAILED", FAILED),
+        ("MEAN", MEAN),
+        ("GYRO_MEAN", GYRO_MEAN),
         ("TERMS", TERMS),
     ];
 }
@@ -74,6 +80,10 @@ pub struct Tile {
     pub tilt_gain: f32,
     pub sample_s: f32,
     pub zero: u32,
+    pub still_samples: u32,
+    pub still_share: f32,
+    pub level: f32,
+    pub padding: u32,
     pub flicker: [f32; 16],
 }
 

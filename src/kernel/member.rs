@@ -79,7 +79,12 @@ impl Column {
         if let Some(sine) = &member.sine {
             values[column::SINE] = sine.amplitude_m_s2;
             let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
-            turns = [fixed(sine.phase_rad / std::f64::consts::TAU), fixed(sine.frequency_hz * 0.5 * substep_s)];
+            let step = fixed(sine.frequency_hz * 0.5 * substep_s);
+            // Its phase is that at the end of a still start. Turns wrap, as the kernels' arithmetic on them does.
+            let substeps = u64::from(clock.steps_per_sample) * u64::from(integrator.substeps());
+            let before = (2 * clock.still_samples * substeps) as u32;
+            let phase = fixed(sine.phase_rad / std::f64::consts::TAU);
+            turns = [phase.wrapping_sub(before.wrapping_mul(step)), step];
         }
         Self { values, turns }
     }

@@ -7,7 +7,7 @@ mod mirror;
 pub mod terms;
 
 use super::cpu::sums::BOUND_M_S2;
-use super::flicker::RETAINED;
+use super::flicker::{PLACE_MASK, RETAINED, SPREAD};
 use super::integrator::METHODS;
 use super::layout::state;
 use super::member::column;
@@ -62,6 +62,7 @@ fn constants() -> String {
     for (name, place) in state::NAMED {
         text += &format!("const STATE_{name} = {place}u;\n");
     }
+    text += &format!("const SPREAD = {SPREAD}u;\nconst PLACE_MASK = {PLACE_MASK}u;\n");
     text += &format!("const STREAM_FORCE = {}u;\n", Stream::Force as u32);
     for method in METHODS {
         text += &format!("const {} = {}u;\n", method.wgsl.to_uppercase(), method.code());

@@ -2,7 +2,7 @@
 //!
 //! Thin, total wrappers around `statrs`: an argument outside a distribution's domain gives NaN, never a panic.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
+use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 use super::order::ranked;
 
@@ -47,6 +47,17 @@ pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
+/// Exact interval of a probability that gave `hits` of `cases` (Clopper & Pearson, Biometrika 26, 1934), at a `level` like
+/// 0.95. The whole of 0 to 1 where there are no cases.
+pub fn exact_interval(hits: u64, cases: u64, level: f64) -> [f64; 2] {
+    let tail = 0.5 * (1.0 - level);
+    let quantile = |a: u64, b: u64, p: f64| Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
+    let hits = hits.min(cases);
+    let low = if hits == 0 { 0.0 } else { quantile(hits, cases - hits + 1, tail) };
+    let high = if hits == cases { 1.0 } else { quantile(hits + 1, cases - hits, 1.0 - tail) };
+    [low, high]
+}
+
 /// Which of many tests are discoveries when at most `rate` of those named may be false on average
 /// (Benjamini & Hochberg, J. R. Stat. Soc. B 57, 1995). NaN is never a discovery.
 pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
@@ -66,6 +77,16 @@ mod tests {
     use super::*;
 
     // Abramowitz & Stegun, Handbook of Mathematical Functions, tables 26.1, 26.8, 26.9, 26.10.
+    #[test]
+    fn exact_intervals_are_those_in_print() {
+        // 0 of n has the upper limit 1 − 0.025^(1/n); 3 of 10 is [0.0667, 0.6525] in Clopper and Pearson's tables.
+        let [low, high] = exact_interval(0, 300, 0.95);
+        assert!(low == 0.0 && (high - (1.0 - 0.025f64.powf(1.0 / 300.0))).abs() < 1e-9);
+        let [low, high] = exact_interval(3, 10, 0.95);
+        assert!((low - 0.0667).abs() < 1e-4 && (high - 0.6525).abs() < 1e-4, "{low} {high}");
+        assert_eq!(exact_interval(0, 0, 0.95), [0.0, 1.0]);
+    }
+
     #[test]
     fn tabulated_quantiles() {
         let close = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 2e-4, "{got} is not {want}");

@@ -35,6 +35,26 @@ impl Figure {
         Self { svg: xml(&svg).into_owned() }
     }
 
+    /// Figures side by side as one; each keeps its own size.
+    pub fn row(figures: &[Figure]) -> Self {
+        let size = |figure: &Figure, key: &str| -> f64 {
+            let value = figure.svg.split_once(&format!(" {key}=\"")).and_then(|(_, rest)| rest.split_once('"'));
+            value.and_then(|(number, _)| number.parse().ok()).unwrap_or(0.0)
+        };
+        let (mut left, mut height, mut inner) = (0.0, 0.0f64, String::new());
+        for figure in figures {
+            inner += &figure.svg.replacen("<svg ", &format!("<svg x=\"{left}\" "), 1);
+            left += size(figure, "width");
+            height = height.max(size(figure, "height"));
+        }
+        Self {
+            svg: format!(
+                "<svg width=\"{left}\" height=\"{height}\" viewBox=\"0 0 {left} {height}\" \
+                 xmlns=\"http://www.w3.org/2000/svg\">\n{inner}</svg>\n"
+            ),
+        }
+    }
+
     /// SVG to stand inside a page that carries the theme's style.
     pub fn inline_svg(&self) -> &str {
         &self.svg

@@ -6,6 +6,7 @@ mod envelope;
 mod moment;
 mod sensor;
 mod share;
+mod windows;
 
 use super::html::Page;
 use super::table::Table;
@@ -15,9 +16,11 @@ use crate::navigation::power_law::EXPONENTS;
 use crate::number::{duration, significant, with_uncertainty, worth};
 use crate::statistics::{Origin, Statistics, Summary, quantity};
 use crate::study::Study;
+use crate::study::alignment::Alignment;
 
 pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};
+pub use windows::picture as windows_figure;
 
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {
@@ -53,9 +56,11 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
          sources give. Neighbouring powers imitate each other and bias instability is no single power, so the fit describes \
          the envelope; the error budget above says whose it is.",
     );
-    page.table(&growth_table(drift));
+    page.table(&growth_table(study, drift));
+    windows::section(&mut page, study, &drift.compared);
     compared::section(&mut page, &drift.compared);
     page.section("The sensor");
+    page.paragraph(&start(study));
     page.paragraph(sensor::CONVENTION);
     page.table(&sensor::table(study));
     page.paragraph(&format!("Excitation: {}.", study.excitation.words));
@@ -177,8 +182,12 @@ fn percent(fraction: f64) -> String {
     }
 }
 
-fn growth_table(drift: &Drift) -> Table {
-    let owners = ["velocity random walk", "accelerometer bias", "angle and acceleration random walk", "gyro bias"];
+fn growth_table(study: &Study, drift: &Drift) -> Table {
+    let [accelerometer, gyro] = match study.alignment {
+        Alignment::Ideal => ["accelerometer bias", "gyro bias"],
+        Alignment::Still { .. } => ["accelerometer bias left by the still start", "gyro bias left by the still start"],
+    };
+    let owners = ["velocity random walk", accelerometer, "angle and acceleration random walk", gyro];
     let mut table = Table::new(&["power of t", "belongs to", "fitted / (m/sᵖ)", "closed form / (m/sᵖ)"]);
     for (k, owner) in owners.iter().enumerate() {
         table.row([
@@ -217,6 +226,18 @@ fn blame(drift: &Drift) -> String {
         phrases.join(", "),
         drift.budget.members
     )
+}
+
+/// How the run begins, in a sentence.
+fn start(study: &Study) -> String {
+    match study.alignment {
+        Alignment::Ideal => "Ideal start: level, with the biases as given.".into(),
+        Alignment::Still { .. } => format!(
+            "Still start of {} s: the mean error of the gyro is taken for its bias and subtracted, that of the accelerometer \
+             for tilt, whose share of gravity hides it (tilt starts wrong by −mean/g). Times count from its end.",
+            plain(study.still_s())
+        ),
+    }
 }
 
 /// What it ran on, for whoever wants to repeat it.
@@ -268,7 +289,8 @@ fn origins(statistics: &Statistics) -> String {
 /// What the terminal shows.
 pub fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
-    let compared: String = compared::sentences(&drift.compared).iter().map(|s| format!("{s}\n")).collect();
+    let sentences = windows::sentences(&drift.compared).into_iter().chain(compared::sentences(&drift.compared));
+    let compared: String = sentences.map(|s| format!("{s}\n")).collect();
     let compared = if compared.is_empty() { compared } else { format!("beside the recording\n{compared}\n") };
     let origins = origins(&drift.statistics);
     let origins = if origins.is_empty() { origins } else { format!("members:    {origins}\n") };

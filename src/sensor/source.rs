@@ -2,7 +2,7 @@
 //!
 //! For error budgets. What a source does to position over time is `navigation::closed_form`.
 
-use super::{Sensor, SensorTerm};
+use super::{Sense, Sensor, SensorTerm};
 
 /// One source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -35,6 +35,11 @@ impl Source {
             Self::ForceNoise => "Brownian force noise",
             Self::Term(term) => term.row().name,
         }
+    }
+
+    /// Whether it is a gyro's, whose error reaches position through tilt.
+    pub fn is_gyro(self) -> bool {
+        matches!(self, Self::Term(term) if term.sense() == Sense::Gyro)
     }
 
     /// Whether "alone" means nothing for it; such a source is judged by switching it off.

@@ -1,6 +1,6 @@
 //! Whether the numbers of a study make sense, each alone and together, before anything is computed.
 
-use super::file::{Compare, File};
+use super::file::File;
 use super::section::Section;
 use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
@@ -140,29 +140,6 @@ fn sizes(name: &str, all: &Tolerances) -> Result<()> {
     Ok(())
 }
 
-/// `[compare]`: a rate, and for each axis one scale.
-pub(super) fn compare(name: &str, section: Option<&Compare>) -> Result<()> {
-    let Some(section) = section else { return Ok(()) };
-    if !(section.rate_hz > 0.0 && section.rate_hz.is_finite()) {
-        let cause = format!("`compare.rate_hz` = {} Hz: need more than zero", section.rate_hz);
-        return Err(refuse(name, cause, "give the sampling rate of the log"));
-    }
-    for axis in &section.axis {
-        let scale = match (axis.scale_mg, axis.scale_deg_s) {
-            (Some(scale), None) | (None, Some(scale)) => scale,
-            _ => f64::NAN,
-        };
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(refuse(
-                name,
-                format!("the axis `{}` of [compare] needs one scale above zero", axis.column),
-                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: what one unit of the column is worth",
-            ));
-        }
-    }
-    Ok(())
-}
-
 /// Members, from the file or the default.
 pub(super) fn members(name: &str, file: &File) -> Result<u64> {
     match file.members.unwrap_or(16_384) {
@@ -224,11 +201,11 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     let sample_s = step_s * steps_per_sample;
     let samples = whole(name, "duration_s", "sample period", duration_s, sample_s)? as u64;
     let report_samples = report_samples(name, file, duration_s, sample_s, samples)?;
-    Ok(Clock { step_s, steps_per_sample: steps_per_sample as u32, samples, report_samples })
+    Ok(Clock { step_s, steps_per_sample: steps_per_sample as u32, samples, report_samples, still_samples: 0 })
 }
 
 /// How often `part_s` fits into `whole_s`, which must be a whole number.
-fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f64) -> Result<f64> {
+pub(super) fn whole(name: &str, whole_name: &str, part_name: &str, whole_s: f64, part_s: f64) -> Result<f64> {
     let ratio = whole_s / part_s;
     let nearest = ratio.round();
     if nearest < 1.0 || (ratio - nearest).abs() > 1e-6 * nearest.max(1.0) || nearest > f64::from(u32::MAX) * 4096.0 {

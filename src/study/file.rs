@@ -7,6 +7,8 @@ use serde::Deserialize;
 
 use super::section::{self, Numbers};
 use crate::excitation;
+use crate::sensor::Sense;
+use crate::units::{DEGREE, MILLI_G};
 
 /// The whole file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -37,6 +39,8 @@ pub struct File {
     /// When to look.
     #[serde(default)]
     pub report: Report,
+    /// How a run begins.
+    pub alignment: Option<Alignment>,
     /// A static log to lay beside the simulation.
     pub compare: Option<Compare>,
 }
@@ -49,14 +53,39 @@ pub struct Report {
     pub times_s: Option<Vec<f64>>,
 }
 
+/// `[alignment]`
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Alignment {
+    /// Ideal without one.
+    pub kind: Option<AlignmentKind>,
+    /// Length of a still start.
+    pub still_s: Option<f64>,
+}
+
+/// Ways to begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AlignmentKind {
+    /// Level, and with the biases that the study gives.
+    Ideal,
+    /// Bias and levelling from the mean of the first seconds, during which the sensor stands still.
+    Still,
+}
+
 /// `[compare]`: a static log of the sensor that the study describes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compare {
-    /// CSV, relative to the study.
+    /// The log, relative to the study.
     pub file: PathBuf,
-    /// Sampling rate of the log.
-    pub rate_hz: f64,
+    /// Sampling rate of the log, Hz.
+    pub rate_hz: Option<f64>,
+    /// Heading of its time column, s. Where both are given, they must agree.
+    pub time: Option<String>,
+    /// Lengths of the windows into which the log is cut, s, each after its own still start; absent, Allan deviations alone
+    /// are compared.
+    pub windows_s: Option<Vec<f64>>,
     /// One per column of the log.
     pub axis: Vec<Axis>,
 }
@@ -77,4 +106,14 @@ pub struct Axis {
     /// Takes the place of the study's `[gyro]` for this axis.
     #[serde(default, deserialize_with = "section::gyro")]
     pub gyro: Option<Numbers>,
+}
+
+impl Axis {
+    /// What one unit of the column measures, in SI units.
+    pub fn unit(&self) -> (Sense, f64) {
+        match (self.scale_mg, self.scale_deg_s) {
+            (Some(scale), _) => (Sense::Accelerometer, scale * MILLI_G),
+            (None, scale) => (Sense::Gyro, scale.unwrap_or(1.0) * DEGREE),
+        }
+    }
 }

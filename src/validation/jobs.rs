@@ -79,6 +79,7 @@ pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrat
             steps_per_sample: 10,
             samples: report_samples.last().copied().unwrap_or(1),
             report_samples,
+            still_samples: 0,
         },
         draw: Arc::new(move |_| Member { sensor, sine: None }),
         waveform: Arc::new(force),

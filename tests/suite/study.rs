@@ -4,6 +4,8 @@ use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::drift::compare::{self, Outcome};
+use proofmass::error::Error;
+use proofmass::kernel::job::Job;
 use proofmass::study::{self, Overrides};
 use proofmass::units::{MICRO_G, STANDARD_GRAVITY_M_S2};
 
@@ -119,8 +121,11 @@ fn departure(data: &Path, angle_random_walk_deg_rth: f64) -> Result<f64, Failed>
          gyro = {{ angle_random_walk_deg_rth = {angle_random_walk_deg_rth}, bias_instability_deg_h = 38.0 }}\n"
     );
     let study = study::parse("study.toml", &text, data)?;
-    let Outcome::Compared(axes, _) = compare::run(&study)? else { return Err("nothing was compared".into()) };
-    let axis = &axes[0];
+    let mut none = |_: &Job, _: &str| Err(Error::new("could not simulate", "no windows were asked for", ""));
+    let Outcome::Compared(comparison) = compare::run(&study, &mut none)? else {
+        return Err("nothing was compared".into());
+    };
+    let axis = &comparison.axes[0];
     let squares: Vec<f64> = (0..axis.tau_s.len())
         .filter(|k| (0.2..10.0).contains(&axis.tau_s[*k]))
         .map(|k| (axis.recorded[k] / axis.simulated[1][k]).ln().powi(2))

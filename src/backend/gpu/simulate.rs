@@ -179,6 +179,10 @@ impl Plan {
             tilt_gain: (job.gravity_m_s2 * sample_s) as f32,
             sample_s: sample_s as f32,
             zero: 0,
+            still_samples: job.clock.still_samples as u32,
+            still_share: job.clock.still_share() as f32,
+            level: job.level_rad_per_m_s2() as f32,
+            padding: 0,
             flicker,
         };
         let on = |term: &SensorTerm| constants.iter().any(|(n, v)| *n == source::terms::switch(*term) && *v != 0.0);
@@ -356,6 +360,7 @@ fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
         ("HAS_SINE".to_owned(), flag(any(column::SINE))),
         ("HAS_GYRO".to_owned(), flag(some(&|t| t.sense() == Sense::Gyro))),
         ("HAS_READING".to_owned(), flag(some(&reading))),
+        ("HAS_STILL".to_owned(), flag(job.clock.still_samples > 0)),
     ];
     constants.extend(SensorTerm::ALL.map(|term| (source::terms::switch(term), flag(has(term)))));
     Ok(constants)

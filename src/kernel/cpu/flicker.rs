@@ -5,7 +5,7 @@
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::stretch::Numbers;
-use crate::kernel::flicker::{RENEWED, RETAINED, slow_term};
+use crate::kernel::flicker::{RENEWED, RETAINED, place, slow_term};
 use crate::kernel::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
@@ -93,7 +93,8 @@ pub(super) fn add<T: Real>(
     numbers.pairs(stream, 1, first >> 2, (((numbers.until - 1) >> 2) - (first >> 2) + 1) as usize);
     let range = numbers.renew(stream);
     let (fast, slow) = (&numbers.each[range], &*numbers.pairs);
-    level.run(AddFlicker { flicker, amplitudes, scale, first, fast, slow, out });
+    let place = place(numbers.drawer.first_member);
+    level.run(AddFlicker { flicker, amplitudes, scale, first, place, fast, slow, out });
 }
 
 /// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive samples.
@@ -104,6 +105,8 @@ struct AddFlicker<'a, T> {
     pub scale: &'a Lane<T>,
     /// Number of the first of the samples.
     pub first: u64,
+    /// Where in the schedule of renewals these members began.
+    pub place: u64,
     /// Numbers for the fast term, one a sample.
     pub fast: &'a [Lane<T>],
     /// Numbers for the slow terms, two for each four samples that share a counter.
@@ -120,7 +123,7 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
             let sample = self.first + i as u64;
             let (keep, new) = if sample == 0 { (0.0, 1.0) } else { (RETAINED, RENEWED) };
             let (keep, new) = (T::of(keep), T::of(new));
-            let renewed = slow_term(sample).filter(|&j| j < terms.len());
+            let renewed = slow_term(sample + self.place).filter(|&j| sample != 0 && j < terms.len());
             if let Some(j) = renewed {
                 let pair = ((sample >> 2) - (self.first >> 2)) as usize * 2;
                 relax::<T, FMA>(keep, new, &mut terms[j], &self.slow[pair + usize::from(j > 1)]);

@@ -25,6 +25,12 @@ pub struct Shared<T> {
     pub tilt_gain: T,
     /// Amplitudes of the flicker terms.
     pub flicker: Vec<T>,
+    /// Samples of the still start.
+    pub still_samples: u64,
+    /// One over that.
+    pub still_share: f64,
+    /// Tilt that levelling leaves per m/s² of accelerometer error.
+    pub level_rad_per_m_s2: f64,
 }
 
 impl<T: Real> Shared<T> {
@@ -36,6 +42,9 @@ impl<T: Real> Shared<T> {
             integrator: job.integrator,
             tilt_gain: T::of(job.gravity_m_s2 * job.clock.sample_s()),
             flicker: flicker_amplitudes(&job.clock).into_iter().map(T::of).collect(),
+            still_samples: job.clock.still_samples,
+            still_share: job.clock.still_share(),
+            level_rad_per_m_s2: job.level_rad_per_m_s2(),
         }
     }
 }
@@ -85,6 +94,11 @@ pub struct Members<T> {
     pub(super) q: Lane<T>,
     pub(super) reading: State<T>,
     pub(super) sums: Sums<T>,
+    /// Mean errors of accelerometer and gyro that a still start takes off.
+    pub(super) mean: Lane<T>,
+    pub(super) gyro_mean: Lane<T>,
+    /// The tilt it leaves.
+    pub(super) start_tilt: Lane<f64>,
     /// Errors of the last reading.
     pub(super) acceleration: Lane<T>,
 }
@@ -139,6 +153,9 @@ impl<T: Real> Members<T> {
             q: zero,
             reading: State::new(),
             sums: Sums::new(),
+            mean: zero,
+            gyro_mean: zero,
+            start_tilt: Lane::splat(0.0),
             acceleration: zero,
         }
     }
@@ -147,12 +164,25 @@ impl<T: Real> Members<T> {
     /// set them all to those of a run that was stopped.
     pub fn exchange(&mut self, with: &mut dyn FnMut(f64) -> f64) {
         // No `..`: a new field must decide here whether tiles change it.
-        let Self { draw: _, active: _, columns: _, turns: _, e, q, reading, sums, acceleration } = self;
+        let Self {
+            draw: _,
+            active: _,
+            columns: _,
+            turns: _,
+            e,
+            q,
+            reading,
+            sums,
+            mean,
+            gyro_mean,
+            start_tilt,
+            acceleration,
+        } = self;
         let Sums { velocity, position, rate, velocity_total, position_total, rate_total, failed } = sums;
-        let lanes = [e, q, acceleration, velocity, position, rate];
+        let lanes = [e, q, mean, gyro_mean, acceleration, velocity, position, rate];
         let numbers = lanes.into_iter().chain(reading.lanes()).flat_map(|lane| &mut lane.0);
         numbers.for_each(|v| *v = T::of(with(v.f64())));
-        let totals = [velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
+        let totals = [start_tilt, velocity_total, position_total, rate_total].into_iter().flat_map(|lane| &mut lane.0);
         totals.for_each(|v| *v = with(*v));
         failed.iter_mut().for_each(|f| *f = with(f64::from(u8::from(*f))) != 0.0);
     }
@@ -168,6 +198,18 @@ impl<T: Real> Members<T> {
         (self.e[lane].f64(), self.q[lane].f64())
     }
 
+    /// Ends the still start: the mean errors so far are what is taken off from here on, and the integrals begin. Levelling
+    /// by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean.
+    pub(super) fn level(&mut self, shared: &Shared<T>) {
+        let sums = &self.sums;
+        for l in 0..LANES {
+            self.mean[l] = T::of(shared.still_share * (sums.velocity_total[l] + sums.velocity[l].f64()));
+            self.gyro_mean[l] = T::of(shared.still_share * (sums.rate_total[l] + sums.rate[l].f64()));
+            self.start_tilt[l] = -shared.level_rad_per_m_s2 * self.mean[l].f64();
+        }
+        self.sums = Sums { failed: sums.failed, ..Sums::new() };
+    }
+
     /// The errors after `samples` samples of `sample_s` seconds.
     pub fn snapshot(&self, samples: u64, sample_s: f64) -> Snapshot {
         let sums = &self.sums;
@@ -178,7 +220,7 @@ impl<T: Real> Members<T> {
             s.values[0][l] = sample_s * sample_s * position;
             s.values[1][l] = sample_s * (sums.velocity_total[l] + sums.velocity[l].f64());
             s.values[2][l] = self.acceleration[l].f64();
-            s.values[3][l] = sample_s * (sums.rate_total[l] + sums.rate[l].f64());
+            s.values[3][l] = sample_s * (sums.rate_total[l] + sums.rate[l].f64()) + self.start_tilt[l];
             s.failed[l] |= self.acceleration[l].beyond(BOUND_M_S2) || s.values.iter().any(|v| !v[l].is_finite());
         }
         s

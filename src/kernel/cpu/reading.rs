@@ -104,6 +104,24 @@ impl<T: Real> Kernel for AddWhite<'_, T> {
     }
 }
 
+/// The mean error that a still start has found.
+pub(super) struct TakeOff<'a, T> {
+    pub mean: &'a Lane<T>,
+    pub out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for TakeOff<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for out in self.out.iter_mut() {
+            for l in 0..LANES {
+                out[l] = out[l] - self.mean[l];
+            }
+        }
+    }
+}
+
 /// A random walk in the shader.
 pub const WALK: Fragment = Fragment {
     begin: "

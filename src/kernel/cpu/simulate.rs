@@ -10,7 +10,7 @@ use super::members::{Members, Shared};
 use super::oscillator::{
     ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, RungeKutta4General, Step,
 };
-use super::reading::{self, Limit};
+use super::reading::{self, Limit, TakeOff};
 use super::stretch::{Numbers, STRETCH};
 use super::sums::Integrate;
 use crate::kernel::force::Force;
@@ -24,7 +24,7 @@ use crate::sensor::{Sense, SensorTerm};
 /// Sees every sample: reading errors of the accelerometer (m/s²) and of the gyro (rad/s).
 pub type Observer<'a, T> = dyn FnMut(&Lane<T>, &Lane<T>) + 'a;
 
-/// Samples `first` to `first + count` of 64 members; `force` holds their substeps.
+/// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force` holds their substeps.
 pub struct Simulate<'a, T: Real> {
     /// What all members share.
     pub shared: &'a Shared<T>,
@@ -60,6 +60,9 @@ impl<T: Real> Simulate<'_, T> {
             error: [zero; STRETCH],
             turn: [zero; STRETCH],
         };
+        if self.first == self.shared.still_samples && self.first > 0 {
+            self.members.level(self.shared);
+        }
         let end = self.first + self.count;
         let mut from = self.first;
         while from < end {
@@ -72,6 +75,8 @@ impl<T: Real> Simulate<'_, T> {
     /// Samples `from` to `until`, all of one stretch.
     fn samples(&mut self, level: Level, from: u64, until: u64, stretch: &mut Stretch<T>) {
         let (shared, m) = (self.shared, &mut *self.members);
+        // While a still start lasts, nothing moves and no tilt is integrated.
+        let still = from < shared.still_samples;
         let on = m.active;
         let at = (from % STRETCH as u64) as usize;
         let here = at..at + (until - from) as usize;
@@ -89,7 +94,7 @@ impl<T: Real> Simulate<'_, T> {
             substeps,
             push: on.force.then(|| numbers.each(Stream::Force)),
             gain: on.gain,
-            sine: on.sine.then_some((&m.turns, from * u64::from(shared.substeps) * 2)),
+            sine: (on.sine && !still).then_some((&m.turns, from * u64::from(shared.substeps) * 2)),
             scaled: on.any(Sense::Accelerometer, |law| matches!(law, ErrorLaw::Proportional(_))),
             error,
             felt,
@@ -121,7 +126,13 @@ impl<T: Real> Simulate<'_, T> {
         if let Some(observer) = &mut self.observer {
             error.iter().zip(&*turn).for_each(|(error, turn)| observer(error, turn));
         }
-        let tilt_gain = shared.tilt_gain;
+        if shared.still_samples > 0 && !still {
+            level.run(TakeOff { mean: &m.mean, out: error });
+            if turns {
+                level.run(TakeOff { mean: &m.gyro_mean, out: turn });
+            }
+        }
+        let tilt_gain = if still { T::of(0.0) } else { shared.tilt_gain };
         let turn = turns.then_some(&*turn);
         level.run(Integrate { sums: &mut m.sums, end: until, error, turn, tilt_gain, e: &m.e });
         if let Some(last) = error.last() {

@@ -92,6 +92,10 @@ fn tile() -> Mirror {
         tilt_gain,
         sample_s,
         zero,
+        still_samples,
+        still_share,
+        level,
+        padding,
         flicker
     })
 }

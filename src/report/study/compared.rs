@@ -16,7 +16,7 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
             page.callout(&format!("The log {file} is not on this machine, so nothing is compared here."));
             return;
         }
-        Outcome::Compared(axes, findings) => (axes, findings),
+        Outcome::Compared(comparison) => (&comparison.axes, &comparison.findings),
     };
     page.section("Beside the recording");
     page.paragraph(
@@ -36,7 +36,7 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
 /// What the comparison says, one sentence per axis; empty where nothing was compared.
 pub fn sentences(outcome: &Outcome) -> Vec<String> {
     match outcome {
-        Outcome::Compared(axes, _) => axes.iter().map(sentence).collect(),
+        Outcome::Compared(comparison) => comparison.axes.iter().map(sentence).collect(),
         Outcome::Absent(file) => vec![format!("the log {file} is not on this machine: nothing compared")],
         Outcome::NotAsked => Vec::new(),
     }
