@@ -2,6 +2,7 @@
 //!
 //! Noise of any colour sets its own scale here: each test compares one value with the robust spread of all its like in the
 //! log, so that a log of Gaussian noise, flicker and random walk has none (two in a billion values pass six deviations).
+//! Readings coarser than their noise are not Gaussian; their jumps are also held against the plain spread.
 //! Not a diagnosis: it says which stretches of a log are not noise, so that results can be shown with and without them.
 
 use std::ops::Range;
@@ -68,6 +69,10 @@ fn spread(values: &[f64]) -> f64 {
     TO_DEVIATION * order::median(values.iter().map(|v| v.abs()).collect()).unwrap_or(0.0)
 }
 
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
@@ -84,9 +89,8 @@ fn knocks(values: &[f64], rate_hz: f64) -> Vec<Disturbance> {
         .collect();
     let changes = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0);
     let step = changes.fold(f64::INFINITY, f64::min);
-    let rms = (away.iter().map(|v| v * v).sum::<f64>() / away.len().max(1) as f64).sqrt();
     // Readings that seldom leave their median have no robust spread; what little they do have is theirs.
-    let usual = if spread(&away) > 0.0 { spread(&away) } else { rms };
+    let usual = if spread(&away) > 0.0 { spread(&away) } else { rms(&away) };
     let limit = (KNOCK * usual).max(if step.is_finite() { STEPS * step } else { 0.0 });
     let mut found: Vec<Disturbance> = Vec::new();
     for (n, _) in away.iter().enumerate().filter(|(_, v)| v.abs() > limit) {
@@ -104,7 +108,7 @@ fn jumps(values: &[f64], block: usize) -> Vec<Disturbance> {
     }
     let means: Vec<f64> = values.chunks_exact(block).map(mean).collect();
     let differences: Vec<f64> = means.windows(2).map(|w| w[1] - w[0]).collect();
-    let limit = JUMP * spread(&differences);
+    let limit = JUMP * spread(&differences).max(rms(&differences));
     let mut found: Vec<Disturbance> = Vec::new();
     for (k, _) in differences.iter().enumerate().filter(|(_, d)| limit > 0.0 && d.abs() > limit) {
         // Between the middles of the two blocks: a jump inside a block shows in the differences on both of its sides.

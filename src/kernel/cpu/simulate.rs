@@ -24,7 +24,8 @@ use crate::sensor::{Sense, SensorTerm};
 /// Sees every sample: reading errors of the accelerometer (m/s²) and of the gyro (rad/s).
 pub type Observer<'a, T> = dyn FnMut(&Lane<T>, &Lane<T>) + 'a;
 
-/// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force` holds their substeps.
+/// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force`
+/// holds their substeps.
 pub struct Simulate<'a, T: Real> {
     /// What all members share.
     pub shared: &'a Shared<T>,
