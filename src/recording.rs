@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::numerics::order;
 use crate::progress;
+use crate::signal;
 
 /// A named column in the recording's own unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,7 +159,7 @@ fn collect(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Vec<f64>>
         }
         if index.is_multiple_of(65_536) {
             bar.set_position(table.bytes_read());
-            if progress::interrupted() {
+            if signal::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
             }
         }

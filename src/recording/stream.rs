@@ -10,6 +10,7 @@ use super::rows::Rows;
 use super::{FILL_LIMIT, Request, checked_rate};
 use crate::error::{Error, Result};
 use crate::progress;
+use crate::signal;
 
 /// Holes up to this many samples are bridged by straight lines.
 const BRIDGED: usize = 10;
@@ -95,7 +96,7 @@ fn hand_on(reading: Reading<'_>, send: &SyncSender<Block>) -> Result<Streamed> {
         index += 1;
         if index.is_multiple_of(65_536) {
             bar.set_position(table.bytes_read());
-            if progress::interrupted() {
+            if signal::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
             }
         }
