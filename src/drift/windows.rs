@@ -125,11 +125,11 @@ impl Drifted {
                 .collect();
             (!parts.is_empty()).then(|| {
                 format!(
-                    "`{}`: of {} windows of {} s, {} are disturbed ({}); results are given with and without them",
+                    "`{}`: {} of {} windows of {} s disturbed ({}); results are given with and without",
                     self.column,
+                    w.disturbed(),
                     w.recorded.len(),
                     w.seconds,
-                    w.disturbed(),
                     parts.join(", ")
                 )
             })

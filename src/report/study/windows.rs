@@ -43,9 +43,9 @@ pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
     page.figure_row(&figures.iter().map(|(f, c)| (f, c.as_str())).collect::<Vec<_>>());
     page.table(&table(axes, false));
     page.paragraph(
-        "Fractions of the windows inside the central 50, 90 and 99 % of the simulated sensors, with exact 95 % intervals \
-         (Clopper and Pearson) for independent windows. Where an interval does not hold its percentage, the coefficients or \
-         the model are wrong for that length.",
+        "Fractions of the windows inside the central 50, 90 and 99 % of the simulated sensors, in brackets exact 95 % \
+         intervals (Clopper and Pearson) for independent windows. Where an interval does not hold the percentage of its \
+         column, the log departs from the model at that length.",
     );
     match axes.iter().flat_map(|a| &a.windows).any(|w| w.disturbed() > 0) {
         true => {
@@ -72,6 +72,7 @@ pub fn sentences(outcome: &Outcome) -> Vec<String> {
             significant(w.sd_predicted / factor, 2),
             match w.disturbed() {
                 0 => String::new(),
+                1 => "; 1 window is disturbed".into(),
                 some => format!("; {some} windows are disturbed"),
             }
         )
@@ -135,9 +136,9 @@ fn chart(axis: &Drifted) -> Chart {
 
 /// Fractions inside the bands and standard deviations.
 fn table(axes: &[Drifted], undisturbed: bool) -> Table {
-    let mut headings = vec!["axis".to_owned(), "window / s".into(), "windows".into()];
-    headings.extend(BANDS.iter().map(|b| format!("inside {:.0} % (exact 95 %)", 100.0 * b)));
-    headings.extend(["sd recorded", "sd predicted", "ratio"].map(str::to_owned));
+    let mut headings = vec!["axis".to_owned(), "windows".into()];
+    headings.extend(BANDS.iter().map(|b| format!("inside {:.0} %", 100.0 * b)));
+    headings.extend(["sd recorded", "sd predicted"].map(str::to_owned));
     let mut table = Table { headings, rows: Vec::new() };
     for axis in axes {
         let (unit, factor) = unit(axis.sense);
@@ -149,11 +150,10 @@ fn table(axes: &[Drifted], undisturbed: bool) -> Table {
                 format!("{} % ({}–{})", percent(hits as f64 / count.max(1) as f64), percent(low), percent(high))
             };
             let sd = w.sd_recorded(undisturbed);
-            let mut row = vec![axis.column.clone(), rounded(w.seconds, 6).to_string(), count.to_string()];
+            let mut row = vec![axis.column.clone(), format!("{count} × {} s", rounded(w.seconds, 6))];
             row.extend(w.inside(undisturbed).map(fraction));
             row.push(format!("{} {unit}", significant(sd / factor, 3)));
             row.push(format!("{} {unit}", significant(w.sd_predicted / factor, 3)));
-            row.push(if w.sd_predicted > 0.0 { significant(sd / w.sd_predicted, 3) } else { "–".into() });
             table.row(row);
         }
     }
