@@ -5,11 +5,13 @@
 
 use std::time::{Duration, Instant};
 
+use indicatif::ProgressBar;
+
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::{Backend, Batch, Partial, Ran};
-use crate::control::{Control, Progress};
 use crate::error::Result;
 use crate::kernel::job::{Clock, Job};
+use crate::progress;
 use crate::statistics::{Bins, Moments, Statistics, Summary};
 
 mod backends;
@@ -33,8 +35,8 @@ pub struct Options {
     pub precision: Precision,
     /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
     pub batch_members: Option<u64>,
-    /// Who watches and may stop.
-    pub control: Control,
+    /// No progress bar.
+    pub quiet: bool,
 }
 
 /// Integrates an ensemble and sums it up.
@@ -99,7 +101,10 @@ pub fn run_or_fall_back(
         }
         let reason = format!("{} failed: {}", device.machine(job).name, error.cause);
         let done = keeper.part().next_member;
-        options.control.remark(&format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members));
+        progress::remark(
+            &ProgressBar::hidden(),
+            &format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members),
+        );
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
         integrate(job, &mut cpu, Some(&reason), options, keeper)?;
     }
@@ -115,33 +120,31 @@ fn integrate(
     keeper: &mut Keeper,
 ) -> Result<()> {
     let samples = job.clock.samples;
-    let length = (job.members + PILOT.min(job.members)).saturating_mul(samples);
-    let watched = Watched { control: &options.control, progress: options.control.stage("simulating", length) };
+    let bar = if options.quiet {
+        ProgressBar::hidden()
+    } else {
+        progress::bar("simulating", (job.members + PILOT.min(job.members)).saturating_mul(samples))
+    };
     if keeper.part().bins.is_empty() {
         // Always on the CPU: the same for every backend of the same precision.
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &watched)?;
+        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &bar)?;
         keeper.part_mut().set_bins(partials.iter().map(bins).collect());
     }
     let machine = backend.machine(job);
     let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
     loop {
         let from = keeper.part().next_member;
-        watched.progress.set((from + PILOT.min(job.members)).saturating_mul(samples));
+        bar.set_position((from + PILOT.min(job.members)).saturating_mul(samples));
         if from >= job.members {
             break;
         }
-        let partials = batch(job, backend, size, keeper, &watched)?;
+        let partials = batch(job, backend, size, keeper, &bar)?;
         keeper.part_mut().add(&partials, job, &machine, reason);
-        keeper.keep_if_due(&options.control);
+        keeper.keep_if_due(&bar);
     }
+    bar.finish_and_clear();
     Ok(())
-}
-
-/// Who watches a run, and how far it has come.
-struct Watched<'a> {
-    control: &'a Control,
-    progress: Progress,
 }
 
 /// The next `size` members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
@@ -150,25 +153,33 @@ fn batch(
     backend: &mut dyn Backend,
     size: u64,
     keeper: &mut Keeper,
-    watched: &Watched<'_>,
+    bar: &ProgressBar,
 ) -> Result<Vec<Partial>> {
-    let Watched { control, progress } = watched;
     let machine = backend.machine(job);
     let bins = keeper.part().bins.clone();
     let from = keeper.part().next_member;
     let mut members = from..job.members.min(from.saturating_add(size));
     if let Some(unfinished) = keeper.part().under_way(&machine) {
         members = unfinished.members.clone();
-        progress.add(unfinished.samples * (members.end - members.start));
+        bar.inc(unfinished.samples * (members.end - members.start));
     }
     loop {
-        control.go_on().map_err(|s| keeper.stopped(s))?;
+        if progress::interrupted() {
+            bar.abandon();
+            return Err(keeper.stopped());
+        }
         let begun = Instant::now();
-        let stop = || control.cancelled() || keeper.is_due_within(begun);
+        let stop = || progress::interrupted() || keeper.is_due_within(begun);
         let resume = keeper.part().under_way(&machine);
-        let done = |samples| progress.add(samples);
-        let ran =
-            backend.run(&Batch { job, members: members.clone(), bins: &bins, resume, stop: &stop, progress: &done });
+        let progress = |done| bar.inc(done);
+        let ran = backend.run(&Batch {
+            job,
+            members: members.clone(),
+            bins: &bins,
+            resume,
+            stop: &stop,
+            progress: &progress,
+        });
         match ran? {
             Ran::Whole(partials) => {
                 keeper.part_mut().set_under_way(None);
@@ -176,7 +187,7 @@ fn batch(
             }
             Ran::Part(unfinished) => {
                 keeper.part_mut().set_under_way(Some((machine.clone(), unfinished)));
-                keeper.keep_if_due(control);
+                keeper.keep_if_due(bar);
             }
         }
     }

@@ -6,6 +6,7 @@ mod suite {
     pub mod architecture;
     pub mod bench;
     pub mod cli;
+    pub mod clock;
     pub mod closed_form;
     pub mod convergence;
     pub mod device_faults;
@@ -26,6 +27,7 @@ mod suite {
     pub mod parity;
     pub mod planted;
     pub mod recording;
+    pub mod rows;
     pub mod scale;
     pub mod start_search;
     pub mod still_start;
@@ -71,6 +73,10 @@ fn main() {
         suite::allan::tests(),
         // recording: files are read as they are, or refused with a reason.
         suite::recording::tests(),
+        // rows: none is lost without a word, whatever happened to the file.
+        suite::rows::tests(),
+        // clock: one clock for all readers.
+        suite::clock::tests(),
         // static: each effect at rest is found alone, nothing where nothing is.
         suite::diagnosis_rest::tests(),
         // diagnose_rest_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.

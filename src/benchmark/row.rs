@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use crate::control::Control;
 use crate::error::Result;
+use crate::progress;
 
 /// One measurement.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -40,10 +40,8 @@ impl Row {
 
 /// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
 /// A short first run is not counted.
-fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<f64> {
-    let go_on = || control.go_on().map_err(|s| s.during("could not finish the measurements", "run them again"));
+fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
     let begun = Instant::now();
-    go_on()?;
     run()?;
     let first = begun.elapsed().as_secs_f64();
     if first > 3.0 {
@@ -55,7 +53,9 @@ fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<
         run()?;
         shortest = one.elapsed().as_secs_f64().min(shortest);
         runs += 1;
-        go_on()?;
+        if progress::interrupted() {
+            break;
+        }
     }
     Ok(shortest)
 }
@@ -63,9 +63,8 @@ fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<
 /// Times work that is done in this many units.
 ///
 /// # Errors
-/// As the work; stopped.
+/// As the work.
 pub fn row(
-    control: &Control,
     work: &str,
     precision: &str,
     members: u64,
@@ -73,7 +72,7 @@ pub fn row(
     unit: &str,
     run: impl FnMut() -> Result<()>,
 ) -> Result<Row> {
-    let seconds = shortest_s(control, run)?;
+    let seconds = shortest_s(run)?;
     Ok(Row {
         work: work.to_owned(),
         place: "cpu".to_owned(),

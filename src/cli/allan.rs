@@ -20,7 +20,7 @@ pub struct Arguments {
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
-    /// Column that holds the time in s, instead of or beside the rate
+    /// Column that holds the time, instead of or beside the rate; its heading may name the unit: t_s, t_ms, t_us, t_ns
     #[arg(long, value_name = "NAME")]
     time: Option<String>,
     /// Columns to analyse in the file's own unit [default: every column of numbers but the clock]
@@ -38,6 +38,12 @@ pub struct Arguments {
     /// What one unit of the gyro columns is: rad/s, deg/s, mdeg/s, deg/h, with a number if need be
     #[arg(long, value_name = "SCALE", default_value = "rad/s", requires = "gyro")]
     gyro_scale: String,
+    /// Use the recording from this many seconds after its first row on
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    from_s: Option<f64>,
+    /// Use the recording up to this many seconds after its first row
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    to_s: Option<f64>,
     /// Folder for report.html, sensor.toml and, where a scale is given, a study.toml that runs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -68,7 +74,14 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     rows::open(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
-    let request = Request { columns, rate_hz: arguments.rate_hz, time: arguments.time.clone(), ..Request::default() };
+    let request = Request {
+        columns,
+        rate_hz: arguments.rate_hz,
+        time: arguments.time.clone(),
+        from_s: arguments.from_s,
+        to_s: arguments.to_s,
+        ..Request::default()
+    };
     let noise = noise::analyse(&arguments.recording, &request, |name| {
         let among = |columns: &[String]| columns.iter().any(|c| c == name);
         match name {

@@ -8,7 +8,6 @@ use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::output::{self, Folder};
-use crate::progress;
 use crate::report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
@@ -19,6 +18,12 @@ pub struct Arguments {
     /// What the recording is and what is believed of it (model.toml)
     #[arg(long)]
     pub model: PathBuf,
+    /// Use the recording from this many seconds after its first row on
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub from_s: Option<f64>,
+    /// Use the recording up to this many seconds after its first row
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub to_s: Option<f64>,
     /// Where to write report.html, verdict.json, repaired.toml and the figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -33,13 +38,12 @@ pub struct Arguments {
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
-    let recording = model::read_recording(&arguments.recording, &model)?;
+    let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
+    let recording = model::read_part(&arguments.recording, &model, seconds)?;
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let control = progress::terminal();
-    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model, &control)?);
-    let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
-        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
+    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model)?);
+    let costs = consequence::costs(diagnosis.repair.as_ref())?;
     // The answer of long work is said even where its report cannot be written.
     let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
     if json {

@@ -14,7 +14,6 @@ use crate::map::grid::Grid;
 use crate::map::{Atlas, compute};
 use crate::number::significant;
 use crate::output::{self, Folder};
-use crate::progress;
 use crate::report::map as page;
 
 const EXAMPLE: &str = "map.toml:
@@ -69,8 +68,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     document.check()?;
     let outputs = || outputs(arguments, &document);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let control = progress::terminal();
-    let atlas = on_device(arguments.backend, |device| compute(document.clone(), device, &control))?;
+    let atlas = on_device(arguments.backend, |device| compute(document.clone(), device))?;
     let written = folder.map_or(Ok(()), |folder| write(folder, &atlas));
     if json {
         sayln!("{:#}", summary(&atlas))?;

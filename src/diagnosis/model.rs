@@ -1,5 +1,7 @@
 //! model.toml: what a recording is and what the engineer believes of it. Paths are relative to the file.
 
+use std::collections::HashSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -8,6 +10,9 @@ use crate::diagnosis::candidate::Kind;
 use crate::document::{parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
+
+/// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this many.
+pub const MOST_AT_REST: usize = 1 << 19;
 
 /// A model, by kind of recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,12 +40,48 @@ pub struct Split {
     pub test: Ranges,
 }
 
+impl Split {
+    /// From the first sample named to the last; `None` where none is, or only empty ranges.
+    pub fn hull(&self) -> Option<Range<usize>> {
+        let all = || self.train.iter().chain(&self.test);
+        let hull = all().map(|r| r[0]).min()?..all().map(|r| r[1]).max()?;
+        (hull.start < hull.end).then_some(hull)
+    }
+
+    /// Whether the ranges lie in so many samples, and no sample is to be fitted and to judge.
+    ///
+    /// # Errors
+    /// Cause and hint.
+    pub fn check(&self, samples: usize) -> Result<(), (String, &'static str)> {
+        if let Some([from, to]) = self.train.iter().chain(&self.test).find(|r| r[0] >= r[1] || r[1] > samples) {
+            return Err((
+                format!("the range [{from}, {to}) does not lie in the {samples} samples"),
+                "ranges are half-open, counted from zero: [[0, 10000]]",
+            ));
+        }
+        let pairs = self
+            .train
+            .iter()
+            .flat_map(|a| self.test.iter().map(move |b| a[1].min(b[1]).saturating_sub(a[0].max(b[0]))));
+        match pairs.sum() {
+            0usize => Ok(()),
+            lost => Err((
+                format!("[split] train and test overlap in {lost} samples"),
+                "what is fitted cannot judge: make the ranges disjoint",
+            )),
+        }
+    }
+}
+
 /// kind = "driven".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
     /// Columns by role.
     pub columns: DrivenColumns,
     /// Hints, which may be off by a factor of two.
@@ -82,6 +123,9 @@ pub struct Start {
 pub struct Static {
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
     /// Unit of the channels, for words and plots.
     #[serde(default)]
     pub unit: String,
@@ -127,6 +171,9 @@ pub struct Noise {
 pub struct Tumble {
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
     /// |g| where it was recorded.
     pub gravity_m_s2: f64,
     /// CSV of start_row,end_row_exclusive; absent: found by the tool.
@@ -191,41 +238,75 @@ pub fn read(path: &Path) -> Result<Model> {
     Ok(model)
 }
 
+/// Seconds of a recording that are used, counted from its first row.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Seconds {
+    /// From here; absent means the first row.
+    pub from_s: Option<f64>,
+    /// To here, exclusive; absent means the last row.
+    pub to_s: Option<f64>,
+}
+
 /// Reads the columns of a recording that its model names.
 ///
 /// # Errors
 /// As [`recording::read`], and a column that is given two roles.
 pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
-    let (rate_hz, time, columns): (Option<f64>, &Option<String>, Vec<&String>) = match model {
+    read_part(path, model, Seconds::default())
+}
+
+/// The same of some seconds alone.
+///
+/// # Errors
+/// As [`read_recording`].
+pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recording> {
+    let fail = |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
+    let (rate_hz, rows, time, columns): (Option<f64>, &Ranges, &Option<String>, Vec<&String>) = match model {
         Model::Driven(m) => {
             let c = &m.columns;
-            (m.rate_hz, &c.time, c.input.iter().chain([&c.output]).chain(&c.environment).collect())
+            (m.rate_hz, &m.rows, &c.time, c.input.iter().chain([&c.output]).chain(&c.environment).collect())
         }
         Model::Static(m) => {
             let c = &m.columns;
-            (m.rate_hz, &c.time, c.channels.iter().chain(&c.environment).collect())
+            (m.rate_hz, &m.rows, &c.time, c.channels.iter().chain(&c.environment).collect())
         }
         Model::Tumble(m) => {
             let c = &m.columns;
-            (m.rate_hz, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
+            (m.rate_hz, &m.rows, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
         }
     };
     if matches!(model, Model::Static(m) if m.columns.channels.is_empty()) {
-        return Err(Error::new(
-            format!("could not use {}", path.display()),
-            "the model names no channel",
-            "name at least one: channels = [\"ax\"] under [columns]",
-        ));
+        return fail("the model names no channel".into(), "name at least one: channels = [\"ax\"] under [columns]");
     }
-    for (n, column) in columns.iter().enumerate() {
-        if columns[..n].contains(column) {
-            return Err(Error::new(
-                format!("could not use {}", path.display()),
-                format!("the model gives the column `{column}` two roles"),
-                "name each column once under [columns]",
-            ));
+    let mut known = HashSet::with_capacity(columns.len());
+    if let Some(twice) = columns.iter().find(|c| !known.insert(c.as_str())) {
+        return fail(
+            format!("the model gives the column `{twice}` two roles"),
+            "name each column once under [columns]",
+        );
+    }
+    let rows = match &rows[..] {
+        [] => None,
+        [[from, to]] if from < to => Some(*from..*to),
+        [[from, to]] => {
+            return fail(
+                format!("rows = [[{from}, {to}]] holds no row"),
+                "ranges are half-open, counted from zero: [[0, 10000]]",
+            );
         }
-    }
+        several => {
+            return fail(
+                format!("rows names {} ranges, and a recording is one stretch in time", several.len()),
+                "give one range; which parts of it are fitted and which judge is for [split]",
+            );
+        }
+    };
     let columns = columns.into_iter().cloned().collect();
-    recording::read(path, &Request { columns, rate_hz, time: time.clone(), rows: None })
+    let mut request = Request { columns, rate_hz, time: time.clone(), rows, ..Request::default() };
+    (request.from_s, request.to_s) = (seconds.from_s, seconds.to_s);
+    if let Model::Static(m) = model {
+        request.at_most = Some(MOST_AT_REST);
+        request.samples = m.split.hull();
+    }
+    recording::read(path, &request)
 }

@@ -33,18 +33,19 @@ mod telegraph;
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};
 
+use std::collections::HashMap;
+use std::ops::Range;
+
 use super::answer::Answer;
-use super::model;
-use crate::control::{Control, Stopped};
+use super::model::{self, MOST_AT_REST};
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::parallel;
+use crate::progress;
 use crate::recording::Recording;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
 
-/// Longer recordings are averaged over neighbouring samples to at most this many.
-const LONGEST: usize = 1 << 19;
 /// Fewer samples cannot tell one law from another.
 const FEWEST: usize = 256;
 
@@ -52,14 +53,17 @@ const FEWEST: usize = 256;
 ///
 /// # Errors
 /// Fewer than 256 samples, or columns that are not there.
-pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control) -> Result<Answer> {
-    let rows = rows(recording, model);
+pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Answer> {
+    let rows = rows(recording, model)?;
+    // A linear search for each of many thousand channels would take minutes.
+    let places: HashMap<&str, usize> =
+        recording.columns.iter().enumerate().map(|(i, c)| (c.name.as_str(), i)).collect();
     let column = |name: &String| {
-        recording.column(name).map(|values| &values[rows.clone()]).ok_or_else(|| {
+        places.get(name.as_str()).and_then(|i| recording.columns[*i].values.get(rows.clone())).ok_or_else(|| {
             Error::new("could not diagnose the recording", format!("column `{name}` was not read"), "check [columns]")
         })
     };
-    let mut findings = recording.findings.clone();
+    let mut findings = recording.sentences();
     let (names, live): (Vec<&String>, Vec<&[f64]>) = {
         let all: Vec<(&String, &[f64])> =
             model.columns.channels.iter().map(|n| Ok((n, column(n)?))).collect::<Result<_>>()?;
@@ -79,7 +83,10 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
             format!("need at least {FEWEST}; thousands are better"),
         ));
     }
-    let together = rows.len().div_ceil(LONGEST);
+    // The reader may have averaged already.
+    let averaged = recording.averaged.as_ref();
+    let more = if averaged.is_some() { 1 } else { rows.len().div_ceil(MOST_AT_REST) };
+    let together = averaged.map_or(more, |a| a.together);
     let rate_hz = recording.rate_hz / together as f64;
     if together > 1 {
         findings.push(format!(
@@ -89,7 +96,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         ));
     }
     let reduce = |values: &[f64]| -> Vec<f64> {
-        values.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
+        values.chunks_exact(more).map(|c| c.iter().sum::<f64>() / more as f64).collect()
     };
     let environment: Vec<(String, Curve)> = model
         .columns
@@ -103,18 +110,28 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .map(|(name, values)| {
             let mut channel = Channel::new(name, &reduce(values), rate_hz);
             channel.promised = describe::promised(&channel, model.noise.as_ref());
-            channel.step = Watch::of(name, values).step().map(|q| q / channel.scale);
+            let step = match averaged {
+                Some(averaged) => places.get(name.as_str()).and_then(|i| averaged.steps.get(*i).copied().flatten()),
+                None => Watch::of(name, values).step(),
+            };
+            channel.step = step.map(|q| q / channel.scale);
             channel.together = together;
             channel
         })
         .collect();
     let means: Vec<f64> = live.iter().map(|v| v.iter().sum::<f64>() / v.len() as f64).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
-    let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
-    let select = |c: &Channel| selection::select(c, &environment, channels.len(), control);
-    let selected: Result<Vec<_>, Stopped> = parallel::map(&channels, select).into_iter().collect();
-    let mut selected = selected.map_err(stopped)?;
-    agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
+    let mut selected: Vec<_> = parallel::map(&channels, |c| selection::select(c, &environment, channels.len()));
+    let heard = || match progress::interrupted() {
+        true => {
+            let attempt = format!("could not diagnose {}", recording.path.display());
+            Err(Error::interrupted(attempt, "start it again"))
+        }
+        false => Ok(()),
+    };
+    heard()?;
+    agreement::agree(&channels, &mut selected, &environment);
+    heard()?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,
@@ -126,12 +143,22 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     }))
 }
 
-/// Rows from the first to the last that the model's split names; all where it names none.
-fn rows(recording: &Recording, model: &model::Static) -> std::ops::Range<usize> {
-    let ranges = || model.split.train.iter().chain(&model.split.test);
-    let end = recording.samples();
-    match (ranges().map(|r| r[0]).min(), ranges().map(|r| r[1]).max()) {
-        (Some(from), Some(to)) if from < to.min(end) => from..to.min(end),
-        _ => 0..end,
-    }
+/// Values from the first to the last sample that the model's split names; all where it names none.
+///
+/// # Errors
+/// Ranges outside the recording, or samples that are to be fitted and to judge.
+fn rows(recording: &Recording, model: &model::Static) -> Result<Range<usize>> {
+    let total = recording.first_sample + recording.samples();
+    model.split.check(total).map_err(|(cause, hint)| {
+        Error::new(format!("could not use [split] for {}", recording.path.display()), cause, hint)
+    })?;
+    let values = recording.columns.first().map_or(0, |c| c.values.len());
+    Ok(match model.split.hull() {
+        // The reader has cut it out where it averaged, or where the recording begins with it.
+        Some(hull) if recording.averaged.is_none() => {
+            let from = hull.start.saturating_sub(recording.first_sample);
+            from..(hull.end - recording.first_sample.min(hull.end)).min(values)
+        }
+        _ => 0..values,
+    })
 }

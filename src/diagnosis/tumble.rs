@@ -43,7 +43,7 @@ use fit::Fit;
 /// # Errors
 /// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them.
 pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Answer> {
-    let given = model.poses.as_ref().map(|path| poses::read(path, recording.samples())).transpose()?;
+    let given = model.poses.as_ref().map(|path| poses::read(path, recording)).transpose()?;
     diagnose_in(recording, model, given)
 }
 
@@ -52,7 +52,7 @@ pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Answer> 
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_in(recording: &Recording, model: &model::Tumble, given: Option<Vec<Range<usize>>>) -> Result<Answer> {
-    let mut findings = recording.findings.clone();
+    let mut findings = recording.sentences();
     let imu = columns(recording, model, &mut findings)?;
     check::channels(recording, model)?;
     let poses_found = given.is_none();

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use crate::recording::Recording;
+use crate::recording::dropped::Dropped;
+
 /// The four things a diagnosis can say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -35,10 +38,28 @@ pub struct Source {
     pub file: String,
     /// SHA-256, hexadecimal.
     pub sha256: String,
-    /// Rows used.
+    /// Data rows in the file.
+    pub rows: usize,
+    /// Samples that were judged, those that stand in for missing ones included.
     pub samples: usize,
     /// Sampling rate.
     pub rate_hz: f64,
+    /// Rows that were not used, and why.
+    pub dropped: Vec<Dropped>,
+}
+
+impl Source {
+    /// Of a recording in memory.
+    pub fn of(recording: &Recording) -> Self {
+        Self {
+            file: recording.path.display().to_string(),
+            sha256: recording.sha256.clone(),
+            rows: recording.rows,
+            samples: recording.samples(),
+            rate_hz: recording.rate_hz,
+            dropped: recording.dropped.clone(),
+        }
+    }
 }
 
 /// A fitted number with its interval.
@@ -194,9 +215,9 @@ pub struct Fit {
 /// Whether the repaired model leaves white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Whiteness {
-    /// At the 5 % level, corrected for the number of tests and channels; the same in every kind.
+    /// At the 5 % level after correction.
     pub white: bool,
-    /// The smallest probability among all tests of what is left, corrected in the same way.
+    /// Of the portmanteau test.
     pub p_value: f64,
 }
 

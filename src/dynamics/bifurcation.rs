@@ -4,7 +4,8 @@
 //! down differ (hysteresis). That makes it sequential; for independent starts see `map`.
 
 use super::duffing::{Drive, Oscillator, State};
-use crate::control::{Control, Stopped};
+use crate::error::{Error, Result};
+use crate::progress;
 use crate::rng::{Philox, Stream};
 
 /// One sweep.
@@ -31,8 +32,8 @@ pub struct Sweep {
 /// (amplitude, strobed displacement) pairs in the order of the sweep, N and m.
 ///
 /// # Errors
-/// Stopped.
-pub fn sweep(oscillator: &Oscillator, sweep: &Sweep, control: &Control) -> Result<Vec<(f64, f64)>, Stopped> {
+/// When stopped by Ctrl-C.
+pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> {
     let mut random = Philox::new(sweep.seed, 0, Stream::Force);
     let mut state = State::default();
     let mut cloud = Vec::with_capacity(sweep.points as usize * sweep.strobes as usize);
@@ -44,7 +45,9 @@ pub fn sweep(oscillator: &Oscillator, sweep: &Sweep, control: &Control) -> Resul
         let (table, h) = (drive.table_n(steps), drive.period_s() / f64::from(steps));
         let sigma_n = sweep.noise_n_rts / h.sqrt();
         for period in 0..sweep.transient_periods + sweep.strobes {
-            control.go_on()?;
+            if progress::interrupted() {
+                return Err(Error::interrupted("could not finish the bifurcation diagram", "run it again"));
+            }
             for j in 0..steps as usize {
                 let noise_n = if sigma_n > 0.0 { sigma_n * random.normal() } else { 0.0 };
                 let force_n = [table[2 * j] + noise_n, table[2 * j + 1] + noise_n, table[2 * j + 2] + noise_n];

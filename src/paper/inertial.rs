@@ -67,7 +67,7 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
     };
     let intervals = folder.join("static_intervals.csv");
-    let poses = if intervals.is_file() { poses::read(&intervals, recording.samples())? } else { poses::find(&imu) };
+    let poses = if intervals.is_file() { poses::read(&intervals, &recording)? } else { poses::find(&imu) };
     let calibration = calibrate(imu.clone(), &poses)?;
     let (mut force_m_s2, mut rate_rad_s) = (Vec::new(), Vec::new());
     for i in 0..recording.samples() {

@@ -45,19 +45,54 @@ const LARGEST: f64 = 1e50;
 /// What is smaller is zero, for the same reason.
 const SMALLEST: f64 = 1e-50;
 
-/// A cell as a number; `None` when it is text, or beyond any reading. Empty cells and the usual words for "missing" are NaN.
-pub fn number(cell: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?.trim();
+/// What a cell holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    /// A number; NaN where it is missing: empty, infinite, or one of the usual words for that.
+    Number(f64),
+    /// A number larger than any reading.
+    TooLarge,
+    /// A number with a comma for its point.
+    DecimalComma,
+    /// Anything else.
+    Text,
+}
+
+/// Reads a cell.
+pub fn cell(cell: &[u8]) -> Cell {
+    let Ok(text) = std::str::from_utf8(cell.trim_ascii()) else { return Cell::Text };
     if let Ok(value) = text.parse::<f64>() {
         return match value.abs() {
-            size if size < SMALLEST => Some(0.0),
-            size if size <= LARGEST => Some(value),
-            size if size.is_finite() => None,
-            _ => Some(f64::NAN),
+            size if size < SMALLEST => Cell::Number(0.0),
+            size if size <= LARGEST => Cell::Number(value),
+            size if size.is_finite() => Cell::TooLarge,
+            _ => Cell::Number(f64::NAN),
         };
     }
+    // Blanks beyond ASCII are too rare to be looked for in every cell.
+    let trimmed = text.trim();
+    if trimmed.len() < text.len() {
+        return self::cell(trimmed.as_bytes());
+    }
     let missing = ["", "na", "n/a", "null", "none", "-", "#n/a"];
-    missing.contains(&text.to_ascii_lowercase().as_str()).then_some(f64::NAN)
+    if missing.contains(&text.to_ascii_lowercase().as_str()) {
+        return Cell::Number(f64::NAN);
+    }
+    let comma = text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok();
+    if comma { Cell::DecimalComma } else { Cell::Text }
+}
+
+/// A cell as a number; `None` when it is text, or beyond any reading; NaN where it is missing.
+pub fn number(text: &[u8]) -> Option<f64> {
+    if let Cell::Number(value) = cell(text) { Some(value) } else { None }
+}
+
+/// Whether a number was a whole one that double precision had to round.
+pub fn was_rounded(cell: &[u8], value: f64) -> bool {
+    // Sixteen digits are the fewest of which that is true.
+    cell.len() > 15
+        && value.abs() >= 2f64.powi(53)
+        && std::str::from_utf8(cell).is_ok_and(|t| t.trim().parse::<i128>().is_ok_and(|exact| exact != value as i128))
 }
 
 /// Whether a heading names a clock, so that it is no channel.
@@ -89,6 +124,9 @@ mod tests {
         assert!(number(b"inf").is_some_and(f64::is_nan), "an infinite reading is a missing one");
         assert_eq!((number(b"1,5"), number(b"1e300"), number(b"1e-300")), (None, None, Some(0.0)));
         assert_eq!(number(b"\xff"), None);
+        assert_eq!([cell(b"1e300"), cell(b"1,5"), cell(b"1,5,2")], [Cell::TooLarge, Cell::DecimalComma, Cell::Text]);
+        let rounded = |text: &[u8]| was_rounded(text, number(text).unwrap_or_default());
+        assert!(rounded(b"9007199254740993") && !rounded(b"9007199254740992") && !rounded(b"1e300"));
     }
 
     #[test]

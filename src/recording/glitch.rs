@@ -2,6 +2,8 @@
 //!
 //! For logs at rest alone: a driven recording leaps as its input bids. One pass, no memory of the readings.
 
+use super::finding::Finding;
+
 /// A change this many times the usual one is no noise: of normal noise, one in 10¹⁰⁰.
 const LEAP: f64 = 21.0;
 /// Fewer changes than this tell nothing of what is usual.
@@ -49,7 +51,7 @@ impl Glitch {
     }
 
     /// What a person should know, if there is such a reading.
-    pub fn finding(&self, name: &str) -> Option<String> {
+    pub fn finding(&self, name: &str) -> Option<Finding> {
         if self.count < LEAST {
             return None;
         }
@@ -57,13 +59,8 @@ impl Glitch {
         let rest = (self.squares - largest * largest - second * second).max(0.0);
         let usual = (rest / (self.count - 2) as f64).sqrt();
         let coarse = self.step.is_none_or(|step| largest < STEPS * step);
-        (usual > 0.0 && largest > LEAP * usual && !coarse).then(|| {
-            format!(
-                "`{name}` leaps near row {row} by {:.0} times its usual change: a stray reading or a knock? It makes the \
-                 noise look larger",
-                largest / usual
-            )
-        })
+        let leaps = usual > 0.0 && largest > LEAP * usual && !coarse;
+        leaps.then(|| Finding::Leap { column: name.into(), near_row: row, ratio: largest / usual })
     }
 }
 
@@ -71,7 +68,7 @@ impl Glitch {
 mod tests {
     use super::*;
 
-    fn judge(values: impl IntoIterator<Item = f64>) -> Option<String> {
+    fn judge(values: impl IntoIterator<Item = f64>) -> Option<Finding> {
         let mut glitch = Glitch::default();
         values.into_iter().for_each(|v| glitch.push(v));
         glitch.finding("x")
@@ -82,7 +79,7 @@ mod tests {
         let noise = |k: usize| (k * 7919 % 101) as f64;
         assert_eq!(judge((0..5000).map(noise)), None);
         let said = judge((0..5000).map(|k| if k == 700 { 2000.0 } else { noise(k) })).expect("a stray reading");
-        assert!(said.contains("row 700") || said.contains("row 701"), "{said}");
+        assert!(matches!(said, Finding::Leap { near_row: 700 | 701, .. }), "{said}");
         let seldom = |k: usize| if k % 1000 == 7 { 1.0 } else { 0.0 };
         assert_eq!(judge((0..5000).map(seldom)), None, "a coarse reading that seldom changes");
         assert_eq!(judge((0..50).map(|k| if k == 7 { 2000.0 } else { noise(k) })), None, "too short to tell");

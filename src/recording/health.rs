@@ -1,61 +1,7 @@
-//! What is wrong with a column before any physics: missing values, a dead channel, touched rails, a stuck stretch, and the
-//! step its numbers are rounded to.
+//! What is wrong with a column before any physics: a dead channel, touched rails, a stuck stretch, and the step its numbers
+//! are rounded to.
 
-use std::ops::Range;
-use std::path::Path;
-
-use super::FILL_LIMIT;
-use crate::error::{Error, Result};
-
-/// Replaces missing values by straight lines between their neighbours, and says so.
-///
-/// # Errors
-/// When more than 5 % of the values are missing.
-pub fn fill(path: &Path, name: &str, values: &mut [f64]) -> Result<Option<String>> {
-    let missing = values.iter().filter(|v| v.is_nan()).count();
-    if missing == 0 {
-        return Ok(None);
-    }
-    let share = missing as f64 / values.len() as f64;
-    if share > FILL_LIMIT {
-        return Err(Error::new(
-            format!("could not use column `{name}` of {}", path.display()),
-            format!("{missing} of {} values are missing", values.len()),
-            "leave the column out, or cut the recording to a stretch where it was logged",
-        ));
-    }
-    let mut longest = 0;
-    let mut row = 0;
-    while row < values.len() {
-        if !values[row].is_nan() {
-            row += 1;
-            continue;
-        }
-        let end = (row..values.len()).find(|r| !values[*r].is_nan()).unwrap_or(values.len());
-        let before = row.checked_sub(1).map(|r| values[r]);
-        let after = values.get(end).copied();
-        let (left, right) = (before.or(after).unwrap_or(0.0), after.or(before).unwrap_or(0.0));
-        let count = end - row;
-        for k in 0..count {
-            values[row + k] = left + (right - left) * (k + 1) as f64 / (count + 1) as f64;
-        }
-        longest = longest.max(count);
-        row = end;
-    }
-    Ok(Some(format!("`{name}`: {missing} missing values were filled by straight lines, at most {longest} in a row")))
-}
-
-/// Runs of missing values.
-pub fn holes(values: &[f64]) -> Vec<Range<usize>> {
-    let mut all: Vec<Range<usize>> = Vec::new();
-    for row in (0..values.len()).filter(|row| values[*row].is_nan()) {
-        match all.last_mut() {
-            Some(last) if last.end == row => last.end += 1,
-            _ => all.push(row..row + 1),
-        }
-    }
-    all
-}
+use super::finding::Finding;
 
 /// Values that lie off whole steps by less than this are whole multiples, rounded in print.
 const ON_GRID: f64 = 0.05;
@@ -181,21 +127,21 @@ impl Watch {
     }
 
     /// What a person should know of the column.
-    pub fn findings(&self) -> Vec<String> {
-        let name = &self.name;
+    pub fn findings(&self) -> Vec<Finding> {
+        let column = || self.name.clone();
         if self.constant() {
-            return vec![format!("`{name}` is constant ({}): a dead channel?", self.before)];
+            return vec![Finding::Constant { column: column(), value: self.before }];
         }
         let mut out = Vec::new();
         // An input of a few levels (a square wave) is not a clipped one.
-        for (rail, value, side) in [(self.high, self.high.value, "above"), (self.low, -self.low.value, "below")] {
+        for (rail, value, highest) in [(self.high, self.high.value, true), (self.low, -self.low.value, false)] {
             if self.levels.len() > 8 && rail.touched() {
-                out.push(format!("`{name}` stays at {value} in {} rows and never goes {side}: clipped?", rail.count));
+                out.push(Finding::Clipped { column: column(), value, highest, rows: rail.count });
             }
         }
-        let (start, rows, value) = self.longest;
+        let (first_row, rows, value) = self.longest;
         if self.frozen() && value != self.high.value && value != -self.low.value {
-            out.push(format!("`{name}` does not change for {rows} rows from row {start}: stuck?"));
+            out.push(Finding::Stuck { column: column(), first_row, rows });
         }
         out
     }
@@ -213,7 +159,7 @@ impl Watch {
 mod tests {
     use super::*;
 
-    fn judge(values: Vec<f64>) -> Vec<String> {
+    fn judge(values: Vec<f64>) -> Vec<Finding> {
         Watch::of("x", &values).findings()
     }
 
@@ -222,22 +168,12 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_bridged_and_too_many_refused() {
-        let nan = f64::NAN;
-        let mut values = [vec![nan, 1.0, nan, nan, 4.0], vec![5.0; 95]].concat();
-        let finding = fill(Path::new("log.csv"), "x", &mut values).expect("few").expect("said");
-        assert_eq!(values[..5], [1.0, 1.0, 2.0, 3.0, 4.0]);
-        assert!(finding.contains("3 missing"), "{finding}");
-        assert!(fill(Path::new("log.csv"), "x", &mut [nan, 1.0, 2.0]).is_err());
-    }
-
-    #[test]
     fn dead_clipped_and_stuck_channels_are_told_and_healthy_ones_left_alone() {
-        assert!(judge(vec![3.0; 100])[0].contains("dead"));
+        assert!(matches!(judge(vec![3.0; 100])[0], Finding::Constant { value: 3.0, .. }));
         assert_eq!(judge(sine(1.0).iter().map(|v| v.clamp(-0.8, 0.8)).collect()).len(), 2);
         let mut frozen = sine(1.0);
         frozen[1000..1400].fill(0.5);
-        assert!(judge(frozen)[0].contains("stuck"));
+        assert!(matches!(judge(frozen)[0], Finding::Stuck { rows: 400, .. }));
         assert!(judge(sine(1.0)).is_empty());
         assert!(judge(sine(6.3).iter().map(|v| v.round()).collect()).is_empty(), "a coarse reading is not clipped");
         let square = (0..5000).map(|i| if i / 50 % 2 == 0 { 1.0 } else { -1.0 }).collect();

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use super::Request;
+use super::finding;
 use super::glitch::Glitch;
 use super::health::Watch;
+use super::request::Request;
 use super::stream::{self, Streamed};
 use super::unit::Unit;
 use crate::error::{Error, Result};
@@ -109,6 +110,7 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
         });
     })?;
     source.findings.extend(meters.iter().flat_map(|m| m.watch.findings()));
+    finding::settle(&mut source.findings);
     source.findings.extend(meters.iter().zip(&names).filter_map(|(m, name)| m.glitch.finding(name)));
     let channels = parallel::map_indices(meters.len(), |i| {
         meters[i].finish(&names[i], unit_of(&names[i]), source.rate_hz, i as u64)

@@ -1,73 +1,104 @@
 //! Rows that repeat the one before them exactly, where no clock tells: samples written twice, or lost ones replaced by the
 //! last.
 //!
-//! Only where the columns hardly ever repeat a value otherwise. With a time column the time stamps decide (`clock`).
-
-use std::ops::Range;
+//! Only where the columns hardly ever repeat a value otherwise. With a time column the time stamps decide (`clock`). One
+//! pass, no memory of the rows.
 
 /// Share of its rows that a column may repeat a value in, before repeating says nothing.
 const SELDOM: f64 = 0.01;
+/// Fewer rows than this tell nothing.
+const FEWEST: usize = 100;
+/// Rows that are looked at together.
+const WINDOW: usize = 5;
 
-/// What was done.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Mended {
-    /// In words, where anything was found.
-    pub finding: Option<String>,
-    /// Samples that stand in for lost ones.
-    pub filled: Vec<Range<usize>>,
+/// What repeating rows stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// The sample before once more.
+    WrittenTwice,
+    /// A lost sample.
+    Lost,
 }
 
-/// Drops rows that were written twice; fills the place of lost ones, which a repeated row only holds open.
-pub fn mend(columns: &mut [Vec<f64>]) -> Mended {
-    let rows = columns.first().map_or(0, Vec::len);
-    if columns.len() < 2 || rows < 100 {
-        return Mended::default();
+/// What was found of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Repeated {
+    /// What they stand for.
+    pub meaning: Meaning,
+    /// How many.
+    pub rows: usize,
+    /// The first, counted from the first row seen.
+    pub first: usize,
+}
+
+/// Looks for them as rows pass.
+#[derive(Debug, Clone, Default)]
+pub struct Repeats {
+    rows: usize,
+    /// The last rows, the latest last.
+    last: Vec<Vec<f64>>,
+    /// Per column, rows that repeat its value.
+    repeats: Vec<usize>,
+    count: usize,
+    first: usize,
+    /// The row before repeats the one before it.
+    pending: bool,
+    /// How badly the rows around fit either meaning.
+    twice: f64,
+    lost: f64,
+}
+
+impl Repeats {
+    /// The next row. Whether it repeats the one before in every column.
+    pub fn push(&mut self, row: &[f64]) -> bool {
+        let mut all = false;
+        if let Some(before) = self.last.last() {
+            self.repeats.resize(row.len(), 0);
+            all = true;
+            for ((value, before), count) in row.iter().zip(before).zip(&mut self.repeats) {
+                let same = value == before;
+                *count += usize::from(same);
+                all &= same;
+            }
+        }
+        if std::mem::take(&mut self.pending) {
+            let last = std::mem::take(&mut self.last);
+            self.weigh([&last[0], &last[1], &last[2]], row);
+            self.last = last;
+        }
+        if all {
+            self.first = if self.count == 0 { self.rows } else { self.first };
+            self.count += 1;
+            self.pending = self.rows + 2 >= WINDOW;
+        }
+        let mut room = if self.last.len() == WINDOW - 1 { self.last.remove(0) } else { Vec::new() };
+        room.clear();
+        room.extend_from_slice(row);
+        self.last.push(room);
+        self.rows += 1;
+        all
     }
-    let seldom = |c: &Vec<f64>| c.windows(2).filter(|w| w[0] == w[1]).count() as f64 <= SELDOM * rows as f64;
-    if !columns.iter().all(seldom) {
-        return Mended::default();
-    }
-    let places: Vec<usize> = (1..rows).filter(|k| columns.iter().all(|c| c[*k] == c[*k - 1])).collect();
-    if places.is_empty() {
-        return Mended::default();
-    }
-    // z, a, b, b, c: where c is the next sample, z, a, b, c lie on a parabola; where one was lost, z, a, b, (?), c do. Either
-    // misfit is over what unit noise would make of it.
-    let (mut twice, mut lost) = (0.0, 0.0);
-    for k in places.iter().copied().filter(|k| *k >= 3 && k + 1 < rows) {
-        for c in columns.iter() {
-            let (z, a, b, next) = (c[k - 3], c[k - 2], c[k - 1], c[k + 1]);
+
+    /// z, a, b, b, c: where c is the next sample, z, a, b, c lie on a parabola; where one was lost, z, a, b, (?), c do. Either
+    /// misfit is over what unit noise would make of it.
+    fn weigh(&mut self, [z, a, b]: [&Vec<f64>; 3], next: &[f64]) {
+        for (((z, a), b), next) in z.iter().zip(a).zip(b).zip(next) {
             let size = (a - z).abs() + (b - a).abs() + (next - b).abs();
             if size.is_finite() && size > 0.0 {
-                twice += ((next - 3.0 * b + 3.0 * a - z) / size).abs() / 20f64.sqrt();
-                lost += ((next - 6.0 * b + 8.0 * a - 3.0 * z) / size).abs() / 110f64.sqrt();
+                self.twice += ((next - 3.0 * b + 3.0 * a - z) / size).abs() / 20f64.sqrt();
+                self.lost += ((next - 6.0 * b + 8.0 * a - 3.0 * z) / size).abs() / 110f64.sqrt();
             }
         }
     }
-    let first = places[0];
-    let count = places.len();
-    let words = format!("{count} rows, the first is row {first}, repeat the row before them exactly in every column");
-    if twice <= lost {
-        for c in columns.iter_mut() {
-            let mut row = 0;
-            c.retain(|_| {
-                row += 1;
-                places.binary_search(&(row - 1)).is_err()
-            });
-        }
-        return Mended {
-            finding: Some(format!("{words}: taken for samples written twice and dropped")),
-            filled: vec![],
-        };
-    }
-    for c in columns.iter_mut() {
-        for k in places.iter().copied().filter(|k| k + 1 < rows) {
-            c[k] = 0.5 * (c[k - 1] + c[k + 1]);
-        }
-    }
-    Mended {
-        finding: Some(format!("{words}: taken for lost samples and filled by straight lines")),
-        filled: places.iter().map(|k| *k..k + 1).collect(),
+
+    /// What the repeating rows stand for; `None` where there are none, or too many for them to say anything.
+    pub fn judge(&self) -> Option<Repeated> {
+        let seldom = self.repeats.iter().all(|count| *count as f64 <= SELDOM * self.rows as f64);
+        (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then(|| Repeated {
+            meaning: if self.twice <= self.lost { Meaning::WrittenTwice } else { Meaning::Lost },
+            rows: self.count,
+            first: self.first,
+        })
     }
 }
 
@@ -75,28 +106,29 @@ pub fn mend(columns: &mut [Vec<f64>]) -> Mended {
 mod tests {
     use super::*;
 
-    fn columns() -> Vec<Vec<f64>> {
-        let wave = |rate: f64| (0..1000).map(|k| (rate * f64::from(k)).sin()).collect();
-        vec![wave(0.11), wave(0.07)]
+    fn rows() -> Vec<[f64; 2]> {
+        (0..1000).map(|k| [0.11, 0.07].map(|rate| (rate * f64::from(k)).sin())).collect()
+    }
+
+    fn judge(rows: &[[f64; 2]]) -> Option<Repeated> {
+        let mut repeats = Repeats::default();
+        rows.iter().for_each(|row| {
+            repeats.push(row);
+        });
+        repeats.judge()
     }
 
     #[test]
-    fn rows_written_twice_are_dropped_and_lost_ones_filled() {
-        let good = columns();
+    fn rows_written_twice_are_told_from_lost_ones() {
+        let good = rows();
+        assert_eq!(judge(&good), None);
         let mut twice = good.clone();
-        twice.iter_mut().for_each(|c| c.insert(300, c[299]));
-        assert!(mend(&mut twice).finding.is_some_and(|f| f.contains("written twice")));
-        assert_eq!(twice, good);
+        twice.insert(300, good[299]);
+        assert_eq!(judge(&twice), Some(Repeated { meaning: Meaning::WrittenTwice, rows: 1, first: 300 }));
         let mut held = good.clone();
-        held.iter_mut().for_each(|c| c[300] = c[299]);
-        assert_eq!(mend(&mut held).filled, vec![300..301]);
-        assert!((held[0][300] - good[0][300]).abs() < 0.01);
-        assert_eq!(mend(&mut columns()), Mended::default());
-        let coarse = |c: &Vec<f64>| c.iter().map(|v| (v * 4.0).round()).collect();
-        assert_eq!(
-            mend(&mut good.iter().map(coarse).collect::<Vec<_>>()),
-            Mended::default(),
-            "a coarse reading repeats"
-        );
+        held[300] = held[299];
+        assert_eq!(judge(&held), Some(Repeated { meaning: Meaning::Lost, rows: 1, first: 300 }));
+        let coarse: Vec<[f64; 2]> = good.iter().map(|row| row.map(|v| (v * 4.0).round())).collect();
+        assert_eq!(judge(&coarse), None, "a coarse reading repeats");
     }
 }

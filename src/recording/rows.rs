@@ -1,35 +1,45 @@
-//! Rows of a CSV file one by one, in bounded memory, with the file's checksum on the way.
+//! Rows of a CSV file one by one, in bounded memory: headings found, cells read as numbers, every row counted.
 //!
-//! Not for clocks or gaps: a row is a row here, and a missing cell is NaN.
+//! A row is a line that is neither blank nor a comment, after the header. Not for clocks or gaps: a missing cell is NaN here.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use csv::ByteRecord;
-use sha2::{Digest, Sha256};
+use super::cells::Cells;
+use super::clock::stamp::Stamp;
+use super::dropped::{Dropped, Reason, Tally};
+use super::finding::Finding;
+use super::format::{self, Cell};
+use super::headings::Headings;
+use super::lines::Lines;
+use crate::error::{Error, Result};
 
-use super::format;
-use crate::document::hexadecimal;
-use crate::error::{Error, Result, nearest};
-
-/// A line longer than this is no row of a recording; a million columns are shorter.
-const LONGEST_HEADER_BYTES: u64 = 32 << 20;
+pub use super::lines::open;
 
 /// A CSV file being read.
 #[derive(Debug)]
 pub struct Rows {
     path: PathBuf,
-    table: csv::Reader<BufReader<Hashed>>,
-    record: ByteRecord,
-    /// The first row where there is no header: already read, not yet given.
-    first: Option<ByteRecord>,
+    lines: Lines,
+    separator: u8,
+    cells: Cells,
+    /// The row before, and where its time stamp lies.
+    before: (Vec<u8>, std::ops::Range<usize>),
+    /// The line at hand is a row that was not given yet.
+    held: bool,
     names: Vec<String>,
     /// Place in the row of each column wanted.
     places: Vec<usize>,
+    /// Heading and place of the time column.
+    time: Option<(String, usize)>,
     width: usize,
-    length_bytes: u64,
-    findings: Vec<String>,
+    /// Rows given.
+    rows: usize,
+    dropped: Tally,
+    /// Per column, the first row with a whole number that was rounded.
+    rounded: Vec<Option<usize>>,
+    skipped: (u64, u64),
+    no_header: bool,
+    clock_like: Option<String>,
 }
 
 /// What is known of a file once it has been read to its end.
@@ -37,28 +47,14 @@ pub struct Rows {
 pub struct Source {
     /// SHA-256 of all its bytes, hexadecimal.
     pub sha256: String,
+    /// Size of the file, bytes.
+    pub length_bytes: u64,
+    /// Rows in the file, those cut short included.
+    pub rows: usize,
+    /// Rows that were not given.
+    pub dropped: Vec<Dropped>,
     /// What was found and survived.
-    pub findings: Vec<String>,
-}
-
-/// Opens a recording and gives its length in bytes.
-///
-/// # Errors
-/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
-pub fn open(path: &Path) -> Result<(File, u64)> {
-    let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
-    if about.is_dir() {
-        return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !about.is_file() {
-        // It is read more than once: for its headings, its rate and its rows.
-        return Err(Error::new(
-            format!("could not read {}", path.display()),
-            "it is a pipe or a device, not a file",
-            "save the recording as a file first",
-        ));
-    }
-    Ok((File::open(path).map_err(|e| Error::io("read", path, &e))?, about.len()))
+    pub findings: Vec<Finding>,
 }
 
 impl Rows {
@@ -67,200 +63,290 @@ impl Rows {
     /// # Errors
     /// A file that is no table, or a column that is not there; the nearest heading is named.
     pub fn open(path: &Path, columns: &[String]) -> Result<Self> {
-        let (file, length_bytes) = open(path)?;
-        let mut reader = BufReader::with_capacity(1 << 18, Hashed { file, digest: Sha256::new(), bytes: 0 });
-        let format = format::sniff(path, reader.fill_buf().map_err(|e| Error::io("read", path, &e))?)?;
-        reader.consume(format.skip);
-        let table = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .delimiter(format.separator)
-            .comment(Some(b'#'))
-            .from_reader(reader);
+        Self::open_timed(path, None, columns)
+    }
+
+    /// The same with a time column, which is none of the columns.
+    ///
+    /// # Errors
+    /// As [`Rows::open`].
+    pub fn open_timed(path: &Path, time: Option<&str>, columns: &[String]) -> Result<Self> {
+        let mut lines = Lines::open(path)?;
+        let format = format::sniff(path, lines.head()?)?;
+        lines.skip(format.skip);
         let mut rows = Self {
             path: path.into(),
-            table,
-            record: ByteRecord::new(),
-            first: None,
+            lines,
+            separator: format.separator,
+            cells: Cells::default(),
+            before: Default::default(),
+            held: false,
             names: Vec::new(),
             places: Vec::new(),
+            time: None,
             width: 0,
-            length_bytes,
-            findings: Vec::new(),
+            rows: 0,
+            dropped: Tally::default(),
+            rounded: Vec::new(),
+            skipped: (0, 0),
+            no_header: false,
+            clock_like: None,
         };
-        rows.read_header(columns)?;
+        let headings = rows.read_header()?;
+        rows.clock_like = headings.names.iter().find(|n| format::names_a_clock(n)).cloned();
+        if let Some(time) = time {
+            let place = headings.place(time).map_err(|(cause, hint)| rows.fail(cause, hint))?;
+            rows.time = Some((headings.names[place].clone(), place));
+        }
+        let clock = rows.time.as_ref().map(|t| t.1);
+        rows.places = if columns.is_empty() {
+            rows.numeric_places(&headings)?
+        } else {
+            let places: Result<Vec<usize>, _> = columns.iter().map(|c| headings.place(c)).collect();
+            places.map_err(|(cause, hint)| rows.fail(cause, hint))?
+        };
+        // Called as they were asked for, which may leave a unit out.
+        let asked = columns.iter().cloned().zip(rows.places.iter().copied());
+        let found = rows.places.iter().map(|p| (headings.names[*p].clone(), *p));
+        let all: Vec<(String, usize)> = if columns.is_empty() { found.collect() } else { asked.collect() };
+        (rows.names, rows.places) = all.into_iter().filter(|(_, p)| Some(*p) != clock).unzip();
+        rows.rounded = vec![None; rows.places.len()];
         Ok(rows)
     }
 
-    fn read_header(&mut self, columns: &[String]) -> Result<()> {
-        let some = self.advance()?;
-        let header = std::mem::take(&mut self.record);
-        if !some || header.as_slice().len() as u64 > LONGEST_HEADER_BYTES {
-            return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
+    /// The first line that is no comment names the columns; where it holds numbers, the comment before it may: EuRoC's files
+    /// begin with `#timestamp [ns],…`.
+    fn read_header(&mut self) -> Result<Headings> {
+        let mut comment = Vec::new();
+        loop {
+            if !self.lines.advance()? {
+                return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
+            }
+            match self.lines.line().trim_ascii() {
+                [] => {}
+                [b'#', ..] => self.lines.put_aside(&mut comment),
+                _ => break,
+            }
         }
-        self.refuse_open_quote(&header)?;
-        self.width = header.len();
-        let mut headings: Vec<String> =
-            header.iter().map(|c| String::from_utf8_lossy(c).trim().trim_matches('"').to_owned()).collect();
-        if header.iter().all(|c| format::number(c).is_some()) {
-            headings = (1..=self.width).map(|n| n.to_string()).collect();
-            self.findings.push("the file has no header; its columns are called 1, 2, 3, … here".into());
-            self.first = Some(header);
-        }
-        self.places = if columns.is_empty() {
-            self.numeric_places(&headings)?
-        } else {
-            columns.iter().map(|c| self.place(c, &headings)).collect::<Result<_>>()?
+        self.cells.cut(self.lines.line(), self.separator);
+        self.width = self.cells.len();
+        let numbers = |cells: &Cells, line: &[u8]| {
+            (0..cells.len()).all(|i| !matches!(format::cell(cells.of(line, i)), Cell::Text | Cell::DecimalComma))
         };
-        self.names = self.places.iter().map(|p| headings[*p].clone()).collect();
-        Ok(())
+        if !numbers(&self.cells, self.lines.line()) {
+            let line = self.lines.line();
+            if (0..self.width).any(|i| self.cells.of(line, i).starts_with(b"\"")) {
+                return Err(self.open_quote());
+            }
+            return Ok(Headings::new(&self.cells, self.lines.line()));
+        }
+        self.held = true;
+        let comment = comment.trim_ascii().strip_prefix(b"#").unwrap_or_default();
+        let mut cells = Cells::default();
+        cells.cut(comment, self.separator);
+        if cells.len() == self.width && self.width > 1 && !numbers(&cells, comment) {
+            return Ok(Headings::new(&cells, comment));
+        }
+        self.no_header = true;
+        Ok(Headings::counted(self.width))
     }
 
-    fn numeric_places(&mut self, headings: &[String]) -> Result<Vec<usize>> {
-        if self.first.is_none() && self.advance()? {
-            self.first = Some(std::mem::take(&mut self.record));
+    fn numeric_places(&mut self, headings: &Headings) -> Result<Vec<usize>> {
+        if !self.held {
+            self.held = self.next_line()?;
         }
-        let numeric = |place: usize| match &self.first {
-            Some(row) => row.get(place).is_some_and(|c| format::number(c).is_some()),
-            None => true,
+        let kind = |place: usize| match self.held {
+            true if place >= self.cells.len() => Cell::Text,
+            true => format::cell(self.cells.of(self.lines.line(), place)),
+            false => Cell::Number(0.0),
         };
+        let numeric = |p: &usize| matches!(kind(*p), Cell::Number(_) | Cell::TooLarge);
         let places: Vec<usize> =
-            (0..self.width).filter(|p| numeric(*p) && !format::names_a_clock(&headings[*p])).collect();
+            (0..self.width).filter(|p| numeric(p) && !format::names_a_clock(&headings.names[*p])).collect();
+        let comma = (0..self.width).any(|p| kind(p) == Cell::DecimalComma);
         match places.len() {
-            0 => Err(self.fail("no column holds numbers", self.why_no_numbers())),
+            0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
             1..=64 => Ok(places),
-            n => Err(self.fail(&format!("it has {n} columns of numbers"), "name the columns wanted")),
+            n => Err(self.fail(format!("it has {n} columns of numbers"), "name the columns wanted")),
         }
     }
 
-    /// What may have kept all cells of the first row from being numbers.
-    fn why_no_numbers(&self) -> &'static str {
-        let comma = |cell: &[u8]| with_comma(&String::from_utf8_lossy(cell));
-        match &self.first {
-            Some(row) if row.iter().any(comma) => POINT,
-            _ => "name the columns wanted",
-        }
+    /// For a first look alone: without the checksum.
+    pub fn without_checksum(mut self) -> Self {
+        self.lines.without_checksum();
+        self
     }
 
-    fn place(&self, wanted: &str, headings: &[String]) -> Result<usize> {
-        let mut found = headings.iter().enumerate().filter(|(_, h)| *h == wanted).map(|(i, _)| i);
-        match (found.next(), found.next()) {
-            (Some(place), None) => Ok(place),
-            (Some(_), Some(_)) => {
-                Err(self.fail(&format!("two columns are called `{wanted}`"), "give each column its own heading"))
-            }
-            (None, _) => {
-                let hint = self.instead_of(wanted, headings);
-                Err(self.fail(&format!("there is no column `{wanted}`"), &hint))
-            }
-        }
-    }
-
-    /// What to ask for instead of a column that is not there.
-    fn instead_of(&self, wanted: &str, headings: &[String]) -> String {
-        if !self.findings.is_empty() {
-            return format!("its first line holds numbers, no headings: its columns are called 1 to {}", self.width);
-        }
-        if self.width == 1 {
-            return format!(
-                "its only column is `{}`; columns are told apart by commas, semicolons or tabs",
-                shortened(&headings[0])
-            );
-        }
-        let known = headings.iter().take(1000).map(String::as_str);
-        match nearest(wanted, known.clone()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has: {}", known.take(40).map(shortened).collect::<Vec<_>>().join(", ")),
-        }
-    }
-
-    /// A quotation mark that is never closed takes all that follows for one cell.
-    fn refuse_open_quote(&self, record: &ByteRecord) -> Result<()> {
-        match record.as_slice().contains(&b'\n') {
-            false => Ok(()),
-            true => Err(self.fail(
-                &format!("a quotation mark in line {} is not closed in that line", line_of(record)),
-                "remove it, or close it",
-            )),
-        }
-    }
-
-    /// Headings of the columns given, in order.
+    /// Names of the columns given, in order: as they were asked for, else their headings.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
+    /// Heading of the time column.
+    pub fn time(&self) -> Option<&str> {
+        self.time.as_ref().map(|t| t.0.as_str())
+    }
+
+    /// A heading that looks like a clock, where the file has one.
+    pub fn clock_like(&self) -> Option<&str> {
+        self.clock_like.as_deref()
+    }
+
     /// Size of the file, for a progress bar.
     pub fn length_bytes(&self) -> u64 {
-        self.length_bytes
+        self.lines.length_bytes()
     }
 
     /// How far it has been read.
     pub fn bytes_read(&self) -> u64 {
-        self.table.get_ref().get_ref().bytes
+        self.lines.bytes_read()
     }
 
-    /// Writes the next row into `values`, as long as [`Rows::names`]; a missing cell is NaN. False at the end.
+    /// Goes to the next row; false at the end.
     ///
     /// # Errors
-    /// A row with too few or too many cells and a cell that is text, each with its line.
-    pub fn next(&mut self, values: &mut [f64]) -> Result<bool> {
-        match self.first.take() {
-            Some(first) => self.record = first,
-            None if self.advance()? => {}
-            None => return Ok(false),
+    /// A row with too few or too many cells, with its line; the last one may be cut short.
+    pub fn advance(&mut self) -> Result<bool> {
+        if self.rows > 0 {
+            self.before.1 = self.time.as_ref().map_or(0..0, |t| self.cells.place(t.1));
+            self.lines.put_aside(&mut self.before.0);
         }
-        if self.record.len() != self.width {
-            self.refuse_open_quote(&self.record)?;
-            let line = line_of(&self.record);
-            let got = self.record.len();
-            let last = !self.advance()?;
-            if last && got < self.width {
-                self.findings.push(format!("the last line ({line}) is cut short; it was left out"));
-                return Ok(false);
-            }
+        if !std::mem::take(&mut self.held) && !self.next_line()? {
+            return Ok(false);
+        }
+        self.rows += 1;
+        let got = self.cells.len();
+        if got == self.width {
+            return Ok(true);
+        }
+        let (line, quotes) = (self.lines.number(), self.lines.line().iter().filter(|b| **b == b'"').count());
+        if got < self.width && !self.next_line()? {
+            self.dropped.add(Reason::CutShort, self.rows - 1);
+            return Ok(false);
+        }
+        let need = self.width;
+        if quotes % 2 == 1 {
             return Err(self.fail(
-                &format!("line {line} has {got} cells, the header {}", self.width),
-                "every row needs as many cells as the header; was the log interrupted, or is the decimal sign a comma?",
+                format!("a quotation mark in line {line} is not closed in that line, which has {got} cells, the header {need}"),
+                "remove it, or close it",
             ));
         }
-        for (value, place) in values.iter_mut().zip(&self.places) {
-            let cell = self.record.get(*place).unwrap_or_default();
+        Err(self.fail(
+            format!("line {line} has {got} cells, the header {need}"),
+            "every row needs as many cells as the header; was the log interrupted, or is the decimal sign a comma?",
+        ))
+    }
+
+    /// Passes the next row whatever it holds; false at the end.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn skip(&mut self) -> Result<bool> {
+        let some = std::mem::take(&mut self.held) || self.next_line()?;
+        self.rows += usize::from(some);
+        Ok(some)
+    }
+
+    /// Reads the next line that is a row and cuts it; false at the end.
+    fn next_line(&mut self) -> Result<bool> {
+        let mut skipped = (0, 0);
+        while self.lines.advance()? {
+            let line = self.lines.line();
+            let first = line.first().copied();
+            if first == Some(b'#') || (first.is_none_or(|b| b.is_ascii_whitespace()) && line.trim_ascii().is_empty()) {
+                skipped = (skipped.0 + 1, if skipped.0 == 0 { self.lines.number() } else { skipped.1 });
+                continue;
+            }
+            self.cells.cut(line, self.separator);
+            // Those behind the last row do not matter, nor those right behind the header.
+            if skipped.0 > 0 && self.rows > 0 {
+                self.skipped =
+                    (self.skipped.0 + skipped.0, if self.skipped.0 == 0 { skipped.1 } else { self.skipped.1 });
+            }
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// Number of the row at hand, counted from zero after the header.
+    pub fn row(&self) -> usize {
+        self.rows.saturating_sub(1)
+    }
+
+    /// Time stamp of the row at hand.
+    ///
+    /// # Errors
+    /// A cell that is text, with its line.
+    pub fn stamp(&self) -> Result<Stamp> {
+        let place = self.time.as_ref().map_or(0, |t| t.1);
+        Stamp::parse(self.cells.of(self.lines.line(), place)).ok_or_else(|| self.no_number(place))
+    }
+
+    /// Whether the row at hand repeats the one before in every cell but its time stamp.
+    pub fn is_alike(&self) -> bool {
+        let (line, here) = (self.lines.line(), self.time.as_ref().map_or(0..0, |t| self.cells.place(t.1)));
+        let (before, there) = (&self.before.0, &self.before.1);
+        let ends = |line: &[u8], place: &std::ops::Range<usize>| line.len() - place.end;
+        here.start == there.start
+            && ends(line, &here) == ends(before, there)
+            && line[..here.start] == before[..there.start]
+            && line[here.end..] == before[there.end..]
+    }
+
+    /// Writes the row at hand into `values`, as long as [`Rows::names`]; a missing cell is NaN.
+    ///
+    /// # Errors
+    /// A cell that is no number, with its line and column.
+    pub fn values(&mut self, values: &mut [f64]) -> Result<()> {
+        for (index, (value, place)) in values.iter_mut().zip(&self.places).enumerate() {
+            let cell = self.cells.of(self.lines.line(), *place);
             *value = match format::number(cell) {
                 Some(number) => number,
-                None => return Err(self.no_number(&self.record, *place)),
+                None => return Err(self.no_number(*place)),
             };
+            if self.rounded[index].is_none() && format::was_rounded(cell, *value) {
+                self.rounded[index] = Some(self.rows - 1);
+            }
         }
-        Ok(true)
+        Ok(())
     }
 
-    fn no_number(&self, record: &ByteRecord, place: usize) -> Error {
-        if let Err(error) = self.refuse_open_quote(record) {
-            return error;
+    /// Goes to the next row and reads it; false at the end.
+    ///
+    /// # Errors
+    /// As [`Rows::advance`] and [`Rows::values`].
+    pub fn next(&mut self, values: &mut [f64]) -> Result<bool> {
+        Ok(self.advance()? && self.values(values).map(|()| true)?)
+    }
+
+    fn no_number(&self, place: usize) -> Error {
+        let line = self.lines.number();
+        let cell = self.cells.of(self.lines.line(), place);
+        let text = String::from_utf8_lossy(cell).into_owned();
+        if text.starts_with('"') {
+            return self.open_quote();
         }
-        let text = String::from_utf8_lossy(record.get(place).unwrap_or_default()).into_owned();
-        let line = line_of(record);
-        let (what, hint) = if text.trim().parse::<f64>().is_ok() {
-            (
+        let (what, hint) = match format::cell(cell) {
+            Cell::TooLarge => (
                 "is larger than any reading: powers of it leave double precision",
                 "check the exponent and the unit of the column",
-            )
-        } else if with_comma(&text) {
-            ("is no number", POINT)
-        } else if line == 2 {
-            ("is no number", "one line of headings is read; if this is a second one (units), delete it")
-        } else {
-            ("is no number", "leave missing numbers empty; name other columns if this one is text")
+            ),
+            Cell::DecimalComma => ("is no number", POINT),
+            _ if line == 2 => {
+                ("is no number", "one line of headings is read; if this is a second one (units), delete it")
+            }
+            _ => ("is no number", "leave missing numbers empty; name other columns if this one is text"),
         };
-        self.fail(&format!("line {line}, column {}: `{}` {what}", place + 1, shortened(&text)), hint)
+        self.fail(format!("line {line}, column {}: `{}` {what}", place + 1, super::headings::shortened(&text)), hint)
     }
 
-    /// Reads a row into `record`; false at the end.
-    fn advance(&mut self) -> Result<bool> {
-        self.table.read_byte_record(&mut self.record).map_err(|e| self.fail(&e.to_string(), "is the file complete?"))
+    /// A cell of the line at hand that begins with a quotation mark and has none at its end.
+    fn open_quote(&self) -> Error {
+        let cause = format!("a quotation mark in line {} is not closed in that line", self.lines.number());
+        self.fail(cause, "remove it, or close it")
     }
 
-    fn fail(&self, cause: &str, hint: &str) -> Error {
+    fn fail(&self, cause: impl Into<String>, hint: impl Into<String>) -> Error {
         Error::new(format!("could not read {}", self.path.display()), cause, hint)
     }
 
@@ -268,48 +354,23 @@ impl Rows {
     ///
     /// # Errors
     /// When the file cannot be read on.
-    pub fn finish(self) -> Result<Source> {
-        let mut rest = self.table.into_inner();
-        std::io::copy(&mut rest, &mut std::io::sink()).map_err(|e| Error::io("read", &self.path, &e))?;
-        let sha256 = hexadecimal(&rest.into_inner().digest.finalize());
-        Ok(Source { sha256, findings: self.findings })
+    pub fn finish(mut self) -> Result<Source> {
+        while self.skip()? {}
+        let mut findings = Vec::new();
+        if self.no_header {
+            findings.push(Finding::NoHeader);
+        }
+        if self.skipped.0 > 0 {
+            findings.push(Finding::SkippedLines { lines: self.skipped.0, first_line: self.skipped.1 });
+        }
+        for (name, row) in self.names.iter().zip(&self.rounded) {
+            findings.extend(row.map(|first_row| Finding::BeyondDouble { column: name.clone(), first_row }));
+        }
+        let length_bytes = self.lines.bytes_read();
+        let sha256 = self.lines.finish()?;
+        Ok(Source { sha256, length_bytes, rows: self.rows, dropped: self.dropped.all(), findings })
     }
-}
-
-/// The first forty characters.
-fn shortened(text: &str) -> String {
-    let mut out: String = text.chars().take(40).collect();
-    if out.len() < text.len() {
-        out.push('…');
-    }
-    out
 }
 
 /// What to do about decimal commas.
 const POINT: &str = "write numbers with a decimal point, not a comma";
-
-/// Whether a cell would be a number with a point for its comma.
-fn with_comma(text: &str) -> bool {
-    text.replacen(',', ".", 1).trim().parse::<f64>().is_ok()
-}
-
-fn line_of(record: &ByteRecord) -> u64 {
-    record.position().map_or(0, csv::Position::line)
-}
-
-/// A file that is digested as it is read.
-#[derive(Debug)]
-struct Hashed {
-    file: File,
-    digest: Sha256,
-    bytes: u64,
-}
-
-impl Read for Hashed {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        self.digest.update(&buffer[..count]);
-        self.bytes += count as u64;
-        Ok(count)
-    }
-}

@@ -6,11 +6,14 @@ use std::path::Path;
 use std::sync::mpsc::{self, SyncSender};
 use std::thread;
 
-use super::rows::Rows;
-use super::{FILL_LIMIT, Request, checked_rate};
+use super::clock::place::{Place, Placer};
+use super::clock::{Kind, Question};
+use super::dropped::{Dropped, Reason, Tally};
+use super::finding::{Finding, Uneven};
+use super::limits::FILL_LIMIT;
+use super::plan::{self, Next, Plan};
+use super::request::Request;
 use crate::error::{Error, Result};
-use crate::progress;
-use crate::signal;
 
 /// Holes up to this many samples are bridged by straight lines.
 const BRIDGED: usize = 10;
@@ -18,8 +21,6 @@ const BRIDGED: usize = 10;
 const BLOCK: usize = 8192;
 /// Blocks read before they are worked on.
 const AHEAD: usize = 2;
-/// Rows looked at to learn the rate from a time column.
-const LOOKED_AT: usize = 1000;
 
 /// Samples in a row, none missing.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,144 +36,86 @@ pub struct Block {
 pub struct Streamed {
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
+    /// Data rows in the file.
+    pub rows: usize,
+    /// Rows that were not used, and why.
+    pub dropped: Vec<Dropped>,
     /// Sampling rate.
     pub rate_hz: f64,
     /// Samples given.
     pub samples: usize,
     /// What was found and survived.
-    pub findings: Vec<String>,
+    pub findings: Vec<Finding>,
 }
 
 /// Opens a file as [`read`] will stream it: the headings of its columns, without the clock.
 ///
 /// # Errors
-/// As [`Rows::open`].
+/// As `Rows::open`.
 pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
-    let names = Rows::open(path, &request.columns)?.names().to_vec();
-    Ok(names.into_iter().filter(|n| Some(n) != request.time.as_ref()).collect())
+    Ok(plan::open(path, request)?.names().to_vec())
 }
 
-/// Streams the columns of `request` (`rows` is ignored) into `take`: one thread reads while this one works on what was read.
+/// Streams the columns of `request` into `take`, after a first pass over the clock: one thread reads while this one works on
+/// what was read.
 ///
 /// # Errors
 /// As [`super::read`], except that gaps of any length are survived.
 pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Result<Streamed> {
-    let mut wanted = headings(path, request)?;
-    wanted.splice(0..0, request.time.clone());
-    let timed = request.time.is_some();
-    let rate_hz = match timed {
-        true => rate_of(path, &wanted, request.rate_hz)?,
-        false => checked_rate(path, request.rate_hz)?,
-    };
-    let reading = Reading { path, table: Rows::open(path, &wanted)?, rate_hz, timed };
+    let plan = plan::make(path, request, false)?;
     thread::scope(|scope| {
         let (send, receive) = mpsc::sync_channel(AHEAD);
         let reader = thread::Builder::new()
-            .spawn_scoped(scope, move || hand_on(reading, &send))
+            .spawn_scoped(scope, move || hand_on(path, request, plan, &send))
             .map_err(|e| Error::io("start a thread that reads", path, &e))?;
         receive.iter().for_each(|block| take(&block));
         reader.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 
-/// A file about to be read.
-struct Reading<'a> {
-    path: &'a Path,
-    table: Rows,
-    rate_hz: f64,
-    /// Its first column is the clock.
-    timed: bool,
-}
-
 /// Reads to the end, in blocks.
-fn hand_on(reading: Reading<'_>, send: &SyncSender<Block>) -> Result<Streamed> {
-    let Reading { path, mut table, rate_hz, timed } = reading;
-    let mut clock = timed.then_some(Clock { rate_hz, before: None, repeats: 0 });
+fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>) -> Result<Streamed> {
+    let mut table = plan::open(path, request)?;
     let mut row = vec![0.0; table.names().len()];
-    let mut bridge = Bridge::new(row.len() - usize::from(timed), send);
-    let bar = progress::bar("reading", table.length_bytes());
-    let mut index = 0usize;
-    while table.next(&mut row)? {
-        index += 1;
-        if index.is_multiple_of(65_536) {
-            bar.set_position(table.bytes_read());
-            if signal::interrupted() {
-                return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
+    let mut bridge = Bridge::new(row.len(), send);
+    let mut placer = plan.clock.as_ref().map(Placer::new);
+    let heading = table.time().unwrap_or_default().to_owned();
+    let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
+    let mut dropped = Tally::default();
+    plan::walk(path, &mut table, &plan.rows, |table| {
+        if let Some(placer) = &mut placer {
+            let place = placer.place(table.row(), table.stamp()?, table.is_alike());
+            match place.map_err(|back| question.set_back(&back))? {
+                Place::Kept { missing, .. } => bridge.missing = bridge.missing.saturating_add(missing),
+                Place::Dropped(reason) => {
+                    dropped.add(reason, table.row());
+                    return Ok(Next::Go);
+                }
             }
         }
-        let values = match &mut clock {
-            None => &row[..],
-            Some(clock) => {
-                match clock.missing(row[0]).map_err(|e| e.at(path, index))? {
-                    None => continue,
-                    Some(missing) => bridge.missing += missing,
-                }
-                &row[1..]
-            }
-        };
-        bridge.push(values);
-    }
+        table.values(&mut row)?;
+        if !bridge.push(&row) {
+            dropped.add(Reason::MissingReading, table.row());
+        }
+        Ok(Next::Go)
+    })?;
     bridge.send(false);
-    bar.finish_and_clear();
     let source = table.finish()?;
+    plan::check_end(path, request, &plan, &source)?;
+    plan::drop_outside(&mut dropped, request, &plan.rows, source.rows);
+    dropped.join(&source.dropped);
+    let dropped = dropped.all();
     let mut findings = source.findings;
-    if let Some(clock) = clock.filter(|c| c.repeats > 0) {
-        findings.push(format!("{} rows repeat the time stamp before them and were dropped", clock.repeats));
+    findings.extend(plan.findings.iter().cloned());
+    findings.extend(plan::cut_finding(request, &plan.rows, source.rows));
+    findings.extend(dropped.iter().filter(|d| plan::is_said(d)).map(|d| Finding::Dropped(*d)));
+    if let Some(Kind::Uneven { share }) = plan.clock.as_ref().map(|c| c.kind) {
+        let treatment = Uneven::TakenAsEven;
+        findings.push(Finding::UnevenClock { share, rate_hz: plan.rate_hz, treatment });
     }
     let samples = bridge.given;
-    bridge.judge(path, index, &mut findings)?;
-    Ok(Streamed { sha256: source.sha256, rate_hz, samples, findings })
-}
-
-fn rate_of(path: &Path, wanted: &[String], stated: Option<f64>) -> Result<f64> {
-    let mut table = Rows::open(path, wanted)?;
-    let mut row = vec![0.0; wanted.len()];
-    let mut times = Vec::with_capacity(LOOKED_AT);
-    while times.len() < LOOKED_AT && table.next(&mut row)? {
-        times.push(row[0]);
-    }
-    let found = super::clock::ticks(path, &times, stated)?.rate_hz;
-    Ok(stated.unwrap_or(found))
-}
-
-struct Clock {
-    rate_hz: f64,
-    before: Option<f64>,
-    repeats: usize,
-}
-
-struct Backwards {
-    from: f64,
-    to: f64,
-}
-
-impl Backwards {
-    fn at(self, path: &Path, row: usize) -> Error {
-        Error::new(
-            format!("could not place {} in time", path.display()),
-            format!("time runs backwards in data row {row}: {} s, then {} s", self.from, self.to),
-            "sort the rows, or cut the file where the clock was reset",
-        )
-    }
-}
-
-impl Clock {
-    /// Samples missing before this time; `None` for a row to be dropped.
-    fn missing(&mut self, time: f64) -> Result<Option<usize>, Backwards> {
-        let Some(before) = self.before else {
-            self.before = Some(time).filter(|t| !t.is_nan());
-            return Ok(self.before.map(|_| 0));
-        };
-        if time < before {
-            return Err(Backwards { from: before, to: time });
-        }
-        if time == before || time.is_nan() {
-            self.repeats += 1;
-            return Ok(None);
-        }
-        self.before = Some(time);
-        Ok(Some((((time - before) * self.rate_hz + 0.25).floor() as usize).saturating_sub(1)))
-    }
+    bridge.judge(path, source.rows, &mut findings)?;
+    Ok(Streamed { sha256: source.sha256, rows: source.rows, dropped, rate_hz: plan.rate_hz, samples, findings })
 }
 
 /// Bridges short holes, announces long ones and hands blocks on.
@@ -183,19 +126,21 @@ struct Bridge<'a> {
     missing: usize,
     given: usize,
     filled: usize,
+    bridges: usize,
     breaks: usize,
 }
 
 impl<'a> Bridge<'a> {
     fn new(width: usize, send: &'a SyncSender<Block>) -> Self {
         let (columns, last) = (vec![Vec::new(); width], vec![0.0; width]);
-        Self { send, columns, last, missing: 0, given: 0, filled: 0, breaks: 0 }
+        Self { send, columns, last, missing: 0, given: 0, filled: 0, bridges: 0, breaks: 0 }
     }
 
-    fn push(&mut self, values: &[f64]) {
+    /// The next row; false where it lacks a reading and was not used.
+    fn push(&mut self, values: &[f64]) -> bool {
         if values.iter().any(|v| v.is_nan()) {
-            self.missing += 1;
-            return;
+            self.missing = self.missing.saturating_add(1);
+            return false;
         }
         if self.given > 0 && self.missing > BRIDGED {
             self.breaks += 1;
@@ -208,6 +153,7 @@ impl<'a> Bridge<'a> {
                 }
             }
             self.filled += self.missing;
+            self.bridges += usize::from(self.missing > 0);
             self.given += self.missing;
         }
         self.missing = 0;
@@ -217,6 +163,7 @@ impl<'a> Bridge<'a> {
         if self.columns.first().is_some_and(|c| c.len() >= BLOCK) {
             self.send(false);
         }
+        true
     }
 
     /// Hands on what has gathered.
@@ -227,7 +174,7 @@ impl<'a> Bridge<'a> {
         let _ = self.send.send(Block { columns, broken_off });
     }
 
-    fn judge(self, path: &Path, rows: usize, findings: &mut Vec<String>) -> Result<()> {
+    fn judge(self, path: &Path, rows: usize, findings: &mut Vec<Finding>) -> Result<()> {
         let fail =
             |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
         if self.given < 2 {
@@ -242,10 +189,10 @@ impl<'a> Bridge<'a> {
             );
         }
         if self.filled > 0 {
-            findings.push(format!("{} missing samples in short gaps were filled by straight lines", self.filled));
+            findings.push(Finding::GapsFilled { samples: self.filled, gaps: self.bridges });
         }
         if self.breaks > 0 {
-            findings.push(format!("{} long gaps: no averaging time reaches across one", self.breaks));
+            findings.push(Finding::Breaks { gaps: self.breaks });
         }
         Ok(())
     }
@@ -276,6 +223,8 @@ mod tests {
         let whole = |range: std::ops::Range<usize>| range.map(|i| i as f64).collect::<Vec<f64>>();
         assert_eq!(parts, [whole(0..12_000), whole(12_000 + BRIDGED + 1..rows)], "a straight line bridges row 9000");
         assert_eq!((streamed.samples, streamed.rate_hz), (rows - BRIDGED - 1, 100.0));
-        assert_eq!(streamed.findings.len(), 2, "{:?}", streamed.findings);
+        assert_eq!(streamed.findings.len(), 3, "{:?}", streamed.findings);
+        let lost: usize = streamed.dropped.iter().map(|d| d.rows).sum();
+        assert_eq!((streamed.rows, lost), (rows, BRIDGED + 2));
     }
 }

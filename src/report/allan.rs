@@ -13,6 +13,7 @@ pub use words::{notes, tables};
 
 use super::html::Page;
 use crate::number::rounded;
+use crate::recording::finding::sentences;
 use crate::recording::noise::Noise;
 
 /// The page.
@@ -22,7 +23,7 @@ pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
     page.paragraph(words::TABLE_NOTE);
     if !noise.source.findings.is_empty() {
         page.subsection("Found in the file");
-        page.list(&noise.source.findings);
+        page.list(&sentences(&noise.source.findings));
     }
     for channel in &noise.channels {
         page.section(&channel.name);

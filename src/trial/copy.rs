@@ -179,13 +179,14 @@ mod tests {
     fn recording(rate_hz: f64, columns: Vec<(&str, Vec<f64>)>) -> Recording {
         let columns = columns.into_iter().map(|(name, values)| Column { name: name.into(), values }).collect();
         let (path, sha256) = ("log.csv".into(), String::new());
-        Recording { path, sha256, rate_hz, columns, findings: Vec::new(), filled: Vec::new() }
+        Recording { path, sha256, rate_hz, columns, ..Recording::default() }
     }
 
     fn model(train: Vec<[usize; 2]>) -> model::Driven {
         let (input, output) = (Some("force".into()), "reading".into());
         model::Driven {
             rate_hz: Some(200.0),
+            rows: Vec::new(),
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },
             start: Start::default(),
             split: Split { train, test: Vec::new() },
@@ -235,7 +236,14 @@ mod tests {
         let [x, y, z] = readings;
         let columns =
             StaticColumns { time: None, channels: ["x", "y", "z"].map(String::from).into(), environment: Vec::new() };
-        let model = model::Static { rate_hz: None, unit: "g".into(), columns, noise: None, split: Split::default() };
+        let model = model::Static {
+            rate_hz: None,
+            rows: Vec::new(),
+            unit: "g".into(),
+            columns,
+            noise: None,
+            split: Split::default(),
+        };
         let (copy, _) = still(&recording(bare.rate_hz, vec![("x", x), ("y", y), ("z", z)]), &model, 1);
         // The median of 8000 steps has a standard error of 1.3 % of its own.
         assert!(copy.white.iter().all(|w| (w / bare.white[0] - 1.0).abs() < 0.06), "{:?} {:?}", copy.white, bare.white);

@@ -109,10 +109,8 @@ fn imports_run_one_way() -> Result<(), Failed> {
 }
 
 /// Imports that close a circle and are about to go: by whom, from whom. Nothing may be added.
-const GOING: [(&str, &str); 11] = [
+const GOING: [(&str, &str); 9] = [
     ("ensemble/backends", "ensemble"),
-    ("recording/clock", "recording"),
-    ("recording/health", "recording"),
     ("diagnosis/driven", "diagnosis"),
     ("diagnosis/driven/verdict/answer", "diagnosis"),
     ("diagnosis/driven/verdict/words", "diagnosis"),

@@ -6,7 +6,6 @@ mod plant;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::control::Control;
 use proofmass::diagnosis::driven;
 use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
@@ -19,7 +18,7 @@ use proofmass::trial::physics::Physics;
 use proofmass::trial::plant::Size;
 
 fn diagnose(recording: &Recording, model: &Driven) -> proofmass::error::Result<Diagnosis> {
-    driven::diagnose(recording, model, &Control::silent()).map(worded)
+    driven::diagnose(recording, model).map(worded)
 }
 
 /// Listed by the suite.
@@ -67,6 +66,7 @@ fn plan(physics: Option<Physics>, share: f64) -> Plan {
 fn model(input: Option<&str>, split: Split) -> Driven {
     Driven {
         rate_hz: Some(1000.0),
+        rows: Vec::new(),
         columns: DrivenColumns { time: None, input: input.map(str::to_owned), output: "y".into(), environment: vec![] },
         start: Start::default(),
         split,
@@ -76,11 +76,9 @@ fn model(input: Option<&str>, split: Split) -> Driven {
 fn recording(columns: Vec<(&str, Vec<f64>)>) -> Recording {
     Recording {
         path: "planted.csv".into(),
-        sha256: String::new(),
         rate_hz: 1000.0,
         columns: columns.into_iter().map(|(name, values)| Column { name: name.into(), values }).collect(),
-        findings: Vec::new(),
-        filled: Vec::new(),
+        ..Recording::default()
     }
 }
 
@@ -239,6 +237,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
     let recording = read(&folder.join("silverbox/SNLS80mV.csv"), &request).map_err(|e| e.to_string())?;
     let model = Driven {
         rate_hz: request.rate_hz,
+        rows: Vec::new(),
         columns: DrivenColumns { time: None, input: Some("V1_V".into()), output: "V2_V".into(), environment: vec![] },
         start: Start::default(),
         split: Split { train: vec![train], test: vec![[30_000, 40_000]] },

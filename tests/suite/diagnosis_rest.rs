@@ -1,7 +1,6 @@
 //! Sensors at rest: each planted effect is found alone, nothing is found where nothing is, foreign physics gets no name.
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::control::Control;
 use proofmass::diagnosis::model::{Noise, Static, StaticColumns};
 use proofmass::diagnosis::rest;
 use proofmass::diagnosis::verdict::{Effect, Outcome, Verdict};
@@ -18,7 +17,7 @@ use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 mod plant;
 
 fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
-    rest::diagnose(recording, model, &Control::silent()).map(worded)
+    rest::diagnose(recording, model).map(worded)
 }
 
 /// Tests of this module.
@@ -42,17 +41,11 @@ const RATE_HZ: f64 = 50.0;
 fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Failed> {
     let names: Vec<String> = (0..channels.len()).map(|i| format!("c{i}")).collect();
     let columns = names.iter().cloned().zip(channels).map(|(name, values)| Column { name, values }).collect();
-    let recording = Recording {
-        path: "planted.csv".into(),
-        sha256: String::new(),
-        rate_hz: RATE_HZ,
-        columns,
-        findings: Vec::new(),
-        filled: Vec::new(),
-    };
+    let recording = Recording { path: "planted.csv".into(), rate_hz: RATE_HZ, columns, ..Recording::default() };
     let noise = density.map(|density| Noise { density, bias_instability: 0.0, random_walk: 0.0 });
     let model = Static {
         rate_hz: Some(RATE_HZ),
+        rows: Vec::new(),
         unit: "g".into(),
         columns: StaticColumns { time: None, channels: names, environment: Vec::new() },
         noise,
@@ -292,9 +285,11 @@ fn popcorn() -> Result<(), Failed> {
 /// the noise between 18 and 22 Hz) and an accelerometer that sways with its building at 0.564 Hz.
 fn adis(folder: &std::path::Path) -> Result<(), Failed> {
     let names = ["gx_lsb", "gz_lsb", "ax_lsb"].map(str::to_owned).to_vec();
-    let request = Request { columns: names.clone(), rate_hz: Some(100.0), time: None, rows: Some(0..200_000) };
+    let request =
+        Request { columns: names.clone(), rate_hz: Some(100.0), rows: Some(0..200_000), ..Request::default() };
     let model = Static {
         rate_hz: Some(100.0),
+        rows: Vec::new(),
         unit: String::new(),
         columns: StaticColumns { time: None, channels: names.clone(), environment: Vec::new() },
         noise: None,
@@ -322,9 +317,11 @@ fn sense_hat(folder: &std::path::Path) -> Result<(), Failed> {
         rate_hz: Some(0.1),
         time: None,
         rows: Some(4101..24_603),
+        ..Request::default()
     };
     let model = |columns: &[&str], environment: &[&str]| Static {
         rate_hz: Some(0.1),
+        rows: Vec::new(),
         unit: String::new(),
         columns: StaticColumns {
             time: None,

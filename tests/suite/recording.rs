@@ -37,7 +37,7 @@ fn read(text: &str, columns: &[&str], time: Option<&str>) -> Result<Result<Recor
     let (_folder, path) = written(text.as_bytes())?;
     let columns = columns.iter().map(|c| (*c).to_owned()).collect();
     let rate_hz = time.is_none().then_some(10.0);
-    Ok(recording::read(&path, &Request { columns, rate_hz, time: time.map(str::to_owned), rows: None }))
+    Ok(recording::read(&path, &Request { columns, rate_hz, time: time.map(str::to_owned), ..Request::default() }))
 }
 
 fn separators() -> Result<(), Failed> {
@@ -108,7 +108,7 @@ fn findings() -> Result<(), Failed> {
         let recording = read(&text, &[if said == "no header" { "2" } else { "a" }], None)??;
         check(recording.samples() == 200, format!("{} samples: {said}", recording.samples()))?;
         check(
-            recording.findings.iter().any(|f| f.contains(said)),
+            recording.sentences().iter().any(|f| f.contains(said)),
             format!("{:?} does not say {said}", recording.findings),
         )?;
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::control::Control;
 use proofmass::diagnosis::candidate::Kind;
 use proofmass::diagnosis::verdict::{self, Verdict};
+use proofmass::recording::Recording;
 use proofmass::rng::{Philox, Stream};
 use proofmass::trial::blind::{self, Verdicts};
 use proofmass::trial::campaign::Campaign;
@@ -130,12 +130,7 @@ fn adequate(files: &Files) -> Verdict {
         kind: Kind::Driven,
         verdict: verdict::Outcome::Adequate,
         sentence: "Nothing is missing.".into(),
-        recording: verdict::Source {
-            file: files.recording.display().to_string(),
-            sha256: String::new(),
-            samples: 0,
-            rate_hz: 1.0,
-        },
+        recording: verdict::Source::of(&Recording { path: files.recording.clone(), ..Recording::default() }),
         effects: Vec::new(),
         location: verdict::Where::default(),
         fit: verdict::Fit {
@@ -157,7 +152,7 @@ fn adequate(files: &Files) -> Verdict {
 fn resume() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let plan = Plan { seed: 8, cases: 17, samples: 500, campaign: Campaign::Concealed };
-    let (sealed, cases) = blind::prepare(plan, folder.path(), false, &Control::silent())?;
+    let (sealed, cases) = blind::prepare(plan, folder.path(), false)?;
     let state = folder.path().join("verdicts.jsonl");
     let asked = AtomicUsize::new(0);
     let subject = |files: &Files| {
@@ -165,20 +160,20 @@ fn resume() -> Result<(), Failed> {
         Ok(adequate(files))
     };
     let half = &cases[..cases.len() / 2];
-    blind::run(half, &sealed, &state, Verdicts::new(), &subject, &Control::silent())?;
+    blind::run(half, &sealed, &state, Verdicts::new(), &subject)?;
     // A line that was being written when the power went, in the middle of a letter; and one that is no text at all.
     let whole = std::fs::read(&state)?;
     let torn = [&whole[..], "{\"seal\":\"×".as_bytes().split_last().ok_or("empty")?.1, b"\n\xff\xfe\n"].concat();
     std::fs::write(&state, torn)?;
-    let (again, same) = blind::prepare(plan, folder.path(), true, &Control::silent())?;
+    let (again, same) = blind::prepare(plan, folder.path(), true)?;
     check(again == sealed && same == cases, "the truth was drawn anew")?;
     let (done, unread) = blind::earlier(&state, &sealed)?;
     check(unread == 2, format!("{unread} lines are said to be torn, and 2 are"))?;
     check(done.len() == half.len(), format!("{} of {} verdicts kept", done.len(), half.len()))?;
-    let all = blind::run(&cases, &sealed, &state, done, &subject, &Control::silent())?;
+    let all = blind::run(&cases, &sealed, &state, done, &subject)?;
     check(all.len() == cases.len(), "not every case has a verdict")?;
     check(asked.load(Ordering::Relaxed) == cases.len(), "a verdict was asked for twice")?;
     check(blind::earlier(&state, &sealed)?.0.len() == cases.len(), "the state file lost a verdict")?;
-    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false, &Control::silent())?;
+    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false)?;
     check(blind::earlier(&state, &other)?.0.is_empty(), "verdicts of another truth were taken")
 }

@@ -107,14 +107,8 @@ impl Imu {
         }
         let names = ["ax", "ay", "az", "gx", "gy", "gz"];
         let columns = names.iter().zip(columns).map(|(n, values)| Column { name: (*n).into(), values }).collect();
-        let recording = Recording {
-            path: PathBuf::from("synthetic.csv"),
-            sha256: String::new(),
-            rate_hz: RATE_HZ,
-            columns,
-            findings: Vec::new(),
-            filled: Vec::new(),
-        };
+        let recording =
+            Recording { path: PathBuf::from("synthetic.csv"), rate_hz: RATE_HZ, columns, ..Recording::default() };
         (recording, ranges)
     }
 
@@ -152,6 +146,7 @@ pub fn model() -> Tumble {
     let three = |s: &str| ["x", "y", "z"].map(|a| format!("{s}{a}"));
     Tumble {
         rate_hz: Some(50.0),
+        rows: Vec::new(),
         gravity_m_s2: 9.81,
         poses: None,
         columns: TumbleColumns { time: None, gyro: three("g"), accelerometer: three("a"), environment: Vec::new() },

@@ -207,12 +207,7 @@ impl<'a> Draft<'a> {
         Answer {
             kind: Kind::Static,
             outcome: rule(&self.evidence(&effects)),
-            recording: Source {
-                file: self.recording.path.display().to_string(),
-                sha256: self.recording.sha256.clone(),
-                samples: self.recording.samples(),
-                rate_hz: self.recording.rate_hz,
-            },
+            recording: Source::of(self.recording),
             places,
             fit: fit(channels, self.selected, &self.finals, &before, self.unit),
             residual_after: self.remainder().whiteness(),

@@ -58,12 +58,7 @@ impl Case<'_> {
         Answer {
             kind: Kind::Tumble,
             outcome: rule(&evidence(&selection, &residual, self.ratio_interval(&selection)[0])),
-            recording: Source {
-                file: self.recording.path.display().to_string(),
-                sha256: self.recording.sha256.clone(),
-                samples: self.recording.samples(),
-                rate_hz: self.recording.rate_hz,
-            },
+            recording: Source::of(self.recording),
             effects,
             places,
             fit: self.fit(&selection),

@@ -10,6 +10,7 @@ use std::path::Path;
 use super::imu::Imu;
 use crate::error::{Error, Result};
 use crate::numerics::order;
+use crate::recording::Recording;
 use crate::recording::rows::Rows;
 
 /// Window of the variance, s.
@@ -21,11 +22,13 @@ const MARGIN_S: f64 = 0.1;
 /// Multiples of the quietest variance that are tried.
 const MULTIPLES: [f64; 9] = [2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 40.0, 80.0, 160.0];
 
-/// Reads `start_row,end_row_exclusive`.
+/// Reads `start_row,end_row_exclusive`, which count rows of the whole file. Of a recording that is only a part of its file,
+/// poses outside that part are left out.
 ///
 /// # Errors
 /// A file that cannot be read; ranges that are empty, out of order or beyond the recording, each with its line.
-pub fn read(path: &Path, samples: usize) -> Result<Vec<Range<usize>>> {
+pub fn read(path: &Path, recording: &Recording) -> Result<Vec<Range<usize>>> {
+    let (first, samples) = (recording.first_row, recording.samples());
     let fail = |line: usize, cause: String| {
         Error::new(
             format!("could not use the poses in {}", path.display()),
@@ -45,13 +48,16 @@ pub fn read(path: &Path, samples: usize) -> Result<Vec<Range<usize>>> {
         if start >= end {
             return Err(fail(line, format!("rows {start} to {end} are an empty range")));
         }
+        if out.last().is_some_and(|last| last.end + first > start) {
+            return Err(fail(line, format!("rows {start} to {end} overlap the pose before")));
+        }
+        if recording.is_part() && (start < first || end > first + samples) {
+            continue;
+        }
         if end > samples {
             return Err(fail(line, format!("rows {start} to {end}, but the recording has {samples}")));
         }
-        if out.last().is_some_and(|last| last.end > start) {
-            return Err(fail(line, format!("rows {start} to {end} overlap the pose before")));
-        }
-        out.push(start..end);
+        out.push(start - first..end - first);
     }
     Ok(out)
 }

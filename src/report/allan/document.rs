@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::words;
 use crate::numerics::allan::law::{TERMS, Term};
+use crate::recording::finding::sentences;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
 
@@ -14,10 +15,12 @@ pub fn document(file: &str, noise: &Noise) -> Value {
         "recording": {
             "file": file,
             "sha256": noise.source.sha256,
+            "rows": noise.source.rows,
             "samples": noise.source.samples,
             "rate_hz": noise.source.rate_hz,
+            "dropped": noise.source.dropped,
         },
-        "findings": noise.source.findings,
+        "findings": sentences(&noise.source.findings),
         "channels": noise.channels.iter().map(of_channel).collect::<Vec<_>>(),
     })
 }

@@ -25,6 +25,8 @@ pub struct Part {
     pub recording: Recording,
     /// The model, its ranges counted from the first of them.
     pub model: model::Driven,
+    /// What was kept, in a sentence.
+    pub said: String,
     /// What a reader of the verdict must know, where ranges that the model names were not used whole.
     pub doubt: Option<String>,
 }
@@ -55,7 +57,7 @@ pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
         // The ends of a recording are not fitted.
         kept = kept.start.saturating_sub(REACH)..(kept.end + REACH).min(samples);
     }
-    let mut part = cut(recording, &kept);
+    let part = cut(recording, &kept);
     let (said, doubt) = if named {
         let of = |used: &Stretches, all: &Stretches| format!("{} of {}", length(used), length(all));
         let places =
@@ -78,13 +80,12 @@ pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
         );
         (said, None)
     };
-    part.findings.push(said);
     let moved = |all: Stretches| all.iter().map(|r| [r.start - kept.start, r.end - kept.start]).collect();
     let mut model = model.clone();
     if named {
         model.split = model::Split { train: moved(fitted), test: moved(judging) };
     }
-    Some(Part { recording: part, model, doubt })
+    Some(Part { recording: part, model, said, doubt })
 }
 
 /// The stretch of the longest length within `span` in which the samples to be fitted hold most power.
@@ -135,8 +136,13 @@ fn cut(recording: &Recording, range: &Range<usize>) -> Recording {
     Recording {
         path: recording.path.clone(),
         sha256: recording.sha256.clone(),
+        rows: recording.rows,
+        dropped: recording.dropped.clone(),
+        first_row: recording.first_row,
+        first_sample: recording.first_sample + range.start,
         rate_hz: recording.rate_hz,
         columns: recording.columns.iter().map(of).collect(),
+        averaged: None,
         findings: recording.findings.clone(),
         filled,
     }
@@ -157,14 +163,13 @@ mod tests {
     fn recording(samples: usize) -> Recording {
         Recording {
             path: "y.csv".into(),
-            sha256: String::new(),
             rate_hz: 1.0,
             columns: vec![Column {
                 name: "y".into(),
                 values: (0..samples).map(|k| ((k * k) % 977) as f64 * k as f64).collect(),
             }],
-            findings: Vec::new(),
             filled: vec![0..3, samples - 4..samples - 1],
+            ..Recording::default()
         }
     }
 
@@ -173,12 +178,12 @@ mod tests {
         let plain = driven("");
         assert_eq!(excerpt(&recording(LONGEST), &plain), None);
         let long = recording(3 * LONGEST);
-        let Some(Part { recording: part, model, doubt: None }) = excerpt(&long, &plain) else {
+        let Some(Part { recording: part, model, said, doubt: None }) = excerpt(&long, &plain) else {
             unreachable!("used whole")
         };
         assert_eq!(part.columns[0].values, long.columns[0].values[2 * LONGEST..]);
         assert_eq!(part.filled, vec![LONGEST - 4..LONGEST - 1]);
-        assert!(part.findings[0].contains("from sample 1000000"), "{:?}", part.findings);
+        assert!(said.contains("from sample 1000000"), "{said}");
         assert_eq!(model, plain);
     }
 
@@ -195,7 +200,7 @@ mod tests {
         }
         // Fitted: the loudest window of the first 800,000; judged: what follows it at once.
         let split = driven("[split]\ntrain = [[0, 800000]]\ntest = [[800000, 1500000]]\n");
-        let Some(Part { recording: part, model, doubt: Some(doubt) }) = excerpt(&long, &split) else {
+        let Some(Part { recording: part, model, said, doubt: Some(doubt) }) = excerpt(&long, &split) else {
             unreachable!("used whole")
         };
         assert_eq!(part.samples(), 2 * LONGEST + 2 * REACH);
@@ -203,7 +208,6 @@ mod tests {
         assert_eq!(model.split.train, [[REACH, REACH + LONGEST]]);
         assert_eq!(model.split.test, [[REACH + LONGEST, REACH + 2 * LONGEST]]);
         assert_eq!(doubt, "of [split] only 500000 of 800000 samples were fitted and 500000 of 700000 judged");
-        let said = &part.findings[0];
         assert!(said.contains("[300000, 800000), and [800000, 1300000) judged") && said.contains("299976"), "{said}");
         // Two short ranges far from each other span too much: the louder one is fitted.
         let split = driven("[split]\ntrain = [[0, 9000], [1400000, 1409000]]\n");

@@ -81,7 +81,7 @@ impl Notes {
 /// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
 /// the recording or in both train and test, hints that no oscillator in this recording can have.
 pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
-    let mut notes = Notes { findings: recording.findings.clone(), ..Notes::default() };
+    let mut notes = Notes { findings: recording.sentences(), ..Notes::default() };
     hints(recording, &model.start)?;
     let mut reading = column(recording, &model.columns.output)?.to_vec();
     let samples = reading.len();

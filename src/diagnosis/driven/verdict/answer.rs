@@ -104,12 +104,7 @@ pub fn answer(
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,
-        recording: Source {
-            file: recording.path.display().to_string(),
-            sha256: recording.sha256.clone(),
-            samples: recording.samples(),
-            rate_hz: recording.rate_hz,
-        },
+        recording: Source::of(recording),
         effects: named,
         places,
         fit,

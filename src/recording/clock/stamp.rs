@@ -1,0 +1,112 @@
+//! A time stamp as it is printed: whole units and the rest, so that 19 digits keep their precision.
+
+use crate::recording::format;
+
+/// A time stamp in the file's unit, exact to 1e-16 of a unit whatever its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stamp {
+    whole: i64,
+    /// Not negative, below one.
+    fraction: f64,
+    /// Digits behind the point.
+    decimals: u8,
+}
+
+impl Stamp {
+    /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp.
+    pub fn parse(cell: &[u8]) -> Option<Self> {
+        plain(cell.trim_ascii()).or_else(|| {
+            let value = format::number(cell)?;
+            let whole = value.floor();
+            // A float this large has no digits to lose.
+            (value.is_nan() || whole.abs() < 9e18).then_some(Self {
+                whole: whole as i64,
+                fraction: value - whole,
+                decimals: u8::MAX,
+            })
+        })
+    }
+
+    /// Whether there is a number.
+    pub fn is_missing(&self) -> bool {
+        self.fraction.is_nan()
+    }
+
+    /// Time since another stamp, in the file's unit.
+    pub fn since(&self, origin: &Self) -> f64 {
+        (i128::from(self.whole) - i128::from(origin.whole)) as f64 + (self.fraction - origin.fraction)
+    }
+
+    /// Nearest double.
+    pub fn value(&self) -> f64 {
+        self.whole as f64 + self.fraction
+    }
+
+    /// The step of its last digit, in the file's unit; none where it is not printed plainly.
+    pub fn last_digit(&self) -> Option<f64> {
+        (self.decimals <= 18).then(|| 0.1f64.powi(i32::from(self.decimals)))
+    }
+}
+
+/// Digits with at most one point and a sign.
+fn plain(cell: &[u8]) -> Option<Stamp> {
+    let (negative, digits) = match cell {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, cell),
+    };
+    let point = digits.iter().position(|b| *b == b'.');
+    let (front, back) = match point {
+        Some(place) => (&digits[..place], &digits[place + 1..]),
+        None => (digits, &digits[..0]),
+    };
+    if (front.is_empty() && back.is_empty()) || front.len() > 18 + 1 || back.len() > 18 {
+        return None;
+    }
+    let number = |digits: &[u8]| {
+        digits.iter().try_fold(0i64, |sum, digit| {
+            let digit = digit.is_ascii_digit().then(|| i64::from(digit - b'0'))?;
+            sum.checked_mul(10)?.checked_add(digit)
+        })
+    };
+    let (whole, rest) = (number(front)?, number(back)?);
+    let decimals = back.len() as u8;
+    let fraction = rest as f64 / 10f64.powi(i32::from(decimals));
+    // 18 nines round up to one.
+    let (whole, fraction) = if fraction < 1.0 { (whole, fraction) } else { (whole.checked_add(1)?, 0.0) };
+    let (whole, fraction) = match (negative, fraction > 0.0) {
+        (false, _) => (whole, fraction),
+        (true, false) => (-whole, 0.0),
+        (true, true) => (-whole - 1, 1.0 - fraction),
+    };
+    Some(Stamp { whole, fraction, decimals })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stamp(text: &str) -> Stamp {
+        Stamp::parse(text.as_bytes()).unwrap_or_else(|| unreachable!("{text}"))
+    }
+
+    #[test]
+    fn nineteen_digits_keep_their_last_one() {
+        let (first, next) = (stamp("1403715523912143104"), stamp("1403715523912143105"));
+        assert_eq!((next.since(&first), first.value() == next.value()), (1.0, true), "a double cannot tell them apart");
+        assert!((stamp("1403715523.917143040").since(&stamp("1403715523.912143104")) - 0.004_999_936).abs() < 1e-15);
+        assert_eq!(stamp("9223372036854775807").since(&stamp("-9223372036854775807")), 2f64.powi(64));
+    }
+
+    #[test]
+    fn stamps_are_read_as_they_are_written() {
+        for (text, value) in
+            [("-0.25", -0.25), (" 12 ", 12.0), ("+3.5", 3.5), (".5", 0.5), ("7.", 7.0), ("1.5e-3", 0.0015)]
+        {
+            assert_eq!(stamp(text).value(), value, "{text}");
+        }
+        assert!(["", "nan", "NULL"].iter().all(|t| stamp(t).is_missing()));
+        assert!(["noon", "12:30", ".", "1e300", "--1"].iter().all(|t| Stamp::parse(t.as_bytes()).is_none()));
+        assert_eq!((stamp("0.010").last_digit(), stamp("1e-2").last_digit()), (Some(0.1f64.powi(3)), None));
+    }
+}

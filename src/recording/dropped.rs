@@ -1,0 +1,116 @@
+//! The rows of a file that were not used, and why: rows read = rows used + rows dropped.
+
+use serde::{Serialize, Serializer};
+
+/// Why rows were not used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// The user asked for other rows.
+    OutsideRows,
+    /// Before the first or after the last second that the user asked for.
+    OutsideSeconds,
+    /// Beyond a long gap, on the side of the shorter part.
+    BeyondGap,
+    /// Outside the samples that the model's split names.
+    OutsideSplit,
+    /// The file ends within the row.
+    CutShort,
+    /// No time stamp.
+    NoStamp,
+    /// The time stamp of the row before, with other readings, where every sample has a stamp of its own.
+    SameStamp,
+    /// The row before once more.
+    WrittenTwice,
+    /// Holds the place of a lost sample by repeating the row before.
+    HoldsPlace,
+    /// The clock stood still.
+    StoppedClock,
+    /// A reading is missing.
+    MissingReading,
+}
+
+impl Reason {
+    /// In words, for a table and for JSON.
+    pub fn words(self) -> &'static str {
+        match self {
+            Reason::OutsideRows => "outside the rows asked for",
+            Reason::OutsideSeconds => "outside the seconds asked for",
+            Reason::BeyondGap => "beyond a long gap",
+            Reason::OutsideSplit => "outside the samples that [split] names",
+            Reason::CutShort => "the file ends within the row",
+            Reason::NoStamp => "no time stamp",
+            Reason::SameStamp => "same time stamp as the row before",
+            Reason::WrittenTwice => "written twice",
+            Reason::HoldsPlace => "repeats the row before in place of a lost sample",
+            Reason::StoppedClock => "the clock stands still",
+            Reason::MissingReading => "a reading is missing",
+        }
+    }
+}
+
+impl Serialize for Reason {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.words())
+    }
+}
+
+/// Rows that were not used for one reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Dropped {
+    /// Why.
+    pub reason: Reason,
+    /// How many.
+    pub rows: usize,
+    /// The first of them, counted from zero after the header.
+    pub first_row: usize,
+}
+
+/// Counts them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tally {
+    all: Vec<Dropped>,
+}
+
+impl Tally {
+    /// One more row.
+    pub fn add(&mut self, reason: Reason, row: usize) {
+        match self.all.iter_mut().find(|d| d.reason == reason) {
+            Some(dropped) => {
+                dropped.rows += 1;
+                dropped.first_row = dropped.first_row.min(row);
+            }
+            None => self.all.push(Dropped { reason, rows: 1, first_row: row }),
+        }
+    }
+
+    /// A stretch of rows.
+    pub fn add_all(&mut self, reason: Reason, rows: std::ops::Range<usize>) {
+        if rows.is_empty() {
+            return;
+        }
+        self.add(reason, rows.start);
+        if let Some(dropped) = self.all.iter_mut().find(|d| d.reason == reason) {
+            dropped.rows += rows.len() - 1;
+        }
+    }
+
+    /// Rows that were dropped elsewhere.
+    pub fn join(&mut self, others: &[Dropped]) {
+        self.all.extend_from_slice(others);
+    }
+
+    /// How many rows were dropped for this reason.
+    pub fn of(&self, reason: Reason) -> usize {
+        self.all.iter().find(|d| d.reason == reason).map_or(0, |d| d.rows)
+    }
+
+    /// How many rows were dropped.
+    pub fn rows(&self) -> usize {
+        self.all.iter().map(|d| d.rows).sum()
+    }
+
+    /// Every reason once, in the order first met.
+    pub fn all(self) -> Vec<Dropped> {
+        self.all
+    }
+}

@@ -1,0 +1,300 @@
+//! The first pass over a file: which of its rows are used, by which clock, before any is read for its values.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::clock::survey::Survey;
+use super::clock::timeline::{SetBack, Timeline};
+use super::clock::{self, Clock, Kind, Question};
+use super::dropped::{Dropped, Reason, Tally};
+use super::finding::Finding;
+use super::limits::RATES_HZ;
+use super::repeats::{Meaning, Repeated, Repeats};
+use super::request::Request;
+use super::rows::{Rows, Source};
+use crate::error::{Error, Result};
+use crate::progress;
+
+/// Rows between looks at the progress bar and at Ctrl-C.
+const LOOK: usize = 65_536;
+
+/// Which rows are used and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Rows used, apart from single ones that are dropped.
+    pub rows: Range<usize>,
+    /// The clock, where there is a time column.
+    pub clock: Option<Clock>,
+    /// Sampling rate.
+    pub rate_hz: f64,
+    /// Rows that repeat the one before, where there is none.
+    pub repeated: Option<Repeated>,
+    /// About how many samples come of it.
+    pub samples: usize,
+    /// What was found and survived.
+    pub findings: Vec<Finding>,
+    /// Size of the file when it was looked at, bytes.
+    pub length_bytes: u64,
+}
+
+/// What a visitor of rows wants next.
+pub enum Next {
+    /// The next row.
+    Go,
+    /// No more rows.
+    Stop,
+}
+
+/// Goes through the rows within `range`, with a progress bar; those before are passed. What comes behind is left unread.
+///
+/// # Errors
+/// As [`Rows::advance`]; Ctrl-C; whatever `visit` says.
+pub fn walk(
+    path: &Path,
+    table: &mut Rows,
+    range: &Range<usize>,
+    mut visit: impl FnMut(&mut Rows) -> Result<Next>,
+) -> Result<()> {
+    let bar = progress::bar("reading", table.length_bytes());
+    for row in 0..range.end {
+        if row.is_multiple_of(LOOK) {
+            bar.set_position(table.bytes_read());
+            if progress::interrupted() {
+                return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
+            }
+        }
+        if row < range.start {
+            if !table.skip()? {
+                break;
+            }
+            continue;
+        }
+        if !table.advance()? || matches!(visit(table)?, Next::Stop) {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Opens a file as it is asked for.
+///
+/// # Errors
+/// As [`Rows::open_timed`].
+pub fn open(path: &Path, request: &Request) -> Result<Rows> {
+    let columns: Vec<String> = request.columns.iter().filter(|c| Some(*c) != request.time.as_ref()).cloned().collect();
+    if columns.is_empty() && !request.columns.is_empty() {
+        return Err(refuse(
+            path,
+            "the time column is the only column asked for".into(),
+            "name a column of readings beside it",
+        ));
+    }
+    Rows::open_timed(path, request.time.as_deref(), &columns)
+}
+
+/// Looks through a file. `values` asks for rows that repeat where no clock tells.
+///
+/// # Errors
+/// A file that cannot be read, a clock that none can go by, rows or seconds that are not there.
+pub fn make(path: &Path, request: &Request, values: bool) -> Result<Plan> {
+    for (name, seconds) in [("--from-s", request.from_s), ("--to-s", request.to_s)] {
+        if seconds.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
+            return Err(refuse(path, format!("{name} is {:?}", seconds.unwrap_or_default()), SECONDS));
+        }
+    }
+    if request.from_s.zip(request.to_s).is_some_and(|(from, to)| from >= to) {
+        return Err(refuse(path, "--from-s is not before --to-s".into(), SECONDS));
+    }
+    let wanted = request.rows.clone().unwrap_or(0..usize::MAX);
+    match request.time {
+        Some(_) => timed(path, request, wanted),
+        None => untimed(path, request, wanted, values),
+    }
+}
+
+const SECONDS: &str = "seconds count from the first row: --from-s 10 --to-s 70 is the second minute, nearly";
+
+fn refuse(path: &Path, cause: String, hint: &str) -> Error {
+    Error::new(format!("could not use {}", path.display()), cause, hint)
+}
+
+fn untimed(path: &Path, request: &Request, wanted: Range<usize>, values: bool) -> Result<Plan> {
+    let table = open(path, request)?.without_checksum();
+    let rate_hz = checked_rate(path, request.rate_hz, &table)?;
+    // A float beyond all rows becomes the largest number.
+    let row = |seconds: f64| (seconds * rate_hz - 1e-6).ceil().max(0.0) as usize;
+    let seconds = request.from_s.map_or(0, row)..request.to_s.map_or(usize::MAX, row);
+    let rows = wanted.start.max(seconds.start)..wanted.end.min(seconds.end);
+    let mut table = table;
+    let length_bytes = table.length_bytes();
+    let mut repeats = Repeats::default();
+    let mut row = vec![f64::NAN; table.names().len()];
+    let mut count = 0;
+    if values {
+        walk(path, &mut table, &rows, |table| {
+            table.values(&mut row)?;
+            repeats.push(&row);
+            count += 1;
+            Ok(Next::Go)
+        })?;
+    }
+    let repeated = repeats.judge();
+    let mut findings = Vec::new();
+    if let Some(Repeated { meaning, rows: count, first }) = repeated {
+        let lost = meaning == Meaning::Lost;
+        findings.push(Finding::RepeatedRows { rows: count, first_row: rows.start + first, lost });
+    }
+    Ok(Plan { rows, clock: None, rate_hz, repeated, samples: count, findings, length_bytes })
+}
+
+fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
+    let table = open(path, request)?.without_checksum();
+    let heading = table.time().unwrap_or_default().to_owned();
+    let length_bytes = table.length_bytes();
+    let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
+    let seconds = request.from_s.is_some() || request.to_s.is_some();
+    let mut survey = survey(&question, table, &wanted, seconds)?;
+    let mut rows = wanted.clone();
+    if seconds && survey.steps > 0 {
+        let unit = clock::unit_of(&question, &survey)?.0.seconds();
+        let window = request.from_s.unwrap_or(0.0) / unit..request.to_s.map_or(f64::INFINITY, |s| s / unit);
+        (rows, survey) = within(&question, open(path, request)?.without_checksum(), &wanted, &window)?;
+        if request.to_s.is_none() {
+            rows.end = wanted.end;
+        }
+    }
+    if survey.rows < 2 || survey.steps == 0 {
+        return Err(too_few(path, survey.rows));
+    }
+    let clock = clock::judge(&question, &survey)?;
+    let whole = survey.whole();
+    let samples = if matches!(clock.kind, Kind::Even) { whole.ticks } else { whole.steps } as usize + 1;
+    let (rate_hz, findings) = (clock.rate_hz, clock.findings.clone());
+    Ok(Plan { rows, clock: Some(clock), rate_hz, repeated: None, samples, findings, length_bytes })
+}
+
+/// All stamps of the rows wanted. Where seconds will be cut out, a clock that is set back ends what can be cut.
+fn survey(question: &Question<'_>, mut table: Rows, wanted: &Range<usize>, seconds: bool) -> Result<Survey> {
+    let mut survey = Survey::default();
+    walk(question.path, &mut table, wanted, |table| {
+        match survey.push(table.row(), table.stamp()?, table.is_alike()) {
+            Ok(()) => Ok(Next::Go),
+            Err(_) if seconds => Ok(Next::Stop),
+            Err(back) => Err(question.set_back(&back)),
+        }
+    })?;
+    survey.finish();
+    Ok(survey)
+}
+
+/// The rows whose time since the first one lies in a window, and their stamps.
+fn within(
+    question: &Question<'_>,
+    mut table: Rows,
+    wanted: &Range<usize>,
+    window: &Range<f64>,
+) -> Result<(Range<usize>, Survey)> {
+    let (mut survey, mut whole) = (Survey::default(), Timeline::default());
+    let mut rows: Option<Range<usize>> = None;
+    let mut fail: Option<SetBack> = None;
+    walk(question.path, &mut table, wanted, |table| {
+        let (row, stamp) = (table.row(), table.stamp()?);
+        if !stamp.is_missing()
+            && let Err(back) = whole.advance(row, stamp)
+        {
+            fail = Some(back);
+            return Ok(Next::Stop);
+        }
+        if whole.elapsed() >= window.end {
+            return Ok(Next::Stop);
+        }
+        if whole.elapsed() >= window.start {
+            rows = Some(rows.as_ref().map_or(row, |r| r.start)..row + 1);
+            survey.push(row, stamp, table.is_alike()).map_err(|back| question.set_back(&back))?;
+        }
+        Ok(Next::Go)
+    })?;
+    survey.finish();
+    match (rows, fail) {
+        (Some(rows), None) => Ok((rows, survey)),
+        (_, Some(back)) => Err(question.set_back(&back)),
+        (None, None) => Err(refuse(question.path, "no row lies in the seconds asked for".into(), SECONDS)),
+    }
+}
+
+/// Fewer than two rows.
+pub fn too_few(path: &Path, rows: usize) -> Error {
+    refuse(
+        path,
+        format!("{rows} data rows"),
+        "a recording needs at least two rows under its header, and some thousands to be worth judging",
+    )
+}
+
+fn checked_rate(path: &Path, rate_hz: Option<f64>, table: &Rows) -> Result<f64> {
+    let fail = |cause: String, hint: String| {
+        Err(Error::new(format!("could not place {} in time", path.display()), cause, hint))
+    };
+    match rate_hz {
+        Some(rate) if RATES_HZ.contains(&rate) => Ok(rate),
+        Some(rate) => fail(format!("a sampling rate of {rate:?} Hz"), "give samples per second, e.g. 100.0".into()),
+        None => {
+            let hint = match table.clock_like() {
+                Some(name) => format!(
+                    "is `{name}` the time? Name it: --time {name:?}, or time = {name:?} under [columns]; or give"
+                ),
+                None => "name the column that holds the time (--time NAME, or time under [columns]), or give".into(),
+            };
+            fail(
+                "neither a sampling rate nor a time column was given".into(),
+                format!("{hint} the rate in Hz (--rate-hz, rate_hz)"),
+            )
+        }
+    }
+}
+
+/// Counts the rows outside those used, once the whole file is known to have `total`.
+pub fn drop_outside(tally: &mut Tally, request: &Request, used: &Range<usize>, total: usize) {
+    let wanted = request.rows.clone().unwrap_or(0..usize::MAX);
+    let parts = [
+        (Reason::OutsideRows, 0..wanted.start),
+        (Reason::OutsideRows, wanted.end..total),
+        (Reason::OutsideSeconds, wanted.start..used.start),
+        (Reason::OutsideSeconds, used.end..wanted.end),
+    ];
+    for (reason, part) in parts {
+        let part = part.start.min(total)..part.end.min(total);
+        tally.add_all(reason, part);
+    }
+}
+
+/// Whether dropped rows are a finding of their own; others stand in a finding already.
+pub fn is_said(dropped: &Dropped) -> bool {
+    !matches!(
+        dropped.reason,
+        Reason::OutsideRows | Reason::OutsideSeconds | Reason::OutsideSplit | Reason::BeyondGap | Reason::HoldsPlace
+    )
+}
+
+/// What was cut out, where a part was asked for.
+pub fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Option<Finding> {
+    let asked = request.rows.is_some() || request.from_s.is_some() || request.to_s.is_some();
+    asked.then(|| Finding::Cut { from_row: used.start, to_row: used.end.min(total), of: total })
+}
+
+/// What is said of a file that was read to its end: rows wanted that are not there, and a file that changed meanwhile.
+///
+/// # Errors
+/// Both.
+pub fn check_end(path: &Path, request: &Request, plan: &Plan, source: &Source) -> Result<()> {
+    if source.length_bytes != plan.length_bytes {
+        return Err(refuse(path, "the file changed while it was read".into(), "wait until the log is complete"));
+    }
+    let Some(wanted) = request.rows.as_ref().filter(|r| r.start >= r.end || r.end > source.rows) else { return Ok(()) };
+    Err(Error::new(
+        format!("could not use rows {}..{} of {}", wanted.start, wanted.end, path.display()),
+        format!("the file has {} data rows", source.rows),
+        "rows are counted from zero after the header; the end is exclusive",
+    ))
+}

@@ -1,0 +1,24 @@
+//! What is asked of a file: columns, clock, and which stretch of it.
+
+use std::ops::Range;
+
+/// What to read of a file, and what its clock is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Request {
+    /// Headings, in the order wanted; without a header, "1", "2", … Empty: every column but the clock.
+    pub columns: Vec<String>,
+    /// Sampling rate, where rows are evenly spaced by construction.
+    pub rate_hz: Option<f64>,
+    /// Heading of a time column. Where both are given, the column must agree with the rate.
+    pub time: Option<String>,
+    /// Data rows wanted, counted from zero after the header; absent means all. Later indices count from its start.
+    pub rows: Option<Range<usize>>,
+    /// Seconds after the first row at which to begin.
+    pub from_s: Option<f64>,
+    /// Seconds after the first row at which to end.
+    pub to_s: Option<f64>,
+    /// Samples wanted of those that come of these rows; absent means all. `recording::read` alone looks at it.
+    pub samples: Option<Range<usize>>,
+    /// About the most samples that are wanted: of more, neighbours are averaged. `recording::read` alone looks at it.
+    pub at_most: Option<usize>,
+}
