@@ -10,7 +10,7 @@ pub mod manifest;
 mod refusal;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
@@ -69,6 +69,24 @@ fn full(path: &Path) -> PathBuf {
     path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_path_buf())
 }
 
+/// A full path as seen from a full folder; itself where they share no root.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path.to_path_buf();
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(path.components().skip(shared)).collect()
+}
+
+/// The full path of what is seen so from a full folder, whether it still stands there or not.
+fn absolute(seen: &Path, folder: &Path) -> PathBuf {
+    seen.components().fold(folder.to_path_buf(), |path, part| match part {
+        Component::ParentDir => path.parent().map_or_else(PathBuf::new, Path::to_path_buf),
+        part => path.join(part),
+    })
+}
+
 fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
@@ -95,7 +113,8 @@ impl Folder {
             Err(_) if request.force => Manifest::default(),
             read => read?,
         };
-        let inputs = request.inputs.iter().map(|p| full(p).display().to_string()).collect();
+        let home = full(path);
+        let inputs = request.inputs.iter().map(|p| relative(&full(p), &home).display().to_string()).collect();
         let folder = Self {
             path: path.to_path_buf(),
             manifest,
@@ -181,7 +200,11 @@ impl Folder {
         }
         Some(match self.manifest.runs.iter().find(|run| run.names(name)) {
             Some(run) if run.identity == self.identity => refusal::Reason::Changed,
-            Some(run) => refusal::Reason::Other(run.identity.clone()),
+            Some(run) => {
+                let home = full(&self.path);
+                let inputs = run.identity.inputs.iter().map(|i| absolute(i.as_ref(), &home).display().to_string());
+                refusal::Reason::Other(Identity { inputs: inputs.collect(), ..run.identity.clone() })
+            }
             None => refusal::Reason::Unknown,
         })
     }
@@ -250,6 +273,24 @@ fn sweep(folder: &Path) {
         let unfinished = entry.file_name().to_string_lossy().starts_with(UNFINISHED);
         if unfinished && entry.file_type().is_ok_and(|kind| kind.is_file()) {
             let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_seen_from_the_folder_and_found_again() {
+        let home = Path::new("/work/reports/a");
+        for (path, seen) in [
+            ("/work/reports/a/study.toml", "study.toml"),
+            ("/work/study.toml", "../../study.toml"),
+            ("/x", "../../../x"),
+        ] {
+            assert_eq!(relative(Path::new(path), home), Path::new(seen));
+            assert_eq!(absolute(Path::new(seen), home), Path::new(path));
         }
     }
 }

@@ -256,6 +256,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
         folder.write(name, text.as_bytes())?;
     }
     folder.finish()?;
+    drop(folder);
     let scratch = Scratch::new(None)?;
     if json {
         let said = blind::ask(&case, &tool, &scratch)?;

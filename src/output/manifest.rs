@@ -18,7 +18,8 @@ const SCHEMA: &str = "proofmass.outputs/1";
 pub struct Identity {
     /// The subcommand: "study".
     pub command: String,
-    /// Full paths of the files that it was asked about; none for a command that reads none.
+    /// Paths of the files that it was asked about, as seen from the folder, so that a project can be moved or shared as a
+    /// whole; none for a command that reads none.
     pub inputs: Vec<String>,
 }
 

@@ -83,7 +83,17 @@ fn own_results() -> Result<(), Failed> {
     accepted("edited and seeded", &study(&bench, "study.toml", &["--seed", "7", "--members", "512"])?)?;
     let second = content(&bench.path("out"))?;
     check(first.keys().eq(second.keys()), format!("{:?} became {:?}", first.keys(), second.keys()))?;
-    check(first["report.html"] != second["report.html"], "the report was not replaced")
+    check(first["report.html"] != second["report.html"], "the report was not replaced")?;
+    // Study and results moved together are still each other's; the study alone is not.
+    fs::create_dir(bench.path("moved"))?;
+    for name in ["study.toml", "out"] {
+        fs::rename(bench.path(name), bench.path("moved").join(name))?;
+    }
+    let again =
+        |file: &str| run(program().arg("study").arg(bench.path(file)).arg("--out").arg(bench.path("moved/out")));
+    accepted("moved", &again("moved/study.toml")?)?;
+    fs::rename(bench.path("moved/study.toml"), bench.path("study.toml"))?;
+    again("study.toml")?.refuses("moved away from its results", "moved/study.toml")
 }
 
 fn one_name() -> Result<(), Failed> {
@@ -214,13 +224,13 @@ fn locked() -> Result<(), Failed> {
 /// Results that are kept in the repository, by folder, with the files that their command is made from.
 fn committed() -> Result<(), Failed> {
     let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
-    for (folder, command, files) in [
-        ("proof", "trial", &["summary.md", "power.svg", "limits.svg"][..]),
-        ("bench", "bench", &["summary.md", "sizes.svg", "lengths.svg"][..]),
+    for (folder, command, inputs, files) in [
+        ("proof", "trial", vec![], &["summary.md", "power.svg", "limits.svg"][..]),
+        ("bench", "bench", vec![], &["summary.md", "sizes.svg", "lengths.svg"][..]),
     ] {
         let manifest: Value = serde_json::from_str(&fs::read_to_string(reports.join(folder).join(".proofmass.json"))?)?;
         let runs = manifest["runs"].as_array().cloned().unwrap_or_default();
-        let run = runs.iter().find(|r| r["command"] == command && r["inputs"].as_array().is_some_and(Vec::is_empty));
+        let run = runs.iter().find(|r| r["command"] == command && r["inputs"] == Value::Array(inputs.clone()));
         for file in files {
             let known = run.and_then(|r| r["files"][*file].as_str()).unwrap_or_default();
             let sha256 = hexadecimal(&Sha256::digest(fs::read(reports.join(folder).join(file))?));
