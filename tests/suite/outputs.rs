@@ -227,6 +227,7 @@ fn committed() -> Result<(), Failed> {
     for (folder, command, inputs, files) in [
         ("proof", "trial", vec![], &["summary.md", "power.svg", "limits.svg"][..]),
         ("bench", "bench", vec![], &["summary.md", "sizes.svg", "lengths.svg"][..]),
+        ("adis16405", "study", vec![Value::from("study.toml")], &["windows.svg"][..]),
     ] {
         let manifest: Value = serde_json::from_str(&fs::read_to_string(reports.join(folder).join(".proofmass.json"))?)?;
         let runs = manifest["runs"].as_array().cloned().unwrap_or_default();
