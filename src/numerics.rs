@@ -3,6 +3,7 @@
 pub mod allan;
 pub mod cosine;
 pub mod elementary;
+pub mod lagrange;
 pub mod least_squares;
 pub mod moments;
 pub mod non_negative;

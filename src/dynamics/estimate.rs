@@ -2,6 +2,7 @@
 //!
 //! Not a distribution: quantiles of ensembles are `statistics`' business.
 
+use crate::numerics::moments::mean;
 /// A value and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -15,7 +16,7 @@ impl Estimate {
     /// Mean of independent replicates. One replicate has no known error: NaN.
     pub fn of_mean(values: &[f64]) -> Self {
         let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
+        let mean = mean(values);
         let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         let standard_error = if n > 1.0 { (squares / (n - 1.0) / n).sqrt() } else { f64::NAN };
         Self { value: mean, standard_error }

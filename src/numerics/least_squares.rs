@@ -3,6 +3,7 @@
 //!
 //! Not for deciding whether a fit is good: it returns the minimum and what is needed to judge it.
 
+use super::moments::dot;
 use nalgebra::{DMatrix, DVector};
 
 /// Residuals to be made small.
@@ -147,19 +148,6 @@ pub fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: 
 fn ladder(centre: f64, count: usize) -> Vec<f64> {
     let low = if centre == 0.0 { 1e-4 } else { centre * 1e-4 };
     std::iter::once(centre * 1e-6).chain((0..count.max(2) - 1).map(|k| low * 7f64.powi(k as i32))).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight partial sums: independent chains, and less rounding than one.
-    let mut sums = [0.0; 8];
-    let (head_a, tail_a) = a.split_at(a.len() / 8 * 8);
-    let (head_b, tail_b) = b.split_at(head_a.len().min(b.len()));
-    for (x, y) in head_a.chunks_exact(8).zip(head_b.chunks_exact(8)) {
-        for l in 0..8 {
-            sums[l] += x[l] * y[l];
-        }
-    }
-    sums.iter().sum::<f64>() + tail_a.iter().zip(tail_b).map(|(x, y)| x * y).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Densities are one-sided: their integral from 0 to half the rate is the variance. Not for Allan deviations, see `allan`.
 
+use crate::numerics::moments::mean;
 use realfft::num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 use std::f64::consts::PI;
@@ -91,7 +92,7 @@ pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
     if count < 4 {
         return Density::empty();
     }
-    let mean = values.iter().sum::<f64>() / count as f64;
+    let mean = mean(values);
     let mut input: Vec<f64> = values.iter().map(|v| v - mean).collect();
     let fft = RealFftPlanner::new().plan_fft_forward(count);
     let mut bins = fft.make_output_vec();

@@ -2,6 +2,7 @@
 //!
 //! Small ensembles held in memory; large ones stream through `statistics`.
 
+use crate::numerics::moments::mean;
 use crate::numerics::order;
 
 /// What an ensemble does over time.
@@ -27,7 +28,7 @@ impl Envelope {
         for i in 0..envelope.time_s.len() {
             let mut values: Vec<f64> = members.iter().map(|m| m[i]).collect();
             order::sort(&mut values);
-            let mean = values.iter().sum::<f64>() / n;
+            let mean = mean(&values);
             envelope.mean.push(mean);
             envelope.sd.push((values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt());
             envelope.p05.push(order::quantile(&values, 0.05));

@@ -8,6 +8,7 @@ use crate::dynamics::estimate::slope;
 use crate::dynamics::linear::{
     Motion, Rectangle, exact_hold, hold_step, printed_roots, rectangle_response, residual_n, roots,
 };
+use crate::numerics::moments::mean;
 
 /// One metre per second squared for half a minute. The paper prints neither; only ratios matter in a linear equation.
 pub const RECTANGLE: Rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 30.0 };
@@ -137,7 +138,7 @@ fn fourteen(oscillator: &Oscillator) -> Vec<Check> {
             reading(oscillator, &rectangle_response(oscillator, long, t)).1 - long.ideal(t).1
         })
         .collect();
-    let lag = lag.iter().sum::<f64>() / lag.len() as f64;
+    let lag = mean(&lag);
     vec![
         Check::near(
             "first peak of the reading over the step",

@@ -8,6 +8,7 @@ use crate::dynamics::estimate::{Estimate, slope};
 use crate::navigation::tilt::{Vector, mean, norm, pitch_rad, pitch_rate_rad_s, turn};
 use crate::numerics::allan;
 use crate::numerics::allan::fit::{Coefficient, fit};
+use crate::numerics::moments::{self, mean_sd, rms};
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
 
@@ -54,13 +55,7 @@ struct Move {
 }
 
 fn deviation(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |a, v| (a.0 + v * v, a.1 + 1.0));
-    (sum / n).sqrt()
+    mean_sd(values).1
 }
 
 /// Root mean square of second differences: what is left of a curve when everything smooth is taken away.
@@ -70,7 +65,7 @@ fn roughness(values: &[f64]) -> f64 {
 
 /// Lag-one-second autocorrelation.
 fn autocorrelation(values: &[f64], lag: usize) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let mean = moments::mean(values);
     let product = |k: usize| values.iter().zip(&values[k..]).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
     product(lag) / product(0)
 }
@@ -118,7 +113,7 @@ pub fn compute(imu: &Inertial) -> Pitch {
     let direction = up(imu, 0);
     let rates: Vec<f64> = imu.rate_rad_s[still.clone()].iter().map(|r| pitch_rate_rad_s(direction, *r)).collect();
     let force: Vec<f64> = imu.force_m_s2[still].iter().map(|f| pitch_rad(*f)).collect();
-    let mean_rate = rates.iter().sum::<f64>() / rates.len() as f64;
+    let mean_rate = moments::mean(&rates);
     let integrate = |offset: f64| -> Vec<f64> {
         let mut angle = 0.0;
         let step = |r: &f64| {
@@ -145,7 +140,7 @@ pub fn compute(imu: &Inertial) -> Pitch {
         value: deviation(&walk),
         standard_error: 0.5 * n * length_s.sqrt() * (1.0 / 360f64).sqrt() / (1.0 / 12f64).sqrt(),
     };
-    let centre = force.iter().sum::<f64>() / force.len() as f64;
+    let centre = moments::mean(&force);
     let timed = |v: &[f64]| v.iter().enumerate().map(|(i, a)| (seconds(i), *a)).collect::<Curve>();
     let still_force = timed(&force.iter().map(|f| f - centre).collect::<Vec<_>>());
     let case = Case { imu, moves: &moves, worst, force: &force, drifting: &drifting, walk: &walk, n, length_s };
@@ -270,7 +265,7 @@ impl Case<'_> {
     fn eight(&self) -> Vec<Check> {
         let half = self.force.len() / 2;
         let batches = |v: &[f64]| {
-            let means: Vec<f64> = v.chunks_exact(100).map(|c| c.iter().sum::<f64>() / 100.0).collect();
+            let means: Vec<f64> = v.chunks_exact(100).map(moments::mean).collect();
             Estimate::of_mean(&means)
         };
         let (first, second) = (batches(&self.force[..half]), batches(&self.force[half..]));

@@ -15,6 +15,7 @@ use crate::numerics::allan::covariance::Covariance;
 use crate::numerics::allan::fit::{self, Fit};
 use crate::numerics::allan::law::FLICKER_FLOOR;
 use crate::numerics::allan::{Accumulator, Point};
+use crate::numerics::moments::mean;
 use crate::numerics::order;
 use crate::numerics::special::{chi_squared_above, chi_squared_quantile, discoveries};
 use crate::numerics::spectrum::{Density, Welch};
@@ -182,7 +183,7 @@ fn band(density: &Density, rate_hz: f64, from: f64, to: f64) -> f64 {
     let inside = |f: &f64| (from * rate_hz..to * rate_hz).contains(f);
     let values: Vec<f64> =
         density.frequency_hz.iter().zip(&density.density).filter(|(f, _)| inside(f)).map(|(_, d)| *d).collect();
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+    mean(&values)
 }
 
 /// Told only where it is no accident: five standard errors and 15 %.

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::cause::Cause;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
+use crate::numerics::moments::mean;
 
 /// A channel, in units of its own scale so that all numbers are near one.
 #[derive(Debug, Clone)]
@@ -35,7 +36,7 @@ pub(super) struct Curve {
 
 impl Curve {
     pub(super) fn new(mut values: Vec<f64>) -> Self {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mean = mean(&values);
         values.iter_mut().for_each(|v| *v -= mean);
         let coefficients = cosine::transform(&values).into();
         Self { values: values.into(), coefficients }
@@ -170,7 +171,7 @@ fn curves(terms: &[Term]) -> impl Iterator<Item = &Curve> {
 impl Channel {
     /// `scale` is estimated from differences of neighbours, which no drift reaches.
     pub(super) fn new(name: &str, values: &[f64], rate_hz: f64) -> Self {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mean = mean(values);
         let power = values.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * (values.len() - 1)) as f64;
         let scale = if power > 0.0 { power.sqrt() } else { 1.0 };
         let values: Vec<f64> = values.iter().map(|v| (v - mean) / scale).collect();

@@ -2,6 +2,7 @@
 
 use super::words;
 use crate::number::significant;
+use crate::numerics::moments::mean;
 use crate::recording::noise::Channel;
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 
@@ -66,7 +67,7 @@ pub(super) fn density(channel: &Channel) -> Chart {
     let mut from = 0;
     while from < density.density.len() {
         let to = (((from + 1) as f64 * 1.06).ceil() as usize).min(density.density.len()).max(from + 1);
-        let mean = density.density[from..to].iter().sum::<f64>() / (to - from) as f64;
+        let mean = mean(&density.density[from..to]);
         let middle = (density.frequency_hz[from] * density.frequency_hz[to - 1]).sqrt();
         thinned.push((middle, mean.sqrt() * factor));
         from = to;

@@ -6,6 +6,7 @@
 use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::verdict::surface::Surface;
 use crate::diagnosis::standing::Gain;
+use crate::numerics::moments::rms;
 use crate::numerics::order;
 use crate::numerics::spectrum;
 
@@ -105,7 +106,7 @@ fn levels(values: &[f64], rate_hz: f64, from: usize) -> Vec<(f64, f64)> {
         .chunks(block)
         .enumerate()
         .map(|(i, c)| {
-            let level = (c.iter().map(|e| e * e).sum::<f64>() / c.len() as f64).sqrt();
+            let level = rms(c.iter().copied());
             ((from + i * block + block / 2) as f64 / rate_hz, level)
         })
         .collect()

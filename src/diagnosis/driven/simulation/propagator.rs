@@ -4,6 +4,7 @@
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
 
+use crate::numerics::lagrange;
 use crate::physics::free_oscillator::transition;
 use crate::physics::state::{LANES, Lanes};
 
@@ -57,10 +58,8 @@ impl Shift {
         for l in 0..LANES {
             // Position right of the node `index − whole`, normally in [0, 1).
             let t = whole - delay_s[l] / spacing_s;
-            weights[0][l] = -t * (t - 1.0) * (t - 2.0) / 6.0;
-            weights[1][l] = (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0;
-            weights[2][l] = -(t + 1.0) * t * (t - 2.0) / 2.0;
-            weights[3][l] = (t + 1.0) * t * (t - 1.0) / 6.0;
+            let nodes = lagrange::cubic(t);
+            (0..4).for_each(|node| weights[node][l] = nodes[node]);
         }
         Self { whole: whole as isize, weights }
     }
