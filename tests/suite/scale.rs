@@ -1,33 +1,65 @@
 //! Ensembles too large for any patience: planned and begun within a bounded memory, and stopped at once.
 
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use libtest_mimic::{Failed, Trial};
-use proofmass::backend::Backend;
 use proofmass::backend::cpu::Cpu;
+use proofmass::backend::gpu::Gpu;
+use proofmass::backend::gpu::simulate::Ensembles;
+use proofmass::backend::{Backend, Batch, Ran};
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
+use proofmass::statistics::Machine;
 use proofmass::validation::jobs::{Sine, duffing, job};
 use proofmass::validation::parity::everything;
 
-use super::world::{check, program, test};
+use super::world::{check, gpu_test, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
-    let mut all = vec![test("scale: batches do not grow with the ensemble", batches)];
+    let mut all = vec![
+        test("scale: batches of the CPU do not grow with the ensemble", || bounded(&Cpu::default())),
+        test("scale: batches that grow with the ensemble are noticed", grown),
+    ];
+    all.push(gpu_test("scale: batches of a GPU do not grow with the ensemble", || {
+        bounded(&Ensembles::on(Arc::new(Gpu::open()?)))
+    }));
     #[cfg(target_os = "linux")]
     all.push(test("scale: ten million members over a million steps begin in bounded memory and stop at once", begun));
     all
 }
 
-fn batches() -> Result<(), Failed> {
+/// Members of a batch are as many for a million sensors as for ten, and fit a memory.
+fn bounded(backend: &dyn Backend) -> Result<(), Failed> {
     let force = Sine { amplitude_m_s2: 1.0, frequency_hz: 1.0, offset_m_s2: 0.0 };
     let sensor = proofmass::sensor::Sensor { proof_mass: Some(duffing(30.0, 0.7)), ..everything() };
     let of = |members: u64| -> Job { job(sensor, members, &[1.0], force, Integrator::RungeKutta4 { substeps: 1 }) };
-    let [small, large] = [1_000_000, 10_000_000].map(|m| Cpu::default().batch_members(&of(m)));
-    let (small, large) = (small?, large?);
-    check(small == large && large <= 100_000, format!("{small} and {large} members per batch"))
+    let (small, large) = (backend.batch_members(&of(1_000_000))?, backend.batch_members(&of(10_000_000))?);
+    // Half a gigabyte of members: columns, state and flicker terms are some hundred numbers of four bytes.
+    check(small == large && large <= 1 << 20, format!("{small} and {large} members per batch"))
+}
+
+/// A backend that takes every ensemble whole.
+struct Whole;
+
+impl Backend for Whole {
+    fn machine(&self, job: &Job) -> Machine {
+        Cpu::default().machine(job)
+    }
+
+    fn batch_members(&self, job: &Job) -> proofmass::error::Result<u64> {
+        Ok(job.members)
+    }
+
+    fn run(&mut self, batch: &Batch<'_>) -> proofmass::error::Result<Ran> {
+        Cpu::default().run(batch)
+    }
+}
+
+fn grown() -> Result<(), Failed> {
+    check(bounded(&Whole).is_err(), "a backend without batches passes")
 }
 
 /// Most memory that a process has held, bytes.

@@ -50,6 +50,35 @@ pub fn near(what: &str, got: f64, expected: f64, tolerance: f64) -> Result<(), F
     check((got - expected).abs() <= tolerance, format!("{what}: got {got:e}, expected {expected:e} ± {tolerance:e}"))
 }
 
+/// Tests of this module: the helpers that every other test leans on fail where they must.
+pub fn tests() -> Vec<Trial> {
+    vec![test("world: `near` and `check` pass what holds and fail what does not, NaN included", helpers)]
+}
+
+fn helpers() -> Result<(), Failed> {
+    let (nan, infinity) = (f64::NAN, f64::INFINITY);
+    near("inside", 1.05, 1.0, 0.1)?;
+    near("on the edge", 1.5, 1.0, 0.5)?;
+    near("exact", 0.0, -0.0, 0.0)?;
+    check(true, "holds")?;
+    let refused = [
+        ("outside", near("", 1.2, 1.0, 0.1)),
+        ("outside, below", near("", 0.8, 1.0, 0.1)),
+        ("just outside", near("", 1.5f64.next_up(), 1.0, 0.5)),
+        ("got NaN", near("", nan, 1.0, 0.1)),
+        ("expected NaN", near("", 1.0, nan, 0.1)),
+        ("NaN met by NaN", near("", nan, nan, infinity)),
+        ("a tolerance of NaN", near("", 1.0, 1.0, nan)),
+        ("a negative tolerance", near("", 1.0, 1.0, -0.1)),
+        ("infinity met by infinity", near("", infinity, infinity, infinity)),
+        ("what does not hold", check(false, "")),
+    ];
+    match refused.iter().find(|(_, result)| result.is_ok()) {
+        Some((what, _)) => Err(format!("{what} passes").into()),
+        None => Ok(()),
+    }
+}
+
 /// The built program.
 pub fn program() -> std::process::Command {
     std::process::Command::new(env!("CARGO_BIN_EXE_proofmass"))
