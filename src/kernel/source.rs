@@ -7,7 +7,7 @@ mod mirror;
 pub mod terms;
 
 use super::cpu::sums::BOUND_M_S2;
-use super::flicker::{PLACE_MASK, RETAINED, SPREAD};
+use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::METHODS;
 use super::layout::state;
 use super::member::column;
@@ -67,8 +67,7 @@ fn constants() -> String {
     for method in METHODS {
         text += &format!("const {} = {}u;\n", method.wgsl.to_uppercase(), method.code());
     }
-    // The second as the shader has had it: one unit in the last place of an f32 above the host's.
-    let floats = [("RETAINED", RETAINED as f32), ("RENEWED", 0.929_873_5_f32), ("BOUND_M_S2", BOUND_M_S2)];
+    let floats = [("RETAINED", RETAINED as f32), ("RENEWED", RENEWED as f32), ("BOUND_M_S2", BOUND_M_S2)];
     for (name, value) in floats {
         text += &format!("const {name} = {value:?};\n");
     }
