@@ -8,7 +8,7 @@ use super::repair::{Cost, Repair, Row, Vibration};
 use crate::error::Result;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
-use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::error_law::{ErrorLaw, Growth};
 use crate::sensor::{Sense, Sensor, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -87,15 +87,15 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
     let force_noise = sensor.proof_mass.map_or(0.0, |p| p.force_noise_m_s_rts);
     let variance = |term: SensorTerm| {
         let coefficient = sensor.error(term);
-        let process = match term.law() {
-            ErrorLaw::Constant | ErrorLaw::Flicker(_) => Process::Constant(coefficient),
-            ErrorLaw::White(_) => Process::White(coefficient),
-            ErrorLaw::Walk(_) => Process::Walk(coefficient),
-            ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => return 0.0,
+        let (process, integrals) = match (term.law(), term.law().growth()) {
+            (ErrorLaw::Flicker(_), _) => (Process::Constant(coefficient), 0),
+            (_, Growth::OfAConstant(integrals)) => (Process::Constant(coefficient), integrals),
+            (_, Growth::OfWhiteNoise(integrals)) => (Process::White(coefficient), integrals),
+            (_, Growth::Other) => return 0.0,
         };
         match term.sense() {
-            Sense::Accelerometer => process.variance(2, time_s),
-            Sense::Gyro => process.variance(3, time_s) * STANDARD_GRAVITY_M_S2.powi(2),
+            Sense::Accelerometer => process.variance(2 + integrals, time_s),
+            Sense::Gyro => process.variance(3 + integrals, time_s) * STANDARD_GRAVITY_M_S2.powi(2),
         }
     };
     Process::White(force_noise).variance(2, time_s) + SensorTerm::ALL.into_iter().map(variance).sum::<f64>()

@@ -7,7 +7,7 @@ use crate::excitation::plan::Variation;
 use crate::excitation::{self, Waveform};
 use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
-use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::error_law::{ErrorLaw, Growth};
 use crate::sensor::source::Source;
 use crate::sensor::{SensorTerm, mechanics};
 use crate::statistics::quantity;
@@ -53,12 +53,13 @@ impl Expected {
             match law {
                 Law::Absent => {}
                 Law::None(why) => left_out.push(format!("{}: {why}", source.name())),
-                Law::Constant { mean, variance } => {
+                Law::Constant { mean, variance, integrals } => {
                     let moment = |t: f64, n: u32| {
-                        let unit = Process::Constant(1.0).variance_after_still_start(still_s, n, t);
-                        Moment { mean: mean * unit.sqrt(), variance: variance * unit }
+                        let unit = grown(integrals, still_s, n, t);
+                        Moment { mean: mean * unit, variance: variance * unit * unit }
                     };
-                    let levelled = if still_s > 0.0 { Moment { mean, variance } } else { Moment::default() };
+                    let found = if still_s > 0.0 { mean_of_still_start(integrals, still_s) } else { 0.0 };
+                    let levelled = Moment { mean: mean * found, variance: variance * found * found };
                     sources.push((source, chain(source, &time_s, moment, levelled)));
                 }
                 Law::Random(processes) => {
@@ -125,14 +126,34 @@ fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment, le
     time_s.iter().map(row).collect()
 }
 
+/// tⁿ/n!
+fn power(n: u32, time_s: f64) -> f64 {
+    Process::Constant(1.0).variance(n, time_s).sqrt()
+}
+
+/// A constant 1 that has been integrated `integrals` times since the beginning of the run, after `n` more from the end of the
+/// still start, which has taken off its mean: (T + t)ᵏ/k! less that mean, by powers of t.
+fn grown(integrals: u32, still_s: f64, n: u32, time_s: f64) -> f64 {
+    if still_s == 0.0 {
+        return power(n + integrals, time_s);
+    }
+    let whole: f64 = (0..=integrals).map(|i| power(integrals - i, still_s) * power(i + n, time_s)).sum();
+    whole - mean_of_still_start(integrals, still_s) * power(n, time_s)
+}
+
+/// Its mean over the still start.
+fn mean_of_still_start(integrals: u32, still_s: f64) -> f64 {
+    power(integrals, still_s) / f64::from(integrals + 1)
+}
+
 /// What kind of error a source is in this study.
 enum Law {
     /// Not there.
     Absent,
     /// There, without a closed form.
     None(&'static str),
-    /// A constant per member.
-    Constant { mean: f64, variance: f64 },
+    /// A constant per member, integrated so often.
+    Constant { mean: f64, variance: f64, integrals: u32 },
     /// Zero-mean processes.
     Random(Vec<Process>),
     /// A constant per member times the force to a power.
@@ -169,10 +190,6 @@ fn level(study: &Study, key: &Key) -> f64 {
 fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
-        ErrorLaw::Constant => {
-            let (mean, variance) = study.tolerances.moments(key);
-            Law::Constant { mean, variance }
-        }
         ErrorLaw::Proportional(power) => motion(study, key, power as usize),
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
@@ -188,6 +205,13 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             }
         }
         ErrorLaw::FullScale => Law::None("it acts only beyond full scale"),
+        law => match law.growth() {
+            Growth::OfAConstant(integrals) => {
+                let (mean, variance) = study.tolerances.moments(key);
+                Law::Constant { mean, variance, integrals }
+            }
+            Growth::OfWhiteNoise(_) | Growth::Other => Law::None("theory has no closed form for it"),
+        },
     }
 }
 
@@ -269,5 +293,23 @@ impl Motion {
             }
         }
         Self { integrals }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp from the beginning of a still start of T is T/2 + t from its end on, less what it was in the mean.
+    #[test]
+    fn a_ramp_after_a_still_start_is_what_the_start_has_not_taken_off() {
+        let (still_s, t) = (10.0, 7.0f64);
+        for (n, want) in [(0, 5.0 + t), (1, 5.0 * t + t * t / 2.0), (2, 2.5 * t * t + t.powi(3) / 6.0)] {
+            assert!((grown(1, still_s, n, t) / want - 1.0).abs() < 1e-12, "{n}");
+            // Without a start it is the ramp alone; a constant is taken off whole.
+            assert!((grown(1, 0.0, n, t) / power(n + 1, t) - 1.0).abs() < 1e-12);
+            assert_eq!(grown(0, still_s, n, t), 0.0);
+        }
+        assert_eq!((mean_of_still_start(0, still_s), mean_of_still_start(1, still_s)), (1.0, 5.0));
     }
 }

@@ -24,6 +24,17 @@ pub enum ErrorLaw {
     FullScale,
 }
 
+/// How an error follows from the simplest ones, by integrals over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Growth {
+    /// A constant, integrated so often.
+    OfAConstant(u32),
+    /// White noise, integrated so often.
+    OfWhiteNoise(u32),
+    /// Neither.
+    Other,
+}
+
 /// Stands for "no limit" in the kernels: f32 arithmetic on it must not overflow into NaN.
 pub const NO_LIMIT: f64 = 1e30;
 
@@ -49,14 +60,23 @@ impl ErrorLaw {
         }
     }
 
+    /// What it is an integral of, where theory has a closed form for it.
+    pub fn growth(self) -> Growth {
+        match self {
+            Self::Constant => Growth::OfAConstant(0),
+            Self::White(_) => Growth::OfWhiteNoise(0),
+            Self::Walk(_) => Growth::OfWhiteNoise(1),
+            Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => Growth::Other,
+        }
+    }
+
     /// The power of time by which an accelerometer's position error grows, where it is one power; a gyro's, which acts
     /// through tilt and gravity, grows by one more.
     pub fn position_exponent(self) -> Option<f64> {
-        match self {
-            Self::White(_) => Some(1.5),
-            Self::Constant => Some(2.0),
-            Self::Walk(_) => Some(2.5),
-            Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => None,
+        match self.growth() {
+            Growth::OfAConstant(integrals) => Some(2.0 + f64::from(integrals)),
+            Growth::OfWhiteNoise(integrals) => Some(1.5 + f64::from(integrals)),
+            Growth::Other => None,
         }
     }
 

@@ -41,6 +41,16 @@ impl<T: Real> State<T> {
     }
 }
 
+/// The WGSL of a law; none for those that act on the reading as a whole, which the shader itself has.
+pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
+    match law {
+        ErrorLaw::White(_) => Some(&WHITE),
+        ErrorLaw::Flicker(_) => Some(&flicker::FLICKER),
+        ErrorLaw::Walk(_) => Some(&WALK),
+        ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
+    }
+}
+
 /// Adds one term to consecutive samples; laws that act on the reading as a whole are added elsewhere.
 pub(super) fn add<T: Real>(
     term: SensorTerm,

@@ -4,21 +4,12 @@
 //! The text of a law stands beside its CPU code, in `cpu::reading` and `cpu::flicker`. Laws that act on the reading as a
 //! whole (constants, proportional errors, rounding, full scale) are written in the shader itself.
 
-use crate::kernel::cpu::{flicker, reading};
+use crate::kernel::cpu::reading;
 use crate::kernel::fragment::Fragment;
 use crate::kernel::layout::state;
 use crate::kernel::member::column;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
-
-fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
-    match law {
-        ErrorLaw::White(_) => Some(&reading::WHITE),
-        ErrorLaw::Flicker(_) => Some(&flicker::FLICKER),
-        ErrorLaw::Walk(_) => Some(&reading::WALK),
-        ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
-    }
-}
 
 /// Name of a term in WGSL: VELOCITY_RANDOM_WALK.
 pub fn name(term: SensorTerm) -> String {
@@ -74,7 +65,7 @@ pub fn expand(text: &str) -> String {
             _ => true,
         };
         for term in SensorTerm::ALL.into_iter().filter(of_line) {
-            if let Some(fragment) = fragment(term.law()) {
+            if let Some(fragment) = reading::fragment(term.law()) {
                 out += &named(pick(fragment), term);
             }
         }

@@ -64,7 +64,7 @@ pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
             ErrorLaw::White(_) => Term::White,
             ErrorLaw::Flicker(_) => Term::Flicker,
             ErrorLaw::Walk(_) => Term::Walk,
-            ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => return None,
+            _ => return None,
         };
         Some((estimated, term.row().keys.iter().find(|key| !key.one_sided)?))
     };
