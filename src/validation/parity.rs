@@ -4,7 +4,7 @@ use super::jobs::{Place, Sine, job, masses};
 use super::row::Row;
 use crate::error::Result;
 use crate::kernel::job::Job;
-use crate::sensor::{Gyro, Sensor};
+use crate::sensor::Sensor;
 use crate::statistics::Statistics;
 use crate::units::{DEGREE_PER_HOUR, MICRO_G, MILLI_G};
 
@@ -46,12 +46,11 @@ pub fn everything() -> Sensor {
     a.acceleration_random_walk_m_s2_rts = 10.0 * MICRO_G;
     a.quantisation_m_s2 = 0.5 * MILLI_G;
     a.range_m_s2 = 4.9;
-    sensor.gyro = Gyro {
-        bias_rad_s: 5.0 * DEGREE_PER_HOUR,
-        angle_random_walk_rad_rts: 1e-4,
-        bias_instability_rad_s: 10.0 * DEGREE_PER_HOUR,
-        rate_random_walk_rad_s_rts: 1e-5,
-    };
+    let g = &mut sensor.gyro;
+    g.bias_rad_s = 5.0 * DEGREE_PER_HOUR;
+    g.angle_random_walk_rad_rts = 1e-4;
+    g.bias_instability_rad_s = 10.0 * DEGREE_PER_HOUR;
+    g.rate_random_walk_rad_s_rts = 1e-5;
     sensor
 }
 

@@ -5,8 +5,9 @@ use proofmass::backend::cpu::Cpu;
 use proofmass::backend::gpu::Gpu;
 use proofmass::ensemble::{Options, run_on};
 use proofmass::kernel::cpu::lanes::Level;
+use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
-use proofmass::sensor::Sensor;
+use proofmass::sensor::{Sensor, SensorTerm};
 use proofmass::validation::jobs::{Place, Sine, job, masses};
 use proofmass::validation::{closed_form, parity};
 
@@ -16,6 +17,8 @@ use super::world::{check, gpu_test, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
+        test("sensor terms: each alone makes an error on the CPU, and none makes none", || acts(&mut Place::cpu())),
+        gpu_test("sensor terms: each alone makes an error on a GPU, and none makes none", || acts(&mut Place::gpu()?)),
         gpu_test("parity: percentiles of every integrator, CPU and GPU", || {
             all_hold(&parity::rows(&mut Place::gpu()?)?)
         }),
@@ -29,6 +32,21 @@ pub fn tests() -> Vec<Trial> {
             check(got[1] == 1.0, format!("the compensated sum lost it: {got:?}"))
         }),
     ]
+}
+
+/// A row of the table that no kernel takes up would be read, drawn and silently left out.
+fn acts(place: &mut Place) -> Result<(), Failed> {
+    let force = Sine { amplitude_m_s2: 20.0, frequency_hz: 3.0, offset_m_s2: 1.0 };
+    let mut largest = |sensor: Sensor| -> Result<f64, Failed> {
+        let statistics = place.run(&job(sensor, 256, &[0.5], force, Integrator::Ideal))?;
+        Ok(statistics.at.iter().flatten().map(|s| s.mean.abs().max(s.sd)).fold(0.0, f64::max))
+    };
+    for term in SensorTerm::ALL {
+        let error = largest(Sensor::default().with_error(term, 0.3))?;
+        check(error > 1e-4, format!("{term:?} of 0.3 makes an error of {error}"))?;
+    }
+    let error = largest(Sensor::default())?;
+    check(error == 0.0, format!("no term at all makes an error of {error}"))
 }
 
 /// Without fused multiply-add the last bits differ, percentiles do not: every integrator, every error on.

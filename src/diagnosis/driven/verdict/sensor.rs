@@ -10,7 +10,7 @@ use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
 use crate::physics::law::Noise;
 use crate::physics::library::Term;
-use crate::sensor::{Accelerometer, Gyro, ProofMass, Sensor};
+use crate::sensor::{Accelerometer, ProofMass, Sensor};
 
 /// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an input, one unit of
 /// output as 1 m.
@@ -65,14 +65,8 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration by ω₀²/G.
     let to_acceleration = omega * omega / gain.abs();
     let mut accelerometer = Accelerometer {
-        bias_m_s2: 0.0,
-        scale_factor: 0.0,
-        k2_per_m_s2: 0.0,
         velocity_random_walk_m_s_rts: readout * to_acceleration * data.interval_s().sqrt(),
-        bias_instability_m_s2: 0.0,
-        acceleration_random_walk_m_s2_rts: 0.0,
-        quantisation_m_s2: 0.0,
-        range_m_s2: f64::INFINITY,
+        ..Accelerometer::default()
     };
     for (i, term) in fit.shape.terms.iter().enumerate() {
         let p = fit.shape.of(i, &fit.point);
@@ -104,13 +98,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
             },
         }
     }
-    let gyro = Gyro {
-        bias_rad_s: 0.0,
-        angle_random_walk_rad_rts: 0.0,
-        bias_instability_rad_s: 0.0,
-        rate_random_walk_rad_s_rts: 0.0,
-    };
-    Sensor { proof_mass: Some(mass), accelerometer, gyro, excitation_gain: 1.0 }
+    Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
 }
 
 /// Within its interval a damping may come out below zero; a study takes none that drives.
