@@ -18,6 +18,8 @@ pub enum ErrorLaw {
     Flicker(Stream),
     /// Random walk K, unit/√s, from zero.
     Walk(Stream),
+    /// A straight line in time with slope R (IEEE 952), unit/s, from zero.
+    Ramp,
     /// Rounding to steps of this size, unit.
     Rounding,
     /// Full scale: the largest magnitude of a reading, unit.
@@ -57,6 +59,7 @@ impl ErrorLaw {
             Self::Walk(_) => 4,
             Self::Rounding => 5,
             Self::FullScale => 6,
+            Self::Ramp => 7,
         }
     }
 
@@ -64,6 +67,7 @@ impl ErrorLaw {
     pub fn growth(self) -> Growth {
         match self {
             Self::Constant => Growth::OfAConstant(0),
+            Self::Ramp => Growth::OfAConstant(1),
             Self::White(_) => Growth::OfWhiteNoise(0),
             Self::Walk(_) => Growth::OfWhiteNoise(1),
             Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => Growth::Other,
@@ -86,11 +90,12 @@ impl ErrorLaw {
         matches!(self, Self::Rounding | Self::FullScale)
     }
 
-    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, the others as they are.
+    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, the others as they are.
     pub fn per_sample(self, coefficient: f64, sample_s: f64) -> f64 {
         match self {
             Self::White(_) => coefficient / sample_s.sqrt(),
             Self::Walk(_) => coefficient * sample_s.sqrt(),
+            Self::Ramp => coefficient * sample_s,
             Self::FullScale => coefficient.min(NO_LIMIT),
             Self::Constant | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding => coefficient,
         }

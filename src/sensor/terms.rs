@@ -186,6 +186,12 @@ sensor_terms! {
             law: ErrorLaw::Walk(Stream::AccelerometerWalk),
             keys: &[Key::new(19, "accelerometer.acceleration_random_walk_ug_rts", "acceleration random walk K", "µg/√s", MICRO_G, NotNegative)],
         };
+        /// Acceleration ramp R, m/s³.
+        ramp_m_s3: AccelerationRamp = Row {
+            name: "acceleration ramp",
+            law: ErrorLaw::Ramp,
+            keys: &[Key::new(29, "accelerometer.acceleration_ramp_mg_h", "acceleration ramp R", "mg/h", MILLI_G / 3600.0, Any)],
+        };
         /// Quantisation step of the reading, m/s².
         quantisation_m_s2: Quantisation = Row {
             name: "quantisation",
@@ -227,6 +233,12 @@ sensor_terms! {
             name: "rate random walk",
             law: ErrorLaw::Walk(Stream::GyroWalk),
             keys: &[Key::new(25, "gyro.rate_random_walk_deg_h_rth", "rate random walk K", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR, NotNegative)],
+        };
+        /// Rate ramp R, rad/s².
+        ramp_rad_s2: RateRamp = Row {
+            name: "rate ramp",
+            law: ErrorLaw::Ramp,
+            keys: &[Key::new(30, "gyro.rate_ramp_deg_h_h", "rate ramp R", "°/h/h", DEGREE_PER_HOUR / 3600.0, Any)],
         };
     }
 }

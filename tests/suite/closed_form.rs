@@ -34,6 +34,12 @@ const CASES: &[Case] = &[
     ("acceleration random walk", "[accelerometer]\nacceleration_random_walk_ug_rts = 50.0", |t| {
         50e-6 * G * t.powf(2.5) / 20f64.sqrt()
     }),
+    // R t³/6; 1 mg/h = 2.7241e-6 m/s³
+    ("acceleration ramp", "[accelerometer]\nacceleration_ramp_mg_h = { mean = 0.0, sd = 100.0 }", |t| {
+        2.724_069_4e-4 * t.powi(3) / 6.0
+    }),
+    // g R t⁴/24; 1 °/h/h = 1.3467e-9 rad/s²
+    ("rate ramp", "[gyro]\nrate_ramp_deg_h_h = { mean = 0.0, sd = 1000.0 }", |t| G * 1.346_704_7e-6 * t.powi(4) / 24.0),
     // s × the true displacement of a force 2 sin 2πt: (2/ω)(t − sin ωt/ω), whole periods
     (
         "scale factor",

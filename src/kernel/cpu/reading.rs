@@ -47,6 +47,7 @@ pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::White(_) => Some(&WHITE),
         ErrorLaw::Flicker(_) => Some(&flicker::FLICKER),
         ErrorLaw::Walk(_) => Some(&WALK),
+        ErrorLaw::Ramp => Some(&RAMP),
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
     }
 }
@@ -70,6 +71,7 @@ pub(super) fn add<T: Real>(
         ErrorLaw::Flicker(stream) => {
             flicker::add(numbers, stream, &mut state.flickers[term.rank()], amplitudes, scale, out);
         }
+        ErrorLaw::Ramp => level.run(AddRamp { scale, first: numbers.from, out }),
         // In `oscillator` with the reading itself, and in `Limit`.
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
     }
@@ -169,6 +171,42 @@ impl<T: Real> Kernel for AddWalk<'_, T> {
             for l in 0..LANES {
                 self.walk[l] = fma::<T, FMA>(self.scale[l], number[l], self.walk[l]);
                 out[l] = out[l] + self.walk[l];
+            }
+        }
+    }
+}
+
+/// A straight line in the shader.
+pub const RAMP: Fragment = Fragment {
+    begin: "
+    let $term_slope = column(i, $TERM);
+",
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_slope, f32(n) + 0.5, $out);
+                }
+",
+    end: "",
+};
+
+/// A straight line in time: what it is in the middle of each sample, so that its integral is exact.
+struct AddRamp<'a, T> {
+    /// What it grows by in one sample.
+    scale: &'a Lane<T>,
+    /// Number of the first of the samples.
+    first: u64,
+    out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for AddRamp<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (i, out) in self.out.iter_mut().enumerate() {
+            let time = T::of((self.first + i as u64) as f64) + T::of(0.5);
+            for l in 0..LANES {
+                out[l] = fma::<T, FMA>(self.scale[l], time, out[l]);
             }
         }
     }
