@@ -5,6 +5,7 @@ use proofmass::backend::cpu::{Cpu, Precision};
 use proofmass::backend::orbits::{Device, explore_on};
 use proofmass::backend::{Backend, Batch};
 use proofmass::benchmark::{DIFFUSION, LORENZ, diffusion, duffing, lorenz, work};
+use proofmass::control::Control;
 use proofmass::kernel::cpu::lanes::Level;
 
 fn unit(criterion: &mut Criterion) {
@@ -42,7 +43,9 @@ fn yardsticks(criterion: &mut Criterion) {
     group.bench_function(DIFFUSION, |b| b.iter(|| diffusion::run::<f32>(level)));
     let (points, plan) = work::orbits(8192);
     group.throughput(Throughput::Elements(work::orbit_steps(points.len(), &plan) as u64));
-    group.bench_function("Lyapunov map", |b| b.iter(|| explore_on(Device::Cpu, &points, &plan).is_ok()));
+    group.bench_function("Lyapunov map", |b| {
+        b.iter(|| explore_on(Device::Cpu, &points, &plan, &Control::silent()).is_ok())
+    });
     group.finish();
 }
 

@@ -35,9 +35,9 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// Members of a job from their beginning, without bins, until the user asks to stop.
+    /// Members of a job from their beginning to the end, without bins.
     pub fn whole(job: &'a Job, members: Range<u64>) -> Self {
-        Self { job, members, bins: &[], resume: None, stop: &crate::progress::interrupted, progress: &|_| () }
+        Self { job, members, bins: &[], resume: None, stop: &|| false, progress: &|_| () }
     }
 }
 

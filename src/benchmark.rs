@@ -9,11 +9,11 @@ use crate::backend::gpu::Gpu;
 use crate::backend::gpu::peak::multiply_adds;
 use crate::backend::orbits::{Device, explore_on};
 use crate::backend::{Backend, Batch};
+use crate::control::{Control, Progress};
 use crate::error::Result;
 use crate::kernel::cpu::lanes::Level;
 use crate::kernel::job::Job;
 use crate::numerics::elementary::Real;
-use crate::progress;
 
 pub mod diffusion;
 pub mod duffing;
@@ -47,8 +47,15 @@ const MAP: &str = "Lyapunov map: orbit and tangent by Runge-Kutta";
 const STEPS: &str = "member-steps";
 
 /// A row of work that cannot fail.
-fn timed<O>(work: &str, precision: &str, members: usize, units: f64, run: impl Fn() -> O) -> Result<Row> {
-    row(work, precision, members as u64, units, STEPS, || {
+fn timed<O>(
+    control: &Control,
+    work: &str,
+    precision: &str,
+    members: usize,
+    units: f64,
+    run: impl Fn() -> O,
+) -> Result<Row> {
+    row(control, work, precision, members as u64, units, STEPS, || {
         std::hint::black_box(run());
         Ok(())
     })
@@ -64,11 +71,11 @@ fn share(rows: &mut [Row]) {
 }
 
 /// The machine's peak, and kernels alone: no members drawn, nothing summed up.
-fn kernels<T: Real>() -> Result<Vec<Row>> {
+fn kernels<T: Real>(control: &Control) -> Result<Vec<Row>> {
     let mut best: Option<Row> = None;
     for work in [peak::multiply_adds::<T, 1>, peak::multiply_adds::<T, 2>, peak::multiply_adds::<T, 3>] {
         let mut done = 0.0;
-        let mut measured = row(PEAK, T::NAME, 0, 1.0, "multiply-adds", || {
+        let mut measured = row(control, PEAK, T::NAME, 0, 1.0, "multiply-adds", || {
             done = work();
             Ok(())
         })?;
@@ -80,41 +87,42 @@ fn kernels<T: Real>() -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = best.into_iter().collect();
     let (problem, level) = (duffing::Problem::<T>::new(), Level::best());
     let (members, steps) = (duffing::MEMBERS, (duffing::MEMBERS * duffing::STEPS) as f64);
-    let quiet = timed("Duffing, Runge-Kutta 4", T::NAME, members, steps, || problem.run(false, level))?;
+    let quiet = timed(control, "Duffing, Runge-Kutta 4", T::NAME, members, steps, || problem.run(false, level))?;
     rows.push(quiet.counted(operations::DUFFING));
     let name = "Duffing, Runge-Kutta 4, one normal number a step";
-    let noisy = timed(name, T::NAME, members, steps, || problem.run(true, level))?;
+    let noisy = timed(control, name, T::NAME, members, steps, || problem.run(true, level))?;
     // Beside the step and its number: the force noise added thrice, and its deviation.
     rows.push(noisy.counted(operations::DUFFING + 4.0 + operations::normal::<T>()));
-    let numbers = timed(NORMAL, T::NAME, members, steps, || normal::run::<T>(level))?;
+    let numbers = timed(control, NORMAL, T::NAME, members, steps, || normal::run::<T>(level))?;
     rows.push(numbers.counted(operations::normal::<T>()));
     let (members, steps) = (lorenz::MEMBERS, (lorenz::MEMBERS * lorenz::STEPS) as f64);
-    rows.push(timed(LORENZ, T::NAME, members, steps, || lorenz::run::<T>(level))?.counted(operations::LORENZ));
+    rows.push(timed(control, LORENZ, T::NAME, members, steps, || lorenz::run::<T>(level))?.counted(operations::LORENZ));
     let (members, steps) = (diffusion::MEMBERS, (diffusion::MEMBERS * diffusion::STEPS) as f64);
-    let paths = timed(DIFFUSION, T::NAME, members, steps, || diffusion::run::<T>(level))?;
+    let paths = timed(control, DIFFUSION, T::NAME, members, steps, || diffusion::run::<T>(level))?;
     rows.push(paths.counted(operations::diffusion::<T>()));
     Ok(rows)
 }
 
 /// A Lyapunov map, loading and reading of the points included.
-fn map(place: &str, device: Device<'_>, points: usize) -> Result<Row> {
+fn map(control: &Control, place: &str, device: Device<'_>, points: usize) -> Result<Row> {
     let (points, plan) = work::orbits(points);
     let steps = work::orbit_steps(points.len(), &plan);
-    let measured =
-        row(MAP, f32::NAME, points.len() as u64, steps, STEPS, || explore_on(device, &points, &plan).map(drop))?;
+    let measured = row(control, MAP, f32::NAME, points.len() as u64, steps, STEPS, || {
+        explore_on(device, &points, &plan, control).map(drop)
+    })?;
     Ok(Row { place: place.to_owned(), ..measured.counted(operations::LYAPUNOV) })
 }
 
 /// A job on a backend from end to end: members drawn, integrated in batches, summed up.
-fn ensemble(name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Result<Row> {
+fn ensemble(control: &Control, name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Result<Row> {
     let size = backend.batch_members(job)?;
     let precision = backend.machine(job).precision;
-    let mut measured = row(name, &precision, job.members, job.member_steps() as f64, STEPS, || {
+    let mut measured = row(control, name, &precision, job.members, job.member_steps() as f64, STEPS, || {
         let mut from = 0;
-        while from < job.members && !progress::interrupted() {
+        while from < job.members && !control.cancelled() {
             let members = from..job.members.min(from + size);
             from = members.end;
-            backend.run(&Batch::whole(job, members))?;
+            backend.run(&Batch { stop: &|| control.cancelled(), ..Batch::whole(job, members) })?;
         }
         Ok(())
     })?;
@@ -122,19 +130,19 @@ fn ensemble(name: &str, place: &str, backend: &mut dyn Backend, job: &Job) -> Re
     Ok(measured)
 }
 
-/// All measurements on the CPU.
+/// All measurements on the CPU; `progress` is told which is next.
 ///
 /// # Errors
-/// Ctrl-C.
-pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
-    told("kernels");
-    let mut rows = kernels::<f32>()?;
-    rows.extend(kernels::<f64>()?);
-    told("a plain loop");
+/// Stopped.
+pub fn cpu(control: &Control, progress: &Progress) -> Result<Vec<Row>> {
+    progress.rename("kernels");
+    let mut rows = kernels::<f32>(control)?;
+    rows.extend(kernels::<f64>(control)?);
+    progress.rename("a plain loop");
     let plain = "the noisy Duffing unit as a plain loop, one member at a time";
-    rows.push(timed(plain, f64::NAME, 512, (512 * duffing::STEPS) as f64, || scalar::duffing(512))?);
-    told(MAP);
-    rows.push(map("cpu", Device::Cpu, 8192)?);
+    rows.push(timed(control, plain, f64::NAME, 512, (512 * duffing::STEPS) as f64, || scalar::duffing(512))?);
+    progress.rename(MAP);
+    rows.push(map(control, "cpu", Device::Cpu, 8192)?);
     for precision in [Precision::F32, Precision::F64] {
         let mut cpu = Cpu { precision, ..Cpu::default() };
         let (instructions, bytes) = match precision {
@@ -142,57 +150,57 @@ pub fn cpu(mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
             Precision::F64 => (operations::full::<f64>(), operations::full_bytes::<f64>(cpu.tile_samples)),
         };
         for (name, job) in work::ensembles(8192) {
-            told(name);
-            let mut measured = ensemble(name, "cpu", &mut cpu, &job)?;
+            progress.rename(name);
+            let mut measured = ensemble(control, name, "cpu", &mut cpu, &job)?;
             if name == FULL {
                 (measured.instructions, measured.bytes) = (Some(instructions), Some(bytes));
             }
             rows.push(measured);
         }
-        told(NOISELESS);
-        rows.push(ensemble(NOISELESS, "cpu", &mut cpu, &work::noiseless(8192))?);
+        progress.rename(NOISELESS);
+        rows.push(ensemble(control, NOISELESS, "cpu", &mut cpu, &work::noiseless(8192))?);
     }
     let mut cpu = Cpu::default();
     for members in work::SIZES {
-        told(&format!("{members} members"));
-        rows.push(ensemble(work::SIZED, "cpu", &mut cpu, &work::full(members))?);
+        progress.rename(&format!("{members} members"));
+        rows.push(ensemble(control, work::SIZED, "cpu", &mut cpu, &work::full(members))?);
     }
     for samples in work::LENGTHS {
-        told(&format!("{samples} steps"));
+        progress.rename(&format!("{samples} steps"));
         let name = format!("{}: {samples} steps", work::SCALED);
-        rows.push(ensemble(&name, "cpu", &mut cpu, &work::long(8192, samples))?);
+        rows.push(ensemble(control, &name, "cpu", &mut cpu, &work::long(8192, samples))?);
     }
     share(&mut rows);
     Ok(rows)
 }
 
-/// The device's peak, a map and the ensembles.
+/// The device's peak, a map and the ensembles; `progress` is told which is next.
 ///
 /// # Errors
-/// As the device; Ctrl-C.
-pub fn gpu(device: &Gpu, backend: &mut dyn Backend, mut told: impl FnMut(&str)) -> Result<Vec<Row>> {
+/// As the device; stopped.
+pub fn gpu(device: &Gpu, backend: &mut dyn Backend, control: &Control, progress: &Progress) -> Result<Vec<Row>> {
     let (name, hardware) = (&device.adapter.name, device.adapter.hardware);
-    told(PEAK);
+    progress.rename(PEAK);
     let mut done = 0.0;
-    let mut peak = row(PEAK, f32::NAME, 0, 1.0, "multiply-adds", || {
+    let mut peak = row(control, PEAK, f32::NAME, 0, 1.0, "multiply-adds", || {
         done = multiply_adds(device)?;
         Ok(())
     })?;
     (peak.per_second, peak.place) = (done / peak.seconds, name.clone());
     // A card is full at a million members; a software adapter at a few thousand.
     let many = if hardware { 1 << 20 } else { 8192 };
-    told(MAP);
-    let mut rows = vec![peak, map(name, Device::Gpu(device), many)?];
+    progress.rename(MAP);
+    let mut rows = vec![peak, map(control, name, Device::Gpu(device), many)?];
     for (what, job) in work::ensembles(many as u64) {
-        told(what);
-        let mut measured = ensemble(what, name, backend, &job)?;
+        progress.rename(what);
+        let mut measured = ensemble(control, what, name, backend, &job)?;
         measured.instructions = (what == FULL).then_some(operations::FULL_GPU);
         rows.push(measured);
     }
     // Ten million on a software adapter would only take long.
     for members in work::SIZES.into_iter().filter(|m| hardware || *m <= 1 << 20) {
-        told(&format!("{members} members"));
-        rows.push(ensemble(work::SIZED, name, backend, &work::full(members))?);
+        progress.rename(&format!("{members} members"));
+        rows.push(ensemble(control, work::SIZED, name, backend, &work::full(members))?);
     }
     share(&mut rows);
     Ok(rows)

@@ -5,7 +5,7 @@ use std::io::Write;
 use clap::{Parser, Subcommand};
 
 use crate::error::{Error, Kind, Result};
-use crate::progress;
+use crate::signal;
 
 pub mod adapters;
 pub mod allan;
@@ -99,7 +99,7 @@ pub fn not_understood(error: clap::Error) -> Error {
 pub fn exit_code(error: &Error) -> u8 {
     match error.kind {
         Kind::Failed => 2,
-        Kind::Interrupted => progress::stopped_by().map_or(130, progress::Signal::exit_code),
+        Kind::Interrupted => signal::stopped_by().map_or(130, signal::Signal::exit_code),
     }
 }
 
@@ -108,7 +108,7 @@ pub fn exit_code(error: &Error) -> u8 {
 /// # Errors
 /// Whatever stopped the work, as attempt, cause and hint.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    progress::listen_for_interrupt();
+    signal::listen_for_interrupt();
     let json = arguments.json;
     match &arguments.command {
         None => study::run_default(json),

@@ -20,6 +20,7 @@ pub mod standing;
 pub mod tumble;
 pub mod verdict;
 
+use crate::control::Control;
 use crate::error::Result;
 use crate::recording::Recording;
 
@@ -30,12 +31,12 @@ use model::Model;
 /// Diagnoses a recording by the kind its model states.
 ///
 /// # Errors
-/// When the recording cannot be judged at all (columns missing, too few samples); what can be survived stands in
+/// When the recording cannot be judged at all (columns missing, too few samples), or when stopped; what can be survived is in
 /// `Answer::findings` instead.
-pub fn diagnose(recording: &Recording, model: &Model) -> Result<Answer> {
+pub fn diagnose(recording: &Recording, model: &Model, control: &Control) -> Result<Answer> {
     match model {
-        Model::Driven(model) => driven::diagnose(recording, model),
-        Model::Static(model) => rest::diagnose(recording, model),
+        Model::Driven(model) => driven::diagnose(recording, model, control),
+        Model::Static(model) => rest::diagnose(recording, model, control),
         Model::Tumble(model) => tumble::diagnose(recording, model),
     }
 }

@@ -5,13 +5,11 @@
 
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
-
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::{Backend, Batch, Partial, Ran};
+use crate::control::{Control, Progress};
 use crate::error::Result;
 use crate::kernel::job::{Clock, Job};
-use crate::progress;
 use crate::statistics::{Bins, Moments, Statistics, Summary};
 
 mod backends;
@@ -35,8 +33,8 @@ pub struct Options {
     pub precision: Precision,
     /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
     pub batch_members: Option<u64>,
-    /// No progress bar.
-    pub quiet: bool,
+    /// Who watches and may stop.
+    pub control: Control,
 }
 
 /// Integrates an ensemble and sums it up.
@@ -101,10 +99,7 @@ pub fn run_or_fall_back(
         }
         let reason = format!("{} failed: {}", device.machine(job).name, error.cause);
         let done = keeper.part().next_member;
-        progress::remark(
-            &ProgressBar::hidden(),
-            &format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members),
-        );
+        options.control.remark(&format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members));
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
         integrate(job, &mut cpu, Some(&reason), options, keeper)?;
     }
@@ -120,31 +115,33 @@ fn integrate(
     keeper: &mut Keeper,
 ) -> Result<()> {
     let samples = job.clock.samples;
-    let bar = if options.quiet {
-        ProgressBar::hidden()
-    } else {
-        progress::bar("simulating", (job.members + PILOT.min(job.members)).saturating_mul(samples))
-    };
+    let length = (job.members + PILOT.min(job.members)).saturating_mul(samples);
+    let watched = Watched { control: &options.control, progress: options.control.stage("simulating", length) };
     if keeper.part().bins.is_empty() {
         // Always on the CPU: the same for every backend of the same precision.
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &bar)?;
+        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &watched)?;
         keeper.part_mut().set_bins(partials.iter().map(bins).collect());
     }
     let machine = backend.machine(job);
     let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
     loop {
         let from = keeper.part().next_member;
-        bar.set_position((from + PILOT.min(job.members)).saturating_mul(samples));
+        watched.progress.set((from + PILOT.min(job.members)).saturating_mul(samples));
         if from >= job.members {
             break;
         }
-        let partials = batch(job, backend, size, keeper, &bar)?;
+        let partials = batch(job, backend, size, keeper, &watched)?;
         keeper.part_mut().add(&partials, job, &machine, reason);
-        keeper.keep_if_due(&bar);
+        keeper.keep_if_due(&options.control);
     }
-    bar.finish_and_clear();
     Ok(())
+}
+
+/// Who watches a run, and how far it has come.
+struct Watched<'a> {
+    control: &'a Control,
+    progress: Progress,
 }
 
 /// The next `size` members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
@@ -153,33 +150,25 @@ fn batch(
     backend: &mut dyn Backend,
     size: u64,
     keeper: &mut Keeper,
-    bar: &ProgressBar,
+    watched: &Watched<'_>,
 ) -> Result<Vec<Partial>> {
+    let Watched { control, progress } = watched;
     let machine = backend.machine(job);
     let bins = keeper.part().bins.clone();
     let from = keeper.part().next_member;
     let mut members = from..job.members.min(from.saturating_add(size));
     if let Some(unfinished) = keeper.part().under_way(&machine) {
         members = unfinished.members.clone();
-        bar.inc(unfinished.samples * (members.end - members.start));
+        progress.add(unfinished.samples * (members.end - members.start));
     }
     loop {
-        if progress::interrupted() {
-            bar.abandon();
-            return Err(keeper.stopped());
-        }
+        control.go_on().map_err(|s| keeper.stopped(s))?;
         let begun = Instant::now();
-        let stop = || progress::interrupted() || keeper.is_due_within(begun);
+        let stop = || control.cancelled() || keeper.is_due_within(begun);
         let resume = keeper.part().under_way(&machine);
-        let progress = |done| bar.inc(done);
-        let ran = backend.run(&Batch {
-            job,
-            members: members.clone(),
-            bins: &bins,
-            resume,
-            stop: &stop,
-            progress: &progress,
-        });
+        let done = |samples| progress.add(samples);
+        let ran =
+            backend.run(&Batch { job, members: members.clone(), bins: &bins, resume, stop: &stop, progress: &done });
         match ran? {
             Ran::Whole(partials) => {
                 keeper.part_mut().set_under_way(None);
@@ -187,7 +176,7 @@ fn batch(
             }
             Ran::Part(unfinished) => {
                 keeper.part_mut().set_under_way(Some((machine.clone(), unfinished)));
-                keeper.keep_if_due(bar);
+                keeper.keep_if_due(control);
             }
         }
     }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use crate::progress;
+use crate::signal;
 
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -61,7 +61,7 @@ impl Error {
 
     /// The run was stopped by Ctrl-C or another signal; `hint` says how to continue it.
     pub fn interrupted(attempt: impl Into<String>, hint: impl Into<String>) -> Self {
-        let by = progress::stopped_by().map_or("Ctrl-C", progress::Signal::name);
+        let by = signal::stopped_by().map_or("Ctrl-C", signal::Signal::name);
         Self { kind: Kind::Interrupted, ..Self::new(attempt, format!("stopped by {by}"), hint) }
     }
 

@@ -14,7 +14,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `progress` `error` `document` `output` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `output` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `dynamics` | the physics, one idea each |
@@ -33,6 +33,7 @@
 pub mod backend;
 pub mod benchmark;
 pub mod cli;
+pub mod control;
 pub mod diagnosis;
 pub mod document;
 pub mod drift;
@@ -55,6 +56,7 @@ pub mod recording;
 pub mod report;
 pub mod rng;
 pub mod sensor;
+pub mod signal;
 pub mod statistics;
 pub mod study;
 pub mod trial;

@@ -8,10 +8,10 @@ pub mod document;
 pub mod grid;
 
 use crate::backend::orbits::Device;
+use crate::control::{Control, Stopped};
 use crate::dynamics::bifurcation::{Sweep, sweep};
 use crate::error::Result;
 use crate::parallel;
-use crate::progress;
 use document::{Diagram, Document};
 use grid::Grid;
 
@@ -63,14 +63,14 @@ impl Bifurcation {
 ///
 /// # Errors
 /// When the device fails or Ctrl-C stops it.
-pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
+pub fn compute(document: Document, device: Device<'_>, control: &Control) -> Result<Atlas> {
     let rows: u64 = document.map.iter().map(|m| u64::from(m.y.points)).sum();
-    let bar = progress::bar("mapping", rows + document.bifurcation.len() as u64);
+    let progress = control.stage("mapping", rows + document.bifurcation.len() as u64);
     let mut grids = Vec::new();
     for map in &document.map {
-        grids.push(grid::compute(&document, map, device, &bar)?);
+        grids.push(grid::compute(&document, map, device, control, &progress)?);
     }
-    let diagrams: Result<Vec<Bifurcation>> = parallel::map(&document.bifurcation, |d| {
+    let diagrams: Result<Vec<Bifurcation>, Stopped> = parallel::map(&document.bifurcation, |d| {
         let omega_rad_s = document.drive.omega_rad_s();
         let up = Sweep {
             from_n: d.from_n,
@@ -84,12 +84,12 @@ pub fn compute(document: Document, device: Device<'_>) -> Result<Atlas> {
         };
         let down = Sweep { from_n: d.to_n, to_n: d.from_n, seed: document.seed.wrapping_add(1), ..up };
         let oscillator = document.oscillator.into();
-        let (up, down) = parallel::join(|| sweep(&oscillator, &up), || sweep(&oscillator, &down));
-        bar.inc(1);
+        let (up, down) = parallel::join(|| sweep(&oscillator, &up, control), || sweep(&oscillator, &down, control));
+        progress.step();
         Ok(Bifurcation { diagram: d.clone(), up: up?, down: down? })
     })
     .into_iter()
     .collect();
-    bar.finish_and_clear();
-    Ok(Atlas { grids, diagrams: diagrams?, document })
+    let diagrams = diagrams.map_err(|s| s.during("could not finish the bifurcation diagram", "run it again"))?;
+    Ok(Atlas { grids, diagrams, document })
 }

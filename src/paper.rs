@@ -21,10 +21,10 @@ pub mod pitch;
 use std::path::Path;
 
 use crate::backend::orbits::Device;
+use crate::control::{Control, Stopped};
 use crate::document::parse_toml;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::map::Atlas;
-use crate::progress;
 use check::Exhibit;
 
 /// Everything computed.
@@ -73,14 +73,12 @@ impl Paper {
 ///
 /// # Errors
 /// A recording that cannot be used; Ctrl-C.
-pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>) -> Result<Paper> {
-    let bar = progress::bar("twenty figures", 8);
+pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Control) -> Result<Paper> {
+    let stopped = |s: Stopped| s.during("could not finish the paper", "run it again; it takes about a minute");
+    let progress = control.stage("twenty figures", 8);
     let step = || {
-        bar.inc(1);
-        if progress::interrupted() {
-            return Err(Error::interrupted("could not finish the paper", "run it again; it takes about a minute"));
-        }
-        Ok(())
+        progress.step();
+        control.go_on().map_err(stopped)
     };
     let array = array::compute();
     step()?;
@@ -96,16 +94,16 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>) -> Result<Pa
     step()?;
     let (linear, cubic) = (linear::compute(), cubic::compute());
     step()?;
-    let attractor = attractor::compute()?;
+    let attractor = attractor::compute(control).map_err(stopped)?;
     step()?;
     let parting = parting::compute(&attractor.drive, attractor.exponent);
     step()?;
-    bar.finish_and_clear();
+    drop(progress);
     let atlas = match maps {
         true => {
             let mut document: crate::map::document::Document = parse_toml("reports/map/map.toml", MAP)?;
             document.drive.amplitude_n = attractor.drive.amplitude_n;
-            Some(crate::map::compute(document, device)?)
+            Some(crate::map::compute(document, device, control)?)
         }
         false => None,
     };

@@ -1,154 +1,76 @@
-//! Progress bars on stderr and the signals that stop a run: how a long run speaks and how it is stopped.
+//! Progress bars on stderr, and the [`Control`] that shows them and listens to signals.
 
-use std::fmt::Write;
-use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::{Duration, Instant};
+use std::io::Write as _;
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-/// A request to stop, by the signal that carried it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// SIGINT: Ctrl-C.
-    Interrupt,
-    /// SIGTERM: `kill`, `timeout`, a batch system.
-    Terminate,
-    /// SIGHUP: the terminal was closed.
-    HangUp,
+use crate::control::{Control, Stage, Watcher};
+use crate::escape;
+use crate::signal::{self, Signal};
+
+/// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and signals stop.
+pub fn terminal() -> Control {
+    Control::new(Terminal { bars: MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8)) })
 }
 
-impl Signal {
-    /// The exit code of a process that this signal has stopped: 128 + its number, as shells have it.
-    pub fn exit_code(self) -> u8 {
-        match self {
-            Self::Interrupt => 130,
-            Self::Terminate => 143,
-            Self::HangUp => 129,
-        }
+struct Terminal {
+    bars: MultiProgress,
+}
+
+impl Watcher for Terminal {
+    fn stopped_by(&self) -> Option<&'static str> {
+        signal::stopped_by().map(Signal::name)
     }
 
-    /// How a person knows it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Interrupt => "Ctrl-C",
-            Self::Terminate => "SIGTERM",
-            Self::HangUp => "SIGHUP",
-        }
+    fn begin(&self, name: &str, length: u64) -> Box<dyn Stage> {
+        let bar = self.bars.add(ProgressBar::new(length).with_style(style(length)).with_message(name.to_owned()));
+        Box::new(Bar(bar))
+    }
+
+    fn remark(&self, sentence: &str) {
+        self.bars.suspend(|| {
+            // Where nobody can be told, the report still says it.
+            let _ = writeln!(std::io::stderr(), "{}", escape::terminal(sentence));
+        });
     }
 }
 
-/// Exit code of the first signal; 0 before one has come.
-static STOP: AtomicU8 = AtomicU8::new(0);
-
-/// A second Ctrl-C this long after the first one was typed by someone who no longer wants to wait. Terminals that close,
-/// `timeout` and batch systems send several signals within milliseconds, and mean one.
-const BY_HAND: Duration = Duration::from_secs(1);
-
-/// Counts the signals of one process.
-#[derive(Debug, Default)]
-struct Listener {
-    first_interrupt: Option<Instant>,
-}
-
-impl Listener {
-    /// Whether this signal must end the process at once, keeping nothing.
-    fn kills(&mut self, signal: Signal, now: Instant) -> bool {
-        if signal != Signal::Interrupt {
-            return false;
-        }
-        now.duration_since(*self.first_interrupt.get_or_insert(now)) >= BY_HAND
-    }
-}
-
-/// Raises the flag that long loops look at.
-fn raise(signal: Signal) {
-    let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
-}
-
-/// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second Ctrl-C, a second or more
-/// after the first, kills it at once.
-#[cfg(unix)]
-pub fn listen_for_interrupt() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Refused only where the system has no room for a handler; signals then kill, as they do without one.
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
-    let listen = move || {
-        let mut listener = Listener::default();
-        for number in signals.forever() {
-            let signal = match number {
-                SIGINT => Signal::Interrupt,
-                SIGTERM => Signal::Terminate,
-                _ => Signal::HangUp,
-            };
-            raise(signal);
-            if listener.kills(signal, Instant::now()) {
-                signal_hook::low_level::exit(i32::from(signal.exit_code()));
-            }
-        }
-    };
-    let _ = std::thread::Builder::new().name("signals".into()).spawn(listen);
-}
-
-/// Makes Ctrl-C raise a flag instead of killing the process; a second one, a second or more later, kills it.
-#[cfg(not(unix))]
-pub fn listen_for_interrupt() {
-    let mut listener = Listener::default();
-    // Refused only when a handler exists already, which then does the stopping.
-    let _ = ctrlc::set_handler(move || {
-        raise(Signal::Interrupt);
-        if listener.kills(Signal::Interrupt, Instant::now()) {
-            std::process::exit(i32::from(Signal::Interrupt.exit_code()));
-        }
-    });
-}
-
-/// The signal that asked the process to stop, if one has; the first, where several came.
-pub fn stopped_by() -> Option<Signal> {
-    let code = STOP.load(Ordering::Relaxed);
-    [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
-}
-
-/// Whether the user asked to stop. Long loops look at it at least every 100 ms.
-pub fn interrupted() -> bool {
-    STOP.load(Ordering::Relaxed) != 0
-}
-
-/// Tells the user, on stderr, what a long run does otherwise than asked; on top of a bar that is drawn.
-pub fn remark(bar: &ProgressBar, sentence: &str) {
-    use std::io::Write as _;
-    bar.suspend(|| {
-        // Where nobody can be told, the report still says it.
-        let _ = writeln!(std::io::stderr(), "{}", crate::escape::terminal(sentence));
-    });
-}
-
-/// A bar with a name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone. Hidden
-/// when stderr is not a terminal.
-pub fn bar(name: &str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(8));
+/// Name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone.
+fn style(length: u64) -> ProgressStyle {
     let template = if length == 0 { "{msg} …" } else { "{msg:18} {bar:32} {percent:>3} %  {left}" };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style.with_key("left", |state: &ProgressState, out: &mut dyn Write| {
+    style.with_key("left", |state: &ProgressState, out: &mut dyn std::fmt::Write| {
         // Before the first step is done, nothing is known.
         if state.pos() > 0 {
             let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
         }
-    }));
-    bar.set_message(name.to_owned());
-    bar
+    })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+struct Bar(ProgressBar);
 
-    #[test]
-    fn only_a_second_ctrl_c_a_second_later_kills() {
-        let (start, mut listener) = (Instant::now(), Listener::default());
-        let mut kills = |signal, after_ms| listener.kills(signal, start + Duration::from_millis(after_ms));
-        // A burst of any signals, and later ones that nobody types.
-        assert!(!kills(Signal::Terminate, 0) && !kills(Signal::HangUp, 2) && !kills(Signal::Interrupt, 5));
-        assert!(!kills(Signal::Interrupt, 900) && !kills(Signal::Terminate, 5000));
-        assert!(kills(Signal::Interrupt, 1010));
+impl Stage for Bar {
+    fn set(&self, steps: u64) {
+        self.0.set_position(steps);
     }
+
+    fn add(&self, steps: u64) {
+        self.0.inc(steps);
+    }
+
+    fn rename(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// A bar without a [`Control`].
+pub fn bar(name: &str, length: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(8));
+    bar.with_style(style(length)).with_message(name.to_owned())
 }

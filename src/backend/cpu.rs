@@ -13,7 +13,7 @@ use crate::kernel::job::Job;
 use crate::kernel::member::Column;
 use crate::numerics::elementary::Real;
 use crate::parallel;
-use crate::progress;
+use crate::signal;
 use crate::statistics::{Bins, Histogram, Machine};
 
 /// Precision of a run.
@@ -250,7 +250,7 @@ pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
         .into_iter()
         .collect::<Result<Vec<Group<T>>>>()?;
     let cpu = Cpu::default();
-    if cpu.tiles(job, &shared, &mut groups, 0, &progress::interrupted, |_, _| ()) < job.clock.samples {
+    if cpu.tiles(job, &shared, &mut groups, 0, &signal::interrupted, |_, _| ()) < job.clock.samples {
         return Err(Error::interrupted("could not finish the simulation", "run it again"));
     }
     let sample_s = job.clock.sample_s();
@@ -273,7 +273,7 @@ pub fn readings<T: Real>(job: &Job, member: u64, mut sink: impl FnMut(&Lane<T>, 
     let mut from = 0;
     let most = (MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
     while let Some(tile) = tile::next(&job.clock, from, most) {
-        if progress::interrupted() {
+        if signal::interrupted() {
             return Ok(false);
         }
         let count = tile.samples.end - from;

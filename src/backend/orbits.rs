@@ -2,14 +2,14 @@
 //! host has, or on a GPU.
 
 use super::gpu::{self, Gpu};
-use crate::error::{Error, Result};
+use crate::control::{Control, Stopped};
+use crate::error::Result;
 use crate::kernel::cpu::lanes::{Kernel, LANES, Level};
 use crate::kernel::cpu::lyapunov::exponents;
 use crate::kernel::cpu::poincare::{Block, strobes};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::numerics::elementary::Real;
 use crate::parallel;
-use crate::progress;
 
 /// Where orbits are integrated.
 #[derive(Clone, Copy)]
@@ -24,23 +24,24 @@ pub enum Device<'a> {
 ///
 /// # Errors
 /// When stopped by Ctrl-C, or when the device fails.
-pub fn explore_on(device: Device<'_>, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+pub fn explore_on(device: Device<'_>, points: &[Point], plan: &Plan, control: &Control) -> Result<Vec<Orbit>> {
+    let (attempt, hint) = ("could not finish the map", "run it again; a smaller map takes less time");
     match device {
-        Device::Cpu => explore::<f32>(points, plan),
-        Device::Gpu(gpu) => gpu::orbits::explore(gpu, points, plan),
+        Device::Cpu => explore::<f32>(points, plan, control).map_err(|s| s.during(attempt, hint)),
+        Device::Gpu(gpu) => gpu::orbits::explore(gpu, points, plan, control).map_err(|e| e.within(attempt, hint)),
     }
 }
 
 /// Integrates every point; the result does not depend on the number of threads. `T` is f32, or f64 for references.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn explore<T: Real>(points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+/// Stopped.
+pub fn explore<T: Real>(points: &[Point], plan: &Plan, control: &Control) -> Result<Vec<Orbit>, Stopped> {
     let halves = 2 * plan.steps_per_period;
     let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);
     let table: Vec<T> = (0..=halves).map(|j| T::of(angle(j).cos())).collect();
     let blocks: Vec<Vec<Orbit>> = parallel::map_chunks(points, LANES, |number, chunk| {
-        if progress::interrupted() {
+        if control.cancelled() {
             return Vec::new();
         }
         let mut block = Block::<T>::load(chunk, plan, (number * LANES) as u64);
@@ -49,9 +50,7 @@ pub fn explore<T: Real>(points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
         let orbit = |l: usize| Orbit { exponent_per_s: exponents[l], strobes: recorded.iter().map(|s| s[l]).collect() };
         (0..chunk.len()).map(orbit).collect()
     });
-    if progress::interrupted() {
-        return Err(Error::interrupted("could not finish the map", "run it again; a smaller map takes less time"));
-    }
+    control.go_on()?;
     Ok(blocks.into_iter().flatten().collect())
 }
 

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::{duffing, ensemble, work};
 use crate::backend::cpu::{Cpu, Precision};
+use crate::control::Control;
 use crate::kernel::cpu::lanes::Level;
 use crate::numerics::elementary::Real;
 
@@ -27,7 +28,7 @@ pub fn rows() -> Vec<String> {
     let full = |(precision, dtype): (Precision, &str)| {
         let mut cpu = Cpu { precision, ..Cpu::default() };
         let job = work::full(8192);
-        let measured = ensemble("full", "cpu", &mut cpu, &job).map_or(f64::NAN, |r| r.seconds);
+        let measured = ensemble(&Control::silent(), "full", "cpu", &mut cpu, &job).map_or(f64::NAN, |r| r.seconds);
         format!("proofmass,ensemble kernel {},{dtype},full,{measured:.5},0.000,nan", Level::best().name())
     };
     let mut all = unit::<f32>("float32");

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
+use crate::control::Control;
 use crate::error::Result;
-use crate::progress;
 
 /// One measurement.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -40,8 +40,10 @@ impl Row {
 
 /// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
 /// A short first run is not counted.
-fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
+fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<f64> {
+    let go_on = || control.go_on().map_err(|s| s.during("could not finish the measurements", "run them again"));
     let begun = Instant::now();
+    go_on()?;
     run()?;
     let first = begun.elapsed().as_secs_f64();
     if first > 3.0 {
@@ -53,9 +55,7 @@ fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
         run()?;
         shortest = one.elapsed().as_secs_f64().min(shortest);
         runs += 1;
-        if progress::interrupted() {
-            break;
-        }
+        go_on()?;
     }
     Ok(shortest)
 }
@@ -63,8 +63,9 @@ fn shortest_s(mut run: impl FnMut() -> Result<()>) -> Result<f64> {
 /// Times work that is done in this many units.
 ///
 /// # Errors
-/// As the work.
+/// As the work; stopped.
 pub fn row(
+    control: &Control,
     work: &str,
     precision: &str,
     members: u64,
@@ -72,7 +73,7 @@ pub fn row(
     unit: &str,
     run: impl FnMut() -> Result<()>,
 ) -> Result<Row> {
-    let seconds = shortest_s(run)?;
+    let seconds = shortest_s(control, run)?;
     Ok(Row {
         work: work.to_owned(),
         place: "cpu".to_owned(),

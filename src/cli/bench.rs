@@ -47,18 +47,18 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
     let stopped = |e: Error| e.within("could not finish the measurements", "run them again");
-    let bar = progress::bar("measuring", 0);
-    let told = |what: &str| bar.set_message(what.to_owned());
+    let control = progress::terminal();
+    let progress = control.stage("measuring", 0);
     let begun = Ticks::now();
     let mut rows: Vec<Row> = Vec::new();
     if arguments.backend != Choice::Gpu {
-        rows.extend(benchmark::cpu(told).map_err(stopped)?);
+        rows.extend(benchmark::cpu(&control, &progress).map_err(stopped)?);
     }
     if let Some(gpu) = open(arguments.backend)? {
         let gpu = Arc::new(gpu);
-        rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), told).map_err(stopped)?);
+        rows.extend(benchmark::gpu(&gpu, &mut Ensembles::on(gpu.clone()), &control, &progress).map_err(stopped)?);
     }
-    bar.finish_and_clear();
+    drop(progress);
     let others = Ticks::now().zip(begun).map(|(now, begun)| now.others_since(&begun));
     let written = folder.map_or(Ok(()), |folder| write(folder, &rows, others));
     if let (Some(folder), Ok(())) = (&arguments.out, &written) {

@@ -1,10 +1,30 @@
-//! Which device a command computes on, and what it does when that device fails.
+//! Which device a command computes on, how that is chosen on the command line, and what it does when that device fails.
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 
 use super::say::remark;
 use crate::backend::gpu::Gpu;
 use crate::backend::orbits::Device;
 use crate::ensemble::Choice;
 use crate::error::Result;
+
+impl ValueEnum for Choice {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Auto, Self::Gpu, Self::Cpu]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Self::Auto => {
+                ("auto", "A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU")
+            }
+            Self::Gpu => ("gpu", "Any GPU adapter, software ones included"),
+            Self::Cpu => ("cpu", "The CPU"),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
+}
 
 /// The GPU to use, opened; `None` is the CPU. One that is there and cannot be opened is said.
 ///

@@ -8,6 +8,7 @@ use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::output::{self, Folder};
+use crate::progress;
 use crate::report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
@@ -42,8 +43,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let recording = model::read_part(&arguments.recording, &model, seconds)?;
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model)?);
-    let costs = consequence::costs(diagnosis.repair.as_ref())?;
+    let control = progress::terminal();
+    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model, &control)?);
+    let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
+        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
     // The answer of long work is said even where its report cannot be written.
     let written = folder.map_or(Ok(()), |folder| write(folder, &diagnosis, &costs));
     if json {

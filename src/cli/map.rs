@@ -14,6 +14,7 @@ use crate::map::grid::Grid;
 use crate::map::{Atlas, compute};
 use crate::number::significant;
 use crate::output::{self, Folder};
+use crate::progress;
 use crate::report::map as page;
 
 const EXAMPLE: &str = "map.toml:
@@ -68,7 +69,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     document.check()?;
     let outputs = || outputs(arguments, &document);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
-    let atlas = on_device(arguments.backend, |device| compute(document.clone(), device))?;
+    let control = progress::terminal();
+    let atlas = on_device(arguments.backend, |device| compute(document.clone(), device, &control))?;
     let written = folder.map_or(Ok(()), |folder| write(folder, &atlas));
     if json {
         sayln!("{:#}", summary(&atlas))?;

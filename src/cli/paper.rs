@@ -10,6 +10,7 @@ use crate::ensemble::Choice;
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::paper::compute;
+use crate::progress;
 use crate::report::paper as page;
 use crate::trial::real;
 
@@ -50,7 +51,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     let mut folder = Folder::open(&arguments.out, request)?;
     let data = arguments.data.clone().or_else(real::folder);
-    let paper = on_device(arguments.backend, |device| compute(data.as_deref(), true, device))
+    let control = progress::terminal();
+    let paper = on_device(arguments.backend, |device| compute(data.as_deref(), true, device, &control))
         .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
     let written = folder.write(REPORT, page::page(&paper).as_bytes()).and_then(|()| folder.finish());
     if json {

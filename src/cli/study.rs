@@ -9,6 +9,7 @@ use crate::drift::{self, Drift};
 use crate::ensemble::{Backends, Choice, Keeper, Options};
 use crate::error::Result;
 use crate::output::{self, Folder};
+use crate::progress;
 use crate::report::study as page;
 use crate::study::{self, Overrides, Study};
 
@@ -54,7 +55,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     let mut folder = Folder::open(&path, outputs(arguments, &study))?;
     folder.state(Keeper::FILES, arguments.resume)?;
-    let (options, mut backends) = (Options { backend: arguments.backend, ..Options::default() }, Backends::default());
+    let (options, mut backends) = (
+        Options { backend: arguments.backend, control: progress::terminal(), ..Options::default() },
+        Backends::default(),
+    );
     let drift = drift::answer(&study, |job, _| backends.run(job, &options, &mut keeper))?;
     // The answer comes before the report: a disk that is full costs the report, not the run.
     if json {

@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
+use crate::control::Control;
 use crate::diagnosis::verdict::Verdict;
 use crate::diagnosis::{self, model};
 use crate::document::to_json;
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
+use crate::progress;
 use crate::report::diagnosis::worded;
 use crate::report::trial as report;
-use crate::trial::blind::{self, Verdicts};
+use crate::trial::blind::{self, Subject, Verdicts};
 use crate::trial::campaign::Campaign;
 use crate::trial::case::{Case, Files};
 use crate::trial::judge;
@@ -94,8 +96,9 @@ impl Arguments {
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let control = progress::terminal();
     if let (Some(recording), Some(model)) = (&arguments.like, &arguments.model) {
-        return like(recording, model, arguments, json);
+        return like(recording, model, arguments, json, &control);
     }
     let plan = arguments.plan();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {
@@ -103,7 +106,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 500 samples"));
     }
     if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
-        return one(&plan, number, path, arguments.force, json);
+        return one(&plan, number, path, arguments.force, json, &tool(&control));
     }
     let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
     let mut kept = arguments.out.as_deref().map(|path| keep(path, arguments, recipe.as_ref())).transpose()?;
@@ -112,7 +115,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let scratch = Scratch::new(arguments.out.as_deref())?;
     let folder = arguments.out.as_deref().unwrap_or(scratch.path());
-    let (sealed, cases) = blind::prepare(plan, folder, arguments.resume)?;
+    let (sealed, cases) = blind::prepare(plan, folder, arguments.resume, &control)?;
     remark!("sealed truth of {} cases, SHA-256 {}", cases.len(), sealed.sha256);
     let state = folder.join(STATES[1]);
     let (done, unread) = if arguments.resume { blind::earlier(&state, &sealed)? } else { (Verdicts::new(), 0) };
@@ -122,16 +125,17 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if !arguments.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
-    let verdicts = blind::run(&cases, &sealed, &state, done, &tool).map_err(|error| match arguments.out {
-        Some(_) => error,
-        // The folder is a scratch one and goes with the process.
-        None => Error { hint: "run it again; with --out DIR finished verdicts would be kept".into(), ..error },
-    })?;
+    let verdicts =
+        blind::run(&cases, &sealed, &state, done, &tool(&control), &control).map_err(|error| match arguments.out {
+            Some(_) => error,
+            // The folder is a scratch one and goes with the process.
+            None => Error { hint: "run it again; with --out DIR finished verdicts would be kept".into(), ..error },
+        })?;
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
     let document = to_json(&outcome)?;
-    let real = recordings(recipe.as_ref(), &scratch)?;
+    let real = recordings(recipe.as_ref(), &scratch, &control)?;
     let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
     let written = kept.map_or(Ok(()), |kept| write(kept, &run, &arguments.command(), &document));
     if json {
@@ -183,13 +187,13 @@ struct Run<'a> {
 }
 
 /// The real recordings of the recipe, where both it and the data are there.
-fn recordings(recipe: Option<&Recipe>, scratch: &Scratch) -> Result<Vec<Found>> {
+fn recordings(recipe: Option<&Recipe>, scratch: &Scratch, control: &Control) -> Result<Vec<Found>> {
     let Some(recipe) = recipe else { return Ok(Vec::new()) };
     let Some(data) = real::folder() else {
         remark!("no folder of recordings (set PROOFMASS_DATA): the real recordings are left out");
         return Ok(Vec::new());
     };
-    real::run(recipe, &data, &tool, scratch)
+    real::run(recipe, &data, &tool(control), scratch)
 }
 
 fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Result<()> {
@@ -207,7 +211,7 @@ fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Re
 }
 
 /// Plants into copies of a user's recording.
-fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Result<()> {
+fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
     let request = || output::Request {
         command: "trial --like",
         inputs: vec![recording.into(), model.into()],
@@ -216,7 +220,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
         ..output::Request::default()
     };
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
-    let power = like::power(recording, model, arguments.quick, arguments.seed, &tool)?;
+    let power = like::power(recording, model, arguments.quick, arguments.seed, &tool(control), control)?;
     let document = to_json(&power)?;
     let written = folder.map_or(Ok(()), |mut folder| {
         folder.write("power.json", document.as_bytes())?;
@@ -232,7 +236,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool) -> Re
 }
 
 /// Reproduces one case of a plan.
-fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Result<()> {
+fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool, subject: &Subject<'_>) -> Result<()> {
     let families = plan.families();
     let Some((family, nth)) = families.get(number).copied() else {
         let cause = format!("the trial has cases 0 to {}", families.len() - 1);
@@ -259,7 +263,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
     drop(folder);
     let scratch = Scratch::new(None)?;
     if json {
-        let said = blind::ask(&case, &tool, &scratch)?;
+        let said = blind::ask(&case, subject, &scratch)?;
         let mark = judge::judge(&case, &said).word();
         sayln!("{}", to_json(&serde_json::json!({ "case": case, "said": said, "mark": mark }))?)?;
         return Ok(());
@@ -269,7 +273,7 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
         sayln!("planted: {id}, {size:.3} × noise")?;
     }
     sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;
-    let said = blind::ask(&case, &tool, &scratch)?;
+    let said = blind::ask(&case, subject, &scratch)?;
     sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
     sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
     for n in &said.numbers {
@@ -282,8 +286,12 @@ fn one(plan: &Plan, number: usize, path: &Path, force: bool, json: bool) -> Resu
 }
 
 /// The tool itself, by the way that `proofmass diagnose` goes.
-fn tool(files: &Files) -> Result<Verdict> {
-    let model = model::read(&files.model)?;
-    let recording = model::read_recording(&files.recording, &model)?;
-    Ok(worded(diagnosis::diagnose(&recording, &model)?).verdict)
+fn tool(control: &Control) -> impl Fn(&Files) -> Result<Verdict> + Sync {
+    // Many diagnoses run at once: their stages would write over each other.
+    let control = control.without_stages();
+    move |files| {
+        let model = model::read(&files.model)?;
+        let recording = model::read_recording(&files.recording, &model)?;
+        Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
+    }
 }

@@ -26,9 +26,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Choice::Gpu => vec![Place::gpu()?],
         Choice::Auto => std::iter::once(Place::cpu()).chain(Place::gpu()).collect(),
     };
-    let bar = progress::bar("validating", 0);
-    let rows = validation::run(&mut places, |what| bar.set_message(what.to_owned()))?;
-    bar.finish_and_clear();
+    let control = progress::terminal();
+    let progress = control.stage("validating", 0);
+    let rows = validation::run(&mut places, |what| progress.rename(what))?;
+    drop(progress);
     let failed: Vec<&Row> = rows.iter().filter(|r| !r.holds).collect();
     if json {
         let backends: Vec<&str> = places.iter().map(|p| p.name.as_str()).collect();

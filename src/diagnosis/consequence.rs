@@ -5,7 +5,7 @@
 
 use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
-use crate::error::Result;
+use crate::control::{Control, Stopped};
 use crate::navigation::closed_form::Process;
 use crate::number::short;
 use crate::sensor::error_law::{ErrorLaw, Growth};
@@ -25,13 +25,13 @@ struct Drift {
 /// The cost table: with the model as it was, with the named physics, the difference between the two, then the kind's rows.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn costs(repair: Option<&Repair>) -> Result<Vec<Cost>> {
+/// Stopped.
+pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, Stopped> {
     let Some(repair) = repair else { return Ok(Vec::new()) };
-    let before = Drift::of(&repair.before, &repair.vibration)?;
+    let before = Drift::of(&repair.before, &repair.vibration, control)?;
     let mut rows = vec![row(Row::Before, before.total(), repair)];
     if repair.after != repair.before {
-        let after = Drift::of(&repair.after, &repair.vibration)?;
+        let after = Drift::of(&repair.after, &repair.vibration, control)?;
         rows.push(row(Row::After, after.total(), repair));
         rows.push(row(Row::Difference, after.beyond(&before, repair.before.proof_mass.is_some()), repair));
     }
@@ -58,10 +58,10 @@ fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
 }
 
 impl Drift {
-    fn of(sensor: &Sensor, vibration: &Vibration) -> Result<Self> {
+    fn of(sensor: &Sensor, vibration: &Vibration, control: &Control) -> Result<Self, Stopped> {
         let random = TIMES_S.map(|t| random_variance(sensor, t));
         let mechanical = match &sensor.proof_mass {
-            Some(mass) => rectification::position_error_m(mass, vibration, TIMES_S)?,
+            Some(mass) => rectification::position_error_m(mass, vibration, TIMES_S, control)?,
             None => [0.0; 2],
         };
         Ok(Self { random, mechanical })
@@ -124,7 +124,7 @@ mod tests {
             let mut sensor = Sensor::default();
             set(&mut sensor);
             let vibration = Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 };
-            let got = Drift::of(&sensor, &vibration).expect("nothing to interrupt").total();
+            let got = Drift::of(&sensor, &vibration, &Control::silent()).expect("nothing to interrupt").total();
             for (got, expected) in got.into_iter().zip(expected) {
                 assert!((got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
             }

@@ -10,115 +10,177 @@ pub mod selection;
 pub mod simulation;
 pub mod verdict;
 
+use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::numerics::order;
 pub use crate::physics::library::CANDIDATES;
 use crate::physics::library::Term;
-use crate::progress;
+use crate::physics::scales::Scales;
 use crate::recording::Recording;
 
 use super::answer::Answer;
 use super::model;
 
-use identification::fit;
+use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
-use intake::prepare::{self, Prepared};
-use intake::work::Stage;
-use intake::{excerpt, stretches};
-use selection::{base_model, folds, judged, stepwise};
+use intake::data::Data;
+use intake::excerpt;
+use intake::prepare::{self, Notes, Prepared};
+use intake::stretches::{self, Stretches};
+use intake::work::{Budget, Stage};
+use selection::folds::{self, Fold};
+use selection::judged::{self, Judged, Selection};
+use selection::{base_model, stepwise};
 use simulation::run;
+use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
-use verdict::{answer, conclude, findings};
+use verdict::{answer, findings};
 
 /// Diagnoses it.
 ///
 /// # Errors
-/// As `prepare::prepare`; and where no oscillator at all can be fitted.
-pub fn diagnose(recording: &Recording, model: &model::Driven) -> Result<Answer> {
+/// As `prepare::prepare`; where no oscillator at all can be fitted; when stopped.
+pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control) -> Result<Answer> {
+    let attempt = || format!("could not diagnose {}", recording.path.display());
     let part = excerpt::excerpt(recording, model);
     let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
-    let Prepared { mut data, own_test, filled, mut notes } = prepare::prepare(kept, model)?;
-    notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
-    notes.findings.extend(part.as_ref().map(|p| p.said.clone()));
-    let mut narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
-    if narrow.hull != data.hull {
-        notes.findings.push(format!(
-            "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",
-            narrow.hull.len(),
-            narrow.hull.start
-        ));
-    }
-    let mut budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-    let (base, scales) = base_model::base(&narrow, &model.start, &mut notes).map_err(|cause| {
-        Error::new(
-            format!("could not diagnose {}", recording.path.display()),
-            cause,
-            "check that input and output are the right columns and that the input moves the output",
-        )
+    let mut prepared = prepare::prepare(kept, model)?;
+    prepared.notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
+    prepared.notes.findings.extend(part.as_ref().map(|p| p.said.clone()));
+    let mut course = Course::begin(prepared);
+    let (base, scales) = course.base(model).map_err(|cause| {
+        let hint = "check that input and output are the right columns and that the input moves the output";
+        Error::new(attempt(), cause, hint)
     })?;
-    base_model::bridge(&mut narrow, &base, &filled);
-    if narrow.hull == data.hull {
-        data.reading.clone_from(&narrow.reading);
-    }
-    let scales = refined(&narrow, &base, &scales);
-    let candidates: Vec<Term> = Term::tried(data.environments, data.input.is_some())
-        .into_iter()
-        .filter(|t| !notes.broken && !t.starts(&scales).is_empty())
-        .collect();
-    let base = match folds::for_the_rare(&narrow, &base) {
-        Some(fold) => {
-            let said = "what stands out lies in samples that were to judge: they are fitted, and others judge";
-            notes.findings.push(said.to_owned());
-            if narrow.hull == data.hull {
-                (data.train, data.validation) = (fold.train.clone(), fold.validation.clone());
-                if !own_test {
-                    data.test = fold.validation.clone();
-                }
-            }
-            (narrow.train, narrow.validation) = (fold.train, fold.validation);
-            fit::fit(&narrow, &base.shape, &base.point, &scales, 25).unwrap_or(base)
-        }
-        None => base,
-    };
-    let base = judged::judge(&narrow, base, &scales);
-    let mut selection = stepwise::search(&narrow, base, &scales, &candidates, budget);
-    if let Some(how) = base_model::other_input(&mut narrow, &selection.chosen, &scales) {
-        notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
-        let again = fit::fit(&narrow, &selection.base.fit.shape, &selection.base.fit.point, &scales, 25);
-        let base = judged::judge(&narrow, again.unwrap_or_else(|| selection.base.fit.clone()), &scales);
-        budget = budget.or(narrow.work.budget(Stage::SearchAgain, narrow.hull.len()));
-        selection = stepwise::search(&narrow, base, &scales, &candidates, budget);
-    }
-    if selection.cut_short {
-        notes
-            .findings
-            .push("the search for terms was cut short when its work was spent, with structure left".to_owned());
-    }
-    if selection.rivals_left_out {
-        let clause = "not every candidate that might do as well as those named was tried, as the work for it was spent";
-        notes.doubt(clause.to_owned(), "");
-    }
-    data.input = narrow.input.clone();
-    if progress::interrupted() {
-        return Err(Error::interrupted(format!("could not diagnose {}", recording.path.display()), "start it again"));
-    }
-    if own_test {
-        data.train = std::mem::take(&mut data.train).into_iter().chain(data.validation.iter().cloned()).collect();
-        order::sort_by_key(&mut data.train, |r| r.start as f64);
-    }
-    let conclusion = if narrow.hull == data.hull {
-        conclude::conclude(&data, &selection, &scales)
-    } else {
-        narrow.test = data.test.clone();
-        conclude::widened(conclude::conclude(&narrow, &selection, &scales), &data, &scales)
-    };
-    notes.findings.extend(
-        conclusion
-            .left_out
-            .iter()
-            .map(|what| format!("{}, as the work for the conclusion was spent", findings::left_out(*what))),
-    );
-    let last = &conclusion.model.fit;
-    notes.mind_jumps(&data, &run::trace(&data, &last.shape, &last.point, &last.run(&data, true)).0);
+    let selection = course.select(base, &scales, control).map_err(|s| s.during(attempt(), "start it again"))?;
+    let conclusion = course.conclude(&selection, &scales);
+    let Course { data, notes, .. } = course;
     Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes))
+}
+
+/// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of it.
+struct Course {
+    /// The whole recording.
+    data: Data,
+    /// What terms are chosen on: the loudest stretch of a long recording, else all of it.
+    narrow: Data,
+    /// Whether the model file named its own test samples.
+    own_test: bool,
+    /// Samples that were not recorded.
+    filled: Stretches,
+    notes: Notes,
+    /// What the search may cost.
+    budget: Budget,
+}
+
+impl Course {
+    fn begin(prepared: Prepared) -> Self {
+        let Prepared { data, own_test, filled, mut notes } = prepared;
+        let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
+        if narrow.hull != data.hull {
+            notes.findings.push(format!(
+                "terms were chosen on the loudest {} samples, from sample {}, and fitted to all",
+                narrow.hull.len(),
+                narrow.hull.start
+            ));
+        }
+        let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
+        Self { data, narrow, own_test, filled, notes, budget }
+    }
+
+    /// Whether terms are chosen on all of the recording.
+    fn is_whole(&self) -> bool {
+        self.narrow.hull == self.data.hull
+    }
+
+    /// The base model; what was not recorded is bridged by its readings.
+    fn base(&mut self, model: &model::Driven) -> Result<(Fit, Scales), String> {
+        let (base, scales) = base_model::base(&self.narrow, &model.start, &mut self.notes)?;
+        base_model::bridge(&mut self.narrow, &base, &self.filled);
+        if self.is_whole() {
+            self.data.reading.clone_from(&self.narrow.reading);
+        }
+        let scales = refined(&self.narrow, &base, &scales);
+        Ok((base, scales))
+    }
+
+    /// The terms that the recording asks for; searched again where another way of the input between its samples fits better.
+    fn select(&mut self, base: Fit, scales: &Scales, control: &Control) -> Result<Selection, Stopped> {
+        let candidates = self.candidates(scales);
+        let base = self.with_what_is_rare(base, scales);
+        let base = judged::judge(&self.narrow, base, scales);
+        let mut selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
+        if let Some(base) = self.on_another_input(&selection, scales) {
+            self.budget = self.budget.or(self.narrow.work.budget(Stage::SearchAgain, self.narrow.hull.len()));
+            selection = stepwise::search(&self.narrow, base, scales, &candidates, self.budget, control)?;
+        }
+        self.data.input.clone_from(&self.narrow.input);
+        self.note_what_was_not_tried(&selection);
+        Ok(selection)
+    }
+
+    /// Terms that can be tried on this recording.
+    fn candidates(&self, scales: &Scales) -> Vec<Term> {
+        let all = Term::tried(self.data.environments, self.data.input.is_some());
+        all.into_iter().filter(|t| !self.notes.broken && !t.starts(scales).is_empty()).collect()
+    }
+
+    /// The base model fitted to what is rare, where that lies in samples that were to judge: others judge then.
+    fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
+        let Some(Fold { train, validation }) = folds::for_the_rare(&self.narrow, &base) else { return base };
+        let said = "what stands out lies in samples that were to judge: they are fitted, and others judge";
+        self.notes.findings.push(said.to_owned());
+        if self.is_whole() {
+            (self.data.train, self.data.validation) = (train.clone(), validation.clone());
+            if !self.own_test {
+                self.data.test.clone_from(&validation);
+            }
+        }
+        (self.narrow.train, self.narrow.validation) = (train, validation);
+        fit::fit(&self.narrow, &base.shape, &base.point, scales, 25).unwrap_or(base)
+    }
+
+    /// The base model with the input going another way between its samples, where that fits better than the terms chosen.
+    fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
+        let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
+        self.notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
+        let base = &selection.base.fit;
+        let again = fit::fit(&self.narrow, &base.shape, &base.point, scales, 25);
+        Some(judged::judge(&self.narrow, again.unwrap_or_else(|| base.clone()), scales))
+    }
+
+    fn note_what_was_not_tried(&mut self, selection: &Selection) {
+        if selection.cut_short {
+            let said = "the search for terms was cut short when its work was spent, with structure left";
+            self.notes.findings.push(said.to_owned());
+        }
+        if selection.rivals_left_out {
+            let clause =
+                "not every candidate that might do as well as those named was tried, as the work for it was spent";
+            self.notes.doubt(clause.to_owned(), "");
+        }
+    }
+
+    /// What may be said of the model chosen, fitted to all samples but those that the model file keeps for the test.
+    fn conclude(&mut self, selection: &Selection, scales: &Scales) -> Conclusion {
+        let data = &mut self.data;
+        if self.own_test {
+            data.train.extend(data.validation.iter().cloned());
+            order::sort_by_key(&mut data.train, |r| r.start as f64);
+        }
+        let conclusion = if self.is_whole() {
+            conclude::conclude(&self.data, selection, scales)
+        } else {
+            self.narrow.test.clone_from(&self.data.test);
+            conclude::widened(conclude::conclude(&self.narrow, selection, scales), &self.data, scales)
+        };
+        let left_out = conclusion.left_out.iter();
+        let left_out =
+            left_out.map(|what| format!("{}, as the work for the conclusion was spent", findings::left_out(*what)));
+        self.notes.findings.extend(left_out);
+        let last = &conclusion.model.fit;
+        let (errors, _) = run::trace(&self.data, &last.shape, &last.point, &last.run(&self.data, true));
+        self.notes.mind_jumps(&self.data, &errors);
+        conclusion
+    }
 }

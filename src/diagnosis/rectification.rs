@@ -6,8 +6,7 @@
 //! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
 
 use super::repair::Vibration;
-use crate::error::{Error, Result};
-use crate::progress;
+use crate::control::{Control, Stopped};
 use crate::sensor::ProofMass;
 
 /// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres stated.
@@ -23,6 +22,7 @@ type State = [f64; 4];
 
 /// One sensor under one vibration, a whole number of steps per period.
 struct Motion<'a> {
+    control: &'a Control,
     mass: &'a ProofMass,
     vibration: &'a Vibration,
     omega_rad_s: f64,
@@ -34,8 +34,13 @@ struct Motion<'a> {
 /// the hill of a softening spring; zero where nothing vibrates.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn position_error_m(mass: &ProofMass, vibration: &Vibration, times_s: [f64; 2]) -> Result<[f64; 2]> {
+/// Stopped.
+pub fn position_error_m(
+    mass: &ProofMass,
+    vibration: &Vibration,
+    times_s: [f64; 2],
+    control: &Control,
+) -> Result<[f64; 2], Stopped> {
     let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
     let fastest = mass.natural_frequency_rad_s.max(omega_rad_s);
     let period_s = 1.0 / vibration.frequency_hz;
@@ -44,12 +49,12 @@ pub fn position_error_m(mass: &ProofMass, vibration: &Vibration, times_s: [f64; 
         return Ok([0.0; 2]);
     }
     let steps_per_period = (period_s * fastest * STEPS_PER_RADIAN).ceil() as usize;
-    let motion = Motion { mass, vibration, omega_rad_s, period_s, steps_per_period };
+    let motion = Motion { control, mass, vibration, omega_rad_s, period_s, steps_per_period };
     let mut out = [0.0; 2];
     let mut state = [0.0; 4];
     let mut periods = 0.0;
     let mut taken = 0;
-    let bar = progress::bar("cost in metres", MOST_STEPS as u64);
+    let progress = control.stage("cost in metres", MOST_STEPS as u64);
     for (time_s, out) in times_s.into_iter().zip(&mut out) {
         let whole = (time_s * vibration.frequency_hz).floor();
         while periods < whole {
@@ -68,9 +73,8 @@ pub fn position_error_m(mass: &ProofMass, vibration: &Vibration, times_s: [f64; 
                 position + count * (velocity * period_s + moved) + 0.5 * count * (count - 1.0) * gained * period_s,
             ];
             periods += count;
-            bar.set_position(taken.min(MOST_STEPS) as u64);
+            progress.set(taken.min(MOST_STEPS) as u64);
             if !state.iter().all(|v| v.is_finite()) {
-                bar.finish_and_clear();
                 return Ok([f64::INFINITY; 2]);
             }
         }
@@ -79,22 +83,28 @@ pub fn position_error_m(mass: &ProofMass, vibration: &Vibration, times_s: [f64; 
         let steps = (left_s / period_s * steps_per_period as f64).ceil() as usize;
         *out = if steps == 0 { state[3] } else { motion.span(state, left_s, steps, &mut taken)?[3] };
     }
-    bar.finish_and_clear();
     Ok(if out.iter().all(|v| v.is_finite()) { out } else { [f64::INFINITY; 2] })
 }
 
 impl Motion<'_> {
     /// A whole period from phase zero.
-    fn advance(&self, state: State, from_s: f64, steps: usize, taken: &mut usize) -> Result<State> {
+    fn advance(&self, state: State, from_s: f64, steps: usize, taken: &mut usize) -> Result<State, Stopped> {
         self.integrate(state, from_s, self.period_s / self.steps_per_period as f64, steps, taken)
     }
 
     /// Part of a period from phase zero.
-    fn span(&self, state: State, length_s: f64, steps: usize, taken: &mut usize) -> Result<State> {
+    fn span(&self, state: State, length_s: f64, steps: usize, taken: &mut usize) -> Result<State, Stopped> {
         self.integrate(state, 0.0, length_s / steps as f64, steps, taken)
     }
 
-    fn integrate(&self, mut state: State, from_s: f64, h: f64, steps: usize, taken: &mut usize) -> Result<State> {
+    fn integrate(
+        &self,
+        mut state: State,
+        from_s: f64,
+        h: f64,
+        steps: usize,
+        taken: &mut usize,
+    ) -> Result<State, Stopped> {
         let slope = |t: f64, s: State| {
             let f = self.vibration.amplitude_m_s2 * (self.omega_rad_s * t).sin();
             [s[1], self.acceleration(s[0], s[1], f), self.mass.natural_frequency_rad_s.powi(2) * s[0] - f, s[2]]
@@ -108,8 +118,8 @@ impl Motion<'_> {
             let k4 = slope(t + h, add(state, k3, h));
             state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
             *taken += 1;
-            if taken.is_multiple_of(100_000) && progress::interrupted() {
-                return Err(Error::interrupted("could not state the cost in metres", "start it again"));
+            if taken.is_multiple_of(100_000) {
+                self.control.go_on()?;
             }
         }
         Ok(state)
@@ -157,7 +167,7 @@ mod tests {
         for (natural, zeta) in [(400.0, 0.5), (2e4, 0.7), (60.0, 0.1)] {
             let mass = mass(natural, zeta);
             let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 3.37 };
-            let got = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+            let got = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
             for (got, t) in got.into_iter().zip(TIMES_S) {
                 let (x, v, _) = steady(&mass, &vibration, t);
                 let omega = std::f64::consts::TAU * vibration.frequency_hz;
@@ -173,10 +183,10 @@ mod tests {
     fn a_quadratic_spring_drifts_as_the_bias_that_it_rectifies() {
         let mut mass = mass(400.0, 0.5);
         let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
-        let straight = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let straight = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let size = steady(&mass, &vibration, 0.0).2;
         mass.quadratic_per_m_s2 = 1e4;
-        let bent = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let bent = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let expected = -mass.quadratic_per_m_s2 * size * size * 3600.0 / 4.0;
         // To first order in α, and up to the velocity that the first period leaves: 1/(ωt) = 5e-4.
         assert!(((bent[1] - straight[1]) / expected - 1.0).abs() < 2e-3, "{bent:?} {straight:?} {expected}");
@@ -188,7 +198,7 @@ mod tests {
         let mut mass = mass(400.0, 0.5);
         let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
         mass.cubic_per_m2_s2 = 1e11;
-        let [ten, sixty] = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let [ten, sixty] = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         assert!(sixty.abs() < 7.0 * ten.abs(), "no faster than t: {ten:e} {sixty:e}");
     }
 
@@ -199,11 +209,18 @@ mod tests {
         mass.quadratic_per_m_s2 = 2e6;
         mass.quadratic_damping_per_m = 20.0;
         let vibration = Vibration { amplitude_m_s2: 8.0, frequency_hz: 7.3 };
-        let fast = position_error_m(&mass, &vibration, TIMES_S).expect("not interrupted");
+        let fast = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let steps_per_period = 4000;
         let period_s = 1.0 / vibration.frequency_hz;
         let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
-        let motion = Motion { mass: &mass, vibration: &vibration, omega_rad_s, period_s, steps_per_period };
+        let motion = Motion {
+            control: &Control::silent(),
+            mass: &mass,
+            vibration: &vibration,
+            omega_rad_s,
+            period_s,
+            steps_per_period,
+        };
         let slow = motion.span([0.0; 4], 10.0, 73 * steps_per_period, &mut 0).expect("not interrupted")[3];
         assert!((fast[0] / slow - 1.0).abs() < 1e-5, "{} {slow}", fast[0]);
     }

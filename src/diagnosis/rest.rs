@@ -38,10 +38,10 @@ use std::ops::Range;
 
 use super::answer::Answer;
 use super::model::{self, MOST_AT_REST};
+use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::parallel;
-use crate::progress;
 use crate::recording::Recording;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
@@ -53,7 +53,7 @@ const FEWEST: usize = 256;
 ///
 /// # Errors
 /// Fewer than 256 samples, or columns that are not there.
-pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Answer> {
+pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control) -> Result<Answer> {
     let rows = rows(recording, model)?;
     // A linear search for each of many thousand channels would take minutes.
     let places: HashMap<&str, usize> =
@@ -121,17 +121,11 @@ pub fn diagnose(recording: &Recording, model: &model::Static) -> Result<Answer> 
         .collect();
     let means: Vec<f64> = live.iter().map(|v| v.iter().sum::<f64>() / v.len() as f64).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
-    let mut selected: Vec<_> = parallel::map(&channels, |c| selection::select(c, &environment, channels.len()));
-    let heard = || match progress::interrupted() {
-        true => {
-            let attempt = format!("could not diagnose {}", recording.path.display());
-            Err(Error::interrupted(attempt, "start it again"))
-        }
-        false => Ok(()),
-    };
-    heard()?;
-    agreement::agree(&channels, &mut selected, &environment);
-    heard()?;
+    let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
+    let select = |c: &Channel| selection::select(c, &environment, channels.len(), control);
+    let selected: Result<Vec<_>, Stopped> = parallel::map(&channels, select).into_iter().collect();
+    let mut selected = selected.map_err(stopped)?;
+    agreement::agree(&channels, &mut selected, &environment, control).map_err(stopped)?;
     let common = if environment.is_empty() { common::find(&channels, &selected) } else { None };
     Ok(conclusion::conclude(conclusion::Material {
         recording,

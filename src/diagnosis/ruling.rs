@@ -1,6 +1,9 @@
 //! From evidence to one of the four verdicts: a pure function, the same for every kind of recording.
 //!
-//! The order in which the questions are asked follows from what the verdicts mean (README, "What a verdict says"):
+//! What the verdicts mean: `adequate`, nothing is missing that this recording could show; `explained`, named effects bring
+//! the residual to the noise; `unexplained`, the mismatch is real and no candidate, alone or together with others, accounts
+//! for it; `undecidable`, two or more candidates fit equally, or the excitation is too weak. The order in which the
+//! questions are asked follows from that:
 //!
 //! 1. *Is the base model determined?* If the recording cannot even fix the base model's own parameters, no candidate could
 //!    be judged beside them. That nothing in the library accounts for the mismatch cannot be said then: `undecidable`.
@@ -14,7 +17,8 @@
 //! Something faint without a name is a recording too weak to decide, not a failure of the library: `undecidable`. Silence
 //! counts as `adequate` only where an effect of some size would have been seen.
 //!
-//! Not for deciding which effects hold: that is the kind's selection. Not for words: see `report::diagnosis`.
+//! Not for deciding which effects hold: that is the kind's selection. Not for what counts as a real mismatch: see
+//! `remainder`. Not for words: see `report::diagnosis`.
 
 use super::remainder::Size;
 use super::verdict::Outcome;

@@ -215,9 +215,9 @@ pub struct Fit {
 /// Whether the repaired model leaves white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Whiteness {
-    /// At the 5 % level after correction.
+    /// At the 5 % level, corrected for the number of tests and channels; the same in every kind.
     pub white: bool,
-    /// Of the portmanteau test.
+    /// The smallest probability among all tests of what is left, corrected in the same way.
     pub p_value: f64,
 }
 

@@ -4,8 +4,7 @@
 //! down differ (hysteresis). That makes it sequential; for independent starts see `map`.
 
 use super::duffing::{Drive, Oscillator, State};
-use crate::error::{Error, Result};
-use crate::progress;
+use crate::control::{Control, Stopped};
 use crate::rng::{Philox, Stream};
 
 /// One sweep.
@@ -32,8 +31,8 @@ pub struct Sweep {
 /// (amplitude, strobed displacement) pairs in the order of the sweep, N and m.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> {
+/// Stopped.
+pub fn sweep(oscillator: &Oscillator, sweep: &Sweep, control: &Control) -> Result<Vec<(f64, f64)>, Stopped> {
     let mut random = Philox::new(sweep.seed, 0, Stream::Force);
     let mut state = State::default();
     let mut cloud = Vec::with_capacity(sweep.points as usize * sweep.strobes as usize);
@@ -45,9 +44,7 @@ pub fn sweep(oscillator: &Oscillator, sweep: &Sweep) -> Result<Vec<(f64, f64)>> 
         let (table, h) = (drive.table_n(steps), drive.period_s() / f64::from(steps));
         let sigma_n = sweep.noise_n_rts / h.sqrt();
         for period in 0..sweep.transient_periods + sweep.strobes {
-            if progress::interrupted() {
-                return Err(Error::interrupted("could not finish the bifurcation diagram", "run it again"));
-            }
+            control.go_on()?;
             for j in 0..steps as usize {
                 let noise_n = if sigma_n > 0.0 { sigma_n * random.normal() } else { 0.0 };
                 let force_n = [table[2 * j] + noise_n, table[2 * j + 1] + noise_n, table[2 * j + 2] + noise_n];

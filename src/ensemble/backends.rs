@@ -2,20 +2,18 @@
 
 use std::sync::Arc;
 
-use indicatif::ProgressBar;
-
 use super::{Keeper, Options, run_kept, run_or_fall_back, run_part};
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::parallel;
-use crate::progress;
 use crate::statistics::Statistics;
 
 /// Where to integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
     /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
     #[default]
@@ -90,7 +88,7 @@ impl Backends {
             }
             (Choice::Auto, Precision::F32) if worth_a_gpu(job, parallel::threads()) => {
                 if self.gpu.is_none() {
-                    (self.gpu, self.refused) = hardware();
+                    (self.gpu, self.refused) = hardware(&options.control);
                 }
                 Ok(self.gpu.clone().flatten())
             }
@@ -100,12 +98,12 @@ impl Backends {
 }
 
 /// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and left.
-fn hardware() -> (Option<Option<Arc<Gpu>>>, Option<String>) {
+fn hardware(control: &Control) -> (Option<Option<Arc<Gpu>>>, Option<String>) {
     match Gpu::hardware() {
         Ok(gpu) => (Some(gpu.map(Arc::new)), None),
         Err(error) => {
             let reason = format!("{}: {}", error.attempt, error.cause);
-            progress::remark(&ProgressBar::hidden(), &format!("note: {reason}. The CPU is used instead."));
+            control.remark(&format!("note: {reason}. The CPU is used instead."));
             (Some(None), Some(reason))
         }
     }

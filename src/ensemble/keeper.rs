@@ -6,13 +6,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
-
 use super::state::{Run, State};
 use crate::backend::cpu::Precision;
+use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::kernel::job::Job;
-use crate::progress;
 
 /// Seconds of work after which it is kept. `PROOFMASS_STATE_INTERVAL_S` sets another number.
 const INTERVAL_S: f64 = 30.0;
@@ -111,7 +109,7 @@ impl Keeper {
     }
 
     /// Writes what was done, if it is time. A run goes on where that fails, and says so once.
-    pub(super) fn keep_if_due(&mut self, bar: &ProgressBar) {
+    pub(super) fn keep_if_due(&mut self, control: &Control) {
         if self.folder.is_none() || self.last.elapsed() < self.interval {
             return;
         }
@@ -119,7 +117,7 @@ impl Keeper {
             && !std::mem::replace(&mut self.warned, true)
         {
             let words = format!("note: {}: {}. The run goes on; a stop would lose it.", error.attempt, error.cause);
-            progress::remark(bar, &words);
+            control.remark(&words);
         }
         self.last = Instant::now();
     }
@@ -165,9 +163,9 @@ impl Keeper {
     }
 
     /// The error of a run that the user has stopped.
-    pub(super) fn stopped(&mut self) -> Error {
+    pub(super) fn stopped(&mut self, stopped: Stopped) -> Error {
         let hint = if self.folder.is_some() { "" } else { "run it again" };
-        self.kept(Error::interrupted("could not finish the simulation", hint))
+        self.kept(stopped.during("could not finish the simulation", hint))
     }
 }
 

@@ -1,9 +1,8 @@
 //! One map: every cell an orbit of its own from rest.
 
-use indicatif::ProgressBar;
-
 use super::document::{Document, Map, Quantity};
 use crate::backend::orbits::{Device, explore_on};
+use crate::control::{Control, Progress};
 use crate::dynamics::duffing::{Drive, Oscillator};
 use crate::error::Result;
 use crate::kernel::orbit::{Plan, Point};
@@ -63,7 +62,13 @@ fn set(oscillator: &mut Oscillator, drive: &mut Drive, quantity: Quantity, value
 ///
 /// # Errors
 /// When the device fails or Ctrl-C stops it.
-pub fn compute(document: &Document, map: &Map, device: Device<'_>, bar: &ProgressBar) -> Result<Grid> {
+pub fn compute(
+    document: &Document,
+    map: &Map,
+    device: Device<'_>,
+    control: &Control,
+    progress: &Progress,
+) -> Result<Grid> {
     let mut grid = Grid { map: map.clone(), exponent_per_s: vec![], period: vec![], steps: (u32::MAX, 0) };
     // Rows that need the same step are one job, so that a device is filled.
     let mut rows: Vec<(u32, Vec<Point>)> = Vec::new();
@@ -98,12 +103,12 @@ pub fn compute(document: &Document, map: &Map, device: Device<'_>, bar: &Progres
                 strobes: STROBES,
             };
             done += points.len() as u64;
-            for orbit in explore_on(device, &points, &plan)? {
+            for orbit in explore_on(device, &points, &plan, control)? {
                 grid.exponent_per_s.push(orbit.exponent_per_s);
                 grid.period.push(orbit.period(TOLERANCE).unwrap_or(0));
             }
             grid.steps = (grid.steps.0.min(part[0].0), grid.steps.1.max(part[0].0));
-            bar.inc(part.len() as u64);
+            progress.add(part.len() as u64);
         }
     }
     Ok(grid)

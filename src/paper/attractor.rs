@@ -5,12 +5,12 @@
 use super::check::{Check, Exhibit};
 use super::forcing::{OMEGA_OF_HERTZ_RAD_S, OMEGA_RAD_S, Scan, choose, scan};
 use crate::backend::orbits::explore;
+use crate::control::{Control, Stopped};
 use crate::dynamics::duffing::{Drive, PAPER, State};
 use crate::dynamics::estimate::Estimate;
 use crate::dynamics::fractal::{Dimension, Scales, box_counting, correlation};
 use crate::dynamics::lyapunov::{Span, kaplan_yorke_dimension, spectrum};
 use crate::dynamics::poincare::{Window, portrait};
-use crate::error::Result;
 use crate::kernel::orbit::{Orbit, Plan, Point};
 use crate::parallel;
 
@@ -60,11 +60,11 @@ pub struct Attractor {
 /// Computes all three figures.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn compute() -> Result<Attractor> {
-    let radian = scan(OMEGA_RAD_S, 100.0, 400)?;
-    let hertz = scan(OMEGA_OF_HERTZ_RAD_S, 6000.0, 600)?;
-    let amplitude_n = choose(&radian)?.unwrap_or(f64::NAN);
+/// Stopped.
+pub fn compute(control: &Control) -> Result<Attractor, Stopped> {
+    let radian = scan(OMEGA_RAD_S, 100.0, 400, control)?;
+    let hertz = scan(OMEGA_OF_HERTZ_RAD_S, 6000.0, 600, control)?;
+    let amplitude_n = choose(&radian, control)?.unwrap_or(f64::NAN);
     let drive = Drive { amplitude_n, omega_rad_s: OMEGA_RAD_S };
     let steps_per_period = PAPER.steps_per_period(amplitude_n, OMEGA_RAD_S);
     let plan =
@@ -72,7 +72,7 @@ pub fn compute() -> Result<Attractor> {
     let starts: Vec<Point> = (0..GROUPS * ORBITS)
         .map(|i| Point { x_m: 0.01 * i as f64, v_m_s: 0.01 * (i % 7) as f64, ..Point::at_rest(&PAPER, &drive) })
         .collect();
-    let orbits = explore::<f32>(&starts, &plan)?;
+    let orbits = explore::<f32>(&starts, &plan, control)?;
     let exponents: Vec<f64> = orbits.iter().map(|o| o.exponent_per_s).collect();
     let exponent = Estimate::of_mean(&exponents);
     let divergence = PAPER.damping_kg_s / PAPER.mass_kg;

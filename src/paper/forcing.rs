@@ -5,8 +5,8 @@
 //! two-dimensional maps (`map`).
 
 use crate::backend::orbits::explore;
+use crate::control::{Control, Stopped};
 use crate::dynamics::duffing::{Drive, PAPER};
-use crate::error::Result;
 use crate::kernel::orbit::{Orbit, Plan, Point};
 use crate::numerics::order;
 
@@ -72,8 +72,8 @@ impl Scan {
 /// Scans F₀ from one step up to `to_n` in `points` steps.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn scan(omega_rad_s: f64, to_n: f64, points: u32) -> Result<Scan> {
+/// Stopped.
+pub fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) -> Result<Scan, Stopped> {
     let force = |i: u32| to_n * f64::from(i + 1) / f64::from(points);
     let at_rest = |i: u32| Point::at_rest(&PAPER, &Drive { amplitude_n: force(i), omega_rad_s });
     let starts = (0..points).flat_map(|i| {
@@ -90,13 +90,13 @@ pub fn scan(omega_rad_s: f64, to_n: f64, points: u32) -> Result<Scan> {
     };
     // 1500 periods are about 300 (1.5 rad/s) or 50 (1.5 Hz) decay times 2m/D₀ of the linear oscillator.
     let late = Plan { transient_periods: 1500, periods: 1000, strobes: 32, ..early };
-    let kept = explore::<f32>(&starts.collect::<Vec<_>>(), &late)?;
+    let kept = explore::<f32>(&starts.collect::<Vec<_>>(), &late, control)?;
     let exponents = kept.chunks(STARTS.len()).enumerate().map(|(i, orbits)| {
         let mut e: Vec<f64> = orbits.iter().map(settled).collect();
         order::sort(&mut e);
         (force(i as u32), e)
     });
-    let first = explore::<f32>(&(0..points).map(at_rest).collect::<Vec<_>>(), &early)?;
+    let first = explore::<f32>(&(0..points).map(at_rest).collect::<Vec<_>>(), &early, control)?;
     let early = first.iter().enumerate().map(|(i, o)| (force(i as u32), o.exponent_per_s)).collect();
     Ok(Scan { omega_rad_s, exponents: exponents.collect(), early })
 }
@@ -105,8 +105,8 @@ pub fn scan(omega_rad_s: f64, to_n: f64, points: u32) -> Result<Scan> {
 /// strange attractor has no rival, and every start ends on it.
 ///
 /// # Errors
-/// When stopped by Ctrl-C.
-pub fn choose(scan: &Scan) -> Result<Option<f64>> {
+/// Stopped.
+pub fn choose(scan: &Scan, control: &Control) -> Result<Option<f64>, Stopped> {
     let candidates: Vec<f64> = scan.everywhere().into_iter().take(20).map(|p| p.0).collect();
     let Some(largest) = candidates.iter().copied().max_by(f64::total_cmp) else { return Ok(None) };
     let starts: Vec<Point> = candidates
@@ -123,7 +123,7 @@ pub fn choose(scan: &Scan) -> Result<Option<f64>> {
         .collect();
     let steps_per_period = PAPER.steps_per_period(largest, scan.omega_rad_s);
     let plan = Plan { seed: 0, first_member: 0, steps_per_period, transient_periods: 1500, periods: 500, strobes: 32 };
-    let orbits = explore::<f32>(&starts, &plan)?;
+    let orbits = explore::<f32>(&starts, &plan, control)?;
     let least = orbits.chunks(64).map(|o| o.iter().map(settled).fold(f64::INFINITY, f64::min));
     Ok(candidates.into_iter().zip(least).max_by(|a, b| a.1.total_cmp(&b.1)).map(|p| p.0))
 }

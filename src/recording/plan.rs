@@ -14,6 +14,7 @@ use super::request::Request;
 use super::rows::{Rows, Source};
 use crate::error::{Error, Result};
 use crate::progress;
+use crate::signal;
 
 /// Rows between looks at the progress bar and at Ctrl-C.
 const LOOK: usize = 65_536;
@@ -59,7 +60,7 @@ pub fn walk(
     for row in 0..range.end {
         if row.is_multiple_of(LOOK) {
             bar.set_position(table.bytes_read());
-            if progress::interrupted() {
+            if signal::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
             }
         }

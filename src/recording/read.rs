@@ -1,5 +1,6 @@
 //! A recording into memory, on a uniform clock: the second pass over the file.
 
+use std::io::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -14,8 +15,8 @@ use super::repeats::{Meaning, Repeats};
 use super::request::Request;
 use super::series::{Keep, Series};
 use crate::error::{Error, Result};
+use crate::escape;
 use crate::numerics::order;
-use crate::progress;
 
 /// A gap is long when it lasts this share of the rows, and this many samples.
 const LONG_GAP: (f64, f64) = (0.01, 10.0);
@@ -119,15 +120,14 @@ pub fn read(path: &Path, request: &Request) -> Result<Recording> {
 fn announce(path: &Path, gathered: &Gathered, columns: usize) {
     let bytes = gathered.keep.expected * columns * size_of::<f64>();
     if bytes > MUCH_MEMORY {
-        progress::remark(
-            &progress::bar("reading", 0),
-            &format!(
-                "reading {}: {} samples of {columns} columns are held in memory, {:.1} GB",
-                path.display(),
-                gathered.keep.expected,
-                bytes as f64 / 1e9
-            ),
+        let sentence = format!(
+            "reading {}: {} samples of {columns} columns are held in memory, {:.1} GB",
+            path.display(),
+            gathered.keep.expected,
+            bytes as f64 / 1e9
         );
+        // Where nobody can be told, the reading goes on.
+        let _ = writeln!(std::io::stderr(), "{}", escape::terminal(&sentence));
     }
 }
 

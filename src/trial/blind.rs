@@ -14,10 +14,10 @@ use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::seal::{Sealed, Truth};
 use super::workers::side_by_side;
+use crate::control::{Control, Stopped};
 use crate::diagnosis::verdict::Verdict;
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::progress;
 
 /// Anything that turns a recording and a base model into a verdict.
 pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
@@ -29,7 +29,7 @@ pub type Verdicts = BTreeMap<usize, Said>;
 ///
 /// # Errors
 /// When the folder cannot be written, when the truth to resume is that of another plan, or on Ctrl-C.
-pub fn prepare(plan: Plan, folder: &Path, resume: bool) -> Result<(Sealed, Vec<Case>)> {
+pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Result<(Sealed, Vec<Case>)> {
     let path = folder.join("truth.json");
     if resume && path.is_file() {
         let sealed = Sealed::of(&path)?;
@@ -44,24 +44,24 @@ pub fn prepare(plan: Plan, folder: &Path, resume: bool) -> Result<(Sealed, Vec<C
         return Ok((sealed, truth.cases));
     }
     let families = plan.families();
-    let bar = progress::bar("planting effects", families.len() as u64);
+    let progress = control.stage("planting effects", families.len() as u64);
     let cases: Vec<Option<Case>> = parallel::map_indices(families.len(), |number| {
         let (family, nth) = families[number];
-        let case = (!progress::interrupted()).then(|| plan.draw(number, family, nth));
-        bar.inc(1);
+        let case = (!control.cancelled()).then(|| plan.draw(number, family, nth));
+        progress.step();
         case
     });
-    bar.finish_and_clear();
-    let cases: Vec<Case> =
-        cases.into_iter().collect::<Option<_>>().ok_or_else(|| stopped("nothing is lost; run it again"))?;
+    drop(progress);
+    control.go_on().map_err(|s| stopped(s, "nothing is lost; run it again"))?;
+    let cases: Vec<Case> = cases.into_iter().flatten().collect();
     let sealed = Truth::new(plan, cases).seal(&path)?;
     // What is recorded is what was sealed, to the last digit that the document holds.
     let cases = sealed.open()?.cases;
     Ok((sealed, cases))
 }
 
-fn stopped(hint: &str) -> Error {
-    Error::interrupted("could not finish the trial", hint)
+fn stopped(stopped: Stopped, hint: &str) -> Error {
+    stopped.during("could not finish the trial", hint)
 }
 
 /// A line of the state file.
@@ -138,6 +138,7 @@ pub fn run(
     state: &Path,
     mut done: Verdicts,
     subject: &Subject<'_>,
+    control: &Control,
 ) -> Result<Verdicts> {
     let mut file =
         std::fs::OpenOptions::new().create(true).append(true).open(state).map_err(|e| Error::io("open", state, &e))?;
@@ -146,16 +147,14 @@ pub fn run(
     let file = Mutex::new(file);
     let scratch = Scratch::new(Some(state.parent().unwrap_or(Path::new("."))))?;
     let open: Vec<&Case> = cases.iter().filter(|c| !done.contains_key(&c.number)).collect();
-    let bar = progress::bar("blind verdicts", cases.len() as u64);
-    bar.set_position((cases.len() - open.len()) as u64);
-    bar.reset_eta();
+    let progress = control.stage("blind verdicts", open.len() as u64);
     let fresh: Vec<Option<(usize, Said)>> = side_by_side(&open, |case| {
-        if progress::interrupted() {
+        if control.cancelled() {
             return Ok(None);
         }
         let said = ask(case, subject, &scratch)?;
         // A diagnosis that stopped because of Ctrl-C is no verdict.
-        if progress::interrupted() && said.outcome == Ending::Error {
+        if control.cancelled() && said.outcome == Ending::Error {
             return Ok(None);
         }
         let line = Done { seal: sealed.sha256.clone(), number: case.number, said };
@@ -164,13 +163,13 @@ pub fn run(
         // In one piece, so that a stop leaves a line whole or cut off, never without its end.
         file.write_all(text.as_bytes()).map_err(|e| Error::io("write", state, &e))?;
         drop(file);
-        bar.inc(1);
+        progress.step();
         Ok(Some((line.number, line.said)))
     })?;
-    bar.finish_and_clear();
+    drop(progress);
     done.extend(fresh.into_iter().flatten());
     if done.len() < cases.len() {
-        return Err(stopped("run the same command with --resume: finished verdicts are kept"));
+        control.go_on().map_err(|s| stopped(s, "run the same command with --resume: finished verdicts are kept"))?;
     }
     Ok(done)
 }

@@ -16,11 +16,11 @@ use super::said::{Ending, Said};
 use super::scratch::Scratch;
 use super::standstill::Slow;
 use super::workers::side_by_side;
+use crate::control::Control;
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::{self, Model};
 use crate::error::{Error, Result};
 use crate::parallel;
-use crate::progress;
 
 /// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of a quick answer.
 const DRIVEN: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
@@ -90,7 +90,14 @@ pub struct Power {
 ///
 /// # Errors
 /// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or Ctrl-C.
-pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subject: &Subject<'_>) -> Result<Power> {
+pub fn power(
+    recording: &Path,
+    model_path: &Path,
+    quick: bool,
+    seed: u64,
+    subject: &Subject<'_>,
+    control: &Control,
+) -> Result<Power> {
     let model = model::read(model_path)?;
     let data = model::read_recording(recording, &model)?;
     let attempt = || format!("could not make copies of {}", recording.display());
@@ -100,13 +107,13 @@ pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subjec
                 Error::new(attempt(), "no linear proof mass fits it", "check which column is input and which is output")
             })?;
             let plant = |n, job| copy::plant_driven(&bare, n, job);
-            let cases = planted(Physics::LIBRARY, if quick { &QUICK } else { &DRIVEN }, plant);
+            let cases = planted(Physics::LIBRARY, if quick { &QUICK } else { &DRIVEN }, plant, control);
             (Kind::Driven, cases, bare.samples, bare.noise, base)
         }
         Model::Static(m) => {
             let (bare, base) = copy::still(&data, m, seed);
             let plant = |n, job| Some(copy::plant_still(&bare, n, job));
-            let cases = planted(Slow::LIBRARY, if quick { &QUICK } else { &STILL }, plant);
+            let cases = planted(Slow::LIBRARY, if quick { &QUICK } else { &STILL }, plant, control);
             (Kind::Static, cases, bare.samples, bare.white[0], base)
         }
         Model::Tumble(_) => {
@@ -115,16 +122,14 @@ pub fn power(recording: &Path, model_path: &Path, quick: bool, seed: u64, subjec
         }
     };
     let scratch = Scratch::new(None)?;
-    let bar = progress::bar("planted copies", cases.len() as u64);
+    let progress = control.stage("planted copies", cases.len() as u64);
     let said: Vec<Said> = side_by_side(&cases, |case| {
-        if progress::interrupted() {
-            return Err(Error::interrupted(attempt(), "run it again, with --quick for fewer copies"));
-        }
+        control.go_on().map_err(|s| s.during(attempt(), "run it again, with --quick for fewer copies"))?;
         let said = blind::ask(case, subject, &scratch);
-        bar.inc(1);
+        progress.step();
         said
     })?;
-    bar.finish_and_clear();
+    drop(progress);
     let (nulls, rest): (Vec<_>, Vec<_>) = cases.iter().zip(&said).partition(|(case, _)| is_null(case));
     let background = nulls.first().map_or_else(Vec::new, |(case, _)| case.planted());
     let alarms = nulls.iter().filter(|(case, said)| judge::is_alarm(said) && said.ids() != case.planted()).count();
@@ -149,16 +154,17 @@ fn planted<P: Copy + Sync>(
     library: &[P],
     sizes: &[f64],
     plant: impl Fn(u64, Option<(P, f64)>) -> Option<(Family, Body)> + Sync,
+    control: &Control,
 ) -> Vec<Case> {
     let effects = library.iter().flat_map(|physics| sizes.iter().map(|size| Some((*physics, *size))));
     let jobs: Vec<Option<(P, f64)>> = sizes.iter().map(|_| None).chain(effects).collect();
-    let bar = progress::bar("planting effects", jobs.len() as u64);
+    let progress = control.stage("planting effects", jobs.len() as u64);
     let made: Vec<Option<(Family, Body)>> = parallel::map_indices(jobs.len(), |n| {
-        let made = if progress::interrupted() { None } else { plant(n as u64, jobs[n]) };
-        bar.inc(1);
+        let made = if control.cancelled() { None } else { plant(n as u64, jobs[n]) };
+        progress.step();
         made
     });
-    bar.finish_and_clear();
+    drop(progress);
     let bodies = made.into_iter().flatten().enumerate();
     bodies.map(|(number, (family, body))| Case { number, family, body }).collect()
 }

@@ -43,7 +43,7 @@ impl Place {
     /// # Errors
     /// As the backend.
     pub fn run(&mut self, job: &Job) -> Result<Statistics> {
-        ensemble::run_on(job, self.backend.as_mut(), &Options { quiet: true, ..Options::default() })
+        ensemble::run_on(job, self.backend.as_mut(), &Options::default())
     }
 }
 

@@ -90,7 +90,7 @@ fn study(sections: &str) -> Result<Study, Failed> {
 
 fn simulate(study: &Study, backend: Choice) -> Result<Statistics, Failed> {
     let job = study.job(Integrator::Ideal, study.clock.report_samples.clone());
-    Ok(ensemble::run(&job, &Options { backend, quiet: true, ..Options::default() })?)
+    Ok(ensemble::run(&job, &Options { backend, ..Options::default() })?)
 }
 
 fn compare(statistics: &Statistics, law: impl Fn(f64) -> f64) -> Result<(), Failed> {
@@ -151,7 +151,7 @@ fn paper() -> Result<(), Failed> {
 }
 
 fn answer(sections: &str) -> Result<Drift, Failed> {
-    let options = Options { quiet: true, backend: Choice::Cpu, ..Options::default() };
+    let options = Options { backend: Choice::Cpu, ..Options::default() };
     Ok(drift::answer(&study(sections)?, |job, _| ensemble::run(job, &options))?)
 }
 

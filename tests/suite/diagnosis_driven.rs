@@ -6,6 +6,7 @@ mod plant;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::diagnosis::driven;
 use proofmass::diagnosis::model::{Driven, DrivenColumns, Split, Start};
 use proofmass::diagnosis::verdict::{Outcome, Verdict};
@@ -18,7 +19,7 @@ use proofmass::trial::physics::Physics;
 use proofmass::trial::plant::Size;
 
 fn diagnose(recording: &Recording, model: &Driven) -> proofmass::error::Result<Diagnosis> {
-    driven::diagnose(recording, model).map(worded)
+    driven::diagnose(recording, model, &Control::silent()).map(worded)
 }
 
 /// Listed by the suite.

@@ -1,6 +1,7 @@
 //! Sensors at rest: each planted effect is found alone, nothing is found where nothing is, foreign physics gets no name.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::diagnosis::model::{Noise, Static, StaticColumns};
 use proofmass::diagnosis::rest;
 use proofmass::diagnosis::verdict::{Effect, Outcome, Verdict};
@@ -17,7 +18,7 @@ use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 mod plant;
 
 fn diagnose(recording: &Recording, model: &Static) -> proofmass::error::Result<Diagnosis> {
-    rest::diagnose(recording, model).map(worded)
+    rest::diagnose(recording, model, &Control::silent()).map(worded)
 }
 
 /// Tests of this module.

@@ -3,6 +3,7 @@
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::orbits::{Device, explore, explore_on};
+use proofmass::control::Control;
 use proofmass::dynamics::duffing::{Drive, Oscillator, PAPER, State};
 use proofmass::dynamics::estimate::Estimate;
 use proofmass::dynamics::lyapunov::{Span, spectrum};
@@ -36,7 +37,11 @@ fn point(oscillator: &Oscillator, drive: &Drive, l: usize) -> Point {
 /// Exponents of 64 starts.
 fn lanes(oscillator: &Oscillator, drive: &Drive, plan: &Plan, double: bool) -> Result<Vec<f64>, Failed> {
     let points: Vec<Point> = (0..64).map(|l| point(oscillator, drive, l)).collect();
-    let orbits = if double { explore::<f64>(&points, plan) } else { explore::<f32>(&points, plan) }?;
+    let orbits = if double {
+        explore::<f64>(&points, plan, &Control::silent())
+    } else {
+        explore::<f32>(&points, plan, &Control::silent())
+    }?;
     Ok(orbits.iter().map(|o| o.exponent_per_s).collect())
 }
 
@@ -99,7 +104,7 @@ fn periods() -> Result<(), Failed> {
     let plan = Plan { strobes: 32, periods: 200, transient_periods: 400, ..PLAN };
     let period = |force: f64| -> Result<Option<u32>, Failed> {
         let drive = Drive { amplitude_n: force, omega_rad_s: 1.5 };
-        Ok(explore::<f32>(&[point(&PAPER, &drive, 0)], &plan)?[0].period(1e-3))
+        Ok(explore::<f32>(&[point(&PAPER, &drive, 0)], &plan, &Control::silent())?[0].period(1e-3))
     };
     check(period(1.0)? == Some(1), "a weak force drives a period-1 orbit")?;
     check(period(70.8)?.is_none(), "chaos has no period")
@@ -109,8 +114,8 @@ fn lanes_are_independent() -> Result<(), Failed> {
     let plan = Plan { strobes: 4, periods: 4, transient_periods: 4, ..PLAN };
     let drive = Drive { amplitude_n: 70.8, omega_rad_s: 1.5 };
     let points: Vec<Point> = (0..100).map(|l| Point { noise_m_s2_rts: 0.1, ..point(&PAPER, &drive, l) }).collect();
-    let together = explore::<f32>(&points, &plan)?;
-    let tail = explore::<f32>(&points[64..], &Plan { first_member: 64, ..plan })?;
+    let together = explore::<f32>(&points, &plan, &Control::silent())?;
+    let tail = explore::<f32>(&points[64..], &Plan { first_member: 64, ..plan }, &Control::silent())?;
     check(together[64..] == tail[..], "splitting a job changed its orbits")?;
     check(together[0].strobes != together[1].strobes, "neighbours share their noise")
 }
@@ -125,7 +130,7 @@ fn devices_agree() -> Result<(), Failed> {
             .map(|l| Point { noise_m_s2_rts: noise, x_m: 0.05 * l as f64, ..point(&oscillator, &drive, l) })
             .collect();
         let exponents = |device| -> Result<Vec<f64>, Failed> {
-            Ok(explore_on(device, &points, &plan)?.iter().map(|o| o.exponent_per_s).collect())
+            Ok(explore_on(device, &points, &plan, &Control::silent())?.iter().map(|o| o.exponent_per_s).collect())
         };
         Ok([exponents(Device::Cpu)?, exponents(Device::Gpu(&gpu))?])
     };
@@ -149,6 +154,7 @@ fn devices_agree() -> Result<(), Failed> {
 fn lost() -> Result<(), Failed> {
     // One step per period is far too long for a stiff spring: the orbit explodes.
     let drive = Drive { amplitude_n: 1e5, omega_rad_s: 1.0 };
-    let orbits = explore::<f32>(&[point(&PAPER, &drive, 0)], &Plan { steps_per_period: 1, ..PLAN })?;
+    let orbits =
+        explore::<f32>(&[point(&PAPER, &drive, 0)], &Plan { steps_per_period: 1, ..PLAN }, &Control::silent())?;
     check(orbits[0].exponent_per_s.is_nan(), "a lost orbit has an exponent")
 }

@@ -8,6 +8,7 @@ use proofmass::backend::cpu::{Cpu, Precision};
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::gpu::simulate::Ensembles;
 use proofmass::backend::{Backend, Batch, Ran};
+use proofmass::control::Control;
 use proofmass::ensemble::{Choice, Keeper, Options, run_kept, run_on, run_or_fall_back};
 use proofmass::error::{Error, Result};
 use proofmass::kernel::cpu::lanes::Level;
@@ -39,7 +40,7 @@ fn study() -> Job {
 }
 
 fn run(backend: &mut dyn Backend, batch: Option<u64>) -> Result<Statistics> {
-    run_on(&study(), backend, &Options { quiet: true, batch_members: batch, ..Options::default() })
+    run_on(&study(), backend, &Options { batch_members: batch, ..Options::default() })
 }
 
 fn same(what: &str, a: &Statistics, b: &Statistics) -> std::result::Result<(), Failed> {
@@ -102,7 +103,7 @@ impl Backend for Faulty {
 }
 
 const IN_BATCHES: Options =
-    Options { backend: Choice::Auto, precision: Precision::F32, batch_members: Some(512), quiet: true };
+    Options { backend: Choice::Auto, precision: Precision::F32, batch_members: Some(512), control: Control::silent() };
 
 /// A number in the state that a run has left.
 fn state(folder: &Path) -> std::result::Result<serde_json::Value, Failed> {
@@ -188,7 +189,7 @@ fn falling_back() -> std::result::Result<(), Failed> {
 /// Every other member has a spring that softens until it gives way under the load.
 fn failing() -> std::result::Result<(), Failed> {
     let mut job = study();
-    let plain = run_on(&job, &mut Cpu::default(), &Options { quiet: true, ..Options::default() })?;
+    let plain = run_on(&job, &mut Cpu::default(), &Options::default())?;
     job.draw = Arc::new(|i| {
         let mass = duffing(30.0, 0.7);
         let cubic_per_m2_s2 = if i % 2 == 1 { -60.0 * mass.cubic_per_m2_s2 } else { mass.cubic_per_m2_s2 };
@@ -197,7 +198,7 @@ fn failing() -> std::result::Result<(), Failed> {
         Member { sensor, sine: None }
     });
     job.waveform = Arc::new(Sine { amplitude_m_s2: 9.0, frequency_hz: 3.0, offset_m_s2: 0.0 });
-    let s = run_on(&job, &mut Cpu::default(), &Options { quiet: true, ..Options::default() })?;
+    let s = run_on(&job, &mut Cpu::default(), &Options::default())?;
     check(plain.failed == 0, "members fail that should not")?;
     check(s.failed == 750, format!("{} of 1500 members failed, 750 were made to", s.failed))?;
     let last = &s.at[s.at.len() - 1][POSITION];
@@ -225,7 +226,7 @@ fn gpu() -> std::result::Result<(), Failed> {
         ..study()
     };
     let in_batches = |members| {
-        let options = Options { quiet: true, batch_members: Some(members), ..Options::default() };
+        let options = Options { batch_members: Some(members), ..Options::default() };
         run_on(&mixed, &mut on(4096), &options)
     };
     same("the batch where a noise is absent", &in_batches(1536)?, &in_batches(256)?)

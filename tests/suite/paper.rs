@@ -2,6 +2,7 @@
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::orbits::Device;
+use proofmass::control::Control;
 use proofmass::dynamics::fractal::{Scales, correlation};
 use proofmass::navigation::kalman::{Filter, Model, Reading, Weighting};
 use proofmass::paper::check::{Check, Exhibit, Source};
@@ -38,7 +39,7 @@ fn all_hold(exhibits: &[&Exhibit]) -> Result<(), Failed> {
 }
 
 fn simulated() -> Result<(), Failed> {
-    let paper = compute(None, false, Device::Cpu)?;
+    let paper = compute(None, false, Device::Cpu, &Control::silent())?;
     let exhibits = paper.exhibits();
     let numbers: Vec<u32> = exhibits.iter().map(|e| e.figure).collect();
     check(numbers == (1..=20).collect::<Vec<u32>>(), format!("figures are {numbers:?}"))?;

@@ -52,7 +52,7 @@ fn acts(place: &mut Place) -> Result<(), Failed> {
 /// Without fused multiply-add the last bits differ, percentiles do not: every integrator, every error on.
 fn levels() -> Result<(), Failed> {
     let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: 0.0 };
-    let options = Options { quiet: true, ..Options::default() };
+    let options = Options::default();
     let run = |level: Level, job: &Job| run_on(job, &mut Cpu { level, ..Cpu::default() }, &options);
     for (mass, integrator) in masses() {
         let job = job(Sensor { proof_mass: Some(mass), ..parity::everything() }, 1024, &[0.5, 5.0], force, integrator);

@@ -4,6 +4,7 @@
 //! exceeds with a probability of one in a thousand. The full trial is `proofmass trial`.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::diagnosis::verdict::Verdict;
 use proofmass::diagnosis::{self, model};
 use proofmass::report::diagnosis::worded;
@@ -47,14 +48,14 @@ fn within(outcome: &Outcome) -> Result<(), Failed> {
 fn tool(files: &Files) -> proofmass::error::Result<Verdict> {
     let model = model::read(&files.model)?;
     let recording = model::read_recording(&files.recording, &model)?;
-    Ok(worded(diagnosis::diagnose(&recording, &model)?).verdict)
+    Ok(worded(diagnosis::diagnose(&recording, &model, &Control::silent())?).verdict)
 }
 
 fn quick() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    let (sealed, cases) = blind::prepare(Plan::quick(20), folder.path(), false)?;
+    let (sealed, cases) = blind::prepare(Plan::quick(20), folder.path(), false, &Control::silent())?;
     let state = folder.path().join("verdicts.jsonl");
-    let verdicts = blind::run(&cases, &sealed, &state, Verdicts::new(), &tool)?;
+    let verdicts = blind::run(&cases, &sealed, &state, Verdicts::new(), &tool, &Control::silent())?;
     let outcome = Outcome::of(&sealed.open()?.cases, &verdicts, &sealed.sha256);
     within(&outcome).map_err(|failed| {
         let said = outcome.confusion.iter().filter(|c| c.planted != c.said);

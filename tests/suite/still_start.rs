@@ -87,7 +87,7 @@ fn study(sections: &str) -> Result<Study, Failed> {
 
 fn simulate(study: &Study, backend: Choice) -> Result<Statistics, Failed> {
     let job = study.job(Integrator::Ideal, study.clock.report_samples.clone());
-    Ok(ensemble::run(&job, &Options { backend, quiet: true, ..Options::default() })?)
+    Ok(ensemble::run(&job, &Options { backend, ..Options::default() })?)
 }
 
 fn compare(statistics: &Statistics, law: impl Fn(f64) -> f64) -> Result<(), Failed> {
@@ -175,7 +175,7 @@ fn budget() -> Result<(), Failed> {
         "[accelerometer]\nbias_mg = { mean = 0.0, sd = 5.0 }\nnoise_density_ug_rthz = 300.0\n\
          [gyro]\nbias_deg_h = { mean = 0.0, sd = 80.0 }\nangle_random_walk_deg_rth = 0.4",
     )?;
-    let options = Options { quiet: true, backend: Choice::Cpu, ..Options::default() };
+    let options = Options { backend: Choice::Cpu, ..Options::default() };
     let drift = drift::answer(&study, |job, _| ensemble::run(job, &options))?;
     let last = drift.statistics.time_s.len() - 1;
     let total = drift.expected.total(quantity::POSITION)[last].variance;
@@ -222,7 +222,7 @@ fn excitation() -> Result<(), Failed> {
                 format!("members = 512\nduration_s = 20.0\n{alignment}\n[report]\ntimes_s = {TIMES_S:?}\n[sensor]\n");
             let study = study::parse("study.toml", &format!("{head}{sections}"), Path::new(""))?;
             let job = study.job(integrator, study.clock.report_samples.clone());
-            Ok(ensemble::run(&job, &Options { backend: Choice::Cpu, quiet: true, ..Options::default() })?)
+            Ok(ensemble::run(&job, &Options { backend: Choice::Cpu, ..Options::default() })?)
         };
         let (ideal, still) = (run("")?, run("[alignment]\nkind = \"still\"\nstill_s = 4.1")?);
         let near = apart(&ideal, &still);
@@ -252,7 +252,7 @@ fn same(what: &str, a: &Statistics, b: &Statistics) -> Result<(), Failed> {
 
 fn invariance() -> Result<(), Failed> {
     let run = |cpu: Cpu, job: &Job, batch_members: Option<u64>| {
-        run_on(job, &mut { cpu }, &Options { quiet: true, batch_members, ..Options::default() })
+        run_on(job, &mut { cpu }, &Options { batch_members, ..Options::default() })
     };
     for still_samples in [1, 203, 512] {
         let job = full(still_samples);
@@ -269,7 +269,7 @@ fn invariance() -> Result<(), Failed> {
 
 fn parity() -> Result<(), Failed> {
     let device = Arc::new(Gpu::open()?);
-    let options = Options { quiet: true, ..Options::default() };
+    let options = Options::default();
     let job = full(203);
     let on = |tile_samples: u64| {
         let mut ensembles = Ensembles::on(device.clone());

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::diagnosis::candidate::Kind;
 use proofmass::diagnosis::verdict::{self, Verdict};
 use proofmass::recording::Recording;
@@ -152,7 +153,7 @@ fn adequate(files: &Files) -> Verdict {
 fn resume() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let plan = Plan { seed: 8, cases: 17, samples: 500, campaign: Campaign::Concealed };
-    let (sealed, cases) = blind::prepare(plan, folder.path(), false)?;
+    let (sealed, cases) = blind::prepare(plan, folder.path(), false, &Control::silent())?;
     let state = folder.path().join("verdicts.jsonl");
     let asked = AtomicUsize::new(0);
     let subject = |files: &Files| {
@@ -160,20 +161,20 @@ fn resume() -> Result<(), Failed> {
         Ok(adequate(files))
     };
     let half = &cases[..cases.len() / 2];
-    blind::run(half, &sealed, &state, Verdicts::new(), &subject)?;
+    blind::run(half, &sealed, &state, Verdicts::new(), &subject, &Control::silent())?;
     // A line that was being written when the power went, in the middle of a letter; and one that is no text at all.
     let whole = std::fs::read(&state)?;
     let torn = [&whole[..], "{\"seal\":\"×".as_bytes().split_last().ok_or("empty")?.1, b"\n\xff\xfe\n"].concat();
     std::fs::write(&state, torn)?;
-    let (again, same) = blind::prepare(plan, folder.path(), true)?;
+    let (again, same) = blind::prepare(plan, folder.path(), true, &Control::silent())?;
     check(again == sealed && same == cases, "the truth was drawn anew")?;
     let (done, unread) = blind::earlier(&state, &sealed)?;
     check(unread == 2, format!("{unread} lines are said to be torn, and 2 are"))?;
     check(done.len() == half.len(), format!("{} of {} verdicts kept", done.len(), half.len()))?;
-    let all = blind::run(&cases, &sealed, &state, done, &subject)?;
+    let all = blind::run(&cases, &sealed, &state, done, &subject, &Control::silent())?;
     check(all.len() == cases.len(), "not every case has a verdict")?;
     check(asked.load(Ordering::Relaxed) == cases.len(), "a verdict was asked for twice")?;
     check(blind::earlier(&state, &sealed)?.0.len() == cases.len(), "the state file lost a verdict")?;
-    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false)?;
+    let (other, _) = blind::prepare(Plan { seed: 9, ..plan }, tempfile::tempdir()?.path(), false, &Control::silent())?;
     check(blind::earlier(&state, &other)?.0.is_empty(), "verdicts of another truth were taken")
 }

@@ -7,11 +7,11 @@ use std::time::Instant;
 use bytemuck::{bytes_of, cast_slice};
 
 use super::{Buffer, Dispatch, Gpu, Kernel};
-use crate::error::{Error, Result};
+use crate::control::Control;
+use crate::error::Result;
 use crate::kernel::layout::{ORBIT_WORKGROUP, OrbitTile};
 use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::kernel::source;
-use crate::progress;
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
@@ -23,14 +23,14 @@ const STATE: usize = 6;
 ///
 /// # Errors
 /// Not enough memory, a device that was lost, or Ctrl-C.
-pub fn explore(gpu: &Gpu, points: &[Point], plan: &Plan) -> Result<Vec<Orbit>> {
+pub fn explore(gpu: &Gpu, points: &[Point], plan: &Plan, control: &Control) -> Result<Vec<Orbit>> {
     // Strobes are the largest buffer: as many points at a time as it holds.
     let room = gpu.adapter.largest_binding.min(1 << 30) / (8 * u64::from(plan.strobes.max(1)));
     let most = (room as usize).clamp(ORBIT_WORKGROUP as usize, 1 << 20);
     let mut orbits = Vec::with_capacity(points.len());
     for (number, part) in points.chunks(most).enumerate() {
         let first = plan.first_member + (number * most) as u64;
-        orbits.extend(Run::new(gpu, part, &Plan { first_member: first, ..*plan })?.finish()?);
+        orbits.extend(Run::new(gpu, part, &Plan { first_member: first, ..*plan })?.finish(control)?);
     }
     Ok(orbits)
 }
@@ -103,14 +103,14 @@ impl<'a> Run<'a> {
     }
 
     /// Runs all phases and reads back what they measured.
-    fn finish(mut self) -> Result<Vec<Orbit>> {
-        self.go(Phase::Transient, self.plan.transient_periods)?;
-        self.go(Phase::Align, ALIGN_PERIODS)?;
-        self.go(Phase::Count, self.plan.periods)?;
+    fn finish(mut self, control: &Control) -> Result<Vec<Orbit>> {
+        self.go(Phase::Transient, self.plan.transient_periods, control)?;
+        self.go(Phase::Align, ALIGN_PERIODS, control)?;
+        self.go(Phase::Count, self.plan.periods, control)?;
         let n = self.points.len();
         let bytes = self.gpu.read(&self.state, (4 * STATE * n) as u64)?;
         let state: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        self.go(Phase::Strobe, self.plan.strobes)?;
+        self.go(Phase::Strobe, self.plan.strobes, control)?;
         let bytes = self.gpu.read(&self.strobes, (8 * n * self.plan.strobes.max(1) as usize) as u64)?;
         let strobes: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
         let orbit = |(i, p): (usize, &Point)| {
@@ -124,15 +124,10 @@ impl<'a> Run<'a> {
         Ok(self.points.iter().enumerate().map(orbit).collect())
     }
 
-    fn go(&mut self, phase: Phase, periods: u32) -> Result<()> {
+    fn go(&mut self, phase: Phase, periods: u32, control: &Control) -> Result<()> {
         let mut done = 0;
         while done < periods {
-            if progress::interrupted() {
-                return Err(Error::interrupted(
-                    "could not finish the map",
-                    "run it again; a smaller map takes less time",
-                ));
-            }
+            control.go_on().map_err(|s| s.during("could not finish the orbits", "run it again"))?;
             let now = self.stride.min(periods - done);
             let tile = OrbitTile {
                 seed: [self.plan.seed as u32, (self.plan.seed >> 32) as u32],

@@ -4,6 +4,8 @@
 //! of three; that look-alike has to be better by the price of a name of its own. Only names that leave noise in their own
 //! channel are given to others. Not a joint fit: strengths differ freely.
 
+use crate::control::{Control, Stopped};
+
 use super::cause::Cause;
 use super::channel::{Channel, Environment};
 use super::residual::{TOLERANCE, residual};
@@ -19,10 +21,18 @@ use crate::parallel;
 const PRICE: f64 = 9.0;
 
 /// Goes through the channels once; `selected` are theirs.
-pub(super) fn agree(channels: &[Channel], selected: &mut [Selection], environment: &Environment) {
+///
+/// # Errors
+/// Stopped.
+pub(super) fn agree(
+    channels: &[Channel],
+    selected: &mut [Selection],
+    environment: &Environment,
+    control: &Control,
+) -> Result<(), Stopped> {
     let needed: Vec<bool> = selected.iter().map(|s| !s.chosen.terms.is_empty()).collect();
     if needed.iter().filter(|n| **n).count() < 2 {
-        return;
+        return Ok(());
     }
     let count = channels.len() as f64;
     let noise = |c: &Channel, s: &Selection| residual(c, &s.chosen, TOLERANCE).p_value * count >= REAL;
@@ -31,10 +41,11 @@ pub(super) fn agree(channels: &[Channel], selected: &mut [Selection], environmen
     for i in 0..channels.len() {
         let mut index = 0;
         while index < selected[i].chosen.terms.len() {
-            settle(channels, selected, &described, environment, (i, index));
+            settle(channels, selected, &described, (environment, control), (i, index))?;
             index += 1;
         }
     }
+    Ok(())
 }
 
 /// In how many channels a cause stands and leaves noise; in the one that is judged it counts anyway.
@@ -48,9 +59,9 @@ fn settle(
     channels: &[Channel],
     selected: &mut [Selection],
     described: &[bool],
-    environment: &Environment,
+    (environment, control): (&Environment, &Control),
     (i, index): (usize, usize),
-) {
+) -> Result<(), Stopped> {
     let bearers = |selected: &[Selection], cause: Cause| bearers(selected, described, i, cause);
     let cause = selected[i].chosen.terms[index].cause;
     let own = bearers(selected, cause);
@@ -62,15 +73,15 @@ fn settle(
         if own > 1 {
             selected[i].named[index].rivals.retain(|r| !decided.contains(r));
         }
-        return;
+        return Ok(());
     }
     let channel = &channels[i];
     let correction = standing::correction(channels.len());
     let without = channel.fit(others(&selected[i].chosen, index));
     let shared = |t: &Standing| common(t.cause) && t.counts(correction);
-    let Tried { standings, best } = try_all(channel, &without, environment, shared);
-    let Some(mine) = standings.iter().find(|t| t.cause == cause).map(Standing::merit) else { return };
-    let Some((theirs, fitted)) = best else { return };
+    let Tried { standings, best } = try_all(channel, &without, environment, control, shared)?;
+    let Some(mine) = standings.iter().find(|t| t.cause == cause).map(Standing::merit) else { return Ok(()) };
+    let Some((theirs, fitted)) = best else { return Ok(()) };
     let better_by = mine - theirs.merit() - PRICE;
     if better_by < 0.0 {
         let chosen = prune(channel, fitted, correction);
@@ -79,4 +90,5 @@ fn settle(
     } else if better_by < CLOSE && !selected[i].named[index].rivals.contains(&theirs.cause) {
         selected[i].named[index].rivals.insert(0, theirs.cause);
     }
+    Ok(())
 }

@@ -4,6 +4,8 @@
 //! short memory resembles flicker over the decades of one log. So the sums are compared as wholes: of those that do as
 //! well the simplest is taken, and those as simple are tied with it.
 
+use crate::control::{Control, Stopped};
+
 use super::candidate::{MEMORIES, MOST_LAWS, memories, row};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
@@ -32,10 +34,18 @@ fn slow_laws(fitted: &Fitted) -> Vec<Cause> {
 }
 
 /// The best sum of slow laws in place of the one selected, and what each of its laws cannot be told from.
-pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (Fitted, Rivals) {
+///
+/// # Errors
+/// Stopped.
+pub(super) fn settle(
+    channel: &Channel,
+    selected: Fitted,
+    correction: f64,
+    control: &Control,
+) -> Result<(Fitted, Rivals), Stopped> {
     let chosen = slow_laws(&selected);
     if chosen.is_empty() {
-        return (selected, Vec::new());
+        return Ok((selected, Vec::new()));
     }
     let rest: Vec<Term> = selected.terms.iter().filter(|t| !is_slow_law(t)).cloned().collect();
     let laws = rest.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count();
@@ -54,18 +64,18 @@ pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (F
             channel.fit(rest.iter().cloned().chain(causes.iter().map(|c| term(*c))).collect())
         };
         match causes.contains(&Cause::GaussMarkov) {
-            true => search::best(memories(channel.values.len()), MEMORIES, |m| with(m.exp())),
-            false => with(1.0),
+            true => search::best(memories(channel.values.len()), MEMORIES, control, |m| with(m.exp())),
+            false => Ok(with(1.0)),
         }
     };
     // A memory was searched for when it was taken, beside fewer terms than there are now.
-    let again = fit(&chosen);
+    let again = fit(&chosen)?;
     let selected = if again.log_likelihood() > selected.log_likelihood() { again } else { selected };
     // No sum may hold more laws than one spectrum can tell apart, or a law that it does not need.
     let open = |causes: &Vec<Cause>| {
         laws + causes.len() <= MOST_LAWS && !(causes.len() == chosen.len() && causes.iter().all(|c| chosen.contains(c)))
     };
-    let mut all: Vec<Fitted> = sums.filter(open).map(|causes| fit(&causes)).collect();
+    let mut all: Vec<Fitted> = sums.filter(open).map(|causes| fit(&causes)).collect::<Result<_, _>>()?;
     all.retain(|f| merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
     let most = all.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
@@ -74,7 +84,7 @@ pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (F
     let fewest = all.iter().map(|f| f.terms.len()).min().unwrap_or(0);
     all.retain(|f| f.terms.len() == fewest);
     let Some(best) = (0..all.len()).max_by(|a, b| merit(&all[*a]).total_cmp(&merit(&all[*b]))) else {
-        return (channel.fit(rest), Vec::new());
+        return Ok((channel.fit(rest), Vec::new()));
     };
     let best = all.swap_remove(best);
     let causes = slow_laws(&best);
@@ -88,5 +98,5 @@ pub(super) fn settle(channel: &Channel, selected: Fitted, correction: f64) -> (F
             (*cause, found)
         })
         .collect();
-    (best, rivals)
+    Ok((best, rivals))
 }

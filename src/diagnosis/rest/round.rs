@@ -1,5 +1,7 @@
 //! One round of selection: every candidate that a model does not hold yet, each added to it.
 
+use crate::control::{Control, Stopped};
+
 use super::candidate::{OFFERED, Offer, row};
 use super::channel::{Addition, Channel, Environment, Fitted};
 use super::standing::{HeldOut, Standing, probability};
@@ -11,18 +13,23 @@ pub(super) struct Tried {
 }
 
 /// Tries all. Only the best model `wanted` is kept: curves of a long recording are large.
+///
+/// # Errors
+/// Stopped.
 pub(super) fn try_all(
     channel: &Channel,
     current: &Fitted,
     environment: &Environment,
+    control: &Control,
     wanted: impl Fn(&Standing) -> bool,
-) -> Tried {
+) -> Result<Tried, Stopped> {
     let before = current.log_likelihood();
     let held_out_before = current.held_out(&channel.promised);
     let mut tried = Tried { standings: Vec::new(), best: None };
-    let offer = Offer { channel, current, environment };
+    let offer = Offer { channel, current, environment, control };
     for cause in OFFERED {
-        for fitted in (row(cause).offer)(&offer) {
+        control.go_on()?;
+        for fitted in (row(cause).offer)(&offer)? {
             let last = fitted.terms.len() - 1;
             let gain = 2.0 * (fitted.log_likelihood() - before);
             let held_out = match fitted.terms[last].addition {
@@ -36,5 +43,5 @@ pub(super) fn try_all(
             }
         }
     }
-    tried
+    Ok(tried)
 }

@@ -6,8 +6,8 @@ use super::channel::{Addition, Channel, Environment, Fitted};
 use super::laws::{self, Rivals};
 use super::round::{Tried, try_all};
 use super::standing::{self, CLOSE, Standing, contains, others, prune, worth};
+use crate::control::{Control, Stopped};
 use crate::numerics::order;
-use crate::progress;
 
 /// At most this many effects per channel.
 const MOST: usize = 6;
@@ -41,18 +41,22 @@ pub(super) struct Named {
 }
 
 /// Selects; `channels` corrects for their number.
-pub(super) fn select(channel: &Channel, environment: &Environment, channels: usize) -> Selection {
+///
+/// # Errors
+/// Stopped.
+pub(super) fn select(
+    channel: &Channel,
+    environment: &Environment,
+    channels: usize,
+    control: &Control,
+) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
     let mut current = base.clone();
     let mut alone = Vec::new();
     let mut rivals: Rivals = Vec::new();
     for round in 0..MOST {
-        // Whoever asked for the diagnosis hears of Ctrl-C from `rest::diagnose`.
-        if progress::interrupted() {
-            break;
-        }
-        let Tried { standings, best } = try_all(channel, &current, environment, |t| t.counts(correction));
+        let Tried { standings, best } = try_all(channel, &current, environment, control, |t| t.counts(correction))?;
         if round == 0 {
             alone.clone_from(&standings);
         }
@@ -66,7 +70,7 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
         rivals.push((best.cause, close.iter().map(|t| t.cause).collect()));
         current = prune(channel, fitted, correction);
     }
-    let (chosen, settled) = laws::settle(channel, current, correction);
+    let (chosen, settled) = laws::settle(channel, current, correction, control)?;
     // Which of the slow laws: of the sums compared. All else: of the round in which it was taken.
     for (cause, own) in settled {
         let before = rivals.iter().rev().find(|r| r.0 == cause).map(|r| r.1.clone()).unwrap_or_default();
@@ -74,7 +78,7 @@ pub(super) fn select(channel: &Channel, environment: &Environment, channels: usi
         rivals.push((cause, own.into_iter().chain(others).collect()));
     }
     let named = named(channel, &base, &chosen, correction, &rivals);
-    Selection { base, chosen, alone, named }
+    Ok(Selection { base, chosen, alone, named })
 }
 
 /// What every term of a model rests on.

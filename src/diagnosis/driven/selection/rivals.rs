@@ -1,12 +1,12 @@
 //! Which other candidates would do as well in the place of a term that was chosen: a better one takes it, an equal one is
 //! remembered, so that no name is given where the recording cannot tell two apart.
 
+use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
-use crate::progress;
 
 use super::earned::{pruned, without};
 use super::judged::{Judged, Rival, Selection, Trial};
@@ -34,12 +34,17 @@ pub struct Look<'a> {
     pub budget: Budget,
     /// Whether something was not looked at because that was spent.
     pub left_out: bool,
+    /// Who may stop it.
+    pub control: &'a Control,
 }
 
 impl Look<'_> {
     /// A model in which one other candidate does the work of two terms that can be mistaken for each other: what neither of two
     /// look-alikes is, both together can imitate. `None` where two are needed.
-    pub fn one_for_two(&mut self, chosen: &Judged) -> Option<Judged> {
+    ///
+    /// # Errors
+    /// Stopped.
+    pub fn one_for_two(&mut self, chosen: &Judged) -> Result<Option<Judged>, Stopped> {
         let terms = &chosen.fit.shape.terms;
         let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
         let mut found = Vec::new();
@@ -47,32 +52,36 @@ impl Look<'_> {
             if self.is_over() {
                 break;
             }
-            found.extend(self.in_place_of_two(chosen, [i, j]));
+            found.extend(self.in_place_of_two(chosen, [i, j])?);
         }
         let better = found.into_iter().filter(|j| j.score() > chosen.score());
-        better.max_by(|a, b| a.score().total_cmp(&b.score()))
+        Ok(better.max_by(|a, b| a.score().total_cmp(&b.score())))
     }
 
     /// The best model with another candidate in the place of both of these terms.
-    fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Option<Judged> {
+    fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Result<Option<Judged>, Stopped> {
         let (data, terms) = (self.data, &chosen.fit.shape.terms);
         let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
         let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
-        let poorer = without(data, &without(data, chosen, i, self.scales)?, j, self.scales)?;
+        let poorer = without(data, chosen, i, self.scales).and_then(|p| without(data, &p, j, self.scales));
+        let Some(poorer) = poorer else { return Ok(None) };
         let here = refined(data, &poorer.fit, self.scales);
-        let tried = round(data, &poorer, &open, &here, open.len());
-        tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here))
+        let tried = round(data, &poorer, &open, &here, open.len(), self.control)?;
+        Ok(tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here)))
     }
 
     /// Tries every other candidate in the place of each chosen term.
-    pub fn settle(&mut self, selection: &mut Selection) {
+    ///
+    /// # Errors
+    /// Stopped.
+    pub fn settle(&mut self, selection: &mut Selection) -> Result<(), Stopped> {
         for attempt in 0..=SWAPS {
-            let stand_ins = self.stand_ins(selection);
+            let stand_ins = self.stand_ins(selection)?;
             let score = selection.chosen.score();
             let ahead = |r: &Rival| r.judged.score() - score;
             let all = stand_ins.iter().enumerate().flat_map(|(i, others)| others.iter().map(move |r| (i, r)));
             let better = all.filter(|(_, r)| ahead(r) > 1.0).max_by(|(_, a), (_, b)| ahead(a).total_cmp(&ahead(b)));
-            let again = attempt < SWAPS && !self.data.work.is_spent(self.budget) && !progress::interrupted();
+            let again = attempt < SWAPS && !self.data.work.is_spent(self.budget);
             match better {
                 Some((_, better)) if again => {
                     selection.chosen = pruned(self.data, better.judged.clone(), self.scales, selection.tried);
@@ -94,21 +103,41 @@ impl Look<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     /// For each chosen term, the other candidates that could be fitted in its place.
-    fn stand_ins(&mut self, selection: &Selection) -> Vec<Vec<Rival>> {
+    fn stand_ins(&mut self, selection: &Selection) -> Result<Vec<Vec<Rival>>, Stopped> {
         let here = refined(self.data, &selection.chosen.fit, self.scales);
         let of_term = |(index, term): (usize, &Term)| {
             if self.is_over() {
-                return Vec::new();
+                return Ok(Vec::new());
             }
-            let others = in_place_of(self.data, selection, index, &here, self.candidates);
+            let others = self.in_place_of(selection, index, &here)?;
             let others = others.into_iter().filter(|t| t.term.id() != term.id());
             let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
-            fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect()
+            Ok(fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect())
         };
         selection.chosen.fit.shape.terms.iter().enumerate().map(of_term).collect()
+    }
+
+    /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is the only one, all.
+    fn in_place_of(&self, selection: &Selection, index: usize, scales: &Scales) -> Result<Vec<Trial>, Stopped> {
+        let (data, candidates) = (self.data, self.candidates);
+        let chosen = &selection.chosen;
+        let term = &chosen.fit.shape.terms[index];
+        let alone = chosen.fit.shape.terms.len() == 1;
+        let poorer = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
+        let Some(poorer) = poorer else { return Ok(Vec::new()) };
+        let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
+        let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
+        let open: Vec<Term> = candidates
+            .iter()
+            .copied()
+            .filter(|t| !poorer.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
+            .collect();
+        trials.extend(round(data, &poorer, &open, scales, open.len(), self.control)?);
+        Ok(trials)
     }
 
     /// Whether the budget is spent; asked only where something would still have to be looked at.
@@ -133,22 +162,4 @@ fn tied(chosen: &Judged, stand_ins: Vec<Vec<Rival>>) -> Vec<Vec<Rival>> {
         equal
     };
     stand_ins.into_iter().map(equal).collect()
-}
-
-/// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is the only one, all.
-fn in_place_of(data: &Data, selection: &Selection, index: usize, scales: &Scales, candidates: &[Term]) -> Vec<Trial> {
-    let chosen = &selection.chosen;
-    let term = &chosen.fit.shape.terms[index];
-    let alone = chosen.fit.shape.terms.len() == 1;
-    let poorer = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
-    let Some(poorer) = poorer else { return Vec::new() };
-    let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
-    let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
-    let open: Vec<Term> = candidates
-        .iter()
-        .copied()
-        .filter(|t| !poorer.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
-        .collect();
-    trials.extend(round(data, &poorer, &open, scales, open.len()));
-    trials
 }

@@ -1,6 +1,7 @@
 //! One round of candidates on top of a model: each screened by one linear step, the most promising fitted together with the
 //! base and judged. Not the order of rounds (`stepwise`) and not what makes a term worth its place (`earned`).
 
+use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::identification::start_search::StartSearch;
 use crate::diagnosis::driven::intake::data::Data;
@@ -8,10 +9,10 @@ use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
+use crate::parallel;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::physics::state::LANES;
-use crate::{parallel, progress};
 
 use super::earned::ITERATIONS;
 use super::held_out::{Comparison, compare};
@@ -91,11 +92,21 @@ fn screen(
 
 /// Tries every candidate on top of a model: all by one linear step, the most promising in full. Best first.
 /// At least `sure` of them are fitted, whatever the best promises.
-pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, sure: usize) -> Vec<Trial> {
+///
+/// # Errors
+/// Stopped.
+pub fn round(
+    data: &Data,
+    model: &Judged,
+    candidates: &[Term],
+    scales: &Scales,
+    sure: usize,
+    control: &Control,
+) -> Result<Vec<Trial>, Stopped> {
     let sum = model.fit.linear.normal().sum.max(1e-300);
     let ensemble = StartSearch::around(data, &model.fit);
     let mut promised: Vec<(Term, f64, Vec<Vec<f64>>)> = parallel::filter_map(candidates, |term| {
-        if progress::interrupted() || term.values() == 0 {
+        if control.cancelled() || term.values() == 0 {
             return None;
         }
         let promises = screen(data, &model.fit, ensemble.as_ref(), *term, scales);
@@ -109,7 +120,7 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         let (term, promised, starts) = &promised[i];
         let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
         let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
-        if !worth[i] || progress::interrupted() {
+        if !worth[i] || control.cancelled() {
             return trial;
         }
         let best = starts
@@ -122,6 +133,7 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         trial.judged = best.map(|found| judge(data, found, scales));
         trial
     });
+    control.go_on()?;
     by_score(&mut trials);
     parallel::for_each_mut(&mut trials, |rank, trial| {
         let Some(judged) = &mut trial.judged else { return };
@@ -133,8 +145,9 @@ pub fn round(data: &Data, model: &Judged, candidates: &[Term], scales: &Scales, 
         }
         trial.comparison = compare(&model.held_out, &judged.held_out);
     });
+    control.go_on()?;
     by_score(&mut trials);
-    trials
+    Ok(trials)
 }
 
 /// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises more than any law of motion

@@ -1,14 +1,12 @@
 //! The order in which terms are added: stepwise forward, with backward pruning after every step, and a second way where the
 //! first one ends with structure left. Not what makes a term worth its place (`earned`).
 
-use indicatif::ProgressBar;
-
+use crate::control::{Control, Progress, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
-use crate::progress;
 
 use super::earned::{earned, pruned};
 use super::judged::{Judged, Selection, Trial};
@@ -31,24 +29,40 @@ const FAR_FROM_DONE: f64 = 0.15;
 
 /// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
 /// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
-pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term], budget: Budget) -> Selection {
-    let bar = progress::bar("candidates", MOST_TERMS as u64);
+///
+/// # Errors
+/// Stopped.
+pub fn search(
+    data: &Data,
+    base: Judged,
+    scales: &Scales,
+    candidates: &[Term],
+    budget: Budget,
+    control: &Control,
+) -> Result<Selection, Stopped> {
+    let progress = control.stage("candidates", MOST_TERMS as u64);
     let tried = candidates.len();
-    let mut steps = Stepwise { data, base: &base, scales, tried, bar: &bar, budget, alone: Vec::new() };
-    let mut way = steps.forward(base.clone(), candidates);
+    let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
+    let mut way = steps.forward(base.clone(), candidates)?;
     let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
     if way.chosen.fit.shape.is_noisy() && way.left > DONE && !nearly_done && !way.cut_short {
         let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
-        let other = steps.forward(base.clone(), &physics);
-        let other = if other.cut_short { other } else { steps.forward(other.chosen, candidates) };
+        let other = steps.forward(base.clone(), &physics)?;
+        let other = if other.cut_short { other } else { steps.forward(other.chosen, candidates)? };
         if other.left < way.left && other.chosen.score() > way.chosen.score() {
             way = other;
         }
     }
     let Way { mut chosen, left: mut rest, cut_short } = way;
-    let mut look =
-        Look { data, scales, candidates, budget: data.work.budget(Stage::Rivals, data.hull.len()), left_out: false };
-    if !cut_short && let Some(simpler) = look.one_for_two(&chosen) {
+    let mut look = Look {
+        data,
+        scales,
+        candidates,
+        budget: data.work.budget(Stage::Rivals, data.hull.len()),
+        left_out: false,
+        control,
+    };
+    if !cut_short && let Some(simpler) = look.one_for_two(&chosen)? {
         chosen = simpler;
         rest = left(data, &chosen.fit).share;
     }
@@ -57,11 +71,10 @@ pub fn search(data: &Data, base: Judged, scales: &Scales, candidates: &[Term], b
     let (alone, tried) = (steps.alone, steps.tried);
     let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short, rivals_left_out: false };
     if !cut_short && !hopeless {
-        look.settle(&mut selection);
+        look.settle(&mut selection)?;
     }
     selection.rivals_left_out = look.left_out;
-    bar.finish_and_clear();
-    selection
+    Ok(selection)
 }
 
 /// A search's steps from a model to richer ones.
@@ -70,7 +83,8 @@ struct Stepwise<'a> {
     base: &'a Judged,
     scales: &'a Scales,
     tried: usize,
-    bar: &'a ProgressBar,
+    control: &'a Control,
+    progress: Progress,
     budget: Budget,
     /// Every candidate alone, once it has been tried.
     alone: Vec<Trial>,
@@ -87,14 +101,14 @@ struct Way {
 
 impl Stepwise<'_> {
     /// As far as these candidates lead.
-    fn forward(&mut self, from: Judged, candidates: &[Term]) -> Way {
+    fn forward(&mut self, from: Judged, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short) = (self.data, from, false);
         for _ in chosen.fit.shape.terms.len()..=MOST_TERMS {
-            let best = self.step(&chosen, candidates);
-            self.bar.inc(1);
+            let best = self.step(&chosen, candidates)?;
+            self.progress.step();
             let Some(best) = best else { break };
             chosen = pruned(data, best, self.scales, self.tried);
-            if chosen.fit.shape.terms.len() >= MOST_TERMS || progress::interrupted() {
+            if chosen.fit.shape.terms.len() >= MOST_TERMS {
                 break;
             }
             if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
@@ -102,11 +116,11 @@ impl Stepwise<'_> {
                 break;
             }
         }
-        Way { left: left(data, &chosen.fit).share, chosen, cut_short }
+        Ok(Way { left: left(data, &chosen.fit).share, chosen, cut_short })
     }
 
     /// The best model with one term more that earns it.
-    fn step(&mut self, chosen: &Judged, candidates: &[Term]) -> Option<Judged> {
+    fn step(&mut self, chosen: &Judged, candidates: &[Term]) -> Result<Option<Judged>, Stopped> {
         let (data, tried) = (self.data, self.tried);
         let first = chosen.fit.shape.terms.is_empty();
         let known = self.alone.iter().filter(|t| t.judged.is_some() && candidates.contains(&t.term));
@@ -115,7 +129,7 @@ impl Stepwise<'_> {
         } else {
             let here = refined(data, &chosen.fit, self.scales);
             let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
-            round(data, chosen, &open, &here, SURE)
+            round(data, chosen, &open, &here, SURE, self.control)?
         };
         let nearly_done = chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free();
         let rest = if chosen.fit.shape.terms.len() < 2 || nearly_done { LEAST_OF_REST } else { FAIR_PART_OF_REST };
@@ -133,6 +147,6 @@ impl Stepwise<'_> {
         if first && self.alone.is_empty() {
             self.alone = trials;
         }
-        best
+        Ok(best)
     }
 }

@@ -11,10 +11,11 @@ const POWERS: [u8; 3] = [1, 2, 4];
 pub(super) const ROW: Row = Row {
     offer: |to| {
         if !to.is_open_to(Cause::BandLimit) {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let powers = POWERS.map(|p| to.with_law(Cause::BandLimit, Law::Smoothed(p), f64::from(p)));
-        powers.into_iter().max_by(|a, b| a.log_likelihood().total_cmp(&b.log_likelihood())).into_iter().collect()
+        let best = powers.into_iter().max_by(|a, b| a.log_likelihood().total_cmp(&b.log_likelihood()));
+        Ok(best.into_iter().collect())
     },
     numbers: 1.0,
     chance: |gain, _| 1.5 * chi_squared_above(gain, 1.0),

@@ -33,10 +33,10 @@ pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
     offer: |to| {
         if !to.is_open_to(Cause::GaussMarkov) {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
-        vec![search::best(memories(to.samples()), MEMORIES, |m| with(m.exp()))]
+        Ok(vec![search::best(memories(to.samples()), MEMORIES, to.control, |m| with(m.exp()))?])
     },
     numbers: 2.0,
     chance: |gain, _| 4.0 * chi_squared_above(gain, 2.0),

@@ -23,11 +23,11 @@ pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
     offer: |to| {
         if to.current.has(Cause::RateRamp) {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let count = to.samples();
         let ramp = Curve::new((0..count).map(|n| n as f64 / count as f64).collect());
-        vec![to.with_curves(Cause::RateRamp, vec![ramp], 0.0)]
+        Ok(vec![to.with_curves(Cause::RateRamp, vec![ramp], 0.0)])
     },
     numbers: 1.0,
     chance: |gain, _| chi_squared_above(gain, 1.0),

@@ -1,5 +1,6 @@
 //! What a file of the library tells of its candidate, and the model that candidates are offered to.
 
+use crate::control::{Control, Stopped};
 use crate::diagnosis::candidate::{Candidate, Parameter};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
@@ -14,7 +15,7 @@ pub(in crate::diagnosis::rest) struct Row {
     /// What the library says; `None` for what is no physics left out.
     pub(in crate::diagnosis::rest) entry: Option<&'static Candidate>,
     /// The models with it, each at its best: none where it cannot be added, several where there are several columns.
-    pub(in crate::diagnosis::rest) offer: fn(&Offer<'_>) -> Vec<Fitted>,
+    pub(in crate::diagnosis::rest) offer: fn(&Offer<'_>) -> Result<Vec<Fitted>, Stopped>,
     /// Free numbers, searched ones included.
     pub(in crate::diagnosis::rest) numbers: f64,
     /// Probability of at least this gain (twice the log-likelihood) by chance, for this many samples. A variance at its
@@ -31,7 +32,7 @@ pub(in crate::diagnosis::rest) struct Row {
 /// A cause that is never offered: a check on others.
 pub(super) const NO_CANDIDATE: Row = Row {
     entry: None,
-    offer: |_| Vec::new(),
+    offer: |_| Ok(Vec::new()),
     numbers: 2.0,
     chance: |_, _| 1.0,
     imitates: &[],
@@ -44,6 +45,7 @@ pub(in crate::diagnosis::rest) struct Offer<'a> {
     pub(in crate::diagnosis::rest) channel: &'a Channel,
     pub(in crate::diagnosis::rest) current: &'a Fitted,
     pub(in crate::diagnosis::rest) environment: &'a Environment,
+    pub(in crate::diagnosis::rest) control: &'a Control,
 }
 
 impl Offer<'_> {
@@ -72,8 +74,8 @@ impl Offer<'_> {
     }
 
     /// The model with a law that has no number but its strength.
-    pub(super) fn law(&self, cause: Cause, law: Law) -> Vec<Fitted> {
-        if self.is_open_to(cause) { vec![self.with_law(cause, law, 0.0)] } else { Vec::new() }
+    pub(super) fn law(&self, cause: Cause, law: Law) -> Result<Vec<Fitted>, Stopped> {
+        Ok(if self.is_open_to(cause) { vec![self.with_law(cause, law, 0.0)] } else { Vec::new() })
     }
 }
 

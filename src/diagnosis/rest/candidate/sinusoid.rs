@@ -30,7 +30,7 @@ const REACH: f64 = 0.6;
 pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
     offer: |to| {
-        let Some(frequency) = strongest_line(to.channel, to.current) else { return Vec::new() };
+        let Some(frequency) = strongest_line(to.channel, to.current) else { return Ok(Vec::new()) };
         let count = to.samples();
         let wave = |f: f64| {
             let part = |shift: f64| Curve::new((0..count).map(|n| (TAU * f * n as f64 + shift).sin()).collect());
@@ -38,7 +38,7 @@ pub(super) const ROW: Row = Row {
         };
         let half = REACH / count as f64;
         let within = [frequency - half, frequency + half];
-        vec![search::best(within, FREQUENCIES, |f| to.with_curves(Cause::Sinusoid, wave(f), f))]
+        Ok(vec![search::best(within, FREQUENCIES, to.control, |f| to.with_curves(Cause::Sinusoid, wave(f), f))?])
     },
     numbers: 3.0,
     chance: |gain, samples| 2.0 * samples * chi_squared_above(gain, 2.0),

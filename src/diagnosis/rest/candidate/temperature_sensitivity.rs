@@ -3,7 +3,7 @@
 use super::row::{Row, TITTERTON, signed};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::{Addition, Term};
+use crate::diagnosis::rest::channel::{Addition, Curve, Term};
 use crate::diagnosis::rest::estimate::straight;
 use crate::numerics::special::chi_squared_above;
 
@@ -24,15 +24,15 @@ pub(super) const ROW: Row = Row {
     // One model per column that the model does not follow yet.
     offer: |to| {
         let open = to.environment.iter().filter(|(name, _)| !to.current.terms.iter().any(|t| t.follows(name)));
-        open.map(|(name, column)| {
+        let with = |(name, column): &(String, Curve)| {
             to.with(Term {
                 cause: Cause::TemperatureSensitivity,
                 addition: Addition::Curves(vec![column.clone()]),
                 searched: 0.0,
                 column: Some(name.clone()),
             })
-        })
-        .collect()
+        };
+        Ok(open.map(with).collect())
     },
     numbers: 1.0,
     chance: |gain, _| chi_squared_above(gain, 1.0),

@@ -33,11 +33,11 @@ pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
     offer: |to| {
         if to.current.has(Cause::WarmUp) {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let count = to.samples();
         let with = |time: f64| to.with_curves(Cause::WarmUp, vec![settling(count, time)], time);
-        vec![search::best(PARTS.map(|p| (p * count as f64).ln()), TIMES, |m| with(m.exp()))]
+        Ok(vec![search::best(PARTS.map(|p| (p * count as f64).ln()), TIMES, to.control, |m| with(m.exp()))?])
     },
     numbers: 2.0,
     chance: |gain, _| 5.0 * chi_squared_above(gain, 1.0),

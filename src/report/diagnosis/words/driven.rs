@@ -128,3 +128,28 @@ fn listed(items: &[String], last: &str) -> String {
         [head @ .., tail] => format!("{} {last} {tail}", head.join(", ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::verdict::Evidence;
+
+    #[test]
+    fn effects_that_are_tied_are_said_once_with_an_or() {
+        let effect = |id: &str, confusable_with: &[&str]| Effect {
+            id: id.into(),
+            statement: String::new(),
+            equation: String::new(),
+            parameters: Vec::new(),
+            channels: Vec::new(),
+            evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            confusable_with: confusable_with.iter().map(|id| (*id).to_owned()).collect(),
+        };
+        let effects = [effect("a", &[]), effect("b", &["c"]), effect("c", &["b"])];
+        let named = ["a (x = 1)", "b (y = 2)", "c (z = 3)"].map(str::to_owned);
+        assert_eq!(holding(&effects, &named), ["a (x = 1)", "b or c"]);
+        // Without ties all stand with their numbers.
+        let apart = [effect("a", &[]), effect("b", &[]), effect("c", &[])];
+        assert_eq!(holding(&apart, &named), named);
+    }
+}
