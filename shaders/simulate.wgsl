@@ -89,6 +89,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
         vec4<f32>(column(i, 0u), column(i, 1u), column(i, 2u), column(i, 3u)),
         vec4<f32>(column(i, 4u), column(i, 5u), column(i, 6u), column(i, 7u)),
     );
+    let laws = laws_of(i);
     let gain = column(i, GAIN);
     // While a still start lasts, nothing moves and no tilt is integrated.
     let still = HAS_STILL && tile.first_sample < tile.still_samples;
@@ -172,7 +173,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                         fma(gain, now.w, own.z - own.x),
                     );
                     before = now.x;
-                    s = advance(k, s, f, push);
+                    s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
                     felt = f.end;
                 }
 

@@ -20,6 +20,7 @@
 pub mod bias_drift;
 pub mod bias_random_walk;
 pub mod candidate;
+pub mod coefficients;
 pub mod coulomb_friction;
 pub mod cubic_stiffness;
 pub mod dimension;

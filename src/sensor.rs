@@ -11,35 +11,38 @@ pub mod terms;
 
 pub use terms::{Accelerometer, Gyro, Sense, SensorTerm};
 
-/// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with further terms that a diagnosis may
-/// have found: + αx² + c₂|x′|x′ + c₃x²x′ + f_c sgn x′.
+use crate::physics::coefficients::Coefficients;
+use crate::units::key::Key;
+
+/// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever further laws of `physics` a
+/// diagnosis may have found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ProofMass {
     /// Undamped natural frequency ω₀.
     pub natural_frequency_rad_s: f64,
     /// Damping ratio ζ.
     pub damping_ratio: f64,
-    /// Cubic stiffness β, 1/(m² s²).
-    pub cubic_per_m2_s2: f64,
-    /// Quadratic stiffness α, 1/(m s²).
-    pub quadratic_per_m_s2: f64,
-    /// Quadratic damping c₂, 1/m.
-    pub quadratic_damping_per_m: f64,
-    /// Squeeze-film damping c₃, 1/(m² s).
-    pub squeeze_film_per_m2_s: f64,
-    /// Coulomb friction f_c, m/s².
-    pub coulomb_m_s2: f64,
+    /// Coefficients of the laws that it follows beside the linear one.
+    pub laws: Coefficients,
     /// Random-walk coefficient of Brownian force noise per unit mass, m/s²·√s (two-sided).
     pub force_noise_m_s_rts: f64,
 }
 
 impl ProofMass {
+    /// Cubic stiffness β, 1/(m² s²).
+    pub fn cubic_per_m2_s2(&self) -> f64 {
+        self.laws.of(&mechanics::CUBIC_STIFFNESS)
+    }
+
     /// Whether there is anything beyond the linear and the cubic spring.
     pub fn has_further_terms(&self) -> bool {
-        self.quadratic_per_m_s2 != 0.0
-            || self.quadratic_damping_per_m != 0.0
-            || self.squeeze_film_per_m2_s != 0.0
-            || self.coulomb_m_s2 != 0.0
+        self.laws.acting().any(|law| law.given()[0].key.slot != mechanics::CUBIC_STIFFNESS.slot)
+    }
+
+    /// The same proof mass with another coefficient of one law, SI.
+    pub fn with(mut self, key: &Key, value: f64) -> Self {
+        self.laws = self.laws.with(key, value);
+        self
     }
 }
 

@@ -170,11 +170,7 @@ impl Study {
         masses.reduce(|a, b| ProofMass {
             natural_frequency_rad_s: a.natural_frequency_rad_s.max(b.natural_frequency_rad_s),
             damping_ratio: a.damping_ratio.min(b.damping_ratio),
-            cubic_per_m2_s2: larger(a.cubic_per_m2_s2, b.cubic_per_m2_s2),
-            quadratic_per_m_s2: larger(a.quadratic_per_m_s2, b.quadratic_per_m_s2),
-            quadratic_damping_per_m: larger(a.quadratic_damping_per_m, b.quadratic_damping_per_m),
-            squeeze_film_per_m2_s: larger(a.squeeze_film_per_m2_s, b.squeeze_film_per_m2_s),
-            coulomb_m_s2: larger(a.coulomb_m_s2, b.coulomb_m_s2),
+            laws: a.laws.zip(&b.laws, larger),
             force_noise_m_s_rts: larger(a.force_noise_m_s_rts, b.force_noise_m_s_rts),
         })
     }

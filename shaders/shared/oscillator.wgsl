@@ -1,4 +1,4 @@
-// Twin of `src/kernel/cpu/oscillator.rs`: one substep of the proof mass in error coordinates. The state is (e, q): the
+// Twin of `src/kernel/cpu/oscillator.rs` and `src/kernel/cpu/general.rs`: one substep of the proof mass in error coordinates. The state is (e, q): the
 // error of the reading, and the reading's rate times the substep.
 
 struct Coefficients {
@@ -37,27 +37,36 @@ fn runge_kutta_4(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
     return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));
 }
 
-fn general(k: Coefficients, e: f32, a: f32, q: f32, push: f32) -> f32 {
-    let square = a * a;
-    let bent = fma(fma(k.low.z, a, k.low.w), square, e);
-    let damping = fma(k.high.x, abs(q), fma(k.high.y, square, k.low.y));
-    let friction = k.high.z * (q / (abs(q) + k.high.z + 1e-30));
-    return fma(-k.low.x, bent, fma(-damping, q, push - friction));
+// What the laws of `src/physics` are given, with the substep as unit of time and the reading as displacement.
+struct Instant {
+    x: f32,
+    v: f32,
+    input: f32,
+    time: f32,
+    step: f32,
+    gain: f32,
+    stiffness: f32,
 }
 
-fn runge_kutta_4_general(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
+// Acceleration with all laws that act: `Laws` and `act` are written by `src/kernel/source/laws.rs`.
+fn general(k: Coefficients, laws: Laws, e: f32, q: f32, input: f32, time: f32, push: f32) -> f32 {
+    let at = Instant(e + input, q, input, time, 1.0, k.low.x, k.low.x);
+    return act(at, laws, fma(-k.low.y, q, fma(-k.low.x, e, push)));
+}
+
+fn runge_kutta_4_general(k: Coefficients, laws: Laws, s: vec2<f32>, f: Force, w: f32, time: f32) -> vec2<f32> {
     let middle = s.x - f.to_middle;
     let end = s.x - f.to_end;
-    let d1 = general(k, s.x, s.x + f.begin, s.y, w);
+    let d1 = general(k, laws, s.x, s.y, f.begin, time, w);
     let e2 = fma(0.5, s.y, middle);
     let q2 = fma(0.5, d1, s.y);
-    let d2 = general(k, e2, e2 + f.middle, q2, w);
+    let d2 = general(k, laws, e2, q2, f.middle, time + 0.5, w);
     let e3 = fma(0.5, q2, middle);
     let q3 = fma(0.5, d2, s.y);
-    let d3 = general(k, e3, e3 + f.middle, q3, w);
+    let d3 = general(k, laws, e3, q3, f.middle, time + 0.5, w);
     let e4 = end + q3;
     let q4 = s.y + d3;
-    let d4 = general(k, e4, e4 + f.end, q4, w);
+    let d4 = general(k, laws, e4, q4, f.end, time + 1.0, w);
     let twice = d2 + d3;
     let once = d1 + twice;
     return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job, Member};
 use crate::kernel::orbit::{ALIGN_PERIODS, Plan, Point};
+use crate::sensor::mechanics::CUBIC_STIFFNESS;
 use crate::sensor::{ProofMass, Sensor};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use crate::validation::jobs::{Sine, duffing};
@@ -90,7 +91,7 @@ pub fn orbit_steps(points: usize, plan: &Plan) -> f64 {
 
 /// What an ensemble is mostly asked for.
 pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
-    let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
+    let linear = duffing(1200.0, 0.7).with(&CUBIC_STIFFNESS, 0.0);
     let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::default() };
     plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;
     let all = Sensor { proof_mass: Some(linear), ..everything() };

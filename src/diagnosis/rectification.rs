@@ -7,6 +7,10 @@
 
 use super::repair::Vibration;
 use crate::control::{Control, Stopped};
+use crate::physics::coefficients::StudyLaw;
+use crate::physics::dimension::Units;
+use crate::physics::library::Term;
+use crate::physics::state::{Base, Instants, MOST_VALUES};
 use crate::sensor::ProofMass;
 
 /// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres stated.
@@ -23,7 +27,12 @@ type State = [f64; 4];
 /// One sensor under one vibration, a whole number of steps per period.
 struct Motion<'a> {
     control: &'a Control,
-    mass: &'a ProofMass,
+    /// ω₀².
+    stiffness: f64,
+    /// 2ζω₀.
+    damping: f64,
+    /// Further laws and their parameters.
+    laws: Vec<(Term, [[f64; 1]; MOST_VALUES])>,
     vibration: &'a Vibration,
     omega_rad_s: f64,
     period_s: f64,
@@ -49,7 +58,7 @@ pub fn position_error_m(
         return Ok([0.0; 2]);
     }
     let steps_per_period = (period_s * fastest * STEPS_PER_RADIAN).ceil() as usize;
-    let motion = Motion { control, mass, vibration, omega_rad_s, period_s, steps_per_period };
+    let motion = Motion::of(control, mass, vibration, steps_per_period);
     let mut out = [0.0; 2];
     let mut state = [0.0; 4];
     let mut periods = 0.0;
@@ -86,7 +95,22 @@ pub fn position_error_m(
     Ok(if out.iter().all(|v| v.is_finite()) { out } else { [f64::INFINITY; 2] })
 }
 
-impl Motion<'_> {
+impl<'a> Motion<'a> {
+    fn of(control: &'a Control, mass: &ProofMass, vibration: &'a Vibration, steps_per_period: usize) -> Self {
+        let (omega, si) = (mass.natural_frequency_rad_s, Units { y: 1.0, u: 1.0, s: 1.0 });
+        let values = |law: &StudyLaw| mass.laws.values(law, &si).map(|v| [v]);
+        Self {
+            control,
+            stiffness: omega.powi(2),
+            damping: 2.0 * mass.damping_ratio * omega,
+            laws: mass.laws.acting().map(|law| (law.term, values(law))).collect(),
+            vibration,
+            omega_rad_s: std::f64::consts::TAU * vibration.frequency_hz,
+            period_s: 1.0 / vibration.frequency_hz,
+            steps_per_period,
+        }
+    }
+
     /// A whole period from phase zero.
     fn advance(&self, state: State, from_s: f64, steps: usize, taken: &mut usize) -> Result<State, Stopped> {
         self.integrate(state, from_s, self.period_s / self.steps_per_period as f64, steps, taken)
@@ -107,7 +131,7 @@ impl Motion<'_> {
     ) -> Result<State, Stopped> {
         let slope = |t: f64, s: State| {
             let f = self.vibration.amplitude_m_s2 * (self.omega_rad_s * t).sin();
-            [s[1], self.acceleration(s[0], s[1], f), self.mass.natural_frequency_rad_s.powi(2) * s[0] - f, s[2]]
+            [s[1], self.acceleration(s[0], s[1], f), self.stiffness * s[0] - f, s[2]]
         };
         let add = |s: State, k: State, by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
         for n in 0..steps {
@@ -126,23 +150,22 @@ impl Motion<'_> {
     }
 
     fn acceleration(&self, x: f64, v: f64, force: f64) -> f64 {
-        let mass = self.mass;
-        let omega = mass.natural_frequency_rad_s;
-        let friction = if v == 0.0 { 0.0 } else { mass.coulomb_m_s2 * v.signum() };
-        force
-            - 2.0 * mass.damping_ratio * omega * v
-            - omega * omega * x
-            - mass.quadratic_per_m_s2 * x * x
-            - mass.cubic_per_m2_s2 * x.powi(3)
-            - mass.quadratic_damping_per_m * v.abs() * v
-            - mass.squeeze_film_per_m2_s * x * x * v
-            - friction
+        let base = Base { gain: [1.0], stiffness: [self.stiffness], damping: [self.damping] };
+        // No step: friction is not smoothed.
+        let at = Instants { time: 0.0, step: 0.0, input: [force], x: [x], v: [v], base: &base, environment: &[] };
+        let mut sum = [force - self.damping * v - self.stiffness * x];
+        for (term, p) in &self.laws {
+            term.force::<f64, 1, false>(&at, p, &[], &mut [], &mut sum);
+        }
+        sum[0]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{quadratic_damping, quadratic_stiffness};
+    use crate::sensor::mechanics::CUBIC_STIFFNESS;
 
     const TIMES_S: [f64; 2] = [10.0, 60.0];
 
@@ -185,9 +208,10 @@ mod tests {
         let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
         let straight = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let size = steady(&mass, &vibration, 0.0).2;
-        mass.quadratic_per_m_s2 = 1e4;
+        let alpha = 1e4;
+        mass = mass.with(&quadratic_stiffness::GIVEN[0].key, alpha);
         let bent = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
-        let expected = -mass.quadratic_per_m_s2 * size * size * 3600.0 / 4.0;
+        let expected = -alpha * size * size * 3600.0 / 4.0;
         // To first order in α, and up to the velocity that the first period leaves: 1/(ωt) = 5e-4.
         assert!(((bent[1] - straight[1]) / expected - 1.0).abs() < 2e-3, "{bent:?} {straight:?} {expected}");
     }
@@ -197,7 +221,7 @@ mod tests {
     fn a_cubic_spring_rectifies_nothing() {
         let mut mass = mass(400.0, 0.5);
         let vibration = Vibration { amplitude_m_s2: 5.0, frequency_hz: 5.0 };
-        mass.cubic_per_m2_s2 = 1e11;
+        mass = mass.with(&CUBIC_STIFFNESS, 1e11);
         let [ten, sixty] = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         assert!(sixty.abs() < 7.0 * ten.abs(), "no faster than t: {ten:e} {sixty:e}");
     }
@@ -206,21 +230,12 @@ mod tests {
     #[test]
     fn the_sum_of_periods_is_what_integration_to_the_end_gives() {
         let mut mass = mass(300.0, 0.4);
-        mass.quadratic_per_m_s2 = 2e6;
-        mass.quadratic_damping_per_m = 20.0;
+        mass = mass.with(&quadratic_stiffness::GIVEN[0].key, 2e6).with(&quadratic_damping::GIVEN[0].key, 20.0);
         let vibration = Vibration { amplitude_m_s2: 8.0, frequency_hz: 7.3 };
         let fast = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let steps_per_period = 4000;
-        let period_s = 1.0 / vibration.frequency_hz;
-        let omega_rad_s = std::f64::consts::TAU * vibration.frequency_hz;
-        let motion = Motion {
-            control: &Control::silent(),
-            mass: &mass,
-            vibration: &vibration,
-            omega_rad_s,
-            period_s,
-            steps_per_period,
-        };
+        let control = Control::silent();
+        let motion = Motion::of(&control, &mass, &vibration, steps_per_period);
         let slow = motion.span([0.0; 4], 10.0, 73 * steps_per_period, &mut 0).expect("not interrupted")[3];
         assert!((fast[0] / slow - 1.0).abs() < 1e-5, "{} {slow}", fast[0]);
     }

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use crate::document::toml_string;
 use crate::escape;
-use crate::sensor::{Sensor, SensorTerm};
+use crate::physics::coefficients;
+use crate::sensor::{Sensor, SensorTerm, mechanics};
 use crate::study::name_for;
-use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
 use super::verdict::Verdict;
 
@@ -154,13 +154,10 @@ fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {
         keys.extend([
             ("resonance_hz", mass.natural_frequency_rad_s / (2.0 * std::f64::consts::PI)),
             ("damping_ratio", mass.damping_ratio),
-            ("cubic_stiffness_per_m2_s2", mass.cubic_per_m2_s2),
-            ("quadratic_stiffness_per_m_s2", mass.quadratic_per_m_s2),
-            ("quadratic_damping_per_m", mass.quadratic_damping_per_m),
-            ("squeeze_film_per_m2_s", mass.squeeze_film_per_m2_s),
-            ("coulomb_friction_m_s2", mass.coulomb_m_s2),
-            ("force_noise_density_ug_rthz", mass.force_noise_m_s_rts / DENSITY_TO_RANDOM_WALK / MICRO_G),
         ]);
+        keys.extend(coefficients::keys().map(|key| (key.key(), mass.laws.of(key) / key.factor)));
+        let noise = &mechanics::FORCE_NOISE;
+        keys.push((noise.key(), mass.force_noise_m_s_rts / noise.factor));
     }
     keys
 }
@@ -176,6 +173,7 @@ fn term_keys(sensor: &Sensor, section: &str) -> Vec<(&'static str, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
     #[test]
     fn rates_become_round_ones_that_are_no_lower() {

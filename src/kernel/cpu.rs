@@ -7,6 +7,7 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod flicker;
+mod general;
 pub mod lanes;
 pub mod lyapunov;
 pub mod members;

@@ -102,8 +102,8 @@ impl Method {
     fn reaches(&self, mass: &ProofMass) -> bool {
         match self.reach {
             Reach::Nothing => false,
-            Reach::Linear => mass.cubic_per_m2_s2 == 0.0 && !mass.has_further_terms(),
-            Reach::Hardening => mass.cubic_per_m2_s2 >= 0.0 && !mass.has_further_terms(),
+            Reach::Linear => mass.cubic_per_m2_s2() == 0.0 && !mass.has_further_terms(),
+            Reach::Hardening => mass.cubic_per_m2_s2() >= 0.0 && !mass.has_further_terms(),
             Reach::Cubic => !mass.has_further_terms(),
             Reach::General => true,
         }
@@ -146,7 +146,7 @@ impl Integrator {
                 ),
             );
         }
-        if m.cubic_per_m2_s2 == 0.0 {
+        if m.cubic_per_m2_s2() == 0.0 {
             return choice(
                 Self::ExactHold,
                 format!(
@@ -169,7 +169,7 @@ impl Integrator {
                 ),
             );
         }
-        if quality >= 10.0 && m.cubic_per_m2_s2 > 0.0 {
+        if quality >= 10.0 && m.cubic_per_m2_s2() > 0.0 {
             return choice(
                 Self::RosenbrockEuler { substeps: 1 },
                 format!(
@@ -259,14 +259,16 @@ impl std::fmt::Display for Integrator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::coulomb_friction;
+    use crate::sensor::mechanics::CUBIC_STIFFNESS;
 
     fn mass(hz: f64, damping_ratio: f64, cubic: f64) -> ProofMass {
         ProofMass {
             natural_frequency_rad_s: hz * std::f64::consts::TAU,
             damping_ratio,
-            cubic_per_m2_s2: cubic,
             ..ProofMass::default()
         }
+        .with(&CUBIC_STIFFNESS, cubic)
     }
 
     #[test]
@@ -278,7 +280,7 @@ mod tests {
         assert_eq!(chosen(1200.0, 0.7, 1e9), Integrator::ExponentialRk2 { substeps: 4 });
         assert_eq!(chosen(1200.0, 0.001, 1e9), Integrator::RosenbrockEuler { substeps: 1 });
         assert_eq!(chosen(1200.0, 0.001, -1e9), Integrator::RungeKutta4 { substeps: 31 });
-        let further = ProofMass { coulomb_m_s2: 0.1, ..mass(30.0, 0.7, 0.0) };
+        let further = mass(30.0, 0.7, 0.0).with(&coulomb_friction::GIVEN[0].key, 0.1);
         assert_eq!(Integrator::choose(Some(&further), 1e-3).integrator, Integrator::RungeKutta4General { substeps: 1 });
     }
 

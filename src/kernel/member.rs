@@ -4,8 +4,11 @@
 //! reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + κa³) = W(f + w) with W = (ω₀h)², C = 2ζω₀h, κ = β/ω₀⁶.
 
 use super::flicker;
-use super::integrator::Integrator;
+use super::integrator::{Integrator, Reach};
 use super::job::{Clock, Member};
+use crate::physics::coefficients;
+use crate::physics::dimension::Units;
+use crate::physics::free_oscillator::transition;
 use crate::sensor::{ProofMass, SensorTerm};
 
 /// Numbers of one member.
@@ -54,6 +57,9 @@ pub mod column {
 pub struct Column {
     /// Its numbers, in the order of the module [`column`](mod@column).
     pub values: [f64; COLUMNS],
+    /// Coefficients of its laws with the substep as unit of time and the reading as displacement, where the integrator takes
+    /// them one by one; else 0.
+    pub laws: [f64; coefficients::MOST],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],
 }
@@ -65,8 +71,13 @@ impl Column {
         let substep_s = clock.step_s / f64::from(integrator.substeps());
         let sensor = &member.sensor;
         let mut values = [0.0; COLUMNS];
+        let mut laws = [0.0; coefficients::MOST];
         if let Some(mass) = &sensor.proof_mass {
             values[..COEFFICIENTS].copy_from_slice(&coefficients(mass, integrator, substep_s));
+            if integrator.method().reach == Reach::General {
+                let reading_per_m = mass.natural_frequency_rad_s.powi(2);
+                laws = mass.laws.scaled(&Units { y: reading_per_m, u: 1.0, s: 1.0 / substep_s });
+            }
             let scale = integrator.force_scale(values[0]);
             values[column::FORCE] = scale * mass.force_noise_m_s_rts / sample_s.sqrt();
         }
@@ -86,7 +97,7 @@ impl Column {
             let phase = fixed(sine.phase_rad / std::f64::consts::TAU);
             turns = [phase.wrapping_sub(before.wrapping_mul(step)), step];
         }
-        Self { values, turns }
+        Self { values, laws, turns }
     }
 
     /// Whether the member has this term.
@@ -118,64 +129,19 @@ pub fn coefficients(mass: &ProofMass, integrator: Integrator, substep_s: f64) ->
     let w0 = mass.natural_frequency_rad_s;
     let w = (w0 * substep_s).powi(2);
     let c = 2.0 * mass.damping_ratio * w0 * substep_s;
-    let kappa = mass.cubic_per_m2_s2 / w0.powi(6);
+    let kappa = mass.cubic_per_m2_s2() / w0.powi(6);
     let relaxes = matches!(integrator, Integrator::ExactHold | Integrator::ExponentialRk2 { .. });
-    let [[a, b], [d, e]] = if relaxes { relaxation(w, c) } else { [[0.0; 2]; 2] };
+    let [a, b, d, e] = if relaxes { transition(w0 * substep_s, mass.damping_ratio, 1.0) } else { [0.0; 4] };
     match integrator {
         Integrator::Ideal => [0.0; COEFFICIENTS],
         Integrator::ExactHold => [a, b, d, e, c / w, 0.0, 0.0, 0.0],
         Integrator::RungeKutta4 { .. } => [w, c, w * kappa, 0.0, 0.0, 0.0, 0.0, 0.0],
-        Integrator::RungeKutta4General { .. } => [
-            w,
-            c,
-            kappa,
-            mass.quadratic_per_m_s2 / w0.powi(4),
-            mass.quadratic_damping_per_m / w0.powi(2),
-            mass.squeeze_film_per_m2_s * substep_s / w0.powi(4),
-            mass.coulomb_m_s2 * w,
-            0.0,
-        ],
+        // Its laws have columns of their own.
+        Integrator::RungeKutta4General { .. } => [w, c, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         // The last two: what a force that grows by one over the step adds to (a, a′).
         Integrator::ExponentialRk2 { .. } => {
             [a, b, d, e, c / w, kappa, 1.0 - c / w + a * c / w - b, 1.0 + d * c / w - e]
         }
         Integrator::RosenbrockEuler { .. } => [w, c, kappa, (-0.5 * c).exp(), 0.0, 0.0, 0.0, 0.0],
-    }
-}
-
-/// exp of [[0, 1], [−w, −c]]: how a free oscillator relaxes over one unit of time.
-fn relaxation(w: f64, c: f64) -> [[f64; 2]; 2] {
-    let discriminant = 0.25 * c * c - w;
-    let root = discriminant.abs().sqrt();
-    // e^(−c/2) times cosh or cos of the root, and times sinh(root)/root or sin(root)/root, without overflow.
-    let (even, odd) = if root < 1e-4 {
-        let decay = (-0.5 * c).exp();
-        (decay * (1.0 + 0.5 * discriminant), decay * (1.0 + discriminant / 6.0))
-    } else if discriminant > 0.0 {
-        let (slow, fast) = ((root - 0.5 * c).exp(), (-root - 0.5 * c).exp());
-        (0.5 * (slow + fast), 0.5 * (slow - fast) / root)
-    } else {
-        let decay = (-0.5 * c).exp();
-        (decay * root.cos(), decay * root.sin() / root)
-    };
-    [[even + 0.5 * c * odd, odd], [-w * odd, even - 0.5 * c * odd]]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn relaxation_over_two_halves_is_relaxation_over_the_whole() {
-        for (w, c) in [(0.01, 0.02), (60.0, 0.1), (1.0, 2.0), (1.0, 2.000_000_01), (4.0, 900.0), (1e-6, 1e-3)] {
-            // Halving the unit of time: w → w/4, c → c/2, velocities double.
-            let [[a, b], [d, e]] = relaxation(w / 4.0, c / 2.0);
-            let (b, d) = (b / 2.0, d * 2.0);
-            let whole = relaxation(w, c);
-            let squared = [[a * a + b * d, a * b + b * e], [d * a + e * d, d * b + e * e]];
-            for (got, want) in squared.iter().flatten().zip(whole.iter().flatten()) {
-                assert!((got - want).abs() < 1e-11 * (1.0 + w), "{w} {c}: {got} {want}");
-            }
-        }
     }
 }

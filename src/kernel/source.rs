@@ -2,15 +2,17 @@
 //!
 //! Not for running them: `backend::gpu` does. Its tests, in `mirror`, hold them against the host with naga.
 
+pub mod laws;
 #[cfg(test)]
 mod mirror;
 pub mod terms;
 
 use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
-use super::integrator::METHODS;
+use super::integrator::{METHODS, Reach};
 use super::layout::state;
 use super::member::column;
+use crate::physics::coefficients::StudyLaw;
 use crate::rng::Stream;
 
 /// A shader, ready for a device.
@@ -36,19 +38,22 @@ pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shade
     Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
 }
 
-/// The ensemble kernel.
-pub fn simulate(int64: bool) -> Shader {
+/// The ensemble kernel for proof masses that follow these laws.
+pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
     let own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
-    let text = [&constants(), LAYOUT, OSCILLATOR, &advance(), ACCUMULATE, &own].join("\n");
+    let text = [&constants(), LAYOUT, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own].join("\n");
     with_random_numbers("simulate", &text, int64)
 }
 
 /// One step of the proof mass by whichever method the pipeline was made for.
 fn advance() -> String {
-    let mut text = "fn advance(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {\n".to_owned();
+    let mut text =
+        "fn advance(k: Coefficients, laws: Laws, s: vec2<f32>, f: Force, w: f32, time: f32) -> vec2<f32> {\n"
+            .to_owned();
     for method in METHODS.iter().filter(|m| m.moves) {
         let (name, code) = (method.wgsl, method.wgsl.to_uppercase());
-        text += &format!("    if INTEGRATOR == {code} {{\n        return {name}(k, s, f, w);\n    }}\n");
+        let arguments = if method.reach == Reach::General { "k, laws, s, f, w, time" } else { "k, s, f, w" };
+        text += &format!("    if INTEGRATOR == {code} {{\n        return {name}({arguments});\n    }}\n");
     }
     text + "    return s;\n}\n"
 }

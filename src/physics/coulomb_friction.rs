@@ -10,7 +10,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{BaseLanes, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES};
-use super::study::{Key, Sign};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// f_c sgn x′.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,6 +30,9 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30 (1994)",
 };
 
+/// How a study gives it.
+pub const GIVEN: &[Given] = &[Given::new(Key::new(6, "sensor.coulomb_friction_m_s2", "Coulomb friction", "m/s²", 1.0, Sign::NotNegative))];
+
 impl Law for CoulombFriction {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -45,16 +49,8 @@ impl Law for CoulombFriction {
     fn has_corner(&self) -> bool {
         true
     }
-    fn study(&self) -> &'static [Key] {
-        &[Key {
-            parameter: 0,
-            key: "coulomb_friction_m_s2",
-            name: "Coulomb friction",
-            unit: "m/s²",
-            sign: Sign::NotNegative,
-            slot: 6,
-            turns: false,
-        }]
+    fn study(&self) -> &'static [Given] {
+        GIVEN
     }
     fn wgsl(&self) -> &'static str {
         "fn coulomb_friction(at: Instant, p0: f32, sum: f32) -> f32 {

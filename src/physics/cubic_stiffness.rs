@@ -6,7 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
-use super::study::{Key, Sign};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// βx³.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +26,9 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 4; Wigren & Schoukens, ECC 2013",
 };
 
+/// How a study gives it.
+pub const GIVEN: &[Given] = &[Given::new(Key::new(2, "sensor.cubic_stiffness_per_m2_s2", "cubic stiffness β", "1/(m² s²)", 1.0, Sign::Any))];
+
 impl Law for CubicStiffness {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -38,16 +42,8 @@ impl Law for CubicStiffness {
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
-    fn study(&self) -> &'static [Key] {
-        &[Key {
-            parameter: 0,
-            key: "cubic_stiffness_per_m2_s2",
-            name: "cubic stiffness β",
-            unit: "1/(m² s²)",
-            sign: Sign::Any,
-            slot: 2,
-            turns: false,
-        }]
+    fn study(&self) -> &'static [Given] {
+        GIVEN
     }
     fn wgsl(&self) -> &'static str {
         "fn cubic_stiffness(at: Instant, p0: f32, sum: f32) -> f32 {

@@ -7,7 +7,7 @@ use crate::numerics::elementary::Real;
 use super::candidate::Candidate;
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
-use super::study::Key;
+use super::study::Given;
 
 /// How a law acts in a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,8 +117,8 @@ pub trait Law {
     fn elsewhere(&self, _p: &[f64], _scales: &Scales) -> Vec<Vec<f64>> {
         Vec::new()
     }
-    /// Keys by which a study gives its parameters; none where no study can run it.
-    fn study(&self) -> &'static [Key] {
+    /// How a study gives its parameters; nothing where no study can run it.
+    fn study(&self) -> &'static [Given] {
         &[]
     }
     /// The law for the GPU: a function of its id (hyphens as underscores) with the arguments (at, its parameters, sum), as

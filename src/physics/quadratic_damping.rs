@@ -6,7 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
-use super::study::{Key, Sign};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// c₂|x′|x′.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +26,9 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Bao, Analysis and Design Principles of MEMS Devices, 2005, ch. 3",
 };
 
+/// How a study gives it.
+pub const GIVEN: &[Given] = &[Given::new(Key::new(4, "sensor.quadratic_damping_per_m", "quadratic damping c₂", "1/m", 1.0, Sign::NotNegative))];
+
 impl Law for QuadraticDamping {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -38,16 +42,8 @@ impl Law for QuadraticDamping {
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
-    fn study(&self) -> &'static [Key] {
-        &[Key {
-            parameter: 0,
-            key: "quadratic_damping_per_m",
-            name: "quadratic damping c₂",
-            unit: "1/m",
-            sign: Sign::NotNegative,
-            slot: 4,
-            turns: false,
-        }]
+    fn study(&self) -> &'static [Given] {
+        GIVEN
     }
     fn wgsl(&self) -> &'static str {
         "fn quadratic_damping(at: Instant, p0: f32, sum: f32) -> f32 {

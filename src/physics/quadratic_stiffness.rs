@@ -6,7 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
-use super::study::{Key, Sign};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// αx².
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +26,9 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 4; IEEE 1293 (vibration rectification)",
 };
 
+/// How a study gives it.
+pub const GIVEN: &[Given] = &[Given::turning(Key::new(3, "sensor.quadratic_stiffness_per_m_s2", "quadratic stiffness α", "1/(m s²)", 1.0, Sign::Any))];
+
 impl Law for QuadraticStiffness {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -38,16 +42,8 @@ impl Law for QuadraticStiffness {
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
-    fn study(&self) -> &'static [Key] {
-        &[Key {
-            parameter: 0,
-            key: "quadratic_stiffness_per_m_s2",
-            name: "quadratic stiffness α",
-            unit: "1/(m s²)",
-            sign: Sign::Any,
-            slot: 3,
-            turns: true,
-        }]
+    fn study(&self) -> &'static [Given] {
+        GIVEN
     }
     fn wgsl(&self) -> &'static str {
         "fn quadratic_stiffness(at: Instant, p0: f32, sum: f32) -> f32 {

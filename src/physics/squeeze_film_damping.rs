@@ -6,7 +6,8 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
-use super::study::{Key, Sign};
+use super::study::Given;
+use crate::units::key::{Key, Sign};
 
 /// c x²x′.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +26,9 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Bao & Yang, Squeeze film air damping in MEMS, Sensors and Actuators A 136 (2007)",
 };
 
+/// How a study gives it.
+pub const GIVEN: &[Given] = &[Given::new(Key::new(5, "sensor.squeeze_film_per_m2_s", "squeeze-film damping", "1/(m² s)", 1.0, Sign::NotNegative))];
+
 impl Law for SqueezeFilmDamping {
     fn candidate(&self) -> &'static Candidate {
         &CANDIDATE
@@ -38,16 +42,8 @@ impl Law for SqueezeFilmDamping {
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
-    fn study(&self) -> &'static [Key] {
-        &[Key {
-            parameter: 0,
-            key: "squeeze_film_per_m2_s",
-            name: "squeeze-film damping",
-            unit: "1/(m² s)",
-            sign: Sign::NotNegative,
-            slot: 5,
-            turns: false,
-        }]
+    fn study(&self) -> &'static [Given] {
+        GIVEN
     }
     fn wgsl(&self) -> &'static str {
         "fn squeeze_film_damping(at: Instant, p0: f32, sum: f32) -> f32 {

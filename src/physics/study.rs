@@ -1,31 +1,24 @@
-//! How a study gives a parameter of a law: its key, its unit, the sign that physics allows, its random-number slot.
+//! How a study gives the parameters of a law.
 
-/// Which values make sense.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sign {
-    /// Any.
-    Any,
-    /// Zero or more.
-    NotNegative,
-    /// More than zero.
-    Positive,
+use crate::units::key::Key;
+
+/// One parameter of a law as a study gives it; a law that a study can run has one for each parameter, in their order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Given {
+    /// Key, unit, sign and random-number slot.
+    pub key: Key,
+    /// Whether it changes its sign when the axis is turned round, as that of a one-sided spring does.
+    pub turns: bool,
 }
 
-/// A parameter of a law as `[sensor]` of a study has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Key {
-    /// Which parameter of the law.
-    pub parameter: usize,
-    /// Key in `[sensor]`; its unit is SI.
-    pub key: &'static str,
-    /// Name in a sensor table.
-    pub name: &'static str,
-    /// Unit in a sensor table.
-    pub unit: &'static str,
-    /// Which values make sense.
-    pub sign: Sign,
-    /// Slot in the tolerance stream: never given to another, so that old studies draw the same members.
-    pub slot: u32,
-    /// Whether it changes its sign when the axis is turned round, as a one-sided spring does.
-    pub turns: bool,
+impl Given {
+    /// A parameter that is the same seen from either end of the axis.
+    pub const fn new(key: Key) -> Self {
+        Self { key, turns: false }
+    }
+
+    /// A parameter that changes its sign when the axis is turned round.
+    pub const fn turning(key: Key) -> Self {
+        Self { key, turns: true }
+    }
 }

@@ -54,7 +54,7 @@ fn given_once(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
 fn mechanics(name: &str, all: &Tolerances) -> Result<()> {
     let given = |key: &&Key| all[key].is_some();
     let first = |keys: &'static [Key]| keys.iter().find(given);
-    let (modal, further, physical) = (first(mechanics::MODAL), first(mechanics::FURTHER), first(mechanics::PHYSICAL));
+    let (modal, further, physical) = (first(mechanics::MODAL), first(mechanics::further()), first(mechanics::PHYSICAL));
     if let (Some(a), Some(b)) = (modal, physical) {
         return Err(refuse(
             name,

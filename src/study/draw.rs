@@ -4,6 +4,7 @@ use super::tolerances::Tolerances;
 use crate::excitation::plan::Variation;
 use crate::excitation::{self, MemberSine};
 use crate::kernel::job::Member;
+use crate::physics::coefficients::{self, Coefficients};
 use crate::sensor::{ProofMass, Sensor, SensorTerm, mechanics};
 use crate::units::key::Key;
 
@@ -28,23 +29,18 @@ pub(super) fn member(all: &Tolerances, variation: Variation, seed: u64, member: 
 /// The proof mass, from its modes or from the paper's m, D₀, k, ε: ω₀² = k/m, 2ζω₀ = D₀/m, β = ε/m.
 fn proof_mass(all: &Tolerances, draw: &dyn Fn(&Key) -> f64) -> Option<ProofMass> {
     use mechanics::*;
-    let (natural_frequency_rad_s, damping_ratio, cubic_per_m2_s2) = if all[&MASS].is_some() {
+    let mut laws = Coefficients::default();
+    for key in coefficients::keys() {
+        laws = laws.with(key, draw(key));
+    }
+    let (natural_frequency_rad_s, damping_ratio) = if all[&MASS].is_some() {
         let (mass_kg, stiffness_n_m) = (draw(&MASS), draw(&STIFFNESS));
-        let damping_ratio = draw(&DAMPING) / (2.0 * (stiffness_n_m * mass_kg).sqrt());
-        ((stiffness_n_m / mass_kg).sqrt(), damping_ratio, draw(&CUBIC_SPRING) / mass_kg)
+        laws = laws.with(&CUBIC_STIFFNESS, draw(&CUBIC_SPRING) / mass_kg);
+        ((stiffness_n_m / mass_kg).sqrt(), draw(&DAMPING) / (2.0 * (stiffness_n_m * mass_kg).sqrt()))
     } else if all[&RESONANCE].is_some() {
-        (draw(&RESONANCE), draw(&DAMPING_RATIO), draw(&CUBIC_STIFFNESS))
+        (draw(&RESONANCE), draw(&DAMPING_RATIO))
     } else {
         return None;
     };
-    Some(ProofMass {
-        natural_frequency_rad_s,
-        damping_ratio,
-        cubic_per_m2_s2,
-        quadratic_per_m_s2: draw(&QUADRATIC_STIFFNESS),
-        quadratic_damping_per_m: draw(&QUADRATIC_DAMPING),
-        squeeze_film_per_m2_s: draw(&SQUEEZE_FILM),
-        coulomb_m_s2: draw(&COULOMB_FRICTION),
-        force_noise_m_s_rts: draw(&FORCE_NOISE),
-    })
+    Some(ProofMass { natural_frequency_rad_s, damping_ratio, laws, force_noise_m_s_rts: draw(&FORCE_NOISE) })
 }

@@ -17,8 +17,7 @@ pub fn keys() -> impl Iterator<Item = &'static Key> {
         keys.filter(move |key| key.section() == section)
     };
     let excitation = [&excitation::SIZE, &excitation::FREQUENCY, &excitation::PHASE];
-    let mechanics = mechanics::KEYS.into_iter().flatten();
-    mechanics.chain(of("sensor")).chain(of("accelerometer")).chain(of("gyro")).chain(excitation)
+    mechanics::keys().chain(of("sensor")).chain(of("accelerometer")).chain(of("gyro")).chain(excitation)
 }
 
 /// One number per key, in datasheet units as written; absent ones are switched off.

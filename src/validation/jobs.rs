@@ -10,6 +10,8 @@ use crate::ensemble::{self, Options};
 use crate::error::Result;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job, Member, Waveform};
+use crate::physics::{quadratic_damping, quadratic_stiffness};
+use crate::sensor::mechanics::CUBIC_STIFFNESS;
 use crate::sensor::{ProofMass, Sensor};
 use crate::statistics::Statistics;
 use crate::units::STANDARD_GRAVITY_M_S2;
@@ -91,24 +93,19 @@ pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrat
 /// A proof mass whose cubic spring carries a hundredth of a 1 g load.
 pub fn duffing(resonance_hz: f64, damping_ratio: f64) -> ProofMass {
     let natural_frequency_rad_s = std::f64::consts::TAU * resonance_hz;
-    ProofMass {
-        natural_frequency_rad_s,
-        damping_ratio,
-        cubic_per_m2_s2: 0.01 * natural_frequency_rad_s.powi(6) / STANDARD_GRAVITY_M_S2.powi(2),
-        ..ProofMass::default()
-    }
+    let cubic = 0.01 * natural_frequency_rad_s.powi(6) / STANDARD_GRAVITY_M_S2.powi(2);
+    ProofMass { natural_frequency_rad_s, damping_ratio, ..ProofMass::default() }.with(&CUBIC_STIFFNESS, cubic)
 }
 
 /// One proof mass per integrator, as the tool would choose it at a step of 1 ms.
 pub fn masses() -> Vec<(ProofMass, Integrator)> {
-    let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(1200.0, 0.7) };
+    let linear = duffing(1200.0, 0.7).with(&CUBIC_STIFFNESS, 0.0);
     let slow = duffing(30.0, 0.7);
-    let further = ProofMass {
-        // A quadratic spring that carries another hundredth of the load.
-        quadratic_per_m_s2: 0.01 * slow.natural_frequency_rad_s.powi(4) / STANDARD_GRAVITY_M_S2,
-        quadratic_damping_per_m: 1e3,
-        ..slow
-    };
+    // A quadratic spring that carries another hundredth of the load.
+    let quadratic = 0.01 * slow.natural_frequency_rad_s.powi(4) / STANDARD_GRAVITY_M_S2;
+    let further = slow
+        .with(&quadratic_stiffness::GIVEN[0].key, quadratic)
+        .with(&quadratic_damping::GIVEN[0].key, 1e3);
     [linear, slow, further, duffing(1200.0, 0.7), duffing(1200.0, 0.01)]
         .into_iter()
         .map(|m| (m, Integrator::choose(Some(&m), 1e-3).integrator))

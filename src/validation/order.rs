@@ -12,6 +12,8 @@ use crate::kernel::force;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::kernel::member::Column;
+use crate::physics::{quadratic_stiffness, squeeze_film_damping};
+use crate::sensor::mechanics::CUBIC_STIFFNESS;
 use crate::sensor::{ProofMass, Sensor};
 
 /// All rows.
@@ -19,8 +21,10 @@ use crate::sensor::{ProofMass, Sensor};
 /// # Errors
 /// A step that an integrator refuses.
 pub fn rows() -> Result<Vec<Row>> {
-    let linear = ProofMass { cubic_per_m2_s2: 0.0, ..duffing(20.0, 0.3) };
-    let further = ProofMass { quadratic_per_m_s2: 1e4, squeeze_film_per_m2_s: 1e7, ..duffing(20.0, 0.3) };
+    let linear = duffing(20.0, 0.3).with(&CUBIC_STIFFNESS, 0.0);
+    let further = duffing(20.0, 0.3)
+        .with(&quadratic_stiffness::GIVEN[0].key, 1e4)
+        .with(&squeeze_film_damping::GIVEN[0].key, 1e7);
     let cases = [
         (linear, Integrator::ExactHold, 2.0),
         (duffing(20.0, 0.3), Integrator::RungeKutta4 { substeps: 1 }, 4.0),
@@ -86,7 +90,7 @@ fn settled(mass: &ProofMass, integrator: Integrator) -> f64 {
 /// Root e of e + κa³ + κ₂a² = 0 with a = e + g, by bisection.
 fn equilibrium(mass: &ProofMass) -> f64 {
     let w2 = mass.natural_frequency_rad_s.powi(2);
-    let (cubic, square) = (mass.cubic_per_m2_s2 / w2.powi(3), mass.quadratic_per_m_s2 / w2.powi(2));
+    let (cubic, square) = (mass.cubic_per_m2_s2() / w2.powi(3), mass.laws.of(&quadratic_stiffness::GIVEN[0].key) / w2.powi(2));
     let balance = |e: f64| {
         let a = e + G.offset_m_s2;
         e + cubic * a * a * a + square * a * a

@@ -14,7 +14,8 @@ use proofmass::error::{Error, Result};
 use proofmass::kernel::cpu::lanes::Level;
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::{Job, Member};
-use proofmass::sensor::{ProofMass, Sensor};
+use proofmass::sensor::Sensor;
+use proofmass::sensor::mechanics::CUBIC_STIFFNESS;
 use proofmass::statistics::quantity::POSITION;
 use proofmass::statistics::{Machine, Statistics};
 use proofmass::validation::jobs::{Sine, duffing, job};
@@ -192,8 +193,8 @@ fn failing() -> std::result::Result<(), Failed> {
     let plain = run_on(&job, &mut Cpu::default(), &Options::default())?;
     job.draw = Arc::new(|i| {
         let mass = duffing(30.0, 0.7);
-        let cubic_per_m2_s2 = if i % 2 == 1 { -60.0 * mass.cubic_per_m2_s2 } else { mass.cubic_per_m2_s2 };
-        let mut sensor = Sensor { proof_mass: Some(ProofMass { cubic_per_m2_s2, ..mass }), ..everything() };
+        let cubic = if i % 2 == 1 { -60.0 * mass.cubic_per_m2_s2() } else { mass.cubic_per_m2_s2() };
+        let mut sensor = Sensor { proof_mass: Some(mass.with(&CUBIC_STIFFNESS, cubic)), ..everything() };
         sensor.accelerometer.range_m_s2 = f64::INFINITY;
         Member { sensor, sine: None }
     });

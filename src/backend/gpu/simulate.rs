@@ -21,6 +21,7 @@ use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
 use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
+use crate::physics::coefficients::{self, StudyLaw, laws};
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 use crate::statistics::histogram::BINS;
@@ -83,7 +84,7 @@ impl Backend for Ensembles {
         }
         let terms = flicker_amplitudes(&job.clock).len();
         // Two sets of flicker terms at most; moments of every report stay on the device until the end.
-        let widest = 4 * (COLUMNS.max(state::TERMS + 2 * terms) as u64);
+        let widest = 4 * ((COLUMNS + coefficients::MOST).max(state::TERMS + 2 * terms) as u64);
         let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
         let room = self.gpu.adapter.largest_binding;
         let counts = (job.clock.report_samples.len() * 4 * (BINS + 2) * 4) as u64;
@@ -153,11 +154,14 @@ impl Plan {
             .into_iter()
             .collect::<Result<Vec<Column>>>()?;
         let place =
-            |c: usize| parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| d.values[c] as f32).collect());
+            |number: Number| parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| number.of(d) as f32).collect());
         let pad = (stride - members) as usize;
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
-        for c in 0..COLUMNS {
-            place(c).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
+        let laws = acting(job, &drawn)?;
+        let coefficients = laws.iter().flat_map(|law| law.places());
+        let numbers: Vec<Number> = (0..COLUMNS).map(Number::Value).chain(coefficients.map(Number::Law)).collect();
+        for number in numbers {
+            place(number).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
             columns.extend(std::iter::repeat_n(0.0, pad));
         }
         let turns: Vec<u32> =
@@ -197,7 +201,7 @@ impl Plan {
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
-            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64), &named)?,
+            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64, &laws), &named)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             tile,
             columns: gpu.upload(cast_slice(&columns))?,
@@ -317,6 +321,24 @@ impl Plan {
     }
 }
 
+/// Where a number of a member stands on the host.
+#[derive(Debug, Clone, Copy)]
+enum Number {
+    /// Among its values.
+    Value(usize),
+    /// Among the coefficients of its laws.
+    Law(usize),
+}
+
+impl Number {
+    fn of(self, column: &Column) -> f64 {
+        match self {
+            Self::Value(place) => column.values[place],
+            Self::Law(place) => column.laws[place],
+        }
+    }
+}
+
 /// The force over some samples as the kernel reads it.
 fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let table = force::table::<f32>(job, first, count);
@@ -345,9 +367,7 @@ fn finish(p: &layout::Partial) -> Moments {
 /// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the job are asked beside
 /// those of the batch, so that every batch of a job runs the same kernel: two compilations may round differently.
 fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
-    let asked = job.members.min(ASKED);
-    let mut drawn = (0..asked).map(|i| column(job, i * (job.members / asked))).collect::<Result<Vec<Column>>>()?;
-    drawn.extend_from_slice(batch);
+    let drawn = asked(job, batch)?;
     let any = |c: usize| drawn.iter().any(|d| d.values[c] != 0.0);
     let has = |term: SensorTerm| drawn.iter().any(|d| d.has(term));
     let some = |wanted: &dyn Fn(SensorTerm) -> bool| SensorTerm::ALL.into_iter().any(|t| wanted(t) && has(t));
@@ -364,4 +384,19 @@ fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
     ];
     constants.extend(SensorTerm::ALL.map(|term| (source::terms::switch(term), flag(has(term)))));
     Ok(constants)
+}
+
+/// The laws that some member follows, by the same members.
+fn acting(job: &Job, batch: &[Column]) -> Result<Vec<StudyLaw>> {
+    let drawn = asked(job, batch)?;
+    let acts = |law: &&StudyLaw| drawn.iter().any(|d| d.laws[law.first] != 0.0);
+    Ok(laws().iter().filter(acts).copied().collect())
+}
+
+/// The members of a batch and some from all over the job.
+fn asked(job: &Job, batch: &[Column]) -> Result<Vec<Column>> {
+    let asked = job.members.min(ASKED);
+    let mut drawn = (0..asked).map(|i| column(job, i * (job.members / asked))).collect::<Result<Vec<Column>>>()?;
+    drawn.extend_from_slice(batch);
+    Ok(drawn)
 }

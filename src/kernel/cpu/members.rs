@@ -3,6 +3,7 @@
 //! Not for stepping them: that is `simulate` and the phases it calls.
 
 use super::flicker::Flicker;
+use super::general::Acting;
 use super::lanes::{LANES, Lane};
 use super::noise::Drawer;
 use super::reading::State;
@@ -11,6 +12,7 @@ use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::kernel::member::{COLUMNS, Column, absent, column, flicker_amplitudes};
 use crate::numerics::elementary::Real;
+use crate::physics::coefficients;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 
@@ -90,6 +92,8 @@ pub struct Members<T> {
     pub(super) active: Active,
     pub(super) columns: [Lane<T>; COLUMNS],
     pub(super) turns: [Lane<u32>; 2],
+    /// Laws that some of these members follow beside the linear one, where the integrator takes them one by one.
+    pub(super) laws: Vec<Acting<T>>,
     pub(super) e: Lane<T>,
     pub(super) q: Lane<T>,
     pub(super) reading: State<T>,
@@ -125,13 +129,16 @@ impl<T: Real> Members<T> {
         flicker_terms: usize,
     ) -> Result<Box<Self>, E> {
         let mut members = Box::new(Self::none(Drawer { seed, first_member }));
-        let mut last = None;
+        let mut laws = [Lane::splat(T::of(0.0)); coefficients::MOST];
+        let mut last: Option<Column> = None;
         for l in 0..LANES {
             last = columns.next().transpose()?.or(last);
             let Some(member) = &last else { break };
             (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
             (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
+            (0..coefficients::MOST).for_each(|c| laws[c][l] = T::of(member.laws[c]));
         }
+        members.laws = Acting::of(&laws);
         members.active = Active::of(&members.columns);
         for term in SensorTerm::ALL {
             if members.active.has(term) && matches!(term.law(), ErrorLaw::Flicker(_)) {
@@ -149,6 +156,7 @@ impl<T: Real> Members<T> {
             active: Active::default(),
             columns: [zero; COLUMNS],
             turns: [Lane::splat(0); 2],
+            laws: Vec::new(),
             e: zero,
             q: zero,
             reading: State::new(),

@@ -2,7 +2,7 @@
 //!
 //! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the substep. Integrating
 //! the error, never the reading, keeps f32 good enough: a constant force of 1 g cancels exactly. Equation, with the
-//! substep as unit of time (see `member`): a″ + Ca′ + W(a + κa³) = W(f + w), with w held.
+//! substep as unit of time (see `member`): a″ + Ca′ + W(a + κa³) = W(f + w), with w held. Further laws: `general`.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::force::Force;
@@ -26,8 +26,6 @@ pub struct Ideal;
 pub struct ExactHold;
 /// Runge–Kutta of order 4, linear and cubic spring.
 pub struct RungeKutta4;
-/// Runge–Kutta of order 4 with all terms.
-pub struct RungeKutta4General;
 /// Exponential Runge–Kutta of order 2.
 pub struct ExponentialRk2;
 /// Exponential Rosenbrock–Euler.
@@ -82,20 +80,6 @@ impl<T: Real> Oscillator<T> for RungeKutta4 {
         runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
             let spring = fma::<T, FMA>(-(k[2] * a), a * a, fma::<T, FMA>(-k[0], e, w));
             fma::<T, FMA>(-k[1], q, spring)
-        })
-    }
-}
-
-impl<T: Real> Oscillator<T> for RungeKutta4General {
-    #[inline(always)]
-    fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
-        runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
-            let square = a * a;
-            let bent = fma::<T, FMA>(fma::<T, FMA>(k[2], a, k[3]), square, e);
-            let damping = fma::<T, FMA>(k[4], q.abs(), fma::<T, FMA>(k[5], square, k[1]));
-            // sgn q, smoothed over the rate that friction could undo in one substep.
-            let friction = k[6] * (q / (q.abs() + k[6] + T::of(1e-30)));
-            fma::<T, FMA>(-k[0], bent, fma::<T, FMA>(-damping, q, w - friction))
         })
     }
 }
@@ -207,7 +191,7 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
 
 /// The members' own sines at the beginning, the middle and the end of a substep.
 #[inline(always)]
-fn sines<T: Real, const FMA: bool>(k: &[Lane<T>; COLUMNS], turns: &[Lane<u32>; 2], half: u64) -> [Lane<T>; 3] {
+pub(super) fn sines<T: Real, const FMA: bool>(k: &[Lane<T>; COLUMNS], turns: &[Lane<u32>; 2], half: u64) -> [Lane<T>; 3] {
     let mut out = [Lane::splat(T::of(0.0)); 3];
     for (i, out) in out.iter_mut().enumerate() {
         for l in 0..LANES {
@@ -258,7 +242,7 @@ fn pushed_each<T: Real, O: Oscillator<T>, const FMA: bool>(
 
 /// The reading's error: the proof mass's, the bias, and the scale's on what it shows.
 #[inline(always)]
-fn read<T: Real, const FMA: bool>(
+pub(super) fn read<T: Real, const FMA: bool>(
     k: &[Lane<T>; COLUMNS],
     e: &Lane<T>,
     felt: &Lane<T>,

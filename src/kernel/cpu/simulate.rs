@@ -5,11 +5,10 @@
 //! instruction set, whatever stands before and after it, which a kernel that had them all inside would be for every
 //! integrator and observer (300 to 680 kB each). Units inside: one sample is the unit of time.
 
+use super::general::General;
 use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
-use super::oscillator::{
-    ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, RungeKutta4General, Step,
-};
+use super::oscillator::{ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, Step};
 use super::reading::{self, Limit, TakeOff};
 use super::stretch::{Numbers, STRETCH};
 use super::sums::Integrate;
@@ -108,7 +107,9 @@ impl<T: Real> Simulate<'_, T> {
             Integrator::Ideal => level.run(Step(Ideal, motion)),
             Integrator::ExactHold => level.run(Step(ExactHold, motion)),
             Integrator::RungeKutta4 { .. } => level.run(Step(RungeKutta4, motion)),
-            Integrator::RungeKutta4General { .. } => level.run(Step(RungeKutta4General, motion)),
+            Integrator::RungeKutta4General { .. } => {
+                level.run(General { laws: &m.laws, first: from * u64::from(shared.substeps), motion });
+            }
             Integrator::ExponentialRk2 { .. } => level.run(Step(ExponentialRk2, motion)),
             Integrator::RosenbrockEuler { .. } => level.run(Step(RosenbrockEuler, motion)),
         }

@@ -7,6 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::Shader;
 use crate::kernel::layout::{self, Bins, OrbitTile, Partial, Report, Tile};
 use crate::kernel::source;
+use crate::physics::coefficients::laws;
 use crate::sensor::SensorTerm;
 
 /// A shader that parses and validates.
@@ -21,7 +22,7 @@ fn parsed(shader: &Shader) -> naga::Module {
 /// Every shader there is.
 fn all() -> Vec<Shader> {
     let drawing =
-        [false, true].map(|int64| [source::simulate(int64), source::lyapunov(int64), source::poincare(int64)]);
+        [false, true].map(|int64| [source::simulate(int64, laws()), source::lyapunov(int64), source::poincare(int64)]);
     let others = [source::reduce(), source::compensation(), source::peak()];
     drawing.into_iter().flatten().chain(others).collect()
 }
@@ -107,9 +108,9 @@ fn structs_have_the_same_members_at_the_same_places() {
         "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [
-        (source::simulate(false), "Tile", tile()),
-        (source::simulate(false), "Bins", mirror!(Bins { begin, per_unit })),
-        (source::simulate(false), "Partial", partial),
+        (source::simulate(false, laws()), "Tile", tile()),
+        (source::simulate(false, laws()), "Bins", mirror!(Bins { begin, per_unit })),
+        (source::simulate(false, laws()), "Partial", partial),
         (source::reduce(), "Report", report),
         (source::lyapunov(false), "OrbitTile", orbit()),
         (source::poincare(false), "OrbitTile", orbit()),
@@ -120,7 +121,7 @@ fn structs_have_the_same_members_at_the_same_places() {
 
 #[test]
 fn a_shifted_member_is_noticed() {
-    let moved = source::simulate(false).text.replacen("stride: u32,", "", 1);
+    let moved = source::simulate(false, laws()).text.replacen("stride: u32,", "", 1);
     let module = parsed(&Shader { name: "moved", text: moved.replace("tile.stride", "tile.members") });
     assert_ne!(structure(&module, "Tile"), tile());
 }
@@ -128,7 +129,7 @@ fn a_shifted_member_is_noticed() {
 #[test]
 fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
-        (source::simulate(false), 6, layout::SIMULATE_WORKGROUP),
+        (source::simulate(false, laws()), 6, layout::SIMULATE_WORKGROUP),
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
         (source::poincare(false), 5, layout::ORBIT_WORKGROUP),
@@ -155,7 +156,7 @@ fn divides(shader: &Shader) -> bool {
 /// step: the host divides.
 #[test]
 fn no_reading_hangs_on_a_division() {
-    let simulate = source::simulate(false);
+    let simulate = source::simulate(false, laws());
     assert!(!divides(&simulate));
     let (product, quotient) = ("(opaque(felt, zero) + error) * steps", "(felt + error) / max(lsb, 1e-30)");
     assert!(simulate.text.contains(product));
@@ -170,7 +171,7 @@ fn has(shader: &Shader, name: &str, value: &str) {
 
 #[test]
 fn columns_and_bounds_agree() {
-    let simulate = source::simulate(false);
+    let simulate = source::simulate(false, laws());
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
     let reduce = source::reduce();
     has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
@@ -186,7 +187,7 @@ fn uses(shader: &Shader, name: &str) -> bool {
 /// Each term's column and switch are declared once and used, so that a row that no law takes up is noticed.
 #[test]
 fn every_sensor_term_is_taken_up_by_the_shader() {
-    let simulate = source::simulate(false);
+    let simulate = source::simulate(false, laws());
     assert!(!simulate.text.contains("#terms") && !simulate.text.contains('$'), "a line was not replaced");
     let module = parsed(&simulate);
     for term in SensorTerm::ALL {
@@ -196,4 +197,17 @@ fn every_sensor_term_is_taken_up_by_the_shader() {
     }
     let without = Shader { name: "without", text: simulate.text.replace("column(i, GYRO_BIAS)", "0.0") };
     assert!(!uses(&without, "GYRO_BIAS"));
+}
+
+/// A law that no member follows is not in the text; each that acts is, and adds to the sum.
+#[test]
+fn a_shader_holds_the_laws_that_act_and_no_other() {
+    for law in laws() {
+        let with = source::simulate(false, std::slice::from_ref(law));
+        drop(parsed(&with));
+        let name = source::laws::function(law);
+        assert!(uses(&with, &name), "{name}");
+        assert!(!uses(&source::simulate(false, &[]), &name), "{name} is in a shader of linear masses");
+    }
+    drop(parsed(&source::simulate(false, &[])));
 }

@@ -8,9 +8,11 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::repair::{Repair, Vibration};
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
+use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
+use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
-use crate::physics::library::Term;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
+use crate::units::key::Sign;
 
 /// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an input, one unit of
 /// output as 1 m.
@@ -54,12 +56,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     let mut mass = ProofMass {
         natural_frequency_rad_s: omega,
         damping_ratio: zeta,
-        cubic_per_m2_s2: 0.0,
-        quadratic_per_m_s2: 0.0,
-        quadratic_damping_per_m: 0.0,
-        squeeze_film_per_m2_s: 0.0,
-        coulomb_m_s2: 0.0,
-        force_noise_m_s_rts: 0.0,
+        ..ProofMass::default()
     };
     let readout = fit.variance.sqrt() / fit.shape.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
     // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration by ω₀²/G.
@@ -70,54 +67,71 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     };
     for (i, term) in fit.shape.terms.iter().enumerate() {
         let p = fit.shape.of(i, &fit.point);
-        match term {
-            _ if drives(term, p[0]) => {
+        let law = laws().iter().find(|law| law.term == *term);
+        if let Some(law) = law {
+            if is_refused(law, p) {
                 if let Some(list) = not_expressible.as_deref_mut() {
                     list.push(format!("{}, which came out negative: {}", term.id(), term.candidate().equation));
                 }
+            } else {
+                mass.laws = metric(mass.laws, law, p, gain);
             }
-            Term::CubicStiffness(_) => mass.cubic_per_m2_s2 = p[0] * gain * gain,
-            Term::QuadraticStiffness(_) => mass.quadratic_per_m_s2 = p[0] * gain,
-            Term::QuadraticDamping(_) => mass.quadratic_damping_per_m = p[0] * gain.abs(),
-            Term::SqueezeFilmDamping(_) => mass.squeeze_film_per_m2_s = p[0] * gain * gain,
-            Term::CoulombFriction(_) => mass.coulomb_m_s2 = p[0] / gain.abs(),
-            _ => match term.noise() {
-                // Stationary displacement variance of white force with two-sided intensity N²: N²/(4ζω³).
-                Some(Noise::Force) => {
-                    mass.force_noise_m_s_rts = p[0] * readout * (4.0 * zeta * omega.powi(3)).sqrt() / gain.abs();
+            continue;
+        }
+        match term.noise() {
+            // Stationary displacement variance of white force with two-sided intensity N²: N²/(4ζω³).
+            Some(Noise::Force) => {
+                mass.force_noise_m_s_rts = p[0] * readout * (4.0 * zeta * omega.powi(3)).sqrt() / gain.abs();
+            }
+            Some(Noise::Walk) => {
+                accelerometer.acceleration_random_walk_m_s2_rts =
+                    p[0] * readout * to_acceleration / data.interval_s().sqrt();
+            }
+            None => {
+                if let Some(list) = not_expressible.as_deref_mut() {
+                    list.push(format!("{}: {}", term.id(), term.candidate().equation));
                 }
-                Some(Noise::Walk) => {
-                    accelerometer.acceleration_random_walk_m_s2_rts =
-                        p[0] * readout * to_acceleration / data.interval_s().sqrt();
-                }
-                None => {
-                    if let Some(list) = not_expressible.as_deref_mut() {
-                        list.push(format!("{}: {}", term.id(), term.candidate().equation));
-                    }
-                }
-            },
+            }
         }
     }
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
 }
 
 /// Within its interval a damping may come out below zero; a study takes none that drives.
-fn drives(term: &Term, size: f64) -> bool {
-    size < 0.0 && matches!(term, Term::QuadraticDamping(_) | Term::SqueezeFilmDamping(_) | Term::CoulombFriction(_))
+fn is_refused(law: &StudyLaw, p: &[f64]) -> bool {
+    law.given().iter().zip(p).any(|(given, value)| given.key.sign != Sign::Any && *value < 0.0)
+}
+
+/// With the law's parameters in SI: a unit of input is 1 m/s², and displacement becomes metres by the gain.
+fn metric(mut all: Coefficients, law: &StudyLaw, p: &[f64], gain: f64) -> Coefficients {
+    let units = Units { y: 1.0 / gain.abs(), u: 1.0, s: 1.0 };
+    for (parameter, (given, value)) in law.given().iter().zip(p).enumerate() {
+        let turned = if given.turns && gain < 0.0 { -1.0 } else { 1.0 };
+        all = all.with(&given.key, turned * value * law.factor(parameter, &units));
+    }
+    all
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::coulomb_friction::CoulombFriction;
-    use crate::physics::cubic_stiffness::CubicStiffness;
+
+    fn law(id: &str) -> &'static StudyLaw {
+        laws().iter().find(|law| law.term.id() == id).expect("it is listed")
+    }
 
     #[test]
     fn friction_below_zero_drives_and_a_softening_spring_does_not() {
-        assert!(
-            drives(&Term::CoulombFriction(CoulombFriction), -1.0)
-                && !drives(&Term::CoulombFriction(CoulombFriction), 1.0)
-        );
-        assert!(!drives(&Term::CubicStiffness(CubicStiffness), -1.0));
+        assert!(is_refused(law("coulomb-friction"), &[-1.0]) && !is_refused(law("coulomb-friction"), &[1.0]));
+        assert!(!is_refused(law("cubic-stiffness"), &[-1.0]));
+    }
+
+    // y = G·x with G = −2: β in 1/(y² s²) is 4β in 1/(m² s²), α in 1/(y s²) is −2α, friction in y/s² is half in m/s².
+    #[test]
+    fn parameters_become_metric_by_the_gain_and_its_sign() {
+        for (id, expected) in [("cubic-stiffness", 12.0), ("quadratic-stiffness", -6.0), ("coulomb-friction", 1.5)] {
+            let got = metric(Coefficients::default(), law(id), &[3.0], -2.0).of(&law(id).given()[0].key);
+            assert!((got - expected).abs() < 1e-12, "{id}: {got}");
+        }
     }
 }

@@ -1,0 +1,142 @@
+//! Runge–Kutta of order 4 for proof masses with any laws of `physics`; twin of `runge_kutta_4_general` in
+//! `shaders/shared/oscillator.wgsl`.
+//!
+//! The stages are those of `oscillator::RungeKutta4`, taken by 64 members together, so that a law that none of them follows
+//! costs nothing: each law that acts is one loop over the lanes of a stage.
+
+use super::lanes::{Kernel, LANES, Lane};
+use super::oscillator::{Motion, read, sines};
+use crate::kernel::force::Force;
+use crate::kernel::member::column;
+use crate::numerics::elementary::{Real, fma};
+use crate::physics::coefficients::laws;
+use crate::physics::library::Term;
+use crate::physics::state::{Base, Instants};
+
+/// A law that some of 64 members follow, and its parameters with the substep as unit of time and the reading as displacement.
+#[derive(Debug, Clone)]
+pub(super) struct Acting<T> {
+    term: Term,
+    p: Vec<[T; LANES]>,
+}
+
+impl<T: Real> Acting<T> {
+    /// The laws that some of these members follow, by their columns.
+    pub(super) fn of(columns: &[Lane<T>]) -> Vec<Self> {
+        let acts = |lane: &Lane<T>| lane.0.iter().any(|v| *v != T::of(0.0));
+        let found = laws().iter().filter(|law| columns.get(law.first).is_some_and(acts));
+        found.map(|law| Self { term: law.term, p: columns[law.places()].iter().map(|lane| lane.0).collect() }).collect()
+    }
+}
+
+/// [`Motion`] under these laws.
+pub(super) struct General<'a, T> {
+    /// The laws.
+    pub laws: &'a [Acting<T>],
+    /// Number of the first substep.
+    pub first: u64,
+    /// The members and their force.
+    pub motion: Motion<'a, T>,
+}
+
+impl<T: Real> Kernel for General<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let (laws, m) = (self.laws, self.motion);
+        let zero = Lane::splat(T::of(0.0));
+        let base = Base { gain: m.k[0].0, stiffness: m.k[0].0, damping: m.k[1].0 };
+        let mut mass = Mass { laws, base: &base, e: m.e.0, q: m.q.0 };
+        let mut half = m.sine.map_or(0, |(_, half)| half);
+        let mut substep = self.first;
+        let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
+        for (i, ((error, felt), steps)) in samples {
+            let mut push = *m.push.map_or(&zero, |p| &p[i]);
+            for l in 0..LANES {
+                push[l] = m.k[column::FORCE][l] * push[l];
+            }
+            for f in steps {
+                let sine = m.sine.map_or([zero; 3], |(turns, _)| sines::<T, FMA>(m.k, turns, half));
+                let force = felt_by_each::<T, FMA>(&m.k[column::GAIN], f, &sine);
+                mass.step::<FMA>(&force, &push.0, T::of(substep as f64));
+                *felt = force[2];
+                (half, substep) = (half + 2, substep + 1);
+            }
+            read::<T, FMA>(m.k, &Lane(mass.e), felt, m.scaled, error);
+        }
+        (m.e.0, m.q.0) = (mass.e, mass.q);
+    }
+}
+
+/// The force that each member feels at the beginning, the middle and the end of a substep, and by how much it has grown at
+/// the latter two.
+#[inline(always)]
+fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[Lane<T>; 3]) -> [Lane<T>; 5] {
+    let mut out = [Lane::splat(T::of(0.0)); 5];
+    for l in 0..LANES {
+        let [begin, middle, end] = [sine[0][l], sine[1][l], sine[2][l]];
+        let shared = [f.begin, f.middle, f.end, f.to_middle, f.to_end];
+        let own = [begin, middle, end, middle - begin, end - begin];
+        for i in 0..5 {
+            out[i][l] = fma::<T, FMA>(gain[l], shared[i], own[i]);
+        }
+    }
+    out
+}
+
+/// 64 members in a step.
+struct Mass<'a, T> {
+    laws: &'a [Acting<T>],
+    base: &'a Base<T, LANES>,
+    e: [T; LANES],
+    q: [T; LANES],
+}
+
+impl<T: Real> Mass<'_, T> {
+    /// One substep that begins at `time`; `push` is the noise of the force, times W.
+    #[inline(always)]
+    fn step<const FMA: bool>(&mut self, force: &[Lane<T>; 5], push: &[T; LANES], time: T) {
+        let [begin, middle, end, to_middle, to_end] = force;
+        let (half, one, sixth) = (T::of(0.5), T::of(1.0), T::of(1.0 / 6.0));
+        let zero = [T::of(0.0); LANES];
+        let step = one;
+        let mut at =
+            Instants { time, step, input: begin.0, x: zero, v: self.q, base: self.base, environment: &[] };
+        let mut e = self.e;
+        let mut d = [zero; 4];
+        for stage in 0..4 {
+            if stage > 0 {
+                let (grown, input) = if stage == 3 { (to_end, end) } else { (to_middle, middle) };
+                (at.time, at.input) = (time + if stage == 3 { one } else { half }, input.0);
+                let before = d[stage - 1];
+                for l in 0..LANES {
+                    // The displacement moves with the rate of the stage before, the rate from the step's own beginning.
+                    let start = self.e[l] - grown[l];
+                    let (rate, from) = (at.v[l], self.q[l]);
+                    (e[l], at.v[l]) = if stage == 3 {
+                        (start + rate, from + before[l])
+                    } else {
+                        (fma::<T, FMA>(half, rate, start), fma::<T, FMA>(half, before[l], from))
+                    };
+                }
+            }
+            let mut sum = zero;
+            for l in 0..LANES {
+                at.x[l] = e[l] + at.input[l];
+                let linear = fma::<T, FMA>(-self.base.stiffness[l], e[l], push[l]);
+                sum[l] = fma::<T, FMA>(-self.base.damping[l], at.v[l], linear);
+            }
+            for law in self.laws {
+                law.term.force::<T, LANES, FMA>(&at, &law.p, &[], &mut [], &mut sum);
+            }
+            d[stage] = sum;
+        }
+        for l in 0..LANES {
+            let twice = d[1][l] + d[2][l];
+            let once = d[0][l] + twice;
+            let (start, from) = (self.e[l] - to_end[l], self.q[l]);
+            self.e[l] = fma::<T, FMA>(sixth, once, start + from);
+            self.q[l] = fma::<T, FMA>(sixth, once + twice + d[3][l], from);
+        }
+    }
+}
