@@ -20,6 +20,7 @@ mod suite {
     pub mod hostile_names;
     pub mod invariance;
     pub mod law;
+    pub mod laws;
     pub mod mistakes;
     pub mod noise_law;
     pub mod outputs;
@@ -65,6 +66,8 @@ fn main() {
         suite::convergence::tests(),
         // parity: CPU and GPU agree.
         suite::parity::tests(),
+        // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.
+        suite::laws::tests(),
         // start search: it finds the valleys that a few starts miss; profiles are what refits give.
         suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.

@@ -263,12 +263,8 @@ mod tests {
     use crate::sensor::mechanics::CUBIC_STIFFNESS;
 
     fn mass(hz: f64, damping_ratio: f64, cubic: f64) -> ProofMass {
-        ProofMass {
-            natural_frequency_rad_s: hz * std::f64::consts::TAU,
-            damping_ratio,
-            ..ProofMass::default()
-        }
-        .with(&CUBIC_STIFFNESS, cubic)
+        ProofMass { natural_frequency_rad_s: hz * std::f64::consts::TAU, damping_ratio, ..ProofMass::default() }
+            .with(&CUBIC_STIFFNESS, cubic)
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use std::sync::LazyLock;
 
 use super::dimension::{Dimension, Units};
-use super::law::Law;
 use super::library::Term;
 use super::state::MOST_VALUES;
 use super::study::Given;

@@ -27,7 +27,8 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] = &[Given::new(Key::new(4, "sensor.quadratic_damping_per_m", "quadratic damping c₂", "1/m", 1.0, Sign::NotNegative))];
+pub const GIVEN: &[Given] =
+    &[Given::new(Key::new(4, "sensor.quadratic_damping_per_m", "quadratic damping c₂", "1/m", 1.0, Sign::NotNegative))];
 
 impl Law for QuadraticDamping {
     fn candidate(&self) -> &'static Candidate {

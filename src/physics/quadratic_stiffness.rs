@@ -27,7 +27,14 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] = &[Given::turning(Key::new(3, "sensor.quadratic_stiffness_per_m_s2", "quadratic stiffness α", "1/(m s²)", 1.0, Sign::Any))];
+pub const GIVEN: &[Given] = &[Given::turning(Key::new(
+    3,
+    "sensor.quadratic_stiffness_per_m_s2",
+    "quadratic stiffness α",
+    "1/(m s²)",
+    1.0,
+    Sign::Any,
+))];
 
 impl Law for QuadraticStiffness {
     fn candidate(&self) -> &'static Candidate {

@@ -27,7 +27,14 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] = &[Given::new(Key::new(5, "sensor.squeeze_film_per_m2_s", "squeeze-film damping", "1/(m² s)", 1.0, Sign::NotNegative))];
+pub const GIVEN: &[Given] = &[Given::new(Key::new(
+    5,
+    "sensor.squeeze_film_per_m2_s",
+    "squeeze-film damping",
+    "1/(m² s)",
+    1.0,
+    Sign::NotNegative,
+))];
 
 impl Law for SqueezeFilmDamping {
     fn candidate(&self) -> &'static Candidate {

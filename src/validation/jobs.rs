@@ -103,9 +103,7 @@ pub fn masses() -> Vec<(ProofMass, Integrator)> {
     let slow = duffing(30.0, 0.7);
     // A quadratic spring that carries another hundredth of the load.
     let quadratic = 0.01 * slow.natural_frequency_rad_s.powi(4) / STANDARD_GRAVITY_M_S2;
-    let further = slow
-        .with(&quadratic_stiffness::GIVEN[0].key, quadratic)
-        .with(&quadratic_damping::GIVEN[0].key, 1e3);
+    let further = slow.with(&quadratic_stiffness::GIVEN[0].key, quadratic).with(&quadratic_damping::GIVEN[0].key, 1e3);
     [linear, slow, further, duffing(1200.0, 0.7), duffing(1200.0, 0.01)]
         .into_iter()
         .map(|m| (m, Integrator::choose(Some(&m), 1e-3).integrator))

@@ -22,9 +22,8 @@ use crate::sensor::{ProofMass, Sensor};
 /// A step that an integrator refuses.
 pub fn rows() -> Result<Vec<Row>> {
     let linear = duffing(20.0, 0.3).with(&CUBIC_STIFFNESS, 0.0);
-    let further = duffing(20.0, 0.3)
-        .with(&quadratic_stiffness::GIVEN[0].key, 1e4)
-        .with(&squeeze_film_damping::GIVEN[0].key, 1e7);
+    let further =
+        duffing(20.0, 0.3).with(&quadratic_stiffness::GIVEN[0].key, 1e4).with(&squeeze_film_damping::GIVEN[0].key, 1e7);
     let cases = [
         (linear, Integrator::ExactHold, 2.0),
         (duffing(20.0, 0.3), Integrator::RungeKutta4 { substeps: 1 }, 4.0),
@@ -90,7 +89,8 @@ fn settled(mass: &ProofMass, integrator: Integrator) -> f64 {
 /// Root e of e + κa³ + κ₂a² = 0 with a = e + g, by bisection.
 fn equilibrium(mass: &ProofMass) -> f64 {
     let w2 = mass.natural_frequency_rad_s.powi(2);
-    let (cubic, square) = (mass.cubic_per_m2_s2() / w2.powi(3), mass.laws.of(&quadratic_stiffness::GIVEN[0].key) / w2.powi(2));
+    let (cubic, square) =
+        (mass.cubic_per_m2_s2() / w2.powi(3), mass.laws.of(&quadratic_stiffness::GIVEN[0].key) / w2.powi(2));
     let balance = |e: f64| {
         let a = e + G.offset_m_s2;
         e + cubic * a * a * a + square * a * a

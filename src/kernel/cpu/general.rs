@@ -100,8 +100,7 @@ impl<T: Real> Mass<'_, T> {
         let (half, one, sixth) = (T::of(0.5), T::of(1.0), T::of(1.0 / 6.0));
         let zero = [T::of(0.0); LANES];
         let step = one;
-        let mut at =
-            Instants { time, step, input: begin.0, x: zero, v: self.q, base: self.base, environment: &[] };
+        let mut at = Instants { time, step, input: begin.0, x: zero, v: self.q, base: self.base, environment: &[] };
         let mut e = self.e;
         let mut d = [zero; 4];
         for stage in 0..4 {

@@ -177,6 +177,7 @@ impl<T: Real> Members<T> {
             active: _,
             columns: _,
             turns: _,
+            laws: _,
             e,
             q,
             reading,

@@ -191,7 +191,11 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
 
 /// The members' own sines at the beginning, the middle and the end of a substep.
 #[inline(always)]
-pub(super) fn sines<T: Real, const FMA: bool>(k: &[Lane<T>; COLUMNS], turns: &[Lane<u32>; 2], half: u64) -> [Lane<T>; 3] {
+pub(super) fn sines<T: Real, const FMA: bool>(
+    k: &[Lane<T>; COLUMNS],
+    turns: &[Lane<u32>; 2],
+    half: u64,
+) -> [Lane<T>; 3] {
     let mut out = [Lane::splat(T::of(0.0)); 3];
     for (i, out) in out.iter_mut().enumerate() {
         for l in 0..LANES {

@@ -53,11 +53,7 @@ pub fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>) -> Re
 fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>) -> Sensor {
     let gain = if data.input.is_some() { fit.point[GAIN] } else { 1.0 };
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
-    let mut mass = ProofMass {
-        natural_frequency_rad_s: omega,
-        damping_ratio: zeta,
-        ..ProofMass::default()
-    };
+    let mut mass = ProofMass { natural_frequency_rad_s: omega, damping_ratio: zeta, ..ProofMass::default() };
     let readout = fit.variance.sqrt() / fit.shape.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
     // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration by ω₀²/G.
     let to_acceleration = omega * omega / gain.abs();
