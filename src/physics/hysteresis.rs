@@ -82,7 +82,9 @@ impl Law for Hysteresis {
         own: &[T; MOST_STAGED],
     ) -> [T; MOST_STAGED] {
         let (z, v, share) = (own[0], at.v, p[2]);
-        [v - (share * v.abs() * z + (T::of(1.0) - share) * v * z.abs()) / p[1], T::of(0.0)]
+        let mut rates = [T::of(0.0); MOST_STAGED];
+        rates[0] = v - (share * v.abs() * z + (T::of(1.0) - share) * v * z.abs()) / p[1];
+        rates
     }
 }
 
@@ -101,7 +103,8 @@ mod tests {
             for _ in 0..steps {
                 let rate = |z: f64| {
                     let at = Instant { v: 1.0, ..Instant::default() };
-                    Hysteresis.rates::<f64, false>(&at, &p, &[z, 0.0])[0]
+                    let own = std::array::from_fn(|i| if i == 0 { z } else { 0.0 });
+                    Hysteresis.rates::<f64, false>(&at, &p, &own)[0]
                 };
                 let half = rate(z + 0.5 * h * rate(z));
                 z += h * half;

@@ -10,7 +10,7 @@ pub type Lanes = [f64; LANES];
 /// Most values of one law: its parameters and the unknown initial values of its states.
 pub const MOST_VALUES: usize = 6;
 /// Most states of laws that act on the mass, together: they go through the stages of a step with it.
-pub const MOST_STAGED: usize = 2;
+pub const MOST_STAGED: usize = 3;
 
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -148,7 +148,7 @@ impl<'a> Plan<'a> {
         let mut a = [[0.0; LANES]; 4];
         let mut rate = [[0.0; LANES]; MOST_STAGED];
         let mut sums = [[0.0; LANES]; MOST_STAGED];
-        let mut here = [own[0], own[1]];
+        let mut here: [Lanes; MOST_STAGED] = std::array::from_fn(|s| own[s]);
         let mut side = [0.0; LANES];
         for stage in 0..4 {
             let lead = if stage == 3 { h } else { 0.5 * h };
