@@ -22,6 +22,7 @@ pub mod bias_random_walk;
 pub mod candidate;
 pub mod coefficients;
 pub mod coulomb_friction;
+pub mod coupled_mode;
 pub mod cubic_stiffness;
 pub mod dimension;
 pub mod drive_nonlinearity;

@@ -87,6 +87,7 @@ library! {
     Hysteresis in hysteresis,
     StiffnessDrift in stiffness_drift,
     ParasiticMode in parasitic_mode,
+    CoupledMode in coupled_mode,
     DriveNonlinearity in drive_nonlinearity,
     EndStop in end_stop,
     ForceNoise in force_noise,
