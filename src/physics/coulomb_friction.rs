@@ -1,4 +1,9 @@
-//! Dry friction: a constant force against the motion, f_c sgn x′, which can hold the mass still.
+//! Dry friction: a constant force against the motion, f_c sgn x′, which can hold the mass still; of one size in both
+//! directions, or of another in each ([`Sides::Apart`]).
+//!
+//! The form with two sizes is not searched for ([`Law::tried`]): while the mass slides, their difference is a constant force,
+//! which is an offset of the reading and nothing else, so that only a recording in which the mass sticks can show it. It can
+//! be simulated and fitted by name.
 //!
 //! The diagnosis takes each step with the force held and puts the instant at which the mass turns, stops or breaks loose
 //! where it belongs inside the step ([`Sliding`]): a smoothed sign costs an error of first order in the step at every turn.
@@ -13,9 +18,19 @@ use super::state::{BaseLanes, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES};
 use super::study::Given;
 use crate::units::key::{Key, Sign};
 
-/// f_c sgn x′.
+/// Whether both directions rub alike.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Sides {
+    /// By f_c in both.
+    #[default]
+    Alike,
+    /// By f_c + f_d forwards and f_c − f_d backwards.
+    Apart,
+}
+
+/// f_c sgn x′, with f_d besides while it slides where the sides differ.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CoulombFriction;
+pub struct CoulombFriction(pub Sides);
 
 /// What the library says of it.
 pub const CANDIDATE: Candidate = Candidate {
@@ -30,28 +45,46 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30 (1994)",
 };
 
+/// What the library says of it where the sides differ: the same candidate, with one parameter more.
+pub const APART: Candidate = Candidate {
+    statement: "Dry friction opposes motion, more in one direction than in the other, and can hold the mass still.",
+    equation: "x″ + 2ζω₀x′ + f_c sgn x′ + f_d + ω₀²x = g·u while it slides",
+    parameters: &[
+        Parameter { name: "f_c", unit: "y/s^2", range: (-1.0, 1.0) },
+        Parameter { name: "f_d", unit: "y/s^2", range: (-1.0, 1.0) },
+    ],
+    signature: "as with equal sides, and the mass comes to rest off its centre",
+    ..CANDIDATE
+};
+
 /// How a study gives it.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(6, "sensor.coulomb_friction_m_s2", "Coulomb friction", "m/s²", 1.0, Sign::NotNegative))];
 
 impl Law for CoulombFriction {
     fn candidate(&self) -> &'static Candidate {
-        &CANDIDATE
+        match self.0 {
+            Sides::Alike => &CANDIDATE,
+            Sides::Apart => &APART,
+        }
     }
     fn role(&self) -> Role {
         Role::Friction
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.zeta * s.omega_rad_s * s.velocity)]
+        vec![Coordinate::Linear(0.1 * s.zeta * s.omega_rad_s * s.velocity); self.values()]
     }
     fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
-        vec![vec![0.0]]
+        vec![vec![0.0; self.values()]]
     }
     fn has_corner(&self) -> bool {
         true
     }
     fn study(&self) -> &'static [Given] {
-        GIVEN
+        match self.0 {
+            Sides::Alike => GIVEN,
+            Sides::Apart => &[],
+        }
     }
     fn wgsl(&self) -> &'static str {
         "fn coulomb_friction(at: Instant, p0: f32, sum: f32) -> f32 {
@@ -67,19 +100,46 @@ impl Law for CoulombFriction {
         _: &[T; MOST_STAGED],
         sum: T,
     ) -> T {
-        fma::<T, FMA>(-p[0], at.v / (at.v.abs() + p[0] * at.step + T::of(1e-30)), sum)
+        let sign = at.v / (at.v.abs() + p[0] * at.step + T::of(1e-30));
+        match self.0 {
+            Sides::Alike => fma::<T, FMA>(-p[0], sign, sum),
+            Sides::Apart => fma::<T, FMA>(-p[0], sign, fma::<T, FMA>(-p[1], sign.abs(), sum)),
+        }
+    }
+}
+
+/// What holds each lane back: forwards, and backwards.
+pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
+    match p {
+        [size, difference, ..] => {
+            [std::array::from_fn(|l| size[l] + difference[l]), std::array::from_fn(|l| size[l] - difference[l])]
+        }
+        [size] => [*size; 2],
+        [] => [[0.0; LANES]; 2],
+    }
+}
+
+/// The force of friction on a lane that slides this way; 0 where it holds.
+#[inline(always)]
+pub fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
+    if side > 0.0 {
+        friction[0][l]
+    } else if side < 0.0 {
+        -friction[1][l]
+    } else {
+        0.0
     }
 }
 
 /// The way in which each lane slides: that of its velocity, or from rest that of a pull greater than friction; 0 where it
 /// holds. `at` is displacement, velocity and what accelerates besides friction and the base.
 #[inline(always)]
-pub fn sides(base: &BaseLanes, friction: &Lanes, at: [&Lanes; 3]) -> Lanes {
+pub fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
     let [x, v, acceleration] = at;
     let mut sides = [0.0; LANES];
     for l in 0..LANES {
         let pull = acceleration[l] - base.stiffness[l] * x[l];
-        let from_rest = if pull.abs() > friction[l] { pull } else { 0.0 };
+        let from_rest = if pull > friction[0][l] || -pull > friction[1][l] { pull } else { 0.0 };
         let way = if v[l] == 0.0 { from_rest } else { v[l] };
         sides[l] = if way > 0.0 {
             1.0
@@ -99,8 +159,8 @@ pub struct Sliding<'a> {
     pub step_s: f64,
     /// The base model.
     pub base: &'a BaseLanes,
-    /// Friction.
-    pub friction: &'a Lanes,
+    /// Friction forwards and backwards.
+    pub friction: &'a [Lanes; 2],
     /// The direction in which each lane slides, from `sides`.
     pub side: &'a Lanes,
     /// What accelerated besides the base at the beginning and at the end.
@@ -133,7 +193,7 @@ impl Sliding<'_> {
                 step_s: self.step_s,
                 stiffness,
                 damping,
-                friction: self.friction[l],
+                friction: [self.friction[0][l], self.friction[1][l]],
                 side: self.side[l],
                 begin: whole(begin[0][l], begin[1][l], self.ends[0][l]),
                 end: whole(x[l], v[l], self.ends[1][l]),
@@ -149,7 +209,8 @@ struct Event {
     step_s: f64,
     stiffness: f64,
     damping: f64,
-    friction: f64,
+    /// Friction forwards and backwards.
+    friction: [f64; 2],
     side: f64,
     /// Displacement, velocity and acceleration before.
     begin: [f64; 3],
@@ -162,7 +223,7 @@ impl Event {
     fn resolved(&self) -> [f64; 2] {
         let (h, side) = (self.step_s, self.side);
         let ([x0, v0, a0], [x1, v1, a1]) = (self.begin, self.end);
-        let (mut rest_s, mut x, mut pull) = (0.0, x0, a0);
+        let (mut rest_s, mut x, mut pull, mut held) = (0.0, x0, a0, 0.0);
         if side != 0.0 {
             let t = self.turn();
             rest_s = t * h;
@@ -172,11 +233,13 @@ impl Event {
             let gain = v1 - v0;
             let (bend, twist) = (3.0 * gain / h - 2.0 * a0 - a1, a0 + a1 - 2.0 * gain / h);
             let rate = a0 + t * (2.0 * bend + 3.0 * t * twist);
-            pull = rate + side * self.friction;
-            if side * pull < -self.friction {
+            let [with, back] = if side > 0.0 { self.friction } else { [self.friction[1], self.friction[0]] };
+            held = side * with;
+            pull = rate + held;
+            if side * pull < -back {
                 // It slides on the other way: friction has jumped, and the oscillator answers that.
                 let (r, c) = (h - rest_s, self.damping);
-                let jump = 2.0 * self.friction * side;
+                let jump = (with + back) * side;
                 let bend = c * c - self.stiffness;
                 let of_x = r * r * (0.5 - r * (c / 6.0 - r * bend / 24.0));
                 let of_v = r * (1.0 - r * (0.5 * c - r * bend / 6.0));
@@ -184,8 +247,8 @@ impl Event {
             }
         }
         // Held: what pulls at the end of the step, with the mass where it rests.
-        let last = a1 + side * self.friction + self.stiffness * (x1 - x) + self.damping * v1;
-        let excess = last.abs() - self.friction;
+        let last = a1 + held + self.stiffness * (x1 - x) + self.damping * v1;
+        let excess = last.abs() - self.friction[usize::from(last < 0.0)];
         if excess <= 0.0 {
             return [x, 0.0];
         }

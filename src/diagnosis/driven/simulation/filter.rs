@@ -220,7 +220,7 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::coulomb_friction::CoulombFriction;
+    use crate::physics::coulomb_friction::{CoulombFriction, Sides};
     use crate::physics::library::Term;
     use crate::physics::state::BaseLanes;
 
@@ -229,6 +229,18 @@ mod tests {
 
     /// Displacements at samples a step of `angle` radians apart, pulled by `push` and rubbed by `friction`; ζ = 0.
     fn swings(angle: f64, samples: usize, start: f64, friction: f64, push: impl Fn(f64) -> f64) -> Vec<f64> {
+        rubbed(Sides::Alike, &[[friction; LANES]], angle, samples, start, push)
+    }
+
+    /// The same with these parameters of friction.
+    fn rubbed(
+        sides: Sides,
+        parameters: &[Lanes],
+        angle: f64,
+        samples: usize,
+        start: f64,
+        push: impl Fn(f64) -> f64,
+    ) -> Vec<f64> {
         let h = angle / OMEGA;
         let grid: Vec<f64> = (0..=2 * samples).map(|i| push(0.5 * h * i as f64)).collect();
         let pass = Pass {
@@ -241,8 +253,8 @@ mod tests {
             parts: Parts {
                 base: BaseLanes { gain: [1.0; LANES], stiffness: [PULL; LANES], damping: [0.0; LANES] },
                 oscillator: [[OMEGA; LANES], [0.0; LANES]],
-                terms: &[Term::CoulombFriction(CoulombFriction)],
-                parameters: &[[friction; LANES]],
+                terms: &[Term::CoulombFriction(CoulombFriction(sides))],
+                parameters,
                 first: &[0],
                 interval_s: h,
                 steps: 1,
@@ -261,6 +273,17 @@ mod tests {
         let x = swings(0.5, 80, 1.0, 0.07 * PULL, |_| 0.0);
         assert!((x[79] - -0.02).abs() < 1e-4, "{}", x[79]);
         assert!(x[50] == x[79], "it holds");
+    }
+
+    // Rubbed by 0.09 ω₀² forwards and 0.05 ω₀² backwards, the turning points are −x + 2·0.05 and −x − 2·0.09 in turn: 1, −0.9,
+    // 0.72, −0.62, 0.44, −0.34, 0.16, −0.06, where the spring pulls less than friction forwards holds.
+    #[test]
+    fn friction_that_differs_in_both_directions_ends_off_the_centre() {
+        let sizes = [[0.07 * PULL; LANES], [0.02 * PULL; LANES]];
+        let x = rubbed(Sides::Apart, &sizes, 0.5, 80, 1.0, |_| 0.0);
+        assert!((x[79] - -0.06).abs() < 1e-4 && x[60] == x[79], "{}", x[79]);
+        let alike = rubbed(Sides::Apart, &[sizes[0], [0.0; LANES]], 0.5, 80, 1.0, |_| 0.0);
+        assert_eq!(alike, swings(0.5, 80, 1.0, 0.07 * PULL, |_| 0.0), "without a difference it is the plain law");
     }
 
     // Loose from t = f/a on under a pull a·t: x = (a/ω₀²)(τ − sin(ω₀τ)/ω₀) with τ from there.

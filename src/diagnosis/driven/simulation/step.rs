@@ -69,7 +69,7 @@ pub struct Plan<'a> {
     pub modes: Vec<usize>,
     /// By how much the input is late.
     pub delay: Option<Shift>,
-    friction: Option<&'a Lanes>,
+    friction: Option<[Lanes; 2]>,
     /// State of a low-pass.
     pub lagging: Option<usize>,
 }
@@ -98,6 +98,7 @@ impl<'a> Plan<'a> {
             let found = terms.iter().zip(first).find(|(t, _)| t.role() == role);
             found.map(|(_, f)| &parameters[*f])
         };
+        let rubbing = terms.iter().zip(first).find(|(t, _)| t.role() == Role::Friction);
         Self {
             parts,
             step_s,
@@ -112,7 +113,7 @@ impl<'a> Plan<'a> {
             sensing,
             adding,
             delay: of(Role::InputDelay).map(|d| Shift::new(d, parts.interval_s / (2 * parts.steps) as f64)),
-            friction: of(Role::Friction),
+            friction: rubbing.map(|(t, first)| coulomb_friction::resistance(&parameters[*first..first + t.values()])),
             lagging: placed(|t| t.role() == Role::LowPass).first().map(|m| m.state),
         }
     }
@@ -141,7 +142,7 @@ impl<'a> Plan<'a> {
     #[inline(always)]
     pub fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut Motion) -> Stride {
         let Self { parts, half, full, .. } = self;
-        let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction);
+        let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction.as_ref());
         let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);
         let (hx, hv) = half.apply(&x, &v);
         let (fx, fv) = full.apply(&x, &v);
@@ -195,7 +196,7 @@ impl<'a> Plan<'a> {
                     side = coulomb_friction::sides(&parts.base, friction, [&x, &v, &acceleration]);
                 }
                 for l in 0..LANES {
-                    acceleration[l] -= side[l] * friction[l];
+                    acceleration[l] -= coulomb_friction::against(friction, side[l], l);
                 }
             }
             let weight = if stage == 0 || stage == 3 { h / 6.0 } else { h / 3.0 };
