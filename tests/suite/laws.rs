@@ -8,6 +8,8 @@ use proofmass::backend::Backend;
 use proofmass::backend::cpu::{Cpu, Precision};
 use proofmass::backend::gpu::Gpu;
 use proofmass::backend::gpu::simulate::Ensembles;
+use proofmass::diagnosis::driven::identification::fit::fit;
+use proofmass::diagnosis::driven::identification::start::first_scales;
 use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
@@ -35,6 +37,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("laws: each moves the mass as the trial's own equation does, and its neighbour does not", as_the_trial),
         test("laws: single precision is double precision to its rounding", single_is_double),
+        test("laws: a coupled mode, which is not searched for, is fitted by name", coupled_mode_by_name),
         test("laws: a study moves a mass as the diagnosis' simulation does, for each law that it can run", as_a_study),
         gpu_test("laws: the GPU moves a mass as the CPU does, for each law that a study can run", as_the_gpu),
     ]
@@ -103,21 +106,26 @@ fn values(term: &Term, planted: &Planted) -> Result<Vec<f64>, Failed> {
     Ok(values)
 }
 
-/// Readings of the diagnosis' simulation from rest.
-fn simulated(term: Option<(Term, &[f64])>, steps: usize) -> Vec<f64> {
-    let fine: Vec<f64> = (0..SAMPLES).map(|k| input(k as f64 / RATE_HZ)).collect();
-    let data = Data {
-        reading: vec![0.0; SAMPLES],
-        input: Some(Input::new(fine, Interpolation::BandLimited)),
+/// A recording that is fitted from end to end, but for what the interpolation of its input does not know.
+fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
+    let inner = 20..SAMPLES - 20;
+    Data {
+        reading,
+        input: Some(Input::new(input, Interpolation::BandLimited)),
         environment: Vec::new(),
         environments: 0,
         rate_hz: RATE_HZ,
         hull: 0..SAMPLES,
-        train: vec![0..SAMPLES],
+        train: vec![inner],
         validation: Vec::new(),
         test: Vec::new(),
         work: Default::default(),
-    };
+    }
+}
+
+/// Readings of the diagnosis' simulation from rest.
+fn simulated(term: Option<(Term, &[f64])>, steps: usize) -> Vec<f64> {
+    let data = data(vec![0.0; SAMPLES], (0..SAMPLES).map(|k| input(k as f64 / RATE_HZ)).collect());
     let mut point = vec![GAIN, OMEGA, ZETA, 0.0, 0.0, 0.0];
     point.extend(term.iter().flat_map(|(_, p)| p.iter()));
     let terms: Vec<Term> = term.iter().map(|(t, _)| *t).collect();
@@ -165,6 +173,45 @@ fn as_the_trial() -> Result<(), Failed> {
 
 /// The input of the simulation is interpolated from its samples, which costs up to a thousandth of the reading.
 const TOLERANCE: f64 = 2e-3;
+
+/// Two masses integrated here, with noise of a thousandth, and the law fitted to them from elsewhere.
+fn coupled_mode_by_name() -> Result<(), Failed> {
+    let (mu, omega2, zeta2) = (0.08, 1.5 * OMEGA, 0.03);
+    let push =
+        |t: f64| (0..14).map(|i| (f64::from(i).mul_add(0.9, 2.1) * t + f64::from(i * i)).sin()).sum::<f64>() * 0.3;
+    let h = 1.0 / (RATE_HZ * FINE as f64);
+    let slope = |t: f64, [x, v, z, w]: [f64; 4]| {
+        let pull = omega2 * omega2 * (z - x) + 2.0 * zeta2 * omega2 * (w - v);
+        [v, GAIN * push(t) - OMEGA * OMEGA * x - 2.0 * ZETA * OMEGA * v + mu * pull, w, -pull]
+    };
+    let add = |s: [f64; 4], k: [f64; 4], by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
+    let (mut s, mut reading) = ([0.0; 4], Vec::new());
+    for n in 0..SAMPLES * FINE {
+        let t = n as f64 * h;
+        if n % FINE == 0 {
+            let noise = f64::from((n as u32).wrapping_mul(2_654_435_769) >> 8) / f64::from(1u32 << 24) - 0.5;
+            reading.push(s[0] + 2e-3 * noise);
+        }
+        let k1 = slope(t, s);
+        let k2 = slope(t + 0.5 * h, add(s, k1, 0.5 * h));
+        let k3 = slope(t + 0.5 * h, add(s, k2, 0.5 * h));
+        let k4 = slope(t + h, add(s, k3, h));
+        s = std::array::from_fn(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    let pushed = (0..SAMPLES).map(|k| push(k as f64 / RATE_HZ)).collect();
+    let data = data(reading, pushed);
+    let scales = first_scales(&data);
+    let begin = [GAIN, 1.02 * OMEGA, ZETA, 0.0, 0.0, 0.0];
+    let base = fit(&data, &Shape::new(&[]), &begin, &scales, 25).ok_or("no base model")?;
+    let start: Vec<f64> = begin.into_iter().chain([0.03, 1.35 * OMEGA, 0.05, 0.0, 0.0]).collect();
+    let named = Term::all().into_iter().find(|t| t.id() == "coupled-mode").ok_or("it is not listed")?;
+    let found = fit(&data, &Shape::new(&[named]), &start, &scales, 60).ok_or("no fit")?;
+    let own = &found.point[6..];
+    near("mass ratio", own[0] / mu, 1.0, 0.02)?;
+    near("its frequency", own[1] / omega2, 1.0, 0.005)?;
+    near("its damping", own[2] / zeta2, 1.0, 0.1)?;
+    check(base.variance > 100.0 * found.variance, format!("{} and {}", base.variance, found.variance))
+}
 
 /// The acceleration that a law adds to none, and the rate of its first state.
 fn pulled<T: Real>(term: &Term, p: &[f64], [x, v, u, z]: [f64; 4]) -> [f64; 2] {
