@@ -9,6 +9,7 @@ pub mod document;
 pub mod expected;
 pub mod windows;
 
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::kernel::integrator::{Choice, Integrator};
 use crate::kernel::job::Job;
@@ -70,7 +71,11 @@ impl Drift {
 ///
 /// # Errors
 /// Whatever stops a run; mechanics that no integrator can step.
-pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistics>) -> Result<Drift> {
+pub fn answer(
+    study: &Study,
+    control: &Control,
+    mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
+) -> Result<Drift> {
     let stiffest = study.stiffest();
     let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
     choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
@@ -90,7 +95,7 @@ pub fn answer(study: &Study, mut run: impl FnMut(&Job, &str) -> Result<Statistic
     let expected = Expected::of(study, &samples);
     let budget = budget::make(study, choice.integrator, &samples, &mut run)?;
     let growth = growth(&statistics, &expected);
-    let compared = compare::run(study, &mut run)?;
+    let compared = compare::run(study, control, &mut run)?;
     Ok(Drift { statistics, report, expected, growth, budget, choice, compared })
 }
 

@@ -4,6 +4,7 @@
 //! Not for the diagnosis, which `trial` proves. Each expected number says where it comes from; each family of checks has
 //! a control that must fail, so that a check that cannot fail is noticed.
 
+use crate::control::Control;
 use crate::error::Result;
 
 pub mod closed_form;
@@ -16,25 +17,26 @@ mod row;
 
 pub use row::Row;
 
-/// All checks on the backends given; `progress` is told before each family.
+/// All checks on the backends given.
 ///
 /// # Errors
-/// A backend that fails, Ctrl-C.
-pub fn run(backends: &mut [jobs::Place], mut progress: impl FnMut(&str)) -> Result<Vec<Row>> {
+/// A backend that fails, stopped.
+pub fn run(backends: &mut [jobs::Place], control: &Control) -> Result<Vec<Row>> {
+    let progress = control.stage("validating", 0);
     let mut rows = Vec::new();
-    progress("random numbers");
+    progress.rename("random numbers");
     rows.extend(randomness::rows());
     for place in backends.iter_mut() {
-        progress(&format!("closed forms, {}", place.name));
+        progress.rename(&format!("closed forms, {}", place.name));
         rows.extend(closed_form::rows(place)?);
     }
-    progress("orders of convergence");
+    progress.rename("orders of convergence");
     rows.extend(order::rows()?);
-    progress("precision");
-    rows.extend(precision::rows()?);
+    progress.rename("precision");
+    rows.extend(precision::rows(control)?);
     for place in backends.iter_mut().filter(|p| p.is_gpu) {
-        progress("parity of CPU and GPU");
-        rows.extend(parity::rows(place)?);
+        progress.rename("parity of CPU and GPU");
+        rows.extend(parity::rows(place, control)?);
     }
     Ok(rows)
 }

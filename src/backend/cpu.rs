@@ -3,6 +3,7 @@
 
 use super::tile;
 use super::{Backend, Batch, Partial, Ran, Unfinished};
+use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::kernel::cpu::lanes::{LANES, Lane, Level};
 use crate::kernel::cpu::members::{Members, Shared, Snapshot};
@@ -13,7 +14,6 @@ use crate::kernel::job::Job;
 use crate::kernel::member::Column;
 use crate::numerics::elementary::Real;
 use crate::parallel;
-use crate::signal;
 use crate::statistics::{Bins, Histogram, Machine};
 
 /// Precision of a run.
@@ -242,16 +242,16 @@ fn partial<T: Real>(
 /// The four errors of every member at the end of a run that fits the memory, for comparisons member by member.
 ///
 /// # Errors
-/// A member that the integrator cannot step; Ctrl-C.
-pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
+/// A member that the integrator cannot step; stopped.
+pub fn outcomes<T: Real>(job: &Job, control: &Control) -> Result<Vec<[f64; 4]>> {
     let shared = Shared::<T>::of(job);
     let starts: Vec<u64> = (0..job.members).step_by(LANES).collect();
     let mut groups = parallel::map(&starts, |first| draw::<T>(job, *first, job.members, shared.flicker.len()))
         .into_iter()
         .collect::<Result<Vec<Group<T>>>>()?;
     let cpu = Cpu::default();
-    if cpu.tiles(job, &shared, &mut groups, 0, &signal::interrupted, |_, _| ()) < job.clock.samples {
-        return Err(Error::interrupted("could not finish the simulation", "run it again"));
+    if cpu.tiles(job, &shared, &mut groups, 0, &|| control.cancelled(), |_, _| ()) < job.clock.samples {
+        control.go_on().map_err(stopped)?;
     }
     let sample_s = job.clock.sample_s();
     let all = groups.iter().flat_map(|group| {
@@ -262,20 +262,23 @@ pub fn outcomes<T: Real>(job: &Job) -> Result<Vec<[f64; 4]>> {
 }
 
 /// Reading errors of 64 members, from the multiple of 64 at or below `member` on, sample by sample: `sink` is given the
-/// accelerometer's (m/s²) and the gyro's (rad/s). Returns early, with `false`, when the user asked to stop.
+/// accelerometer's (m/s²) and the gyro's (rad/s).
 ///
 /// # Errors
-/// A member that the integrator cannot step.
-pub fn readings<T: Real>(job: &Job, member: u64, mut sink: impl FnMut(&Lane<T>, &Lane<T>)) -> Result<bool> {
+/// A member that the integrator cannot step; stopped.
+pub fn readings<T: Real>(
+    job: &Job,
+    member: u64,
+    control: &Control,
+    mut sink: impl FnMut(&Lane<T>, &Lane<T>),
+) -> Result<()> {
     let first = member / LANES as u64 * LANES as u64;
     let shared = Shared::<T>::of(job);
     let mut members = draw::<T>(job, first, job.members.max(first + 1), shared.flicker.len())?;
     let mut from = 0;
     let most = (MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
     while let Some(tile) = tile::next(&job.clock, from, most) {
-        if signal::interrupted() {
-            return Ok(false);
-        }
+        control.go_on().map_err(stopped)?;
         let count = tile.samples.end - from;
         let force = force::table::<T>(job, from, count);
         let work = Simulate {
@@ -289,7 +292,11 @@ pub fn readings<T: Real>(job: &Job, member: u64, mut sink: impl FnMut(&Lane<T>, 
         work.run(Level::best());
         from = tile.samples.end;
     }
-    Ok(true)
+    Ok(())
+}
+
+fn stopped(stopped: Stopped) -> Error {
+    stopped.during("could not finish the simulation", "run it again")
 }
 
 /// The processor's name, as the system gives it.

@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Options { backend: arguments.backend, control: progress::terminal(), ..Options::default() },
         Backends::default(),
     );
-    let drift = drift::answer(&study, |job, _| backends.run(job, &options, &mut keeper))?;
+    let drift = drift::answer(&study, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;
     // The answer comes before the report: a disk that is full costs the report, not the run.
     if json {
         sayln!("{}", to_json(&Document::of(&study, &drift))?)?;

@@ -21,15 +21,13 @@ pub struct Arguments {
 /// # Errors
 /// A check that does not hold; an adapter that is not there.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let mut places = match arguments.backend {
-        Choice::Cpu => vec![Place::cpu()],
-        Choice::Gpu => vec![Place::gpu()?],
-        Choice::Auto => std::iter::once(Place::cpu()).chain(Place::gpu()).collect(),
-    };
     let control = progress::terminal();
-    let progress = control.stage("validating", 0);
-    let rows = validation::run(&mut places, |what| progress.rename(what))?;
-    drop(progress);
+    let mut places = match arguments.backend {
+        Choice::Cpu => vec![Place::cpu(&control)],
+        Choice::Gpu => vec![Place::gpu(&control)?],
+        Choice::Auto => std::iter::once(Place::cpu(&control)).chain(Place::gpu(&control)).collect(),
+    };
+    let rows = validation::run(&mut places, &control)?;
     let failed: Vec<&Row> = rows.iter().filter(|r| !r.holds).collect();
     if json {
         let backends: Vec<&str> = places.iter().map(|p| p.name.as_str()).collect();

@@ -6,7 +6,8 @@
 
 use super::windows::{self, Drifted};
 use crate::backend::cpu;
-use crate::error::{Error, Result};
+use crate::control::Control;
+use crate::error::Result;
 use crate::kernel::cpu::lanes::LANES;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
@@ -101,7 +102,11 @@ impl Likeness {
 ///
 /// # Errors
 /// A log that is there and cannot be read, columns that are not in it, a log too short for its windows, Ctrl-C.
-pub fn run(study: &Study, simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>) -> Result<Outcome> {
+pub fn run(
+    study: &Study,
+    control: &Control,
+    simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>,
+) -> Result<Outcome> {
     let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
     let path = study.folder.join(&compare.file);
     if !path.exists() {
@@ -113,15 +118,15 @@ pub fn run(study: &Study, simulate: &mut dyn FnMut(&Job, &str) -> Result<Statist
     let log = recording::read(&path, &request)?;
     // Refused before the work, not after it.
     let cuts = windows::cuts(study, compare, &log)?;
-    let bar = crate::progress::bar("comparing", compare.axis.len() as u64);
+    let progress = control.stage("comparing", compare.axis.len() as u64);
     let axes: Result<Vec<Likeness>> = parallel::map(&compare.axis, |axis| {
-        let likeness = likeness(study, axis, &log);
-        bar.inc(1);
+        let likeness = likeness(study, axis, &log, control);
+        progress.step();
         likeness
     })
     .into_iter()
     .collect();
-    bar.finish_and_clear();
+    drop(progress);
     let axes = axes?;
     let mut drifted = Vec::new();
     for axis in compare.axis.iter().filter(|_| !cuts.is_empty()) {
@@ -140,7 +145,7 @@ pub fn run(study: &Study, simulate: &mut dyn FnMut(&Job, &str) -> Result<Statist
     })))
 }
 
-fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
+fn likeness(study: &Study, axis: &Axis, log: &Recording, control: &Control) -> Result<Likeness> {
     let (sense, scale) = axis.unit();
     let values: Vec<f64> = log.column(&axis.column).unwrap_or_default().iter().map(|v| v * scale).collect();
     let still = study.at_rest(axis, 1.0 / log.rate_hz, values.len() as u64, LANES as u64)?;
@@ -148,13 +153,11 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording) -> Result<Likeness> {
     let choice = Integrator::choose(mass.as_ref(), still.clock.step_s);
     let job = still.job(choice.integrator, vec![still.clock.samples]);
     let mut members = vec![Accumulator::new(); LANES];
-    let finished = cpu::readings::<f32>(&job, 0, |accelerometer, gyro| {
+    cpu::readings::<f32>(&job, 0, control, |accelerometer, gyro| {
         let lane = if sense == Sense::Accelerometer { accelerometer } else { gyro };
         members.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(f64::from(*value)));
-    })?;
-    if !finished {
-        return Err(Error::interrupted("could not finish the comparison with the recording", "run it again"));
-    }
+    })
+    .map_err(|e| e.within("could not finish the comparison with the recording", "run it again"))?;
     let recorded = curve(&values, log.rate_hz);
     let curves: Vec<Vec<f64>> =
         members.iter().map(|m| m.points(log.rate_hz).iter().map(|p| p.variance.sqrt()).collect()).collect();

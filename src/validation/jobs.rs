@@ -6,6 +6,7 @@ use crate::backend::Backend;
 use crate::backend::cpu::Cpu;
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
+use crate::control::Control;
 use crate::ensemble::{self, Options};
 use crate::error::Result;
 use crate::kernel::integrator::Integrator;
@@ -23,21 +24,27 @@ pub struct Place {
     /// Whether it is a GPU.
     pub is_gpu: bool,
     backend: Box<dyn Backend>,
+    options: Options,
 }
 
 impl Place {
     /// The CPU.
-    pub fn cpu() -> Self {
-        Self { name: "CPU".to_owned(), is_gpu: false, backend: Box::new(Cpu::default()) }
+    pub fn cpu(control: &Control) -> Self {
+        Self::of("CPU".to_owned(), false, Box::new(Cpu::default()), control)
     }
 
     /// The best adapter.
     ///
     /// # Errors
     /// There is none.
-    pub fn gpu() -> Result<Self> {
+    pub fn gpu(control: &Control) -> Result<Self> {
         let gpu = Gpu::open()?;
-        Ok(Self { name: gpu.adapter.name.clone(), is_gpu: true, backend: Box::new(Ensembles::on(Arc::new(gpu))) })
+        Ok(Self::of(gpu.adapter.name.clone(), true, Box::new(Ensembles::on(Arc::new(gpu))), control))
+    }
+
+    /// Its many short runs are no stages of their own.
+    fn of(name: String, is_gpu: bool, backend: Box<dyn Backend>, control: &Control) -> Self {
+        Self { name, is_gpu, backend, options: Options { control: control.without_stages(), ..Options::default() } }
     }
 
     /// Runs a job there.
@@ -45,7 +52,7 @@ impl Place {
     /// # Errors
     /// As the backend.
     pub fn run(&mut self, job: &Job) -> Result<Statistics> {
-        ensemble::run_on(job, self.backend.as_mut(), &Options::default())
+        ensemble::run_on(job, self.backend.as_mut(), &self.options)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::jobs::{Place, Sine, job, masses};
 use super::row::Row;
+use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::sensor::Sensor;
@@ -14,8 +15,8 @@ const MEMBERS: u64 = 2048;
 ///
 /// # Errors
 /// As the backends.
-pub fn rows(gpu: &mut Place) -> Result<Vec<Row>> {
-    let mut cpu = Place::cpu();
+pub fn rows(gpu: &mut Place, control: &Control) -> Result<Vec<Row>> {
+    let mut cpu = Place::cpu(control);
     let mut rows = Vec::new();
     for (mass, integrator) in masses() {
         let mut sensor = Sensor { proof_mass: Some(mass), ..everything() };

@@ -3,6 +3,7 @@
 use super::jobs::{Sine, job, masses};
 use super::row::Row;
 use crate::backend::cpu::outcomes;
+use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::sensor::Sensor;
@@ -16,7 +17,7 @@ const MEMBERS: u64 = 256;
 ///
 /// # Errors
 /// Ctrl-C.
-pub fn rows() -> Result<Vec<Row>> {
+pub fn rows(control: &Control) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     let mut last = None;
     for (mass, integrator) in masses() {
@@ -27,7 +28,7 @@ pub fn rows() -> Result<Vec<Row>> {
         let job = job(sensor, MEMBERS, &[100.0], force, integrator);
         rows.push(Row::at_most(
             format!("f32 − f64 of {integrator} after 100 s, rms share of the noise drift"),
-            difference(&job, &job)?,
+            difference(&job, &job, control)?,
             1e-3,
         ));
         last = Some(job);
@@ -35,14 +36,14 @@ pub fn rows() -> Result<Vec<Row>> {
     if let Some(job) = last {
         // Control: other random numbers are not within rounding.
         let other = Job { seed: job.seed + 1, ..job.clone() };
-        rows.push(Row::at_most("f32 − f64 with another seed", difference(&job, &other)?, 1e-3).control());
+        rows.push(Row::at_most("f32 − f64 with another seed", difference(&job, &other, control)?, 1e-3).control());
     }
     Ok(rows)
 }
 
 /// Rms over members of the difference in position, as a share of the spread of the f64 run.
-fn difference(job: &Job, oracle: &Job) -> Result<f64> {
-    let (twin, oracle) = (outcomes::<f32>(job)?, outcomes::<f64>(oracle)?);
+fn difference(job: &Job, oracle: &Job, control: &Control) -> Result<f64> {
+    let (twin, oracle) = (outcomes::<f32>(job, control)?, outcomes::<f64>(oracle, control)?);
     let spread = Moments::of(oracle.iter().map(|m| m[POSITION])).sd();
     let squares: f64 = twin.iter().zip(&oracle).map(|(a, b)| (a[POSITION] - b[POSITION]).powi(2)).sum();
     Ok((squares / MEMBERS as f64).sqrt() / spread)

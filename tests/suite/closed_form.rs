@@ -152,7 +152,7 @@ fn paper() -> Result<(), Failed> {
 
 fn answer(sections: &str) -> Result<Drift, Failed> {
     let options = Options { backend: Choice::Cpu, ..Options::default() };
-    Ok(drift::answer(&study(sections)?, |job, _| ensemble::run(job, &options))?)
+    Ok(drift::answer(&study(sections)?, &options.control, |job, _| ensemble::run(job, &options))?)
 }
 
 fn budget() -> Result<(), Failed> {

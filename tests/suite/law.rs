@@ -1,6 +1,7 @@
 //! Random numbers and error growth follow their laws on the CPU, and the controls of these checks fail.
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::validation::jobs::Place;
 use proofmass::validation::{Row, closed_form, randomness};
 
@@ -11,7 +12,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("law: random numbers have their distribution", || all_hold(&randomness::rows())),
         test("law: every error source grows by its closed form on the CPU", || {
-            all_hold(&closed_form::rows(&mut Place::cpu())?)
+            all_hold(&closed_form::rows(&mut Place::cpu(&Control::silent()))?)
         }),
     ]
 }

@@ -3,6 +3,7 @@
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::cpu::Cpu;
 use proofmass::backend::gpu::Gpu;
+use proofmass::control::Control;
 use proofmass::ensemble::{Options, run_on};
 use proofmass::kernel::cpu::lanes::Level;
 use proofmass::kernel::integrator::Integrator;
@@ -17,13 +18,17 @@ use super::world::{check, gpu_test, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
-        test("sensor terms: each alone makes an error on the CPU, and none makes none", || acts(&mut Place::cpu())),
-        gpu_test("sensor terms: each alone makes an error on a GPU, and none makes none", || acts(&mut Place::gpu()?)),
+        test("sensor terms: each alone makes an error on the CPU, and none makes none", || {
+            acts(&mut Place::cpu(&Control::silent()))
+        }),
+        gpu_test("sensor terms: each alone makes an error on a GPU, and none makes none", || {
+            acts(&mut Place::gpu(&Control::silent())?)
+        }),
         gpu_test("parity: percentiles of every integrator, CPU and GPU", || {
-            all_hold(&parity::rows(&mut Place::gpu()?)?)
+            all_hold(&parity::rows(&mut Place::gpu(&Control::silent())?, &Control::silent())?)
         }),
         gpu_test("parity: every error source grows by its closed form on the GPU", || {
-            all_hold(&closed_form::rows(&mut Place::gpu()?)?)
+            all_hold(&closed_form::rows(&mut Place::gpu(&Control::silent())?)?)
         }),
         test("parity: every instruction set gives the same percentiles, the baseline included", levels),
         gpu_test("parity: compensated sums are alive on this adapter", || {

@@ -176,7 +176,7 @@ fn budget() -> Result<(), Failed> {
          [gyro]\nbias_deg_h = { mean = 0.0, sd = 80.0 }\nangle_random_walk_deg_rth = 0.4",
     )?;
     let options = Options { backend: Choice::Cpu, ..Options::default() };
-    let drift = drift::answer(&study, |job, _| ensemble::run(job, &options))?;
+    let drift = drift::answer(&study, &options.control, |job, _| ensemble::run(job, &options))?;
     let last = drift.statistics.time_s.len() - 1;
     let total = drift.expected.total(quantity::POSITION)[last].variance;
     for (source, rows) in &drift.expected.sources {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
+use proofmass::control::Control;
 use proofmass::drift::compare::{self, Outcome};
 use proofmass::error::Error;
 use proofmass::kernel::job::Job;
@@ -122,7 +123,7 @@ fn departure(data: &Path, angle_random_walk_deg_rth: f64) -> Result<f64, Failed>
     );
     let study = study::parse("study.toml", &text, data)?;
     let mut none = |_: &Job, _: &str| Err(Error::new("could not simulate", "no windows were asked for", ""));
-    let Outcome::Compared(comparison) = compare::run(&study, &mut none)? else {
+    let Outcome::Compared(comparison) = compare::run(&study, &Control::silent(), &mut none)? else {
         return Err("nothing was compared".into());
     };
     let axis = &comparison.axes[0];
