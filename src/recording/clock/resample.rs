@@ -1,5 +1,7 @@
 //! Rows of an uneven clock made even: interpolated where the samples were uneven, as they are where only the stamps were.
 
+use crate::numerics::lagrange;
+
 /// Rows from which a value between them is made.
 const REACH: usize = 6;
 /// A step of more ticks than this has a straight line across it.
@@ -54,12 +56,7 @@ pub fn even(times_s: &[f64], tick_s: f64, values: &[f64]) -> Vec<f64> {
             let share = ((time - times_s[row]) / (times_s[next] - times_s[row]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             return values[row] + share * (values[next] - values[row]);
         }
-        // Lagrange's polynomial.
-        let weight = |j: usize| -> f64 {
-            let others = (0..reach).filter(|m| *m != j).map(|m| around[m]);
-            others.map(|other| (time - other) / (around[j] - other)).product()
-        };
-        (0..reach).map(|j| weight(j) * values[first + j]).sum()
+        (0..reach).map(|j| lagrange::weight(around, j, time) * values[first + j]).sum()
     };
     (0..count(times_s, tick_s)).map(at).collect()
 }
