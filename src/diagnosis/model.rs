@@ -9,10 +9,16 @@ use serde::Deserialize;
 use crate::diagnosis::candidate::Kind;
 use crate::document::{parse_toml, read_text};
 use crate::error::{Error, Result};
+use crate::progress;
 use crate::recording::{self, Recording, Request};
 
 /// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this many.
 pub const MOST_AT_REST: usize = 1 << 19;
+
+/// Memory that a diagnosis at rest takes per value: six channels of 500,000 values took 775 MB.
+const BYTES_PER_VALUE: f64 = 260.0;
+/// A diagnosis that takes more is announced.
+const MUCH_MEMORY_BYTES: f64 = 400e6;
 
 /// A model, by kind of recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -308,5 +314,25 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recordi
         request.at_most = Some(MOST_AT_REST);
         request.samples = m.split.hull();
     }
-    recording::read(path, &request)
+    let recording = recording::read(path, &request)?;
+    if matches!(model, Model::Static(_)) {
+        announce(&recording);
+    }
+    Ok(recording)
+}
+
+/// Says beforehand what a diagnosis at rest will take, where that is much.
+fn announce(recording: &Recording) {
+    let values: usize = recording.columns.iter().map(|c| c.values.len().min(MOST_AT_REST)).sum();
+    let bytes = values as f64 * BYTES_PER_VALUE;
+    if bytes > MUCH_MEMORY_BYTES {
+        let sentence = format!(
+            "{} columns are judged by {} values each, as their own and as two spectra under competing models: this takes about \
+             {:.1} GB of memory, however long the recording",
+            recording.columns.len(),
+            values / recording.columns.len(),
+            bytes / 1e9
+        );
+        progress::remark(&progress::bar("diagnosing", 0), &sentence);
+    }
 }

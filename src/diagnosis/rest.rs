@@ -43,6 +43,7 @@ use crate::error::{Error, Result};
 use crate::number::short;
 use crate::parallel;
 use crate::recording::Recording;
+use crate::recording::finding::Finding;
 use crate::recording::health::Watch;
 use channel::{Channel, Curve};
 
@@ -70,9 +71,10 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         all.into_iter().filter(|(_, v)| v.windows(2).any(|w| w[0] != w[1])).unzip()
     };
     if live.is_empty() {
+        let rounded = recording.findings.iter().any(|f| matches!(f, Finding::BeyondDouble { .. }));
         return Err(Error::new(
             "could not diagnose the recording",
-            "every channel is constant",
+            if rounded { "every channel is constant in double precision" } else { "every channel is constant" },
             "a sensor at rest still has noise: is it connected, and is the resolution high enough?",
         ));
     }
