@@ -299,7 +299,7 @@ mod tests {
         assert_eq!((recording.samples(), recording.findings.len()), (1000, 2), "{:?}", recording.findings);
         let off = |(got, t): (&f64, f64)| (got - (3.0 * t).sin()).abs();
         assert!(recording.columns[0].values.iter().zip(even(1000)).map(off).all(|d| d < 2e-3));
-        assert_eq!(recording.filled, [400..403]);
+        assert_eq!(recording.filled, vec![400..403]);
         assert_eq!(
             recording.dropped,
             [super::super::dropped::Dropped { reason: Reason::WrittenTwice, rows: 1, first_row: 101 }]

@@ -94,7 +94,7 @@ impl Repeats {
     /// What the repeating rows stand for; `None` where there are none, or too many for them to say anything.
     pub fn judge(&self) -> Option<Repeated> {
         let seldom = self.repeats.iter().all(|count| *count as f64 <= SELDOM * self.rows as f64);
-        (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then(|| Repeated {
+        (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then_some(Repeated {
             meaning: if self.twice <= self.lost { Meaning::WrittenTwice } else { Meaning::Lost },
             rows: self.count,
             first: self.first,

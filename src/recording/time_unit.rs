@@ -58,7 +58,8 @@ impl TimeUnit {
         let words = heading.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty());
         words.clone().filter_map(word).next_back().or_else(|| {
             // TimeUS, timeMs: the unit behind a small letter.
-            let last = words.last()?;
+            let mut words = words;
+            let last = words.next_back()?;
             let cut = last.char_indices().rev().nth(1)?.0;
             let (front, end) = last.split_at(cut);
             let capital = end.starts_with(|c: char| c.is_uppercase());

@@ -27,6 +27,9 @@ struct Log {
     stamps: Vec<String>,
 }
 
+/// What a reader makes of it: rate, samples and findings.
+type Read = Result<(f64, usize, Vec<Finding>), Error>;
+
 /// Noise without order, of unit size or so.
 fn noise(n: usize) -> f64 {
     ((n * n * 7919 + n * 104_729) % 10_007) as f64 / 2890.0 - 1.73
@@ -42,7 +45,7 @@ impl Log {
     }
 
     /// Rates and findings by both readers.
-    fn read(&self, request: &Request) -> Result<[Result<(f64, usize, Vec<Finding>), Error>; 2], Failed> {
+    fn read(&self, request: &Request) -> Result<[Read; 2], Failed> {
         let file = tempfile::NamedTempFile::new()?;
         let rows: String = self.stamps.iter().enumerate().map(|(n, t)| format!("{t},{:.6}\n", noise(n))).collect();
         std::fs::write(file.path(), format!("{},x\n{rows}", self.heading))?;
@@ -157,7 +160,7 @@ fn refused() -> Result<(), Failed> {
         .refused("a clock that is set back", "data row 7000")?;
     Log::new("t", 1000, |_| "5".into()).refused("one stamp for all", "repeat")?;
     Log::new("t", 1000, |n| format!("{}", n * 500)).refused("2 Hz or 2 kHz", "2000 Hz in µs or 2 Hz in ms")?;
-    Log::new("t", 1000, |n| format!("{}", if n % 10 == 0 { String::new() } else { (n as f64 * 0.01).to_string() }))
+    Log::new("t", 1000, |n| if n % 10 == 0 { String::new() } else { (n as f64 * 0.01).to_string() })
         .refused("a tenth of the stamps missing", "100 are missing")
 }
 
