@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::say::{say, sayln};
+use super::say::{remark, say, sayln};
 use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
@@ -41,6 +41,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let recording = model::read_part(&arguments.recording, &model, seconds)?;
+    if let Some(note) = model::memory_note(&recording, &model) {
+        remark!("{note}");
+    }
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
     let control = progress::terminal();

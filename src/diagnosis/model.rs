@@ -9,7 +9,6 @@ use serde::Deserialize;
 use crate::diagnosis::candidate::Kind;
 use crate::document::{parse_toml, read_text};
 use crate::error::{Error, Result};
-use crate::progress;
 use crate::recording::{self, Recording, Request};
 
 /// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this many.
@@ -314,25 +313,20 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recordi
         request.at_most = Some(MOST_AT_REST);
         request.samples = m.split.hull();
     }
-    let recording = recording::read(path, &request)?;
-    if matches!(model, Model::Static(_)) {
-        announce(&recording);
-    }
-    Ok(recording)
+    recording::read(path, &request)
 }
 
-/// Says beforehand what a diagnosis at rest will take, where that is much.
-fn announce(recording: &Recording) {
+/// What a diagnosis of this recording will take of memory, where that is much: for a word beforehand.
+pub fn memory_note(recording: &Recording, model: &Model) -> Option<String> {
     let values: usize = recording.columns.iter().map(|c| c.values.len().min(MOST_AT_REST)).sum();
     let bytes = values as f64 * BYTES_PER_VALUE;
-    if bytes > MUCH_MEMORY_BYTES {
-        let sentence = format!(
-            "{} columns are judged by {} values each, as their own and as two spectra under competing models: this takes about \
-             {:.1} GB of memory, however long the recording",
+    (matches!(model, Model::Static(_)) && bytes > MUCH_MEMORY_BYTES).then(|| {
+        format!(
+            "{} columns of {} values: the spectra of all columns under competing models take about {:.1} GB of memory, however \
+             long the recording",
             recording.columns.len(),
             values / recording.columns.len(),
             bytes / 1e9
-        );
-        progress::remark(&progress::bar("diagnosing", 0), &sentence);
-    }
+        )
+    })
 }
