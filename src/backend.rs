@@ -4,19 +4,17 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
 use crate::error::Result;
 use crate::kernel::job::Job;
-use crate::statistics::{Bins, Histogram, Machine, Moments};
+use crate::statistics::{Bins, Machine};
 
 pub mod cpu;
 pub mod gpu;
 pub mod orbits;
+pub mod partial;
 pub mod tile;
-pub mod unfinished;
 
-pub use unfinished::Unfinished;
+pub use partial::{Partial, Unfinished};
 
 /// Members of a job to integrate in one go.
 pub struct Batch<'a> {
@@ -48,17 +46,6 @@ pub enum Ran {
     Whole(Vec<Partial>),
     /// To a tile after which it was asked to stop.
     Part(Unfinished),
-}
-
-/// A batch at one report time.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Partial {
-    /// Moments of each block of 256 members, in order.
-    pub blocks: Vec<[Moments; 4]>,
-    /// Counts per quantity; empty where no bins were given.
-    pub histograms: Vec<Histogram>,
-    /// Members that have failed by then.
-    pub failed: u64,
 }
 
 /// Something that integrates batches.

@@ -3,39 +3,23 @@
 //! Results depend neither on the batches nor on where a run was stopped: members are summed in blocks of 256, in order,
 //! and counts are integers.
 
-use std::time::{Duration, Instant};
-
-use crate::backend::cpu::{Cpu, Precision};
-use crate::backend::{Backend, Batch, Partial, Ran};
-use crate::control::{Control, Progress};
 use crate::error::Result;
-use crate::kernel::job::{Clock, Job};
-use crate::statistics::{Bins, Moments, Statistics, Summary};
+use crate::kernel::job::Job;
+use crate::statistics::Statistics;
 
 mod backends;
 mod check;
+mod integrate;
 mod keeper;
+mod options;
+mod sound;
 mod state;
+mod state_file;
 
-pub use backends::{Backends, Choice};
+pub use backends::Backends;
+pub use integrate::{run_kept, run_on, run_or_fall_back, times_s};
 pub use keeper::Keeper;
-use state::State;
-
-/// Members that set the bins of the histograms: always the same first ones.
-const PILOT: u64 = 1024;
-
-/// How to run.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// Where.
-    pub backend: Choice,
-    /// Precision; f64 means the CPU.
-    pub precision: Precision,
-    /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
-    pub batch_members: Option<u64>,
-    /// Who watches and may stop.
-    pub control: Control,
-}
+pub use options::{Choice, Options};
 
 /// Integrates an ensemble and sums it up.
 ///
@@ -43,174 +27,4 @@ pub struct Options {
 /// Impossible jobs, adapters that are not there, Ctrl-C.
 pub fn run(job: &Job, options: &Options) -> Result<Statistics> {
     Backends::default().run(job, options, &mut Keeper::none())
-}
-
-/// Integrates an ensemble on a given backend.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_on(job: &Job, backend: &mut dyn Backend, options: &Options) -> Result<Statistics> {
-    run_kept(job, backend, options, &mut Keeper::none())
-}
-
-/// Integrates an ensemble on a given backend as the next part of a run whose sums are kept.
-///
-/// # Errors
-/// As [`run`], where the hint says how to go on; states that are damaged or belong to another run.
-pub fn run_kept(job: &Job, backend: &mut dyn Backend, options: &Options, keeper: &mut Keeper) -> Result<Statistics> {
-    run_part(job, backend, None, options, keeper)
-}
-
-/// As [`run_kept`]; `reason` says why on this backend, where another was tried first.
-fn run_part(
-    job: &Job,
-    backend: &mut dyn Backend,
-    reason: Option<&str>,
-    options: &Options,
-    keeper: &mut Keeper,
-) -> Result<Statistics> {
-    let begun = Instant::now();
-    check::check(job)?;
-    keeper.begin(job, options.precision)?;
-    integrate(job, backend, reason, options, keeper).map_err(|error| match backend.has_failed() {
-        true => keeper.kept(error),
-        false => error,
-    })?;
-    Ok(summed(job, keeper.part(), begun.elapsed()))
-}
-
-/// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on. The report then says who
-/// did what, and why.
-///
-/// # Errors
-/// As [`run_kept`], but for failures of the device.
-pub fn run_or_fall_back(
-    job: &Job,
-    device: &mut dyn Backend,
-    options: &Options,
-    keeper: &mut Keeper,
-) -> Result<Statistics> {
-    let begun = Instant::now();
-    check::check(job)?;
-    keeper.begin(job, options.precision)?;
-    if let Err(error) = integrate(job, device, None, options, keeper) {
-        if !device.has_failed() {
-            return Err(error);
-        }
-        let reason = format!("{} failed: {}", device.machine(job).name, error.cause);
-        let done = keeper.part().next_member;
-        options.control.remark(&format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members));
-        let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-        integrate(job, &mut cpu, Some(&reason), options, keeper)?;
-    }
-    Ok(summed(job, keeper.part(), begun.elapsed()))
-}
-
-/// Takes the part of the run that was begun to its end.
-fn integrate(
-    job: &Job,
-    backend: &mut dyn Backend,
-    reason: Option<&str>,
-    options: &Options,
-    keeper: &mut Keeper,
-) -> Result<()> {
-    let samples = job.clock.samples;
-    let length = (job.members + PILOT.min(job.members)).saturating_mul(samples);
-    let watched = Watched { control: &options.control, progress: options.control.stage("simulating", length) };
-    if keeper.part().bins.is_empty() {
-        // Always on the CPU: the same for every backend of the same precision.
-        let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &watched)?;
-        keeper.part_mut().set_bins(partials.iter().map(bins).collect());
-    }
-    let machine = backend.machine(job);
-    let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
-    loop {
-        let from = keeper.part().next_member;
-        watched.progress.set((from + PILOT.min(job.members)).saturating_mul(samples));
-        if from >= job.members {
-            break;
-        }
-        let partials = batch(job, backend, size, keeper, &watched)?;
-        keeper.part_mut().add(&partials, job, &machine, reason);
-        keeper.keep_if_due(&options.control);
-    }
-    Ok(())
-}
-
-/// Who watches a run, and how far it has come.
-struct Watched<'a> {
-    control: &'a Control,
-    progress: Progress,
-}
-
-/// The next `size` members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
-fn batch(
-    job: &Job,
-    backend: &mut dyn Backend,
-    size: u64,
-    keeper: &mut Keeper,
-    watched: &Watched<'_>,
-) -> Result<Vec<Partial>> {
-    let Watched { control, progress } = watched;
-    let machine = backend.machine(job);
-    let bins = keeper.part().bins.clone();
-    let from = keeper.part().next_member;
-    let mut members = from..job.members.min(from.saturating_add(size));
-    if let Some(unfinished) = keeper.part().under_way(&machine) {
-        members = unfinished.members.clone();
-        progress.add(unfinished.samples * (members.end - members.start));
-    }
-    loop {
-        control.go_on().map_err(|s| keeper.stopped(s))?;
-        let begun = Instant::now();
-        let stop = || control.cancelled() || keeper.is_due_within(begun);
-        let resume = keeper.part().under_way(&machine);
-        let done = |samples| progress.add(samples);
-        let ran =
-            backend.run(&Batch { job, members: members.clone(), bins: &bins, resume, stop: &stop, progress: &done });
-        match ran? {
-            Ran::Whole(partials) => {
-                keeper.part_mut().set_under_way(None);
-                return Ok(partials);
-            }
-            Ran::Part(unfinished) => {
-                keeper.part_mut().set_under_way(Some((machine.clone(), unfinished)));
-                keeper.keep_if_due(control);
-            }
-        }
-    }
-}
-
-/// Bins around the moments of the pilot.
-fn bins(partial: &Partial) -> [Bins; 4] {
-    std::array::from_fn(|q| {
-        let mut all = Moments::default();
-        partial.blocks.iter().for_each(|b| all.merge(&b[q]));
-        Bins::around(&all)
-    })
-}
-
-fn summed(job: &Job, state: &State, took: Duration) -> Statistics {
-    Statistics {
-        members: job.members,
-        failed: state.reports.last().map_or(0, |r| r.failed),
-        time_s: times_s(job),
-        at: state
-            .reports
-            .iter()
-            .map(|r| std::array::from_fn(|q| Summary::of(&r.moments[q], r.histograms[q].clone())))
-            .collect(),
-        member_steps: job.member_steps(),
-        seconds: took.as_secs_f64(),
-        machine: state.machine(),
-        origins: state.origins.clone(),
-    }
-}
-
-/// Report times of a job, s, from the end of its still start.
-pub fn times_s(job: &Job) -> Vec<f64> {
-    let Clock { report_samples, still_samples, .. } = &job.clock;
-    let sample_s = job.clock.sample_s();
-    report_samples.iter().map(|&n| n.saturating_sub(*still_samples) as f64 * sample_s).collect()
 }

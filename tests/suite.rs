@@ -17,10 +17,13 @@ mod suite {
     pub mod diagnosis_tumble;
     pub mod driven_bad_input;
     pub mod dynamics;
+    pub mod fuzz;
     pub mod hostile_names;
     pub mod invariance;
+    pub mod kills;
     pub mod law;
     pub mod laws;
+    pub mod limits;
     pub mod mistakes;
     pub mod noise_law;
     pub mod outputs;
@@ -114,6 +117,12 @@ fn main() {
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),
+        // fuzz: any bytes are read as they are or refused in words, and what is written can be read.
+        suite::fuzz::tests(),
+        // kills: a run that is killed or stopped goes on, and ends with the same bits.
+        suite::kills::tests(),
+        // limits: small disks, files and memories end in words.
+        suite::limits::tests(),
         // study_cli: refusals leave nothing behind, Ctrl-C leaves what --resume continues from.
         suite::study_cli::tests(),
     ]

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{Keeper, Options, run_kept, run_or_fall_back, run_part};
+use super::check::check;
+use super::integrate::{run_kept, run_or_fall_back, run_part};
+use super::keeper::Keeper;
+use super::options::{Choice, Options};
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::simulate::Ensembles;
@@ -11,18 +14,6 @@ use crate::error::{Error, Result};
 use crate::kernel::job::Job;
 use crate::parallel;
 use crate::statistics::Statistics;
-
-/// Where to integrate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Choice {
-    /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
-    #[default]
-    Auto,
-    /// Any GPU adapter, software ones included.
-    Gpu,
-    /// The CPU.
-    Cpu,
-}
 
 /// Member-steps per second and thread of the full path on the CPU: what `proofmass bench` finds on a Zen 5, rounded down.
 const CPU_PER_THREAD_PER_S: f64 = 1e9;
@@ -55,7 +46,7 @@ impl Backends {
     /// # Errors
     /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
     pub fn run(&mut self, job: &Job, options: &Options, keeper: &mut Keeper) -> Result<Statistics> {
-        super::check::check(job)?;
+        check(job)?;
         let Some(gpu) = self.open(job, options)? else {
             let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
             let reason = self.refused.as_deref().filter(|_| options.backend == Choice::Auto);

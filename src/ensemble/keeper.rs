@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::state::{Run, State};
+use super::state_file;
 use crate::backend::cpu::Precision;
 use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
@@ -28,8 +29,12 @@ pub struct Keeper {
     last: Instant,
     /// Whether parts are read from their files.
     resume: bool,
-    /// Parts begun, and whether each has changed since it was written.
-    parts: Vec<(State, bool)>,
+    /// Parts that are done: their sums, megabytes each, where they are not written yet.
+    done: Vec<Option<State>>,
+    /// The part begun last, and whether it has changed since it was written; empty before one is.
+    part: State,
+    begun: bool,
+    changed: bool,
     /// Whether the user was told that nothing can be written.
     warned: bool,
 }
@@ -71,36 +76,39 @@ impl Keeper {
             interval: Duration::try_from_secs_f64(given.unwrap_or(INTERVAL_S)).unwrap_or(Duration::MAX),
             last: Instant::now(),
             resume,
-            parts: Vec::new(),
+            done: Vec::new(),
+            part: State::default(),
+            begun: false,
+            changed: false,
             warned: false,
         }
     }
 
     /// Begins the next part, or goes on with it where its file is there.
     pub(super) fn begin(&mut self, job: &Job, precision: Precision) -> Result<()> {
-        let part = self.parts.len() + 1;
+        if self.begun {
+            let done = std::mem::take(&mut self.part);
+            self.done.push(Some(done).filter(|_| self.changed && self.folder.is_some()));
+        }
+        self.begun = true;
+        let part = self.done.len() + 1;
         let run = Run { identity: &self.identity, part, job, precision };
         let path = self.folder.as_ref().map(|folder| file(folder, part)).filter(|path| self.resume && path.exists());
         // A part that was not reached yet begins at its beginning.
-        let state = path.map_or_else(|| Ok(State::new(&run)), |path| State::read(&path, &run))?;
-        self.parts.push((state, false));
+        self.part = path.map_or_else(|| Ok(State::new(&run)), |path| state_file::read(&path, &run))?;
+        self.changed = false;
         Ok(())
     }
 
     /// The part begun last.
-    ///
-    /// # Panics
-    /// Never: every use follows [`Self::begin`].
     pub(super) fn part(&self) -> &State {
-        &self.parts[self.parts.len() - 1].0
+        &self.part
     }
 
     /// The same, to be changed.
     pub(super) fn part_mut(&mut self) -> &mut State {
-        let last = self.parts.len() - 1;
-        let (state, changed) = &mut self.parts[last];
-        *changed = true;
-        state
+        self.changed = true;
+        &mut self.part
     }
 
     /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is let finish.
@@ -131,11 +139,16 @@ impl Keeper {
         if !std::mem::replace(&mut self.resume, true) {
             remove(&folder)?;
         }
-        for (n, (state, changed)) in self.parts.iter_mut().enumerate() {
-            if *changed || !file(&folder, n + 1).exists() {
-                state.write(&file(&folder, n + 1))?;
-                *changed = false;
+        for (n, done) in self.done.iter_mut().enumerate() {
+            if let Some(state) = done {
+                state_file::write(state, &file(&folder, n + 1))?;
             }
+            *done = None;
+        }
+        let path = file(&folder, self.done.len() + 1);
+        if self.begun && (self.changed || !path.exists()) {
+            state_file::write(&mut self.part, &path)?;
+            self.changed = false;
         }
         self.last = Instant::now();
         Ok(())

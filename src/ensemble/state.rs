@@ -1,18 +1,13 @@
-//! What a part of a run has summed up so far: the file that a stopped run leaves and a resumed one goes on from.
-
-use std::path::Path;
+//! What a part of a run has summed up so far, and which run it is a part of.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::backend::cpu::Precision;
 use crate::backend::{Partial, Unfinished};
-use crate::document::{hexadecimal, write_whole};
-use crate::error::{Error, Result};
+use crate::document::hexadecimal;
 use crate::kernel::job::Job;
 use crate::statistics::{Bins, Histogram, Machine, Moments, Origin};
-
-mod sound;
 
 /// Sums at one report time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -26,13 +21,13 @@ pub struct Report {
 }
 
 /// Sums of a part of a run up to `next_member`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct State {
-    schema: String,
+    pub(super) schema: String,
     /// SHA-256 of this document with this field empty.
-    sha256: String,
+    pub(super) sha256: String,
     /// Digest of the run: sums of another one must not be mixed in.
-    fingerprint: String,
+    pub(super) fingerprint: String,
     /// First member not yet summed.
     pub next_member: u64,
     /// Where the members summed were integrated.
@@ -42,10 +37,10 @@ pub struct State {
     /// Sums per report time.
     pub reports: Vec<Report>,
     /// A batch that was stopped between two tiles, of the pilot where there are no bins yet, and its machine.
-    under_way: Option<(Machine, Unfinished)>,
+    pub(super) under_way: Option<(Machine, Unfinished)>,
 }
 
-const SCHEMA: &str = "proofmass.state/2";
+pub(super) const SCHEMA: &str = "proofmass.state/2";
 
 /// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be mixed, and say so.
 pub struct Run<'a> {
@@ -60,7 +55,8 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn fingerprint(&self) -> String {
+    /// A digest of it.
+    pub(super) fn fingerprint(&self) -> String {
         let Self { identity, part, job, precision } = self;
         let version = env!("CARGO_PKG_VERSION");
         let text = format!(
@@ -135,59 +131,7 @@ impl State {
     pub fn set_under_way(&mut self, batch: Option<(Machine, Unfinished)>) {
         self.under_way = batch;
     }
-
-    /// Leaves the file, whole or not at all.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn write(&mut self, path: &Path) -> Result<()> {
-        let unwritten = |e: serde_json::Error| {
-            Error::new(format!("could not write {}", path.display()), e.to_string(), "run again")
-        };
-        self.sha256 = self.checksum().map_err(unwritten)?;
-        write_whole(path, &serde_json::to_vec(self).map_err(unwritten)?)
-    }
-
-    fn checksum(&self) -> serde_json::Result<String> {
-        let bare = Self { sha256: String::new(), ..self.clone() };
-        Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(&bare)?)))
-    }
-
-    /// Reads the file of the same part of the same run.
-    ///
-    /// # Errors
-    /// There is none, it is damaged, or it belongs to another run.
-    pub fn read(path: &Path, run: &Run<'_>) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("resume from", path, &e))?;
-        Self::parse(&bytes, run).map_err(|cause| {
-            Error::new(
-                format!("could not resume from {}", path.display()),
-                cause,
-                "leave --resume out to begin anew, or give the study, seed and members of that run",
-            )
-        })
-    }
-
-    /// Reads the bytes of such a file; the error is what is wrong with them.
-    pub fn parse(bytes: &[u8], run: &Run<'_>) -> Result<Self, String> {
-        let state: Self = serde_json::from_slice(bytes).map_err(|e| format!("it is no state of a run: {e}"))?;
-        if state.schema != SCHEMA {
-            return Err(format!("it is of another version: {:?}, and this one reads {SCHEMA:?}", state.schema));
-        }
-        if state.fingerprint != run.fingerprint() {
-            return Err(
-                "it belongs to another run: the study, the file that it replays, the seed, the number of members \
-                        or the version of the program is not the same"
-                    .to_owned(),
-            );
-        }
-        if state.checksum().ok().as_ref() != Some(&state.sha256) {
-            return Err("the file is damaged: it does not have its checksum".to_owned());
-        }
-        sound::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
-        Ok(state)
-    }
 }
 
 /// Members whose moments are summed apart and then merged in order.
-const BLOCK: u64 = 256;
+pub(super) const BLOCK: u64 = 256;

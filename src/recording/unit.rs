@@ -69,6 +69,10 @@ impl Unit {
             return Err(fail(format!("a scale of {factor}")));
         }
         match SCALES.iter().find(|s| s.1 == quantity && s.0 == word) {
+            // What follows multiplies it again: with numbers that large or small, a coefficient would be infinite or 0.
+            Some((_, _, si)) if !(1e-100..1e100).contains(&(factor * si)) => {
+                Err(fail(format!("a scale of {factor:e}")))
+            }
             Some((_, _, si)) => Ok(Self { quantity, si: factor * si, name: text.trim().into() }),
             None => Err(fail(format!("`{word}` is no unit known here"))),
         }

@@ -1,4 +1,4 @@
-//! A batch between two tiles: what has to be kept of it so that it goes on with the same bits.
+//! What a batch is summed to, and what has to be kept of one between two tiles so that it goes on with the same bits.
 
 use std::ops::Range;
 
@@ -6,7 +6,18 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Partial;
+use crate::statistics::{Histogram, Moments};
+
+/// A batch at one report time.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Partial {
+    /// Moments of each block of 256 members, in order.
+    pub blocks: Vec<[Moments; 4]>,
+    /// Counts per quantity; empty where no bins were given.
+    pub histograms: Vec<Histogram>,
+    /// Members that have failed by then.
+    pub failed: u64,
+}
 
 /// A batch that was stopped between two tiles.
 #[derive(Debug, Clone, Serialize, Deserialize)]

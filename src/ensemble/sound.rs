@@ -1,6 +1,6 @@
 //! Whether the sums of a state can be what it says they are: as many members counted as were summed, numbers that are some.
 
-use super::{BLOCK, State};
+use super::state::{BLOCK, State};
 use crate::backend::Unfinished;
 use crate::kernel::job::Job;
 use crate::statistics::histogram::BINS;

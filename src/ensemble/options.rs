@@ -1,0 +1,29 @@
+//! How an ensemble is run, as the caller wants it.
+
+use crate::backend::cpu::Precision;
+use crate::control::Control;
+
+/// Where to integrate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Choice {
+    /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
+    #[default]
+    Auto,
+    /// Any GPU adapter, software ones included.
+    Gpu,
+    /// The CPU.
+    Cpu,
+}
+
+/// How to run.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Where.
+    pub backend: Choice,
+    /// Precision; f64 means the CPU.
+    pub precision: Precision,
+    /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
+    pub batch_members: Option<u64>,
+    /// Who watches and may stop.
+    pub control: Control,
+}
