@@ -167,7 +167,8 @@ pub fn study(bytes: &[u8]) -> Verdict {
             return Ok(());
         }
         let options = Options { backend: Choice::Cpu, ..Options::default() };
-        speaks_or(drift::answer(&read, |job, _| ensemble::run(job, &options)), |drift| {
+        let answer = drift::answer(&read, &Control::default(), |job, _| ensemble::run(job, &options));
+        speaks_or(answer, |drift| {
             let json = to_json(&Document::of(&read, &drift)).map_err(|e| e.to_string())?;
             parses_as_json(&json)?;
             let page = report::study::page(&read, &drift).finish();
