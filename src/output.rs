@@ -9,7 +9,7 @@ pub mod lock;
 pub mod manifest;
 mod refusal;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -251,14 +251,20 @@ impl Folder {
 }
 
 impl Drop for Folder {
-    /// A run that came to nothing leaves no word of states that it has not kept.
+    /// States that were never written, or are as they were found, are announced no longer.
     fn drop(&mut self) {
-        let run = self.earlier();
-        let kept = || run.states.iter().any(|pattern| !self.matching(pattern).is_empty());
-        if run.states.is_empty() || !run.files.is_empty() || kept() || !self.path.is_dir() {
+        let mut run = self.earlier();
+        let same = |name: &String| {
+            let sha256 = checksum_of(&self.path.join(name));
+            sha256.is_some() && sha256.as_ref() == run.files.get(name)
+        };
+        let changed = |pattern: &String| self.matching(pattern).iter().any(|name| !same(name));
+        let kept: BTreeSet<String> = run.states.iter().filter(|pattern| changed(pattern)).cloned().collect();
+        if kept == run.states || !self.path.is_dir() {
             return;
         }
-        self.manifest.set(Run::new(run.identity));
+        run.states = kept;
+        self.manifest.set(run);
         // Nobody can be told here; a name too many does no harm.
         let _ = match self.manifest.runs.is_empty() {
             true => std::fs::remove_file(self.path.join(manifest::NAME)).is_ok(),
