@@ -255,7 +255,7 @@ pub struct Seconds {
 /// Reads the columns of a recording that its model names.
 ///
 /// # Errors
-/// As [`recording::read`], and a column that is given two roles.
+/// As [`recording::read`](fn@recording::read), and a column that is given two roles.
 pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
     read_part(path, model, Seconds::default())
 }

@@ -21,7 +21,12 @@ pub struct Headings {
 impl Headings {
     /// The cells of a line.
     pub fn new(cells: &Cells, line: &[u8]) -> Self {
-        let name = |i| String::from_utf8_lossy(cells.of(line, i)).trim().trim_matches('"').to_owned();
+        let name = |i| {
+            let text = String::from_utf8_lossy(cells.of(line, i)).into_owned();
+            // Between quotation marks, a doubled one stands for itself.
+            let quoted = cells.place(i).start.checked_sub(1).is_some_and(|before| line[before] == b'"');
+            if quoted { text.replace("\"\"", "\"").trim().to_owned() } else { text.trim().trim_matches('"').to_owned() }
+        };
         Self::of((0..cells.len()).map(name).collect(), false)
     }
 

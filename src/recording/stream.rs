@@ -60,7 +60,7 @@ pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
 /// what was read.
 ///
 /// # Errors
-/// As [`super::read`], except that gaps of any length are survived.
+/// As [`super::read`](fn@super::read), except that gaps of any length are survived.
 pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Result<Streamed> {
     let plan = plan::make(path, request, false)?;
     thread::scope(|scope| {

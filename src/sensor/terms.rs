@@ -3,7 +3,7 @@
 //! # Adding a term
 //! 1. A row below: the field of the sensor with its SI unit, the term's name, its law, and its keys in study.toml, each with a
 //!    slot that no other key has.
-//! 2. If it draws random numbers: a variant of [`Stream`](crate::rng::Stream).
+//! 2. If it draws random numbers: a variant of `rng::Stream`.
 //! 3. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in `kernel::reading`.
 //!
 //! From the row follow the field and its default, reading, checking and drawing the keys, the kernels' columns, states

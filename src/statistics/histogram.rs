@@ -5,8 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::Moments;
 
-/// Bins of one histogram. With ± 8 sd a bin is 4e-3 sd wide.
+/// Bins of one histogram.
 pub const BINS: usize = 4096;
+/// Half the range of the bins around a pilot, in its standard deviations.
+const HALF_RANGE_SD: f64 = 8.0;
+/// Width of a bin in standard deviations of the pilot.
+pub const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 
 /// Where the bins of one histogram lie: [`BINS`] equal ones between two values, rounded to f32 so that every backend
 /// sorts into the same ones.
@@ -21,7 +25,7 @@ pub struct Bins {
 impl Bins {
     /// Mean ± 8 sd of a pilot; around a constant, a narrow range that still holds it.
     pub fn around(pilot: &Moments) -> Self {
-        let spread = (8.0 * pilot.sd()).max(pilot.mean.abs() * 1e-5).max(1e-30);
+        let spread = (HALF_RANGE_SD * pilot.sd()).max(pilot.mean.abs() * 1e-5).max(1e-30);
         Self { from: (pilot.mean - spread) as f32, per_unit: (BINS as f64 / (2.0 * spread)) as f32 }
     }
 

@@ -80,7 +80,7 @@ fn contract() -> Result<(), Failed> {
     let effect = &verdict["effects"][0];
     check(effect["id"] == "g-sensitivity", format!("first effect {}", effect["id"]))?;
     for (value, fields) in [
-        (&verdict["recording"], vec!["file", "rate_hz", "samples", "sha256"]),
+        (&verdict["recording"], vec!["dropped", "file", "rate_hz", "rows", "samples", "sha256"]),
         (effect, vec!["channels", "confusable_with", "equation", "evidence", "id", "parameters", "statement"]),
         (&effect["parameters"][0], vec!["ci95", "name", "unit", "value"]),
         (&effect["evidence"], vec!["held_out_gain", "p_value"]),

@@ -332,10 +332,12 @@ fn as_the_gpu() -> Result<(), Failed> {
         let job = study(mass(number));
         let (here, there) = (read(&job, &mut Cpu::default())?, read(&job, &mut gpu)?);
         let other = read(&study(mass((number + 1) % laws().len())), &mut gpu)?;
-        for ((a, b), neighbour) in here.iter().zip(&there).zip(&other) {
+        for (a, b) in here.iter().zip(&there) {
             near(law.term.id(), *b, *a, 2e-4 * (1.0 + a.abs()))?;
-            check((neighbour - a).abs() > 1e-3, format!("{}: the neighbouring law gives the same", law.term.id()))?;
         }
+        // Control: early on, all of them have moved the mass little; at some report time the neighbour's stands elsewhere.
+        let apart = here.iter().zip(&other).map(|(a, neighbour)| (neighbour - a).abs()).fold(0.0, f64::max);
+        check(apart > 1e-3, format!("{}: the neighbouring law differs by no more than {apart}", law.term.id()))?;
     }
     Ok(())
 }
