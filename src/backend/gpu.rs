@@ -237,7 +237,8 @@ impl Gpu {
     /// # Errors
     /// The driver refuses it.
     pub fn kernel(&self, shader: &Shader, constants: &[(&str, f64)]) -> Result<Kernel> {
-        let key = format!("{} {constants:?}", shader.name);
+        // The text belongs to the key: shaders of one name differ by the laws that they were assembled from.
+        let key = format!("{} {constants:?}\n{}", shader.name, shader.text);
         if let Some(kernel) = locked(&self.kernels).get(&key) {
             return Ok(kernel.clone());
         }

@@ -170,19 +170,22 @@ fn diagnosis() -> Result<(), Failed> {
     for (n, name) in hostile().iter().enumerate() {
         let log = bench.file(&format!("log-{n}.csv"), &csv(std::slice::from_ref(name), 300))?;
         let quoted = toml_string(name);
-        let model = format!("kind = \"static\"\nrate_hz = 100.0\nunit = {quoted}\n[columns]\nchannels = [{quoted}]\n");
-        let model = bench.file(&format!("model-{n}.toml"), &model)?;
-        let out = bench.path(&format!("out-{n}"));
-        let command = || {
-            let mut command = program();
-            command.arg("diagnose").arg(&log).arg("--model").arg(&model).arg("--out").arg(&out);
-            command
-        };
-        check(answers(&command, &out)?, format!("{name:?}: {}", run(&mut command())?.stderr))?;
-        let study = out.join("repaired.toml");
-        if study.exists() {
-            runs(&study, &bench.path(&format!("study-{n}")))?;
-            repaired += 1;
+        // A study of the repaired model needs a unit that it knows.
+        for (kind, unit) in [("unit", quoted.as_str()), ("g", "\"g\"")] {
+            let text = format!("kind = \"static\"\nrate_hz = 100.0\nunit = {unit}\n[columns]\nchannels = [{quoted}]\n");
+            let model = bench.file(&format!("model-{n}-{kind}.toml"), &text)?;
+            let out = bench.path(&format!("out-{n}-{kind}"));
+            let command = || {
+                let mut command = program();
+                command.arg("diagnose").arg(&log).arg("--model").arg(&model).arg("--out").arg(&out);
+                command
+            };
+            check(answers(&command, &out)?, format!("{name:?}: {}", run(&mut command())?.stderr))?;
+            let study = out.join("repaired.toml");
+            if study.exists() {
+                runs(&study, &bench.path(&format!("study-{n}-{kind}")))?;
+                repaired += 1;
+            }
         }
     }
     check(repaired > 0, "no repaired model was written")
