@@ -289,10 +289,10 @@ mod tests {
 
     #[test]
     fn a_path_is_seen_from_the_folder_and_found_again() {
-        let home = Path::new("/work/reports/a");
+        let home = Path::new("/logs/reports/a");
         for (path, seen) in [
-            ("/work/reports/a/study.toml", "study.toml"),
-            ("/work/study.toml", "../../study.toml"),
+            ("/logs/reports/a/study.toml", "study.toml"),
+            ("/logs/study.toml", "../../study.toml"),
             ("/x", "../../../x"),
         ] {
             assert_eq!(relative(Path::new(path), home), Path::new(seen));
