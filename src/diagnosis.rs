@@ -11,6 +11,7 @@ pub mod consequence;
 pub mod detection;
 pub mod driven;
 pub mod model;
+pub mod recordings;
 pub mod rectification;
 pub mod remainder;
 pub mod repair;
@@ -21,12 +22,13 @@ pub mod tumble;
 pub mod verdict;
 
 use crate::control::Control;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::recording::Recording;
 
 use answer::Answer;
 use candidate::Candidate;
 use model::Model;
+use recordings::Recordings;
 
 /// Diagnoses a recording by the kind its model states.
 ///
@@ -34,10 +36,26 @@ use model::Model;
 /// When the recording cannot be judged at all (columns missing, too few samples), or when stopped; what can be survived is in
 /// `Answer::findings` instead.
 pub fn diagnose(recording: &Recording, model: &Model, control: &Control) -> Result<Answer> {
+    diagnose_all(Recordings::one(recording), model, control)
+}
+
+/// Diagnoses several recordings of one sensor together.
+///
+/// # Errors
+/// As [`diagnose`], and where several recordings are of a kind that is judged one by one.
+pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control) -> Result<Answer> {
+    let only = || {
+        recordings.only().ok_or_else(|| {
+            let count = recordings.all().count();
+            let cause = format!("{count} recordings are given, and the model's kind takes one");
+            let hint = "several recordings, and --test, are for kind = \"driven\": diagnose these one by one";
+            Error::new("could not diagnose them together", cause, hint)
+        })
+    };
     match model {
-        Model::Driven(model) => driven::diagnose(recording, model, control),
-        Model::Static(model) => rest::diagnose(recording, model, control),
-        Model::Tumble(model) => tumble::diagnose(recording, model),
+        Model::Driven(model) => driven::diagnose_all(recordings, model, control),
+        Model::Static(model) => rest::diagnose(only()?, model, control),
+        Model::Tumble(model) => tumble::diagnose(only()?, model),
     }
 }
 

@@ -33,6 +33,7 @@ mod suite {
     pub mod recording;
     pub mod rows;
     pub mod scale;
+    pub mod several_recordings;
     pub mod start_search;
     pub mod still_start;
     pub mod study;
@@ -101,6 +102,8 @@ fn main() {
         suite::diagnosis_tumble::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.
         suite::diagnosis_driven::tests(),
+        // several recordings: fitted together, judged by others, refused where they do not belong together.
+        suite::several_recordings::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.

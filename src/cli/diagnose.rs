@@ -4,25 +4,31 @@ use std::path::PathBuf;
 
 use super::say::{remark, say, sayln};
 use crate::diagnosis::model::{self, Model};
+use crate::diagnosis::recordings::Recordings;
 use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
+use crate::recording::Recording;
 use crate::report::diagnosis::{self as page, Diagnosis};
 
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The recording: a CSV file with a header row
-    pub recording: PathBuf,
+    /// The recording: a CSV file with a header row; several of one sensor are fitted together (kind = "driven")
+    #[arg(required = true, value_name = "RECORDING")]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings of the same sensor that are never fitted and only judge (kind = "driven")
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub test: Vec<PathBuf>,
     /// What the recording is and what is believed of it (model.toml)
     #[arg(long)]
     pub model: PathBuf,
-    /// Use the recording from this many seconds after its first row on
+    /// Use each recording from this many seconds after its first row on
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub from_s: Option<f64>,
-    /// Use the recording up to this many seconds after its first row
+    /// Use each recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub to_s: Option<f64>,
     /// Where to write report.html, verdict.json, repaired.toml and the figures
@@ -40,14 +46,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let model = model::read(&arguments.model)?;
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
-    let recording = model::read_part(&arguments.recording, &model, seconds)?;
-    if let Some(note) = model::memory_note(&recording, &model) {
+    let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
+        paths.iter().map(|path| model::read_part(path, &model, seconds)).collect()
+    };
+    let (train, test) = (read(&arguments.recordings)?, read(&arguments.test)?);
+    for note in train.iter().filter_map(|recording| model::memory_note(recording, &model)) {
         remark!("{note}");
     }
     let outputs = || outputs(arguments, &model);
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
     let control = progress::terminal();
-    let diagnosis = page::worded(diagnosis::diagnose(&recording, &model, &control)?);
+    let diagnosis = page::worded(diagnosis::diagnose_all(Recordings { train: &train, test: &test }, &model, &control)?);
     let costs = consequence::costs(diagnosis.repair.as_ref(), &control)
         .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
     // The answer of long work is said even where its report cannot be written.
@@ -72,7 +81,7 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
     let poses = if let Model::Tumble(tumble) = model { tumble.poses.clone() } else { None };
     output::Request {
         command: "diagnose",
-        inputs: vec![arguments.recording.clone(), arguments.model.clone()],
+        inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
         reads: poses.into_iter().collect(),
         writes: [REPORT, VERDICT, REPAIRED].map(str::to_owned).into(),
         force: arguments.force,

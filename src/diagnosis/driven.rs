@@ -20,18 +20,20 @@ use crate::recording::Recording;
 
 use super::answer::Answer;
 use super::model;
+use super::recordings::Recordings;
 
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
 use intake::data::Data;
-use intake::excerpt;
-use intake::prepare::{self, Notes, Prepared};
+use intake::prepare::{Notes, Prepared};
+use intake::several::{self, Taken};
 use intake::stretches::{self, Stretches};
 use intake::work::{Budget, Stage};
 use selection::folds::{self, Fold};
 use selection::judged::{self, Judged, Selection};
 use selection::{base_model, stepwise};
 use simulation::run;
+use verdict::answer::Asked;
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::{answer, findings};
@@ -41,12 +43,17 @@ use verdict::{answer, findings};
 /// # Errors
 /// As `prepare::prepare`; where no oscillator at all can be fitted; when stopped.
 pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control) -> Result<Answer> {
+    diagnose_all(Recordings::one(recording), model, control)
+}
+
+/// Diagnoses several recordings of one sensor together.
+///
+/// # Errors
+/// As [`diagnose`], and as `several::taken`.
+pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
+    let recording = &recordings.train[0];
     let attempt = || format!("could not diagnose {}", recording.path.display());
-    let part = excerpt::excerpt(recording, model);
-    let (kept, model) = part.as_ref().map_or((recording, model), |p| (&p.recording, &p.model));
-    let mut prepared = prepare::prepare(kept, model)?;
-    prepared.notes.doubts.extend(part.as_ref().and_then(|p| p.doubt.clone()));
-    prepared.notes.findings.extend(part.as_ref().map(|p| p.said.clone()));
+    let Taken { prepared, pieces, judging } = several::taken(recordings, model)?;
     let mut course = Course::begin(prepared);
     let (base, scales) = course.base(model).map_err(|cause| {
         let hint = "check that input and output are the right columns and that the input moves the output";
@@ -55,7 +62,14 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
     let selection = course.select(base, &scales, control).map_err(|s| s.during(attempt(), "start it again"))?;
     let conclusion = course.conclude(&selection, &scales);
     let Course { data, notes, .. } = course;
-    Ok(answer::answer(recording, model, &data, &scales, &selection, &conclusion, notes))
+    Ok(answer::answer(
+        &Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns },
+        &data,
+        &scales,
+        &selection,
+        &conclusion,
+        notes,
+    ))
 }
 
 /// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of it.

@@ -181,6 +181,32 @@ pub struct RangeScore {
     pub rmse_after: f64,
 }
 
+/// What a recording is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Fitted.
+    Train,
+    /// Only judges.
+    Test,
+}
+
+/// Root-mean-square error of free simulation on one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordingScore {
+    /// File as given.
+    pub file: String,
+    /// What it is for.
+    pub role: Role,
+    /// Samples on which the errors were taken.
+    pub samples: usize,
+    /// Base model.
+    pub rmse_before: f64,
+    /// With the named effects; absent where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rmse_after: Option<f64>,
+}
+
 /// Mean log-likelihood per sample on the test part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogScore {
@@ -204,6 +230,9 @@ pub struct Fit {
     /// The same on each range of it, where the model file names several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub test_ranges: Vec<RangeScore>,
+    /// Each recording of a driven sensor, in the order given, those that only judge last.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<RecordingScore>,
     /// Where noise terms are judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log_score: Option<LogScore>,

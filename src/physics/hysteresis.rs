@@ -1,4 +1,8 @@
 //! A spring with memory: a parallel spring that yields and slips back (Bouc–Wen).
+//!
+//! β and γ come without the usual bound of γ by β: z grows from zero as (1 − e^(−(β + γ)x))/(β + γ), which stiffens where β + γ is
+//! below zero. Where β is zero, z follows from x alone and no loop opens; a positive β makes the way up run above the way down, so
+//! that k_h β > 0 is what takes energy from the motion: neither may be negative, and γ may have either sign. The scale of z is fixed by z′ = x′ at z = 0 (A = 1): another A only rescales k_h.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -16,11 +20,11 @@ pub const CANDIDATE: Candidate = Candidate {
     id: "hysteresis",
     kind: Kind::Driven,
     statement: "Part of the restoring force remembers the path: it yields and slips back (Bouc–Wen).",
-    equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − (s|x′|z + (1 − s)x′|z|)/z_y",
+    equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − β|x′|z − γx′|z|",
     parameters: &[
         Parameter { name: "k_h", unit: "1/s^2", range: (0.0, 1.0) },
-        Parameter { name: "z_y", unit: "y", range: (0.0, 10.0) },
-        Parameter { name: "s", unit: "1", range: (0.0, 1.0) },
+        Parameter { name: "beta", unit: "1/y", range: (0.0, 10.0) },
+        Parameter { name: "gamma", unit: "1/y", range: (-10.0, 10.0) },
     ],
     acts: "equation of motion",
     signature: "loops in force against displacement whose area does not depend on speed",
@@ -39,13 +43,14 @@ impl Law for Hysteresis {
         vec![
             // A negative one would feed the motion instead of damping it.
             Coordinate::Bounded(0.1 * s.omega_rad_s.powi(2), 0.0, 1e3 * s.omega_rad_s.powi(2)),
-            Coordinate::Log(0.01 * s.output, 4.0 * s.output),
-            Coordinate::Bounded(0.3, 0.0, 1.0),
+            Coordinate::Log(1e-3 / s.output, 1e2 / s.output),
+            Coordinate::Linear(0.3 / s.output),
             Coordinate::Linear(0.1 * s.output),
         ]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
-        [0.05, 0.2, 0.7, 2.0].map(|y| vec![1e-4 * s.omega_rad_s.powi(2), y * s.output, 0.5, 0.0]).to_vec()
+        let bends = [0.25, 0.7, 2.5, 10.0].map(|b| b / s.output);
+        bends.map(|b| vec![1e-4 * s.omega_rad_s.powi(2), b, b, 0.0]).to_vec()
     }
     fn states(&self) -> usize {
         1
@@ -57,10 +62,11 @@ impl Law for Hysteresis {
         1
     }
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
-        (s.velocity / p[1]).min(4.0 * s.omega_rad_s)
+        (s.velocity * (p[1] + p[2].abs())).min(4.0 * s.omega_rad_s)
     }
     fn cloud(&self, s: &Scales) -> Option<Cloud> {
-        let shapes = (0..24).map(|i| vec![0.02 * s.output * 200f64.powf(f64::from(i) / 23.0), 0.5, 0.0]).collect();
+        let bends = (0..12).map(|i| 0.1 / s.output * 250f64.powf(f64::from(i) / 11.0));
+        let shapes = bends.flat_map(|b| [-1.3, 0.0, 1.0].map(|ratio| vec![b, ratio * b, 0.0])).collect();
         Some(Cloud::Shapes { strength: 0.01 * s.omega_rad_s.powi(2), shapes })
     }
     #[inline(always)]
@@ -81,9 +87,9 @@ impl Law for Hysteresis {
         p: &[T; MOST_VALUES],
         own: &[T; MOST_STAGED],
     ) -> [T; MOST_STAGED] {
-        let (z, v, share) = (own[0], at.v, p[2]);
+        let (z, v) = (own[0], at.v);
         let mut rates = [T::of(0.0); MOST_STAGED];
-        rates[0] = v - (share * v.abs() * z + (T::of(1.0) - share) * v * z.abs()) / p[1];
+        rates[0] = v - (p[1] * v.abs() * z + p[2] * v * z.abs());
         rates
     }
 }
@@ -92,24 +98,48 @@ impl Law for Hysteresis {
 mod tests {
     use super::*;
 
-    // Loaded in one direction from z = 0, z′ = x′(1 − z/z_y) whatever s: z = z_y(1 − e^(−x/z_y)).
-    #[test]
-    fn a_single_loading_yields_exponentially() {
-        let (yields, steps) = (0.3, 1000);
-        for s in [0.2, 0.9] {
-            let p = [1.0, yields, s, 0.0, 0.0, 0.0];
-            let mut z = 0.0;
-            let h = 1.0 / f64::from(steps);
+    /// z after a path of these velocities, each for a unit of time.
+    fn after(beta: f64, gamma: f64, path: &[f64]) -> f64 {
+        let p = [1.0, beta, gamma, 0.0, 0.0, 0.0];
+        let (mut z, steps) = (0.0, 1000);
+        let h = 1.0 / f64::from(steps);
+        for v in path {
             for _ in 0..steps {
                 let rate = |z: f64| {
-                    let at = Instant { v: 1.0, ..Instant::default() };
+                    let at = Instant { v: *v, ..Instant::default() };
                     let own = std::array::from_fn(|i| if i == 0 { z } else { 0.0 });
                     Hysteresis.rates::<f64, false>(&at, &p, &own)[0]
                 };
-                let half = rate(z + 0.5 * h * rate(z));
-                z += h * half;
+                z += h * rate(z + 0.5 * h * rate(z));
             }
-            assert!((z - yields * (1.0 - (-1.0f64 / yields).exp())).abs() < 1e-6, "{s}: {z}");
         }
+        z
+    }
+
+    // Loaded in one direction from z = 0, dz/dx = 1 − (β + γ)z: z = (1 − e^(−(β + γ)x))/(β + γ), of either sign.
+    #[test]
+    fn a_single_loading_follows_the_sum_of_both_bends_alone() {
+        for (beta, gamma) in [(2.0, 1.0), (0.5, 2.5), (0.8, -1.1)] {
+            let sum: f64 = beta + gamma;
+            let exact = (1.0 - (-sum).exp()) / sum;
+            assert!((after(beta, gamma, &[1.0]) - exact).abs() < 1e-6, "{beta} {gamma}");
+        }
+    }
+
+    // Back again from z > 0 under x′ < 0, dz/dx = 1 + (β − γ)z: what is left where the path closes is the memory, and γ alone has
+    // none (β = 0: dz/dx = 1 − γ|z| both ways).
+    #[test]
+    fn without_beta_nothing_is_remembered() {
+        assert!(after(0.0, -1.1, &[1.0, -1.0]).abs() < 1e-6);
+        let (beta, gamma): (f64, f64) = (0.8, -1.1);
+        let top = after(beta, gamma, &[1.0]);
+        let difference = beta - gamma;
+        let exact = ((1.0 + difference * top) * (-difference).exp() - 1.0) / difference;
+        let back = after(beta, gamma, &[1.0, -1.0]);
+        // Past zero the sum of both acts again; stay on the near side of it.
+        assert!(exact < 0.0 && back < 0.0, "{exact} {back}");
+        let half = after(beta, gamma, &[1.0, -0.3]);
+        let exact = ((1.0 + difference * top) * (-0.3 * difference).exp() - 1.0) / difference;
+        assert!((half - exact).abs() < 1e-6, "{half} {exact}");
     }
 }

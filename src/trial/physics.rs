@@ -123,7 +123,7 @@ impl Term {
             QuadraticDamping => vec![("c2", a * c / s.v)],
             SqueezeFilmDamping => vec![("c", a * c / (s.x * s.x))],
             CoulombFriction => vec![("f_c", a * c * s.v)],
-            Hysteresis => vec![("k_h", a * k), ("z_y", p * s.x), ("s", q)],
+            Hysteresis => vec![("k_h", a * k), ("beta", q / (p * s.x)), ("gamma", (1.0 - q) / (p * s.x))],
             StiffnessDrift if q == 0.0 => vec![("kappa", p * a / s.duration_s)],
             StiffnessDrift => vec![("kappa", p * a / DEGREES)],
             ParasiticMode => {

@@ -1,7 +1,7 @@
 //! Driven recordings: physics that was planted is named, alone and with the right number; where none was, silence; what the
 //! library does not hold is not given a name; the real circuit's spring is found.
 
-mod plant;
+pub mod plant;
 
 use std::path::Path;
 

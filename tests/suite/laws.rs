@@ -81,6 +81,8 @@ fn planted() -> Vec<Planted> {
         term(Physics::SqueezeFilmDamping, 0.5, [0.0, 0.0]),
         term(Physics::CoulombFriction, 0.5, [0.0, 0.0]),
         term(Physics::Hysteresis, 0.2, [0.5, 0.7]),
+        // β = 0.9 and γ = −1.2 over the rms displacement.
+        term(Physics::Hysteresis, 0.2, [-10.0 / 3.0, -3.0]),
         term(Physics::StiffnessDrift, 0.2, [1.0, 0.0]),
         term(Physics::ParasiticMode, 0.2, [2.5, 0.05]),
         term(Physics::DriveNonlinearity, 0.3, [1.0, 0.0]),
@@ -116,6 +118,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         environments: 0,
         rate_hz: RATE_HZ,
         hull: 0..SAMPLES,
+        breaks: Vec::new(),
         train: vec![inner],
         validation: Vec::new(),
         test: Vec::new(),

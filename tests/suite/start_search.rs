@@ -54,6 +54,7 @@ fn data(interpolation: Interpolation) -> Data {
         environments: 0,
         rate_hz: RATE_HZ,
         hull: 24..samples - 24,
+        breaks: Vec::new(),
         train: vec![24..700, 900..samples - 24],
         validation: vec![700..800, 800..900],
         test: Vec::new(),

@@ -140,6 +140,7 @@ fn adequate(files: &Files) -> Verdict {
             train: score,
             test: score,
             test_ranges: Vec::new(),
+            recordings: Vec::new(),
             log_score: None,
             one_step_rmse: None,
         },

@@ -7,5 +7,6 @@ mod defects;
 pub mod excerpt;
 pub mod input;
 pub mod prepare;
+pub mod several;
 pub mod stretches;
 pub mod work;

@@ -256,6 +256,7 @@ fn fit(channels: &[Channel], selected: &[Selection], finals: &[Fitted], before: 
         train: part(0),
         test: part(1),
         test_ranges: Vec::new(),
+        recordings: Vec::new(),
         log_score: Some(LogScore { before: score(before), after: score(after) }),
         one_step_rmse: None,
     }

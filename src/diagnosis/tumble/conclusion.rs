@@ -79,6 +79,7 @@ impl Case<'_> {
             noise_floor: 1.0,
             train: score(fitted, None),
             test_ranges: Vec::new(),
+            recordings: Vec::new(),
             test: score(both.map(|f| self.held_out_rms(f)), Some(self.ratio_interval(selection))),
             log_score: None,
             one_step_rmse: None,

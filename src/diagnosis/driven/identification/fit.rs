@@ -192,18 +192,20 @@ impl Fit {
     pub fn with(&self, term: Term, start: &[f64]) -> (Shape, Vec<f64>) {
         let mut terms = self.shape.terms.clone();
         terms.push(term);
+        let shape = Shape::over(&terms, self.shape.further);
         let mut point = self.point.clone();
         point.extend_from_slice(start);
-        (Shape::new(&terms), point)
+        point.resize(shape.parameters, 0.0);
+        (shape, point)
     }
 
     /// The same model without its `index`th term.
     pub fn without(&self, index: usize) -> (Shape, Vec<f64>) {
         let mut terms = self.shape.terms.clone();
-        let gone = terms.remove(index);
+        terms.remove(index);
         let mut point = self.point.clone();
-        point.drain(self.shape.first[index]..self.shape.first[index] + gone.values());
-        (Shape::new(&terms), point)
+        point.drain(self.shape.block(index));
+        (Shape::over(&terms, self.shape.further), point)
     }
 
     /// Whether a term's parameter lies at the end of its plausible range, where the term is not what its name says.
@@ -223,8 +225,15 @@ impl Fit {
     }
 }
 
-/// Fits a model from a start; `None` where it breaks down there.
+/// Fits a model from a start; `None` where it breaks down there. A model of another number of recordings is taken over to those
+/// of the data.
 pub fn fit(data: &Data, shape: &Shape, start: &[f64], scales: &Scales, most: usize) -> Option<Fit> {
+    if shape.further != data.breaks.len() {
+        let here = Shape::over(&shape.terms, data.breaks.len());
+        let displacements: Vec<f64> = data.breaks.iter().map(|k| data.reading[*k]).collect();
+        let start = here.from_other(shape, start, &displacements);
+        return fit(data, &here, &start, scales, most);
+    }
     let search = Search::all(data, shape, start, scales);
     let minimum = search.minimise(most)?;
     let point = search.point(&minimum.z);

@@ -20,6 +20,8 @@ pub struct Data {
     pub rate_hz: f64,
     /// From the first to the last sample that is fitted.
     pub hull: Range<usize>,
+    /// First samples of the further recordings within the hull, ascending: there the mass begins anew.
+    pub breaks: Vec<usize>,
     /// Samples that are fitted, within the hull.
     pub train: Vec<Range<usize>>,
     /// Samples that choose between models, within the hull.
@@ -34,6 +36,13 @@ impl Data {
     /// Number of samples fitted.
     pub fn train_len(&self) -> usize {
         self.train.iter().map(Range::len).sum()
+    }
+
+    /// The samples of each recording within the hull.
+    pub fn recordings(&self) -> Vec<Range<usize>> {
+        let starts = std::iter::once(self.hull.start).chain(self.breaks.iter().copied());
+        let ends = self.breaks.iter().copied().chain([self.hull.end]);
+        starts.zip(ends).map(|(a, b)| a..b).collect()
     }
 
     /// Sampling interval.

@@ -14,7 +14,7 @@ use super::input::REACH;
 use super::stretches::{Stretches, merged, minus, sorted};
 
 /// Most samples that are fitted at once, and that judge.
-const LONGEST: usize = 500_000;
+pub const LONGEST: usize = 500_000;
 /// Places of the stretch that are compared.
 const PLACES: usize = 32;
 

@@ -1,6 +1,7 @@
 //! The input between its samples: band-limited, straight lines or steps, on the grid that the integrator asks for.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// How the input goes from one sample to the next.
@@ -34,6 +35,8 @@ pub const MOST_STEPS: usize = 32;
 #[derive(Debug, Clone)]
 pub struct Input {
     samples: Vec<f64>,
+    /// Where it does not consist of one recording as a whole, the recordings and the samples of each that are used.
+    pieces: Vec<(Vec<f64>, Range<usize>)>,
     /// How it is interpolated.
     pub interpolation: Interpolation,
     dense: Vec<OnceLock<Vec<f64>>>,
@@ -42,7 +45,18 @@ pub struct Input {
 impl Input {
     /// An input with this interpolation.
     pub fn new(samples: Vec<f64>, interpolation: Interpolation) -> Self {
-        Self { samples, interpolation, dense: (0..=MOST_STEPS).map(|_| OnceLock::new()).collect() }
+        Self { samples, pieces: Vec::new(), interpolation, dense: (0..=MOST_STEPS).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// Parts of several inputs one after another, none of which is interpolated across the end of its own.
+    pub fn joined(pieces: Vec<(Vec<f64>, Range<usize>)>, interpolation: Interpolation) -> Self {
+        let samples = pieces.iter().flat_map(|(all, used)| &all[used.clone()]).copied().collect();
+        Self { pieces, ..Self::new(samples, interpolation) }
+    }
+
+    /// The same samples with another interpolation.
+    pub fn gone(self, interpolation: Interpolation) -> Self {
+        Self { pieces: self.pieces, ..Self::new(self.samples, interpolation) }
     }
 
     /// The samples themselves.
@@ -54,7 +68,17 @@ impl Input {
     /// jump is the one after it; the integrator never asks for the end of an interval that way (see [`Input::end`]).
     pub fn grid(&self, steps: usize) -> &[f64] {
         let steps = steps.clamp(1, MOST_STEPS);
-        self.dense[steps].get_or_init(|| densify(&self.samples, 2 * steps, self.interpolation))
+        self.dense[steps].get_or_init(|| self.densified(2 * steps))
+    }
+
+    fn densified(&self, factor: usize) -> Vec<f64> {
+        if self.pieces.is_empty() {
+            return densify(&self.samples, factor, self.interpolation);
+        }
+        let of_piece = |(all, used): &(Vec<f64>, Range<usize>)| {
+            densify(all, factor, self.interpolation)[used.start * factor..used.end * factor].to_vec()
+        };
+        self.pieces.iter().flat_map(of_piece).collect()
     }
 
     /// How far before the end of a step its last value is read, in grid points: 1 for a held input, whose value at the
@@ -132,5 +156,15 @@ mod tests {
         };
         assert!(worst(Interpolation::BandLimited) < 1e-4, "{}", worst(Interpolation::BandLimited));
         assert!(worst(Interpolation::Linear) > 0.1);
+    }
+
+    #[test]
+    fn joined_inputs_keep_what_lies_beyond_their_ends() {
+        let tone = |t: f64| (2.0 * PI * 0.35 * t + 0.3).sin();
+        let samples: Vec<f64> = (0..200).map(|k| tone(k as f64)).collect();
+        let whole = Input::new(samples.clone(), Interpolation::BandLimited);
+        let joined = Input::joined(vec![(samples.clone(), 30..60), (samples, 100..150)], Interpolation::BandLimited);
+        let (whole, joined) = (whole.grid(3), joined.grid(3));
+        assert_eq!(joined, [&whole[6 * 30..6 * 60], &whole[6 * 100..6 * 150]].concat());
     }
 }

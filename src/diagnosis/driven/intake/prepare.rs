@@ -22,7 +22,7 @@ use super::work::Work;
 const FEWEST: usize = 20 * BASE;
 
 /// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
-const FEWEST_JUDGES: usize = 200;
+pub const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
 /// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.
@@ -156,6 +156,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         environments: columns.len(),
         rate_hz: recording.rate_hz,
         hull,
+        breaks: Vec::new(),
         train: fitted,
         validation,
         test,

@@ -59,8 +59,15 @@ pub fn loudest(data: &Data) -> Option<Data> {
         return None;
     }
     let power = |r: &Range<usize>| mean_sd(&data.reading[r.clone()]).1;
-    let windows = (0..=8).map(|i| data.hull.start + (data.hull.len() - STRETCH) * i / 8).map(|a| a..a + STRETCH);
-    let hull = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    let mut spans = data.recordings();
+    spans.retain(|r| r.len() >= STRETCH);
+    // Across several recordings only where each of them is short.
+    if spans.is_empty() {
+        spans.push(data.hull.clone());
+    }
+    let windows = spans.iter().flat_map(|r| (0..=8).map(move |i| r.start + (r.len() - STRETCH) * i / 8));
+    let hull = windows.map(|a| a..a + STRETCH).max_by(|a, b| power(a).total_cmp(&power(b)))?;
+    let breaks = data.breaks.iter().copied().filter(|b| hull.start < *b && *b < hull.end).collect();
     let known = merged({
         let mut all: Vec<Range<usize>> = data.train.iter().chain(&data.validation).cloned().collect();
         order::sort_by_key(&mut all, |r| r.start as f64);
@@ -69,7 +76,7 @@ pub fn loudest(data: &Data) -> Option<Data> {
     let missing = minus(std::slice::from_ref(&hull), &known);
     let (fitted, validation) = interleaved(std::slice::from_ref(&hull));
     let (fitted, validation) = (minus(&fitted, &missing), minus(&validation, &missing));
-    Some(Data { hull, train: fitted, test: validation.clone(), validation, ..data.clone() })
+    Some(Data { hull, breaks, train: fitted, test: validation.clone(), validation, ..data.clone() })
 }
 
 /// Every third block apart.

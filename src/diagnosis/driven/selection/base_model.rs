@@ -7,7 +7,7 @@ use crate::diagnosis::driven::base::{BASE, OMEGA};
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::start;
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::{Input, Interpolation};
+use crate::diagnosis::driven::intake::input::Interpolation;
 use crate::diagnosis::driven::intake::prepare::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::shape::Shape;
@@ -100,7 +100,7 @@ pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<
     let shape = Shape::new(&terms);
     for how in [Interpolation::Hold, Interpolation::Linear] {
         let kept = data.input.take()?;
-        data.input = Some(Input::new(kept.samples().to_vec(), how));
+        data.input = Some(kept.clone().gone(how));
         let other = fit(data, &shape, &point, scales, 25);
         if other.is_some_and(|o| o.variance < 1.01 * chosen.fit.variance) {
             return Some(how);

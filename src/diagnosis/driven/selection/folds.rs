@@ -25,9 +25,10 @@ pub struct Fold {
 pub fn turned(data: &Data) -> [Fold; 2] {
     let (mut first, mut second) = (Vec::new(), Vec::new());
     let mut beginning = Vec::new();
+    let begins = |k: usize| k == data.hull.start || data.breaks.contains(&k);
     for r in &data.train {
         let middle = usize::midpoint(r.start, r.end);
-        let start = if r.start == data.hull.start { (r.start + LEAD).min(middle) } else { r.start };
+        let start = if begins(r.start) { (r.start + LEAD).min(middle) } else { r.start };
         beginning.push(r.start..start);
         first.push(start..middle);
         second.push(middle..r.end);

@@ -148,6 +148,8 @@ pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) ->
     let mut point = fit.point.clone();
     let mut free = fit.shape.beginnings();
     free.iter().for_each(|i| point[*i] = 0.0);
+    let offsets = (0..=fit.shape.further).map(|r| fit.point[fit.shape.offset(r)]);
+    point[OFFSET] = offsets.sum::<f64>() / (fit.shape.further + 1) as f64;
     point[INITIAL] = data.reading[range.start] - point[OFFSET];
     let walks = fit.shape.terms.iter().any(|t| t.noise() == Some(Noise::Walk));
     if walks {
@@ -173,10 +175,12 @@ pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
         return fit.point.clone();
     }
     let mut point = fit.point.clone();
-    let mut free = fit.shape.beginnings();
-    free.insert(0, OFFSET);
-    point[INITIAL] = data.reading[data.hull.start] - point[OFFSET];
-    point[INITIAL + 1] = 0.0;
+    let free = fit.shape.all_beginnings();
+    for (r, recording) in data.recordings().iter().enumerate().take(fit.shape.further + 1) {
+        let initial = fit.shape.initial(r);
+        point[initial] = data.reading[recording.start] - point[fit.shape.offset(r)];
+        point[initial + 1] = 0.0;
+    }
     let search = Search {
         data,
         shape: &fit.shape,

@@ -57,7 +57,7 @@ fn screen(
         points.push(search.point(&z));
         for j in 0..own {
             let mut moved = z.clone();
-            let index = moved.len() - term.values() + j;
+            let index = moved.len() - shape.block(shape.terms.len() - 1).len() + j;
             moved[index] += 1e-4;
             points.push(search.point(&moved));
         }

@@ -13,7 +13,7 @@ use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
 use super::propagator::Shift;
-use super::step::{MOST_STATES, Motion, Parts, Plan, movers, together};
+use super::step::{MOST_STATES, Motion, Mover, Parts, Plan, movers, together};
 
 /// What one pass simulates.
 #[derive(Debug)]
@@ -32,12 +32,23 @@ pub struct Pass<'a> {
     pub environments: usize,
     /// What moves.
     pub parts: Parts<'a>,
-    /// Offset of the reading.
-    pub offset: Lanes,
-    /// Displacement and velocity at the beginning.
-    pub initial: [Lanes; 2],
+    /// Where the run begins, and where it begins anew, in the order of time.
+    pub beginnings: Vec<Beginning>,
     /// Corrections per unit innovation; `None` for free simulation.
     pub gains: Option<[Lanes; 4]>,
+}
+
+/// Where a mass begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Beginning {
+    /// At which sample.
+    pub sample: usize,
+    /// In which of the recordings that the parameters know.
+    pub recording: usize,
+    /// Offset of the reading from there on.
+    pub offset: Lanes,
+    /// Displacement and velocity there.
+    pub initial: [Lanes; 2],
 }
 
 /// What a pass wants to keep of the state besides the innovations.
@@ -104,9 +115,15 @@ impl Pass<'_> {
     fn plain<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
         let Parts { steps, interval_s, .. } = self.parts;
         let plan = Plan::of(&self.parts);
-        let mut motion = self.beginning(&plan);
+        let [begin, later @ ..] = self.beginnings.as_slice() else { return Vec::new() };
+        let (mut later, mut offset, mut motion) = (later.iter(), begin.offset, self.beginning(&plan, begin));
+        let mut next = later.next();
         let mut out = Vec::with_capacity(self.run.len());
         for k in self.run.clone() {
+            if let Some(begin) = next.filter(|b| b.sample == k) {
+                (offset, motion) = (begin.offset, self.beginning(&plan, begin));
+                next = later.next();
+            }
             let environment = &self.environment[k * self.environments..(k + 1) * self.environments];
             let mut at = Instants {
                 time: k as f64 * interval_s,
@@ -117,7 +134,7 @@ impl Pass<'_> {
                 base: &self.parts.base,
                 environment,
             };
-            let y = self.expected(&plan, &at, &motion);
+            let y = self.expected(&plan, &at, &offset, &motion);
             keep.keep(k, &motion.x, &motion.v);
             let reading = self.reading[k];
             let mut e = [0.0; LANES];
@@ -147,30 +164,38 @@ impl Pass<'_> {
     }
 
     /// Where everything begins.
-    fn beginning(&self, plan: &Plan<'_>) -> Motion {
-        let [x, v] = self.initial;
+    fn beginning(&self, plan: &Plan<'_>, begin: &Beginning) -> Motion {
+        let [x, v] = begin.initial;
+        // A term's values with its initial states in this recording.
+        let values = |m: &Mover<'_>| -> Vec<Lanes> {
+            let (all, unknown) = (&self.parts.parameters[m.first..], m.term.unknown_beginnings());
+            let mut values = all[..m.term.values()].to_vec();
+            let known = values.len() - unknown;
+            values[known..].copy_from_slice(&all[known + begin.recording * unknown..][..unknown]);
+            values
+        };
         let mut own = [[0.0; LANES]; MOST_STATES];
         let (later, earlier): (Vec<_>, Vec<_>) =
             movers(self.parts.terms, self.parts.first).into_iter().partition(|m| m.term.role() == Role::LowPass);
         for m in &earlier {
-            m.term.begin(&x, &v, &self.parts.parameters[m.first..], &mut own[m.state..]);
+            m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
         for m in &later {
             let (x, v) = together(&plan.modes, &own, [&x, &v]);
-            m.term.begin(&x, &v, &self.parts.parameters[m.first..], &mut own[m.state..]);
+            m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
         Motion { x, v, bias: [0.0; LANES], own }
     }
 
     /// The reading expected before it is seen.
     #[inline(always)]
-    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, motion: &Motion) -> Lanes {
+    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, offset: &Lanes, motion: &Motion) -> Lanes {
         let mut y = at.x;
         for r in &plan.sensing {
             r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
         }
         for l in 0..LANES {
-            y[l] += self.offset[l] + motion.bias[l];
+            y[l] += offset[l] + motion.bias[l];
         }
         for r in &plan.adding {
             r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
@@ -259,8 +284,12 @@ mod tests {
                 interval_s: h,
                 steps: 1,
             },
-            offset: [0.0; LANES],
-            initial: [[start; LANES], [0.0; LANES]],
+            beginnings: vec![Beginning {
+                sample: 0,
+                recording: 0,
+                offset: [0.0; LANES],
+                initial: [[start; LANES], [0.0; LANES]],
+            }],
             gains: None,
         };
         pass.innovations(&mut Nothing).iter().map(|e| -e[LANES - 1]).collect()

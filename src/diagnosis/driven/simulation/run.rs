@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
+use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::Input;
 use crate::physics::state::{BaseLanes, LANES, Lanes};
 
-use super::filter::{Keep, Pass, States};
+use super::filter::{Beginning, Keep, Pass, States};
 use super::shape::Shape;
 use super::step::Parts;
 
@@ -66,11 +66,26 @@ pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run
             interval_s: data.interval_s(),
             steps: run.steps,
         },
-        offset: lane(OFFSET),
-        initial: [lane(INITIAL), lane(INITIAL + 1)],
+        beginnings: beginnings(data, shape, run, lane),
         gains,
     };
     pass.innovations(keep)
+}
+
+/// Where the run begins, by the first recording's parameters wherever that is, and where within it further recordings do.
+fn beginnings(data: &Data, shape: &Shape, run: &Run, lane: impl Fn(usize) -> Lanes) -> Vec<Beginning> {
+    let at = |sample: usize, recording: usize| {
+        let initial = shape.initial(recording);
+        Beginning {
+            sample,
+            recording,
+            offset: lane(shape.offset(recording)),
+            initial: [lane(initial), lane(initial + 1)],
+        }
+    };
+    let further = data.breaks.iter().enumerate().take(shape.further).map(|(i, sample)| (*sample, i + 1));
+    let within = further.filter(|(sample, _)| run.range.start < *sample && *sample < run.range.end);
+    std::iter::once((run.range.start, 0)).chain(within).map(|(sample, recording)| at(sample, recording)).collect()
 }
 
 /// Innovations at one point, with the states that were passed through.

@@ -1,7 +1,7 @@
 //! Which parameters a model has, and what follows from them alone: the base, its terms, their places, how each moves, how
 //! short the steps must be. Not for running it (`run`).
 
-use crate::diagnosis::driven::base::{BASE, INITIAL, OMEGA, OMEGAS_PER_SAMPLE, ZETA, ZETAS};
+use crate::diagnosis::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
 use crate::diagnosis::driven::intake::input::MOST_STEPS;
 use crate::physics::law::{Noise, Role};
 use crate::physics::library::Term;
@@ -21,21 +21,65 @@ pub struct Shape {
     pub first: Vec<usize>,
     /// Number of parameters.
     pub parameters: usize,
+    /// Recordings beyond the first, each with its own offset and initial state.
+    pub further: usize,
 }
 
 impl Shape {
-    /// A model with these terms.
+    /// A model of one recording with these terms.
     pub fn new(terms: &[Term]) -> Self {
-        let mut next = BASE;
+        Self::over(terms, 0)
+    }
+
+    /// The same of so many recordings beyond the first: after the base parameters those of each further recording, and after each
+    /// term's values its unknown initial values in each further recording.
+    pub fn over(terms: &[Term], further: usize) -> Self {
+        let mut next = BASE + PER_RECORDING * further;
         let first = terms
             .iter()
             .map(|t| {
                 let here = next;
-                next += t.values();
+                next += t.values() + further * t.unknown_beginnings();
                 here
             })
             .collect();
-        Self { terms: terms.to_vec(), first, parameters: next }
+        Self { terms: terms.to_vec(), first, parameters: next, further }
+    }
+
+    /// The parameters of this model from those of the same terms over another number of recordings; a recording that is new
+    /// begins at rest, at this displacement.
+    pub fn from_other(&self, other: &Shape, point: &[f64], displacements: &[f64]) -> Vec<f64> {
+        let mut new = point[..BASE].to_vec();
+        for (recording, displacement) in displacements.iter().enumerate().take(self.further) {
+            let at = BASE + PER_RECORDING * recording;
+            match point.get(at..at + PER_RECORDING).filter(|_| recording < other.further) {
+                Some(known) => new.extend_from_slice(known),
+                None => new.extend([point[OFFSET], displacement - point[OFFSET], 0.0]),
+            }
+        }
+        for (i, term) in self.terms.iter().enumerate() {
+            let here = new.len();
+            new.extend_from_slice(&point[other.block(i)]);
+            new.resize(here + self.block(i).len(), 0.0);
+            debug_assert_eq!(here, self.first[i], "{}", term.id());
+        }
+        new
+    }
+
+    /// Places of one term's parameters and of all its initial values.
+    pub fn block(&self, term: usize) -> std::ops::Range<usize> {
+        let (first, term) = (self.first[term], &self.terms[term]);
+        first..first + term.values() + self.further * term.unknown_beginnings()
+    }
+
+    /// Place of the offset of a recording, whose initial displacement and velocity follow for all but the first.
+    pub fn offset(&self, recording: usize) -> usize {
+        if recording == 0 { OFFSET } else { BASE + PER_RECORDING * (recording - 1) }
+    }
+
+    /// Place of the displacement at the beginning of a recording; its velocity follows.
+    pub fn initial(&self, recording: usize) -> usize {
+        if recording == 0 { INITIAL } else { self.offset(recording) + 1 }
     }
 
     /// Whether free simulation is not all there is to it.
@@ -43,13 +87,23 @@ impl Shape {
         self.terms.iter().any(|t| t.noise().is_some())
     }
 
-    /// Places of what only says where the mass, and the states of terms, begin.
+    /// Places of what only says where the mass, and the states of terms, begin in the first recording.
     pub fn beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().zip(&self.first).flat_map(|(term, first)| {
             let end = first + term.values();
             end - term.unknown_beginnings()..end
         });
         [INITIAL, INITIAL + 1].into_iter().chain(of_terms).collect()
+    }
+
+    /// Places of all offsets and of all that says where the mass, and the states of terms, begin.
+    pub fn all_beginnings(&self) -> Vec<usize> {
+        let of_terms = self.terms.iter().enumerate().flat_map(|(i, term)| {
+            let block = self.block(i);
+            block.start + term.candidate().parameters.len()..block.end
+        });
+        let of_recording = |r: usize| [self.offset(r), self.initial(r), self.initial(r) + 1];
+        (0..=self.further).flat_map(of_recording).chain(of_terms).collect()
     }
 
     /// Parameters of one term.
@@ -104,8 +158,14 @@ pub fn coordinates(shape: &Shape, scales: &Scales) -> Vec<Coordinate> {
         Coordinate::Linear(0.1 * scales.output),
         Coordinate::Linear(0.1 * scales.output * omega),
     ];
+    for _ in 0..shape.further {
+        all.extend_from_within(OFFSET..OFFSET + PER_RECORDING);
+    }
     for term in &shape.terms {
-        all.extend(term.coordinates(scales));
+        let own = term.coordinates(scales);
+        let beginnings = &own[own.len() - term.unknown_beginnings()..];
+        all.extend_from_slice(&own);
+        (0..shape.further).for_each(|_| all.extend_from_slice(beginnings));
     }
     all
 }

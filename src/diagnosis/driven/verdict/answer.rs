@@ -9,12 +9,13 @@ use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::model;
-use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, Score, Source};
+use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, RecordingScore, Role, Score, Source};
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
@@ -36,19 +37,32 @@ const MOST_SHOWN: usize = 600;
 /// Cells of the restoring-force surface that the verdict lists.
 const CELLS_SHOWN: usize = 32;
 
+/// What was asked.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// The first recording.
+    pub recording: &'a Recording,
+    /// Where each recording lies in the data.
+    pub pieces: &'a [Piece],
+    /// Samples that the model file names as judging.
+    pub judging: &'a [[usize; 2]],
+    /// Columns by role.
+    pub columns: &'a model::DrivenColumns,
+}
+
 /// Everything a diagnosis gives away.
 pub fn answer(
-    recording: &Recording,
-    model: &model::Driven,
+    asked: &Asked<'_>,
     data: &Data,
     scales: &Scales,
     selection: &Selection,
     c: &Conclusion,
     notes: Notes,
 ) -> Answer {
-    let output = model.columns.output.clone();
+    let Asked { recording, pieces, judging, columns } = *asked;
+    let output = columns.output.clone();
     let output_unit = effects::unit_of(&output, "output unit");
-    let input_unit = model.columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
+    let input_unit = columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
     let named = effects::effects(data, c, selection, scales, &channels);
     let ranking = effects::ranking(c, selection, &channels);
@@ -80,7 +94,8 @@ pub fn answer(
     let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);
     findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
     findings.extend(profiles.iter().filter_map(profile::Profile::finding));
-    let fit = scores(data, c, errors, &model.split.test, &output_unit);
+    let recordings = recording_scores(data, c, pieces, errors);
+    let fit = Fitted { recordings, ..scores(data, c, errors, judging, &output_unit) };
     let detail = Detail {
         profiles,
         output,
@@ -100,7 +115,7 @@ pub fn answer(
         named: !c.named.is_empty(),
         candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
     };
-    let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(model.columns.input.as_deref())));
+    let repair = Some(repair(data, &c.base.fit, &c.model.fit, data.input.as_ref().and(columns.input.as_deref())));
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,
@@ -169,6 +184,7 @@ fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[us
             ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
         },
         test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
+        recordings: Vec::new(),
         log_score: noisy.then(|| LogScore {
             before: c.base.held_out.log_score(c.base.fit.variance),
             after: c.model.held_out.log_score(c.model.fit.variance),
@@ -182,16 +198,41 @@ fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec
     if ranges.len() < 2 {
         return Vec::new();
     }
-    let rmse = |held: &HeldOut, from: usize, to: usize| {
-        let inside = held.blocks.iter().filter(|b| from <= b.range.start && b.range.end <= to);
-        let (sum, count) = inside.fold((0.0, 0), |(s, n), b| (s + b.free, n + b.range.len()));
-        (count > 0).then(|| (sum / count as f64).sqrt())
-    };
     let score = |&[from, to]: &[usize; 2]| {
-        let (rmse_before, rmse_after) = rmse(before, from, to).zip(rmse(after, from, to))?;
+        let ((rmse_before, _), (rmse_after, _)) = within(before, &(from..to)).zip(within(after, &(from..to)))?;
         Some(RangeScore { from, to, rmse_before, rmse_after })
     };
     ranges.iter().filter_map(score).collect()
+}
+
+/// Root-mean-square error of free simulation on the judged blocks within a range, and their samples.
+fn within(held: &HeldOut, range: &Range<usize>) -> Option<(f64, usize)> {
+    let inside = held.blocks.iter().filter(|b| range.start <= b.range.start && b.range.end <= range.end);
+    let (sum, count) = inside.fold((0.0, 0), |(s, n), b| (s + b.free, n + b.range.len()));
+    (count > 0).then(|| ((sum / count as f64).sqrt(), count))
+}
+
+/// Errors on each recording: on all samples of one that is fitted, on those that judge of another.
+fn recording_scores(
+    data: &Data,
+    c: &Conclusion,
+    pieces: &[Piece],
+    [before, after]: [&[f64]; 2],
+) -> Vec<RecordingScore> {
+    let fitted = |errors: &[f64], range: &Range<usize>| {
+        let inside = range.start.max(data.hull.start) - data.hull.start..range.end.min(data.hull.end) - data.hull.start;
+        let count = inside.len();
+        Some(((errors[inside].iter().map(|e| e * e).sum::<f64>() / count.max(1) as f64).sqrt(), count))
+    };
+    let score = |piece: &Piece| {
+        let ((rmse_before, samples), (rmse_after, _)) = match piece.role {
+            Role::Train => fitted(before, &piece.range).zip(fitted(after, &piece.range)),
+            Role::Test => within(&c.base.held_out, &piece.range).zip(within(&c.model.held_out, &piece.range)),
+        }?;
+        let rmse_after = (!c.named.is_empty()).then_some(rmse_after);
+        Some(RecordingScore { file: piece.file.clone(), role: piece.role, samples, rmse_before, rmse_after })
+    };
+    pieces.iter().filter_map(score).collect()
 }
 
 /// Recording and both models around the held-out block on which they differ most (the base errs most, where nothing is
