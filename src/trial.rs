@@ -14,6 +14,7 @@ pub mod copy;
 pub mod driven;
 pub mod equation;
 pub mod excitation;
+pub mod independent;
 pub mod interval;
 pub mod judge;
 pub mod like;

@@ -1,5 +1,7 @@
 //! `proofmass trial`: how often the diagnosis is right, on cases whose truth is sealed until the last verdict.
 
+mod independent;
+
 use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
@@ -38,6 +40,10 @@ pub struct Arguments {
     /// physics, 300 recordings with nothing planted; 20,000 rows each
     #[arg(long, conflicts_with = "quick")]
     pub planted: bool,
+    /// Cases of a second generator, whose truth lies mostly outside what the library states: near laws, foreign physics, real
+    /// noise; driven, at rest and turned by hand
+    #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
+    pub independent: bool,
     /// Continue the trial that lies in --out
     #[arg(long, requires = "out")]
     pub resume: bool,
@@ -99,6 +105,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     if let (Some(recording), Some(model)) = (&arguments.like, &arguments.model) {
         return like(recording, model, arguments, json, &control);
+    }
+    if arguments.independent {
+        return independent::run(arguments, json, &control);
     }
     let plan = arguments.plan();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {

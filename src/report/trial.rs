@@ -1,6 +1,7 @@
 //! What a blind trial found: on the terminal, as a page, and as a short summary to be committed.
 
 pub mod figures;
+pub mod independent;
 pub mod like;
 
 use crate::diagnosis::candidate::Kind;

@@ -1,0 +1,170 @@
+//! `proofmass trial --independent`: the diagnosis on cases of the second generator.
+
+use std::path::Path;
+
+use super::Arguments;
+use crate::cli::say::{remark, say, sayln};
+use crate::control::Control;
+use crate::diagnosis::verdict::Verdict;
+use crate::diagnosis::{self, model};
+use crate::document::to_json;
+use crate::error::{Error, Result};
+use crate::output::{self, Folder};
+use crate::report::diagnosis::worded;
+use crate::report::trial::independent as report;
+use crate::trial::independent::case::Case;
+use crate::trial::independent::judge::coverage;
+use crate::trial::independent::run::{self, Plan};
+use crate::trial::independent::score::Score;
+use crate::trial::independent::stage::Size;
+use crate::trial::scratch::Scratch;
+
+const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
+const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
+
+fn plan(arguments: &Arguments) -> Result<Plan> {
+    let (cases, rows) = if arguments.quick { (100, 5000) } else { (2000, 40_000) };
+    let plan =
+        Plan { seed: arguments.seed, cases: arguments.cases.unwrap_or(cases), rows: arguments.samples.unwrap_or(rows) };
+    if !(1..1_000_000).contains(&plan.cases) || !(2000..=1_000_000).contains(&plan.rows) {
+        let cause = format!("{} cases of at most {} rows", plan.cases, plan.rows);
+        return Err(Error::new("could not plan the trial", cause, "use at least one case and 2000 rows"));
+    }
+    Ok(plan)
+}
+
+fn command(arguments: &Arguments) -> String {
+    let mut command = format!("proofmass trial --independent --seed {}", arguments.seed);
+    if arguments.quick {
+        command += " --quick";
+    }
+    for (name, value) in [("cases", arguments.cases), ("samples", arguments.samples)] {
+        if let Some(value) = value {
+            command += &format!(" --{name} {value}");
+        }
+    }
+    command
+}
+
+/// Runs it.
+///
+/// # Errors
+/// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
+pub fn run(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
+    let plan = plan(arguments)?;
+    if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
+        return one(plan, number, path, arguments.force, json, control);
+    }
+    let mut kept = arguments.out.as_deref().map(|path| keep(path, arguments)).transpose()?;
+    if let Some(kept) = &mut kept {
+        STATES.iter().try_for_each(|name| kept.state(name, arguments.resume))?;
+    }
+    let scratch = Scratch::new(arguments.out.as_deref())?;
+    let folder = arguments.out.as_deref().unwrap_or(scratch.path());
+    let [truth, state] = STATES.map(|name| folder.join(name));
+    let (sealed, cases) = run::prepare(plan, &truth, arguments.resume, control)?;
+    remark!("sealed truth of {} cases, SHA-256 {sealed}", cases.len());
+    let done = if arguments.resume { run::earlier(&state)? } else { run::Lines::new() };
+    if !arguments.resume && state.exists() {
+        std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
+    }
+    let lines = run::run(&cases, &state, done, &tool(control), control)?;
+    let truths = run::open(&truth, &sealed)?;
+    let score = Score::of(plan.seed, &truths.cases, &lines, &sealed);
+    let document = to_json(&score)?;
+    let written = kept.map_or(Ok(()), |mut folder| {
+        let texts = [report::page(&score, &lines), report::summary(&score, &command(arguments)), document.clone()];
+        FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+        STATES.iter().for_each(|name| folder.record(name));
+        folder.finish()
+    });
+    if json {
+        sayln!("{document}")?;
+    } else {
+        sayln!("sealed truth, SHA-256 {sealed} (opened after the last verdict)\n")?;
+        say(format_args!("{}", report::terminal(&score)))?;
+        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+            sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
+        }
+    }
+    written
+}
+
+fn keep(path: &Path, arguments: &Arguments) -> Result<Folder> {
+    if arguments.resume && !path.join(STATES[0]).is_file() {
+        return Err(Error::new(
+            "could not resume",
+            format!("no trial in {}", path.display()),
+            "leave --resume out to begin anew, or give the --out of the interrupted trial",
+        ));
+    }
+    let request = output::Request {
+        command: "trial --independent",
+        writes: FILES.map(str::to_owned).into(),
+        force: arguments.force,
+        ..output::Request::default()
+    };
+    Folder::open(path, request)
+}
+
+/// Makes one case again and asks for its verdict.
+fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control: &Control) -> Result<()> {
+    let Some(case) = Case::make(plan.seed, number, Size { rows: plan.rows }) else {
+        return Err(Error::new(
+            format!("could not make case {number}"),
+            "there is none of that number, or it cannot be written that way",
+            "take a number from verdicts.jsonl; the same recording written otherwise has a number above 1000000",
+        ));
+    };
+    let names = ["recording.csv", "model.toml", "truth.json"];
+    let request = output::Request {
+        command: "trial --independent --case",
+        writes: names.map(str::to_owned).into(),
+        force,
+        ..output::Request::default()
+    };
+    let mut folder = Folder::open(path, request)?;
+    let [recording, model] = case.texts();
+    for (name, text) in names.into_iter().zip([recording, model, to_json(&case)?]) {
+        folder.write(name, text.as_bytes())?;
+    }
+    folder.finish()?;
+    drop(folder);
+    let said = run::ask(&case, &tool(control), &Scratch::new(None)?)?;
+    let line = run::line(&case, said.clone());
+    if json {
+        sayln!("{}", to_json(&serde_json::json!({ "case": case, "verdict": line }))?)?;
+        return Ok(());
+    }
+    sayln!("case {number}: {}, {}, {}", line.kind, line.family, line.sub)?;
+    for effect in &case.truth.effects {
+        let name = effect.right.join(" or ");
+        sayln!("there: {name}, {:.3} × noise, evidence {:.3e}", effect.over_noise, effect.evidence)?;
+    }
+    sayln!("evidence of a mismatch: {:.3e}", case.truth.evidence)?;
+    sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;
+    sayln!("said: {} {:?} in {:.1} s\n{}", said.outcome.name(), said.groups, said.seconds, said.words)?;
+    sayln!("held out: rmse {:.4e} → {:.4e}, noise floor {:.4e}", said.rmse[0], said.rmse[1], said.rmse[2])?;
+    for n in &said.numbers {
+        let of = |p: &&crate::trial::independent::truth::Parameter| p.id == n.id && p.name == n.name;
+        let truth =
+            case.truth.parameters.iter().find(of).map_or(String::new(), |p| format!("  (true {:.5e})", p.value));
+        sayln!("  {} {} = {:.5e} [{:.5e}, {:.5e}]{truth}", n.id, n.name, n.value, n.ci95[0], n.ci95[1])?;
+    }
+    let held = coverage(&case, &said);
+    if !held.is_empty() {
+        sayln!("{} of {} intervals hold the truth", held.iter().filter(|c| c.covers).count(), held.len())?;
+    }
+    sayln!("mark: {}", line.mark.word())?;
+    Ok(())
+}
+
+/// The tool itself, by the way that `proofmass diagnose` goes.
+fn tool(control: &Control) -> impl Fn(&Path, &Path) -> Result<Verdict> + Sync {
+    let control = control.without_stages();
+    move |recording, model| {
+        let model = model::read(model)?;
+        let recording = model::read_recording(recording, &model)?;
+        Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
+    }
+}

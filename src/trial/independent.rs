@@ -1,0 +1,30 @@
+//! A second generator of blind cases, written without sight of the solver or of the first generator, whose truth lies
+//! mostly outside what the library can state.
+//!
+//! Families: *to the letter* of a statement, *near* one, *foreign* to all, *null* with noise as noise is. The same recording
+//! is also written otherwise (every k-th row, other units, sign, order of columns); verdicts must agree. Motion is integrated
+//! in continuous time by an adaptive method with events; how much of an effect can be seen is found by an oracle of its own.
+//!
+//! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `driven` → `stage` → `piece` → `letter` → `near` → `case` →
+//! `judge` → `run` → `score`.
+
+pub mod case;
+pub mod columns;
+pub mod draw;
+pub mod driven;
+pub mod foreign;
+pub mod integrate;
+pub mod judge;
+pub mod law;
+pub mod letter;
+pub mod linear;
+pub mod near;
+pub mod null;
+pub mod oscillator;
+pub mod piece;
+pub mod readout;
+pub mod run;
+pub mod score;
+pub mod stage;
+pub mod truth;
+pub mod wave;

@@ -1,0 +1,206 @@
+//! One case of the second generator: its number says its kind, family and sub-family whatever the length of the trial.
+
+use serde::{Deserialize, Serialize};
+
+use super::draw::Draw;
+use super::driven::Driven;
+use super::stage::Size;
+use super::truth::{Family, Kind, Truth};
+use super::{foreign, letter, near, null};
+
+/// How a case is linked to another: the same recording, written otherwise. Their verdicts must agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Change {
+    /// Every second row.
+    Half,
+    /// Every fifth row.
+    Fifth,
+    /// Every tenth row.
+    Tenth,
+    /// Readings a thousand times larger, input a millionth.
+    Units,
+    /// The sign of the reading turned.
+    Sign,
+    /// Columns in the other order.
+    Swapped,
+}
+
+impl Change {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 6] = [Self::Half, Self::Fifth, Self::Tenth, Self::Units, Self::Sign, Self::Swapped];
+
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Half => "every 2nd row",
+            Self::Fifth => "every 5th row",
+            Self::Tenth => "every 10th row",
+            Self::Units => "other units",
+            Self::Sign => "sign turned",
+            Self::Swapped => "columns swapped",
+        }
+    }
+}
+
+/// What was made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Body {
+    /// One proof mass.
+    Driven(Box<Driven>),
+}
+
+/// A case with its truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// Its number: same seed and number, same case.
+    pub number: usize,
+    /// Kind of recording.
+    pub kind: Kind,
+    /// How its truth stands to the library.
+    pub family: Family,
+    /// What it is in the family.
+    pub sub: String,
+    /// The change, where it is another one written otherwise.
+    pub change: Option<Change>,
+    /// What is there.
+    pub truth: Truth,
+    /// How it is made.
+    pub body: Body,
+}
+
+/// Of each hundred cases; sums to one hundred.
+const SCHEDULE: [(Kind, Family, usize); 10] = [
+    (Kind::Driven, Family::Letter, 8),
+    (Kind::Driven, Family::Near, 23),
+    (Kind::Driven, Family::Foreign, 4),
+    (Kind::Driven, Family::Null, 23),
+    (Kind::Static, Family::Letter, 3),
+    (Kind::Static, Family::Near, 13),
+    (Kind::Static, Family::Null, 13),
+    (Kind::Tumble, Family::Letter, 5),
+    (Kind::Tumble, Family::Near, 4),
+    (Kind::Tumble, Family::Null, 4),
+];
+
+/// Linked cases have the number of their origin and this, times one more than the place of their change.
+const LINKED: usize = 1_000_000;
+
+/// Kind, family and how many of the same came before.
+fn slot(number: usize) -> (Kind, Family, usize) {
+    let of = |place: usize| {
+        // 37 and 100 have no common factor: each hundred holds each slot once, well mixed.
+        let mut at = place * 37 % 100;
+        let found = SCHEDULE.iter().position(|(.., count)| {
+            let here = at < *count;
+            at = at.wrapping_sub(if here { 0 } else { *count });
+            here
+        });
+        found.unwrap_or(0)
+    };
+    let (place, slot) = (number % 100, of(number % 100));
+    let before = (0..place).filter(|p| of(*p) == slot).count();
+    let (kind, family, count) = SCHEDULE[slot];
+    (kind, family, number / 100 * count + before)
+}
+
+impl Case {
+    /// Makes a case by its number. None where it cannot be written that way: too few rows, say.
+    pub fn make(seed: u64, number: usize, size: Size) -> Option<Self> {
+        let (origin, how) = (number % LINKED, number / LINKED);
+        let (kind, family, nth) = slot(origin);
+        let mut draw = Draw::new(seed, origin as u64, 1);
+        let (sub, body, truth) = match (kind, family) {
+            (Kind::Driven, Family::Letter) => boxed(letter::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Near) => boxed(near::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Foreign) => boxed(foreign::draw(nth, &mut draw, size)),
+            (Kind::Driven, Family::Null) => boxed(null::draw(nth, &mut draw, size)),
+            _ => return None,
+        };
+        let mut case = Self { number, kind, family, sub, change: None, truth, body };
+        if how > 0 {
+            case.rewrite(*Change::ALL.get(how - 1)?)?;
+        }
+        Some(case)
+    }
+
+    /// Numbers of a trial: so many of its own, and for each fifth of them two that are the same written otherwise.
+    pub fn numbers(cases: usize) -> Vec<usize> {
+        let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {
+            let first = n / 5 % Change::ALL.len();
+            [first, (first + 3) % Change::ALL.len()].map(|how| (how + 1) * LINKED + n)
+        });
+        (0..cases).chain(linked).collect()
+    }
+
+    /// The number of the case it is linked to, itself where it is none.
+    pub fn origin(&self) -> usize {
+        self.number % LINKED
+    }
+
+    fn rewrite(&mut self, change: Change) -> Option<()> {
+        let Body::Driven(driven) = &mut self.body;
+        let (o, columns) = (&driven.oscillator, &mut driven.columns);
+        match change {
+            Change::Half | Change::Fifth | Change::Tenth => {
+                let every = match change {
+                    Change::Half => 2,
+                    Change::Fifth => 5,
+                    _ => 10,
+                };
+                let rate_hz = o.rate_hz / every as f64;
+                // A held input is not known from every k-th value; a fast one is not known from few rows.
+                let fast = o.input.highest_hz().max(o.omega / std::f64::consts::TAU);
+                if o.held || o.rows / every < 1500 || rate_hz < 4.0 * fast {
+                    return None;
+                }
+                columns.every = every;
+                self.truth.evidence /= every as f64;
+                self.truth.effects.iter_mut().for_each(|e| e.evidence /= every as f64);
+            }
+            Change::Units => {
+                columns.output_scale *= 1e3;
+                columns.offset *= 1e3;
+                columns.step *= 1e3;
+                columns.input_scale *= 1e-6;
+            }
+            Change::Sign => {
+                columns.output_scale *= -1.0;
+                columns.offset *= -1.0;
+            }
+            Change::Swapped => columns.swapped = !columns.swapped,
+        }
+        self.truth.parameters = if self.truth.parameters.is_empty() { Vec::new() } else { driven.parameters() };
+        self.change = Some(change);
+        Some(())
+    }
+
+    /// recording.csv and model.toml: what the diagnosis may see, and nothing else.
+    pub fn texts(&self) -> [String; 2] {
+        match &self.body {
+            Body::Driven(driven) => driven.texts(),
+        }
+    }
+}
+
+fn boxed((sub, driven, truth): letter::Made) -> (String, Body, Truth) {
+    (sub, Body::Driven(Box::new(driven)), truth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_hundred_holds_the_schedule_and_a_number_means_the_same_in_any_trial() {
+        assert_eq!(SCHEDULE.iter().map(|s| s.2).sum::<usize>(), 100);
+        for (kind, family, count) in SCHEDULE {
+            let of = |n: &usize| slot(*n).0 == kind && slot(*n).1 == family;
+            assert_eq!((0..100).filter(of).count(), count);
+            let nths: Vec<usize> = (0..300).filter(of).map(|n| slot(n).2).collect();
+            assert_eq!(nths, (0..3 * count).collect::<Vec<_>>());
+        }
+        assert!(Case::numbers(100).iter().all(|n| Case::numbers(2000).contains(n)));
+    }
+}

@@ -1,0 +1,203 @@
+//! Right, honest or false: one verdict against the truth of its case, by fixed rules.
+//!
+//! A name is false unless the truth allows it; names that only point to the right place are right where nothing is called
+//! explained. In a tie one right name is enough.
+
+use serde::{Deserialize, Serialize};
+
+use super::case::Case;
+use super::truth::{Family, SEEN};
+use crate::trial::said::{Ending, Said};
+
+/// What a verdict was worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mark {
+    /// All that is there is named and nothing else; a null is adequate; foreign physics is unexplained without a name.
+    Right,
+    /// Unexplained or undecidable, with right names only.
+    HonestNamed,
+    /// Unexplained or undecidable, without a name.
+    Honest,
+    /// Adequate, and nothing is there that a good test sees.
+    BelowDetection,
+    /// Adequate, or explained in part, with something there that a good test sees.
+    Missed,
+    /// A false name, and not called explained.
+    FalseName,
+    /// A false name, called explained.
+    ConfidentlyWrong,
+    /// A null called undecidable.
+    Undecided,
+    /// A null with a name, or unexplained.
+    FalseAlarm,
+    /// The diagnosis stopped.
+    Error,
+}
+
+impl Mark {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 10] = [
+        Self::Right,
+        Self::HonestNamed,
+        Self::Honest,
+        Self::BelowDetection,
+        Self::Missed,
+        Self::FalseName,
+        Self::ConfidentlyWrong,
+        Self::Undecided,
+        Self::FalseAlarm,
+        Self::Error,
+    ];
+
+    /// For people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::HonestNamed => "honest, right name",
+            Self::Honest => "honest, no name",
+            Self::BelowDetection => "too small to see",
+            Self::Missed => "missed",
+            Self::FalseName => "false name",
+            Self::ConfidentlyWrong => "confidently wrong",
+            Self::Undecided => "null undecided",
+            Self::FalseAlarm => "false alarm",
+            Self::Error => "error",
+        }
+    }
+
+    /// Whether a name was false, however sure it was.
+    pub fn is_false_name(self) -> bool {
+        matches!(self, Self::FalseName | Self::ConfidentlyWrong)
+    }
+
+    /// Whether a null was not left alone.
+    pub fn is_alarm(self) -> bool {
+        matches!(self, Self::FalseAlarm | Self::Undecided)
+    }
+}
+
+/// Judges one verdict.
+pub fn judge(case: &Case, said: &Said) -> Mark {
+    let truth = &case.truth;
+    let ids = said.ids();
+    if said.outcome == Ending::Error {
+        return Mark::Error;
+    }
+    if case.family == Family::Null {
+        return match said.outcome {
+            // A finding that belongs to the recording without being a mismatch is no alarm.
+            Ending::Adequate => Mark::Right,
+            Ending::Explained if !ids.is_empty() && ids.iter().all(|id| truth.allows(id)) => Mark::Right,
+            Ending::Undecidable => Mark::Undecided,
+            _ => Mark::FalseAlarm,
+        };
+    }
+    match said.outcome {
+        Ending::Error => Mark::Error,
+        Ending::Adequate if truth.is_detectable() => Mark::Missed,
+        Ending::Adequate => Mark::BelowDetection,
+        Ending::Explained if !ids.iter().all(|id| truth.allows(id)) => Mark::ConfidentlyWrong,
+        Ending::Explained if truth.effects.is_empty() => Mark::ConfidentlyWrong,
+        Ending::Explained => {
+            let missing = |e: &super::truth::Effect| e.evidence >= SEEN && !e.right.iter().any(|r| ids.contains(r));
+            if truth.effects.iter().any(missing) { Mark::Missed } else { Mark::Right }
+        }
+        Ending::Unexplained if !ids.iter().all(|id| truth.tolerates(id)) => Mark::FalseName,
+        Ending::Undecidable if !said.groups.iter().all(|g| g.iter().any(|id| truth.tolerates(id))) => Mark::FalseName,
+        Ending::Unexplained | Ending::Undecidable if !ids.is_empty() => Mark::HonestNamed,
+        Ending::Unexplained if truth.effects.is_empty() => Mark::Right,
+        Ending::Unexplained | Ending::Undecidable => Mark::Honest,
+    }
+}
+
+/// One interval against the truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Covered {
+    /// Effect.
+    pub id: String,
+    /// Symbol.
+    pub name: String,
+    /// True value.
+    pub truth: f64,
+    /// Estimate.
+    pub value: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+    /// Whether it holds the truth.
+    pub covers: bool,
+}
+
+/// The intervals of right names that are true to the letter.
+pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
+    if case.family != Family::Letter || judge(case, said) != Mark::Right {
+        return Vec::new();
+    }
+    said.numbers
+        .iter()
+        .filter_map(|n| {
+            let of = |p: &&super::truth::Parameter| {
+                p.id == n.id && p.name == n.name && p.channel.as_ref().is_none_or(|c| *c == n.channel)
+            };
+            let truth = case.truth.parameters.iter().find(of)?.value;
+            // Files hold ten digits: a step read off them exactly may still differ in the last.
+            let air = 1e-6 * truth.abs();
+            // The side of a stop is a matter of sign.
+            let [low, high] = match n.name == "gap" && n.value < 0.0 {
+                true => [-n.ci95[1], -n.ci95[0]],
+                false => n.ci95,
+            };
+            let covers = low - air <= truth && truth <= high + air;
+            let value = n.value;
+            Some(Covered { id: n.id.clone(), name: n.name.clone(), truth, value, ci95: n.ci95, covers })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::independent::stage::Size;
+    use crate::trial::independent::truth::{Truth, effect};
+
+    fn said(outcome: Ending, groups: &[&[&str]]) -> Said {
+        let groups = groups.iter().map(|g| g.iter().map(|id| (*id).to_owned()).collect()).collect();
+        Said { outcome, groups, numbers: Vec::new(), rmse: [0.0; 3], seconds: 0.0, words: String::new() }
+    }
+
+    fn marks(family: Family, truth: &Truth) -> [Mark; 6] {
+        let number = (0..100).find(|n| Case::make(1, *n, Size { rows: 2000 }).is_some()).expect("one driven case");
+        let case = Case { family, truth: truth.clone(), ..Case::make(1, number, Size { rows: 2000 }).expect("made") };
+        [
+            said(Ending::Explained, &[&["cubic-stiffness"]]),
+            said(Ending::Explained, &[&["cubic-stiffness"], &["force-noise"]]),
+            said(Ending::Unexplained, &[&["hysteresis"]]),
+            said(Ending::Undecidable, &[&["cubic-stiffness", "end-stop"]]),
+            said(Ending::Unexplained, &[]),
+            said(Ending::Adequate, &[]),
+        ]
+        .map(|said| judge(&case, &said))
+    }
+
+    #[test]
+    fn each_verdict_has_its_mark_in_each_family() {
+        use Mark::*;
+        let mut cubic = effect(&["cubic-stiffness"]);
+        cubic.evidence = 500.0;
+        let seen = Truth { effects: vec![cubic.clone()], evidence: 500.0, ..Truth::default() };
+        assert_eq!(marks(Family::Near, &seen), [Right, ConfidentlyWrong, FalseName, HonestNamed, Honest, Missed]);
+        let faint = Truth { evidence: 5.0, ..seen.clone() };
+        assert_eq!(marks(Family::Letter, &faint)[5], BelowDetection);
+        let more = Truth { effects: vec![cubic, Effect { evidence: 900.0, ..effect(&["warm-up"]) }], ..seen };
+        assert_eq!(marks(Family::Letter, &more)[0], Missed);
+        let foreign = Truth { evidence: 500.0, tolerable: vec!["hysteresis".into()], ..Truth::default() };
+        assert_eq!(
+            marks(Family::Foreign, &foreign),
+            [ConfidentlyWrong, ConfidentlyWrong, HonestNamed, FalseName, Right, Missed]
+        );
+        let null = marks(Family::Null, &Truth::default());
+        assert_eq!(null, [FalseAlarm, FalseAlarm, FalseAlarm, Undecided, FalseAlarm, Right]);
+    }
+
+    use crate::trial::independent::truth::Effect;
+}

@@ -1,0 +1,204 @@
+//! The run: cases are made and sealed, each verdict is asked for and kept, the truth is opened after the last.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::sync::Mutex;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::case::Case;
+use super::judge::{Mark, judge};
+use super::stage::Size;
+use crate::control::Control;
+use crate::diagnosis::verdict::Verdict;
+use crate::document::{hexadecimal, write_whole};
+use crate::error::{Error, Result};
+use crate::trial::said::Said;
+use crate::trial::scratch::Scratch;
+use crate::trial::workers::side_by_side;
+
+/// What is diagnosed: two files in, a verdict out.
+pub type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
+
+/// How the cases are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Seed of everything.
+    pub seed: u64,
+    /// Cases, without those that are others written otherwise.
+    pub cases: usize,
+    /// Rows of the longest recording.
+    pub rows: usize,
+}
+
+/// What is in the envelope.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truths {
+    /// Always "proofmass.independent-truth/1".
+    pub schema: String,
+    /// How it was drawn.
+    pub plan: Plan,
+    /// Every case with its truth.
+    pub cases: Vec<Case>,
+}
+
+/// One line of verdicts.jsonl.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// The case.
+    pub number: usize,
+    /// Kind of recording.
+    pub kind: String,
+    /// Family.
+    pub family: String,
+    /// Sub-family.
+    pub sub: String,
+    /// How it is written, where it is another case written otherwise.
+    pub change: Option<String>,
+    /// Names of what is there.
+    pub truth: String,
+    /// Evidence of what is there.
+    pub evidence: f64,
+    /// Rms of what is there beside the noise, one number per effect.
+    pub over_noise: Vec<f64>,
+    /// What the verdict was worth.
+    pub mark: Mark,
+    /// The verdict.
+    pub said: Said,
+}
+
+/// Verdicts by case.
+pub type Lines = BTreeMap<usize, Line>;
+
+const HINT: &str = "run it again with --resume; finished verdicts are kept in --out";
+
+/// Makes the cases and seals them; a resumed trial takes those that are sealed. Returns the seal and the cases.
+///
+/// # Errors
+/// When the file cannot be written or read, when it belongs to another plan, or when stopped.
+pub fn prepare(plan: Plan, path: &Path, resume: bool, control: &Control) -> Result<(String, Vec<Case>)> {
+    if resume {
+        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
+        let truths = parse(&bytes)?;
+        if truths.plan != plan {
+            let cause = format!("it was begun with {:?}, asked for is {plan:?}", truths.plan);
+            return Err(Error::new("could not resume", cause, "give the options of the interrupted trial"));
+        }
+        return Ok((hexadecimal(&Sha256::digest(&bytes)), truths.cases));
+    }
+    let numbers = Case::numbers(plan.cases);
+    let stage = control.stage("making cases", numbers.len() as u64);
+    let made = side_by_side(&numbers, |number| {
+        control.go_on().map_err(|stopped| stopped.during("could not make the cases", "run it again"))?;
+        let case = Case::make(plan.seed, *number, Size { rows: plan.rows });
+        stage.add(1);
+        Ok(case)
+    })?;
+    let cases: Vec<Case> = made.into_iter().flatten().collect();
+    let truths = Truths { schema: "proofmass.independent-truth/1".into(), plan, cases };
+    let bytes = serde_json::to_vec(&truths).map_err(|e| unsealed(&e.to_string()))?;
+    write_whole(path, &bytes)?;
+    // What is asked and judged is what was sealed, bit for bit.
+    Ok((hexadecimal(&Sha256::digest(&bytes)), parse(&bytes)?.cases))
+}
+
+fn unsealed(cause: &str) -> Error {
+    Error::new("could not seal the truth", cause, "this is a defect of the program; please report it")
+}
+
+fn parse(bytes: &[u8]) -> Result<Truths> {
+    serde_json::from_slice(bytes).map_err(|e| {
+        let hint = "it was written by another version; run the trial again";
+        Error::new("could not read the sealed truth", e.to_string(), hint)
+    })
+}
+
+/// Opens the envelope after the last verdict.
+///
+/// # Errors
+/// When it has changed since it was sealed.
+pub fn open(path: &Path, sealed: &str) -> Result<Truths> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
+    let found = hexadecimal(&Sha256::digest(&bytes));
+    if found != sealed {
+        let cause = format!("its SHA-256 is {found}, sealed was {sealed}");
+        return Err(Error::new("could not open the sealed truth", cause, "the trial is void; run it again"));
+    }
+    parse(&bytes)
+}
+
+/// Verdicts of an interrupted run; a line that was cut is asked again.
+///
+/// # Errors
+/// When the file is there and cannot be read.
+pub fn earlier(path: &Path) -> Result<Lines> {
+    let file = match File::open(path) {
+        Ok(file) => file,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Lines::new()),
+        Err(e) => return Err(Error::io("read", path, &e)),
+    };
+    let lines = BufReader::new(file).lines().map_while(std::result::Result::ok);
+    Ok(lines.filter_map(|l| serde_json::from_str::<Line>(&l).ok()).map(|l| (l.number, l)).collect())
+}
+
+/// Asks for the verdict on one case: two files in a folder of their own, and nothing else.
+///
+/// # Errors
+/// When the files cannot be written, or when stopped; a diagnosis that fails is a verdict "error".
+pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+    let folder = scratch.case()?;
+    let [recording, model] = ["recording.csv", "model.toml"].map(|name| folder.path().join(name));
+    for (path, text) in [&recording, &model].into_iter().zip(case.texts()) {
+        std::fs::write(path, text).map_err(|e| Error::io("write", path, &e))?;
+    }
+    let start = std::time::Instant::now();
+    let verdict = subject(&recording, &model);
+    let seconds = start.elapsed().as_secs_f64();
+    match verdict {
+        Ok(verdict) => Ok(Said::from_verdict(&verdict, seconds)),
+        Err(error) if error.kind == crate::error::Kind::Interrupted => Err(Error { hint: HINT.into(), ..error }),
+        Err(error) => Ok(Said::from_error(&error, seconds)),
+    }
+}
+
+/// The line of a case.
+pub fn line(case: &Case, said: Said) -> Line {
+    Line {
+        number: case.number,
+        kind: case.kind.name().into(),
+        family: case.family.name().into(),
+        sub: case.sub.clone(),
+        change: case.change.map(|c| c.name().to_owned()),
+        truth: case.truth.words(),
+        evidence: case.truth.evidence,
+        over_noise: case.truth.effects.iter().map(|e| e.over_noise).collect(),
+        mark: judge(case, &said),
+        said,
+    }
+}
+
+/// Asks for every verdict that is not there yet and keeps each as a line of a file.
+///
+/// # Errors
+/// When nothing can be written, or when stopped.
+pub fn run(cases: &[Case], path: &Path, mut done: Lines, subject: &Subject<'_>, control: &Control) -> Result<Lines> {
+    let scratch = Scratch::new(path.parent())?;
+    let open: Vec<&Case> = cases.iter().filter(|c| !done.contains_key(&c.number)).collect();
+    let file = OpenOptions::new().create(true).append(true).open(path).map_err(|e| Error::io("write", path, &e))?;
+    let file = Mutex::new(file);
+    let stage = control.stage("verdicts", open.len() as u64);
+    let fresh = side_by_side(&open, |case| {
+        control.go_on().map_err(|stopped| stopped.during("could not finish the trial", HINT))?;
+        let line = line(case, ask(case, subject, &scratch)?);
+        let text = serde_json::to_string(&line).map_err(|e| unsealed(&e.to_string()))? + "\n";
+        let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        file.write_all(text.as_bytes()).map_err(|e| Error::io("write", path, &e))?;
+        stage.add(1);
+        Ok(line)
+    })?;
+    done.extend(fresh.into_iter().map(|line| (line.number, line)));
+    Ok(done)
+}
