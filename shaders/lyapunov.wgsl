@@ -3,7 +3,7 @@
 
 // Rates of x, v and of the tangent's x and v.
 fn rates(o: Oscillator, s: vec4<f32>, force: f32) -> vec4<f32> {
-    let bend = -o.damping * s.w - (o.stiffness + 3.0 * (o.cubic * (s.x * s.x))) * s.z;
+    let bend = -o.damping * s.w - (o.stiffness + cubic_tangent_stiffness(o.cubic, s.x)) * s.z;
     return vec4<f32>(s.y, rate(o, s.x, s.y, force), s.w, bend);
 }
 

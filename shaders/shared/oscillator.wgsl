@@ -1,5 +1,6 @@
-// Twin of `src/kernel/cpu/oscillator.rs` and `src/kernel/cpu/general.rs`: one substep of the proof mass in error coordinates. The state is (e, q): the
-// error of the reading, and the reading's rate times the substep.
+// Twin of `src/kernel/cpu/oscillator.rs` and `src/kernel/cpu/general.rs`: one substep of the proof mass in error coordinates.
+// The state is (e, q): the error of the reading, and the reading's rate times the substep. The cubic spring is that of
+// `src/physics/cubic_stiffness.rs`.
 
 struct Coefficients {
     low: vec4<f32>,
@@ -16,7 +17,7 @@ fn exact_hold(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
 }
 
 fn cubic(k: vec4<f32>, e: f32, a: f32, q: f32, push: f32) -> f32 {
-    return fma(-k.y, q, fma(-(k.z * a), a * a, fma(-k.x, e, push)));
+    return fma(-k.y, q, cubic_acceleration(k.z, a, fma(-k.x, e, push)));
 }
 
 fn runge_kutta_4(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
@@ -75,21 +76,21 @@ fn runge_kutta_4_general(k: Coefficients, laws: Laws, s: vec2<f32>, f: Force, w:
 fn exponential_rk_2(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
     let rest = fma(-k.high.x, f.to_end, w);
     let a0 = s.x + f.begin;
-    let bent = k.high.y * a0 * (a0 * a0);
+    let bent = -cubic_acceleration(k.high.y, a0, 0.0);
     let first = relax(k.low, s - vec2<f32>(rest - bent, f.to_end)) + vec2<f32>(rest - bent, f.to_end);
     let a1 = first.x + f.end;
-    let growth = k.high.y * a1 * (a1 * a1) - bent;
+    let growth = -cubic_acceleration(k.high.y, a1, bent);
     return fma(-k.high.zw, vec2<f32>(growth), first);
 }
 
 fn rosenbrock_euler(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
     let half_c = 0.5 * k.low.y;
     let a = s.x + f.begin;
-    let square = k.low.z * (a * a);
-    let slope = 3.0 * square;
+    // In units of ω₀².
+    let slope = cubic_tangent_stiffness(k.low.z, a);
     let stiff = fma(k.low.x, slope, k.low.x);
     let r = s.y - f.to_end;
-    let pull = fma(k.low.x, fma(square, a, s.x - w), k.low.y * s.y);
+    let pull = fma(k.low.x, -cubic_acceleration(k.low.z, a, w - s.x), k.low.y * s.y);
     let share = 1.0 / stiff;
     let g = slope * f.to_end * (k.low.x * share);
     let y = vec2<f32>((pull - k.low.y * (r + g)) * share, r + g);

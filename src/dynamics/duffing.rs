@@ -2,6 +2,8 @@
 //!
 //! Not for stiff proof masses of real sensors: those have integrators of their own in `kernel`.
 
+use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
+
 /// Coefficients of equation 6, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
@@ -36,8 +38,14 @@ impl Oscillator {
     /// x″ under a force.
     #[inline]
     pub fn acceleration_m_s2(&self, state: State, force_n: f64) -> f64 {
-        let spring = state.x_m * (self.stiffness_n_m + self.cubic_n_m3 * state.x_m * state.x_m);
-        (force_n - self.damping_kg_s * state.v_m_s - spring) / self.mass_kg
+        let linear = force_n - self.damping_kg_s * state.v_m_s - self.stiffness_n_m * state.x_m;
+        acceleration::<f64, false>(self.cubic_n_m3, state.x_m, linear) / self.mass_kg
+    }
+
+    /// Stiffness k + 3εx² of the spring at a displacement, N/m.
+    #[inline]
+    pub fn tangent_stiffness_n_m(&self, x_m: f64) -> f64 {
+        self.stiffness_n_m + tangent_stiffness(self.cubic_n_m3, x_m)
     }
 
     /// One step of classic Runge–Kutta (order 4) with the force at the step's beginning, middle and end.
@@ -61,7 +69,7 @@ impl Oscillator {
         // Starting beyond the root, where the curve is convex, Newton descends to it monotonically.
         let mut x = force_n / k;
         for _ in 0..100 {
-            x -= (x * (k + e * x * x) - force_n) / (k + 3.0 * e * x * x);
+            x += acceleration::<f64, false>(e, x, force_n - k * x) / self.tangent_stiffness_n_m(x);
         }
         x
     }
@@ -72,7 +80,7 @@ impl Oscillator {
     /// force (or by the linear resonance where that is nearer), where ω² = (k + 3εx²)/m.
     pub fn steps_per_period(&self, amplitude_n: f64, omega_rad_s: f64) -> u32 {
         let x = 2.0 * self.equilibrium_m(amplitude_n.abs());
-        let stiffest = ((self.stiffness_n_m + 3.0 * self.cubic_n_m3 * x * x) / self.mass_kg).abs().sqrt();
+        let stiffest = (self.tangent_stiffness_n_m(x) / self.mass_kg).abs().sqrt();
         let needed = 2.0 * std::f64::consts::PI * stiffest.max(omega_rad_s) / omega_rad_s / 0.2;
         // Even and bounded: below 64 the force itself is poorly sampled, above 4096 nobody waits.
         (needed.ceil().clamp(64.0, 4096.0) as u32).next_multiple_of(8)

@@ -51,7 +51,7 @@ fn step(oscillator: &Oscillator, state: State, tangents: Tangents, h: f64, force
     let slope = |y: [f64; 6], f: f64| {
         let [x, v, a, b, c, d] = y;
         let acceleration = oscillator.acceleration_m_s2(State { x_m: x, v_m_s: v }, f);
-        let spring = oscillator.stiffness_n_m + 3.0 * oscillator.cubic_n_m3 * x * x;
+        let spring = oscillator.tangent_stiffness_n_m(x);
         let bend = |x: f64, v: f64| -(spring * x + oscillator.damping_kg_s * v) / oscillator.mass_kg;
         [v, acceleration, b, bend(a, b), d, bend(c, d)]
     };

@@ -13,6 +13,7 @@ use super::integrator::{METHODS, Reach};
 use super::layout::state;
 use super::member::column;
 use crate::physics::coefficients::StudyLaw;
+use crate::physics::cubic_stiffness;
 use crate::rng::Stream;
 
 /// A shader, ready for a device.
@@ -41,7 +42,9 @@ pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shade
 /// The ensemble kernel for proof masses that follow these laws.
 pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
     let own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
-    let text = [&constants(), LAYOUT, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own].join("\n");
+    let text =
+        [&constants(), LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own]
+            .join("\n");
     with_random_numbers("simulate", &text, int64)
 }
 
@@ -84,12 +87,20 @@ const ORBIT: &str = include_str!("../../shaders/shared/orbit.wgsl");
 
 /// The kernel of largest Lyapunov exponents.
 pub fn lyapunov(int64: bool) -> Shader {
-    with_random_numbers("lyapunov", &[ORBIT, include_str!("../../shaders/lyapunov.wgsl")].join("\n"), int64)
+    with_random_numbers(
+        "lyapunov",
+        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/lyapunov.wgsl")].join("\n"),
+        int64,
+    )
 }
 
 /// The kernel of orbits strobed once per period.
 pub fn poincare(int64: bool) -> Shader {
-    with_random_numbers("poincare", &[ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"), int64)
+    with_random_numbers(
+        "poincare",
+        &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
+        int64,
+    )
 }
 
 /// The reduction.

@@ -26,6 +26,27 @@ pub const CANDIDATE: Candidate = Candidate {
     reference: "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 4; Wigren & Schoukens, ECC 2013",
 };
 
+/// `sum` and the acceleration −βx³. Every simulation with a cubic spring takes it from here.
+#[inline(always)]
+pub fn acceleration<T: Real, const FMA: bool>(beta: T, x: T, sum: T) -> T {
+    fma::<T, FMA>(-(beta * x * x), x, sum)
+}
+
+/// By how much the spring is stiffer at `x`: 3βx², the derivative of βx³.
+#[inline(always)]
+pub fn tangent_stiffness<T: Real>(beta: T, x: T) -> T {
+    T::of(3.0) * (beta * (x * x))
+}
+
+/// The same two for shaders.
+pub const WGSL: &str = "fn cubic_acceleration(beta: f32, x: f32, sum: f32) -> f32 {
+    return fma(-(beta * x * x), x, sum);
+}
+fn cubic_tangent_stiffness(beta: f32, x: f32) -> f32 {
+    return 3.0 * (beta * (x * x));
+}
+";
+
 /// How a study gives it.
 pub const GIVEN: &[Given] =
     &[Given::new(Key::new(2, "sensor.cubic_stiffness_per_m2_s2", "cubic stiffness β", "1/(m² s²)", 1.0, Sign::Any))];
@@ -48,7 +69,7 @@ impl Law for CubicStiffness {
     }
     fn wgsl(&self) -> &'static str {
         "fn cubic_stiffness(at: Instant, p0: f32, sum: f32) -> f32 {
-    return fma(-(p0 * at.x * at.x), at.x, sum);
+    return cubic_acceleration(p0, at.x, sum);
 }"
     }
     #[inline(always)]
@@ -59,7 +80,7 @@ impl Law for CubicStiffness {
         _: &[T; MOST_STAGED],
         sum: T,
     ) -> T {
-        fma::<T, FMA>(-(p[0] * at.x * at.x), at.x, sum)
+        acceleration::<T, FMA>(p[0], at.x, sum)
     }
 }
 

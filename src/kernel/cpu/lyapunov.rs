@@ -10,6 +10,7 @@ use super::lanes::LANES;
 use super::poincare::{Block, lose, noise, step};
 use crate::kernel::orbit::{ALIGN_PERIODS, Plan};
 use crate::numerics::elementary::Real;
+use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
 
 /// Exponents of the block's lanes, 1/s, and the block carried to the end of the averaging.
 #[inline(always)]
@@ -45,12 +46,12 @@ pub fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f6
 /// One Runge–Kutta step of orbit and tangent together.
 #[inline(always)]
 fn both<T: Real>(block: &mut Block<T>, tangent: &mut ([T; LANES], [T; LANES]), cosine: [T; 3], noise: &[T; LANES]) {
-    let (half, two, three, sixth) = (T::of(0.5), T::of(2.0), T::of(3.0), T::of(1.0 / 6.0));
+    let (half, two, sixth) = (T::of(0.5), T::of(2.0), T::of(1.0 / 6.0));
     for l in 0..LANES {
         let (d, k, b, h) = (block.damping[l], block.stiffness[l], block.cubic[l], block.h[l]);
         let force = |c: T| block.amplitude[l] * c + noise[l];
-        let rate = |x: T, v: T, f: T| f - d * v - x * (k + b * (x * x));
-        let bend = |x: T, tx: T, tv: T| T::of(0.0) - d * tv - (k + three * (b * (x * x))) * tx;
+        let rate = |x: T, v: T, f: T| acceleration::<T, false>(b, x, f - d * v - k * x);
+        let bend = |x: T, tx: T, tv: T| T::of(0.0) - d * tv - (k + tangent_stiffness(b, x)) * tx;
         let (x, v, tx, tv) = (block.x[l], block.v[l], tangent.0[l], tangent.1[l]);
         let hh = half * h;
 

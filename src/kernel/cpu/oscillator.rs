@@ -8,6 +8,7 @@ use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::force::Force;
 use crate::kernel::member::{COEFFICIENTS, COLUMNS, column};
 use crate::numerics::elementary::{Real, fma, sin_cos, sin_cos_turns};
+use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
 
 /// A member's coefficients, as `member::coefficients` orders them.
 pub type Coefficients<T> = [T; COEFFICIENTS];
@@ -78,7 +79,7 @@ impl<T: Real> Oscillator<T> for RungeKutta4 {
     #[inline(always)]
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
         runge_kutta::<T, FMA>(e, q, f, |e, a, q| {
-            let spring = fma::<T, FMA>(-(k[2] * a), a * a, fma::<T, FMA>(-k[0], e, w));
+            let spring = acceleration::<T, FMA>(k[2], a, fma::<T, FMA>(-k[0], e, w));
             fma::<T, FMA>(-k[1], q, spring)
         })
     }
@@ -87,14 +88,14 @@ impl<T: Real> Oscillator<T> for RungeKutta4 {
 impl<T: Real> Oscillator<T> for ExponentialRk2 {
     #[inline(always)]
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
-        let bend = |a: T| k[5] * a * (a * a);
+        let bend = |a: T, less: T| -acceleration::<T, FMA>(k[5], a, less);
         let rest = fma::<T, FMA>(-k[4], f.to_end, w);
         // The cubic force held at its first value moves the point of rest by −κa³.
-        let bent = bend(e + f.begin);
+        let bent = bend(e + f.begin, T::of(0.0));
         let (u, r) = relax::<T, FMA>(k, e - rest + bent, q - f.to_end);
         let first = u - bent + rest;
         // Then its growth over the step is put right.
-        let growth = bend(first + f.end) - bent;
+        let growth = bend(first + f.end, bent);
         (fma::<T, FMA>(-k[6], growth, first), fma::<T, FMA>(-k[7], growth, r + f.to_end))
     }
 }
@@ -104,13 +105,13 @@ impl<T: Real> Oscillator<T> for RosenbrockEuler {
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
         let (w0, c, half_c) = (k[0], k[1], T::of(0.5) * k[1]);
         let a = e + f.begin;
-        let square = k[2] * (a * a);
-        let slope = T::of(3.0) * square;
+        // In units of ω₀².
+        let slope = tangent_stiffness(k[2], a);
         // Tangent stiffness; with a hardening spring it is positive.
         let stiff = fma::<T, FMA>(w0, slope, w0);
         let r = q - f.to_end;
         // Newton's distance to rest, z = J⁻¹F, and what the force's growth adds.
-        let pull = fma::<T, FMA>(w0, fma::<T, FMA>(square, a, e - w), c * q);
+        let pull = fma::<T, FMA>(w0, -acceleration::<T, FMA>(k[2], a, w - e), c * q);
         let share = T::of(1.0) / stiff;
         let g = slope * f.to_end * (w0 * share);
         let y1 = (pull - c * (r + g)) * share;
