@@ -1,6 +1,6 @@
 //! Right or wrong: one verdict against its truth, by fixed rules.
 //!
-//! - Nothing planted: `adequate` is right; `undecidable` without a name is no alarm; all else is a false alarm.
+//! - Nothing planted: `adequate` is right; all else is a false alarm, `undecidable` too: it claims that something may be missing.
 //! - Physics of the library: the named set must be the planted set. `undecidable` also counts as right when every planted
 //!   effect stands in a tie of at most two and every tie holds a planted effect.
 //! - Foreign physics: only `unexplained` is right.
@@ -86,13 +86,9 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
     }
 }
 
-/// Whether a verdict on a null raised an alarm: a name, or a mismatch claimed.
+/// Whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may be there.
 pub fn is_alarm(said: &Said) -> bool {
-    match said.outcome {
-        Ending::Adequate | Ending::Error => false,
-        Ending::Undecidable => !said.groups.is_empty(),
-        Ending::Explained | Ending::Unexplained => true,
-    }
+    is_detected(said)
 }
 
 /// Whether the mismatch was noticed at all, whatever it was called.

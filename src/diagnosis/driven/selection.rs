@@ -7,6 +7,8 @@ pub mod folds;
 pub mod held_out;
 pub mod judged;
 pub mod lattice;
+pub mod noise_character;
+pub mod noise_scale;
 pub mod residual_structure;
 pub mod rivals;
 mod round;

@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::group::{GROUPS, Group};
 use crate::diagnosis::detection::structure;
-use crate::diagnosis::remainder::{Remainder, Size, Test};
+use crate::diagnosis::remainder::{Remainder, Size, Test, WHITE};
 use crate::numerics::order;
 use crate::numerics::special::f_above;
 
@@ -48,7 +48,9 @@ impl Residual {
             // Noise of a pose has a 1/f part, which the next pose remembers: that is not white, and no mismatch.
             tests.push(Test { p_value: TESTS * memory(&values), size: Size::Negligible });
         }
-        Self { remainder: Remainder::of(tests), above }
+        let remainder = Remainder::of(tests);
+        // What poses remember has no size of its own here: its probability alone says whether they are white.
+        Self { remainder: Remainder { white: remainder.p_value >= WHITE, ..remainder }, above }
     }
 }
 

@@ -1,22 +1,48 @@
 //! What a model leaves: how much of its innovations, and of their power, can still be foreseen. Noise gives nothing away.
 
 use crate::diagnosis::detection::{Structure, structure};
+use crate::diagnosis::driven::base::OMEGA;
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::trace;
+use crate::diagnosis::remainder::WHITE;
 use crate::numerics::moments::mean_sd;
-use crate::numerics::{order, special};
+
+use super::noise_scale::{Motion, local_scale};
 
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
-/// Stretches whose powers are compared.
-const STRETCHES: usize = 64;
 /// Lags over which one-step errors are taken to be correlated.
 pub const MEMORY: usize = 40;
 
-/// How much can still be foreseen of a model's innovations, from their past, the input and the state.
+/// How much can still be predicted of a model's innovations, from their past, the input and the state.
 pub fn left(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    structure(&innovations, OWN_LAGS, &regressors(data, &states))
+}
+
+/// As `left`, with a probability that also holds for noise of uneven strength: where the innovations look structured, they are
+/// also tested weighed by their local scale, and the larger probability counts.
+pub fn left_evenly(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let mut known = regressors(data, &states);
+    let plain = structure(&innovations, OWN_LAGS, &known);
+    if plain.p_value >= WHITE {
+        return plain;
+    }
+    let motion = Motion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] };
+    let scale = local_scale(&innovations, &motion);
+    let weighed = |values: &[f64]| values.iter().zip(&scale).map(|(v, s)| v / s).collect::<Vec<f64>>();
+    known.push(vec![1.0; innovations.len()]);
+    let known: Vec<Vec<f64>> = known.iter().map(|r| weighed(r)).collect();
+    let even = structure(&weighed(&innovations), OWN_LAGS, &known);
+    let [p_value, own_p_value] = [plain.p_value.max(even.p_value), plain.own_p_value.max(even.own_p_value)];
+    Structure { p_value, own_p_value, ..plain }
+}
+
+/// What innovations are regressed on besides their past, row by row.
+fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     let (x, v) = (&states.x, &states.v);
     let product = |f: &dyn Fn(f64, f64) -> f64| x.iter().zip(v).map(|(x, v)| f(*x, *v)).collect::<Vec<f64>>();
     let scale = mean_sd(v).1 / mean_sd(x).1.max(1e-300);
@@ -50,7 +76,7 @@ pub fn left(data: &Data, fit: &Fit) -> Structure {
         }
         regressors.push(data.hull.clone().map(|k| u[k] * u[k]).collect());
     }
-    structure(&innovations, OWN_LAGS, &regressors)
+    regressors
 }
 
 /// How much of the innovations' *power* can be foreseen from the input, the state and time: noise that belongs to the sensor
@@ -75,22 +101,6 @@ pub fn power_left(data: &Data, fit: &Fit) -> Structure {
         regressors.push(data.hull.clone().map(|k| input.samples()[k].powi(2)).collect());
     }
     structure(&power, 4, &regressors)
-}
-
-/// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out somewhere are not noise, however
-/// little of the whole they are.
-pub fn loudest_by_chance(residual: &[f64]) -> f64 {
-    let length = residual.len() / STRETCHES;
-    if length < 8 {
-        return 1.0;
-    }
-    let mut powers: Vec<f64> = residual.chunks_exact(length).map(|c| c.iter().map(|e| e * e).sum()).collect();
-    let freedom = length as f64 / correlation(residual, MEMORY);
-    order::sort(&mut powers);
-    let (middle, most) = (powers[powers.len() / 2], powers[powers.len() - 1]);
-    // The median of χ² with k degrees of freedom lies at k(1 − 2/(9k))³ (Wilson & Hilferty 1931).
-    let mean = middle / (1.0 - 2.0 / (9.0 * freedom)).powi(3);
-    (special::chi_squared_above(freedom * most / mean.max(1e-300), freedom) * powers.len() as f64).min(1.0)
 }
 
 /// Samples per independent one, from the correlations over fewer than so many lags of a sequence about zero.

@@ -79,6 +79,7 @@ pub fn answer(
     let (places, place) = located(data, errors, &states.x, &surfaces[0], &output_unit);
     let Notes { mut findings, doubts, .. } = notes;
     findings.extend(doubtful(c));
+    findings.extend(findings::noise(&c.noise, data.rate_hz));
     // What would have been seen is only known where what is left is noise.
     let silent = named.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };

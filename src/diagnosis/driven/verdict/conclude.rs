@@ -1,6 +1,7 @@
 //! From the model chosen to what may be said of it: which terms hold, which are tied, what is left.
 
 use crate::diagnosis::detection::Structure;
+use crate::diagnosis::driven::base::OMEGA;
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
 use crate::diagnosis::driven::identification::interval::{self, Spread};
 use crate::diagnosis::driven::identification::local_minima::deepest;
@@ -11,10 +12,15 @@ use crate::diagnosis::driven::selection::earned::{SMALLEST_GAIN, without};
 use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
 use crate::diagnosis::driven::selection::judged::{Judged, Rival, Selection};
 use crate::diagnosis::driven::selection::lattice::Lattice;
-use crate::diagnosis::driven::selection::residual_structure::{left, loudest_by_chance, power_left};
+use crate::diagnosis::driven::selection::noise_character::{
+    LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
+};
+use crate::diagnosis::driven::selection::noise_scale::Motion;
+use crate::diagnosis::driven::selection::residual_structure::{left_evenly, power_left};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding, weighed};
+use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
 use crate::diagnosis::ruling::{Evidence, rule};
@@ -30,12 +36,10 @@ pub const WHITE: f64 = 0.02;
 const FAINT: f64 = 0.05;
 /// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
 const EVEN: f64 = 0.01;
-/// Questions that are asked of what is left: structure in the innovations, structure in their power, a loud stretch.
+/// Questions that are asked of what is left: structure in the innovations, structure in their power, a disturbance.
 const QUESTIONS: f64 = 3.0;
 /// Probability below which one of them counts as answered.
 const LEVEL: f64 = REAL / QUESTIONS;
-/// How much more often a loud stretch comes by chance than χ² of normal noise says: real noise has heavier tails.
-const HEAVY_TAILS: f64 = 100.0;
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
 /// How far.
@@ -65,6 +69,8 @@ pub struct Conclusion {
     pub after: Structure,
     /// All tests of what is left, in the vocabulary of every kind.
     pub remainder: Remainder,
+    /// What kind of noise it is, where nothing else is left.
+    pub noise: NoiseCharacter,
     /// Coarse rounding, where it explains the remainder.
     pub lattice: Option<Lattice>,
     /// Uncertainty of the final model's parameters.
@@ -95,6 +101,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     if outcome == Outcome::Unexplained {
         draft.drop_stand_ins(share);
     }
+    let noise =
+        if remainder.size == Size::Negligible { character(data, &draft.model.fit) } else { NoiseCharacter::default() };
     let (spread, finished) = if outcome == Outcome::Unexplained {
         (interval::spread(&draft.model.fit), true)
     } else {
@@ -112,6 +120,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
         dropped,
         series,
         remainder,
+        noise,
         after,
         lattice,
         spread,
@@ -130,7 +139,7 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
     let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
-    let after = left(data, &model.fit);
+    let after = left_evenly(data, &model.fit);
     let mut left_out = c.left_out.clone();
     left_out.retain(|what| *what != LeftOut::Profiles);
     let (spread, finished) = if c.outcome == Outcome::Unexplained {
@@ -142,7 +151,18 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
         left_out.push(LeftOut::Profiles);
     }
     let remainder = remainder(data, &model, &after);
-    Conclusion { base, model, after, remainder, spread, budget, left_out, ..c }
+    let noise =
+        if remainder.size == Size::Negligible { character(data, &model.fit) } else { NoiseCharacter::default() };
+    Conclusion { base, model, after, remainder, noise, spread, budget, left_out, ..c }
+}
+
+/// What kind of noise a model leaves.
+fn character(data: &Data, fit: &Fit) -> NoiseCharacter {
+    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let noise = noise_character(&innovations, &Motion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] });
+    let start = data.hull.start;
+    let stretch = noise.stretch.map(|s| LoudStretch { from: start + s.from, to: start + s.to, ..s });
+    NoiseCharacter { stretch, ..noise }
 }
 
 /// The three questions asked of what a model leaves.
@@ -151,10 +171,10 @@ fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
     let power = model.fit.shape.is_noisy().then(|| power_left(data, &model.fit));
     let power = power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.share, EVEN, f64::INFINITY) });
-    let by_chance = QUESTIONS * HEAVY_TAILS * loudest_by_chance(&model.fit.linear.residual);
-    // A loud stretch may be a disturbance: alone it does not say that the library fails.
-    let loud = Test { p_value: by_chance, size: Size::Faint };
-    Remainder::of([structure, loud].into_iter().chain(power))
+    // A disturbance does not say that the library fails.
+    let by_chance = QUESTIONS * disturbance_by_chance(&model.fit.linear.residual);
+    let disturbance = Test { p_value: by_chance, size: Size::Faint };
+    Remainder::of([structure, disturbance].into_iter().chain(power))
 }
 
 /// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they need.
@@ -199,7 +219,7 @@ impl<'a> Draft<'a> {
             if model.steps == model.shape.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
         let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, &scales, &data.test), fit };
         let (base, model) = parallel::join(|| judge(base), || judge(model));
-        let (after, rivals) = (left(data, &model.fit), selection.rivals.clone());
+        let (after, rivals) = (left_evenly(data, &model.fit), selection.rivals.clone());
         let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
         Self { data, selection, scales, budget, base, model, after, rivals, named, dropped, left_out }
     }
@@ -252,7 +272,7 @@ impl<'a> Draft<'a> {
             if index < self.rivals.len() {
                 self.rivals.remove(index);
             }
-            self.after = left(self.data, &self.model.fit);
+            self.after = left_evenly(self.data, &self.model.fit);
             self.weigh();
         }
     }

@@ -1,5 +1,8 @@
 //! What is found besides the physics, as clauses.
 
+use crate::diagnosis::driven::selection::noise_character::NoiseCharacter;
+use crate::number::short;
+
 use super::dropped::{Dropped, LeftOut};
 
 /// Why a term has no name, as a clause.
@@ -27,4 +30,37 @@ pub fn left_out(what: LeftOut) -> &'static str {
         }
         LeftOut::WeighingAgain => "terms were not weighed again without one that made the prediction worse",
     }
+}
+
+/// What kind of noise it is, as clauses; none where it is plain. Times count from the recording's first sample on.
+pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
+    let tails = noise.tails.map(|beyond| {
+        format!(
+            "the noise is heavy-tailed: {} % of the readings lie more than 3.5 standard deviations off, 0.047 % if it were normal",
+            short(100.0 * beyond)
+        )
+    });
+    let growth = noise.growth.map(|ratio| {
+        let word = if ratio > 1.0 { "grows" } else { "fades" };
+        format!(
+            "the noise {word} with time: in the last quarter it is {} times as strong as in the first",
+            short(ratio)
+        )
+    });
+    let with_amplitude = noise.with_amplitude.map(|ratio| {
+        format!(
+            "the noise depends on amplitude: in the quarter of the samples with the largest motion it is {} times as strong as in \
+             that with the smallest",
+            short(ratio)
+        )
+    });
+    let stretch = noise.stretch.map(|s| {
+        format!(
+            "the noise is {} times as strong from {} to {} s as elsewhere",
+            short(s.ratio),
+            short(s.from as f64 / rate_hz),
+            short(s.to as f64 / rate_hz)
+        )
+    });
+    [tails, growth, with_amplitude, stretch].into_iter().flatten().collect()
 }
