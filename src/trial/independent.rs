@@ -5,8 +5,8 @@
 //! is also written otherwise (every k-th row, other units, sign, order of columns); verdicts must agree. Motion is integrated
 //! in continuous time by an adaptive method with events; how much of an effect can be seen is found by an oracle of its own.
 //!
-//! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `driven` → `stage` → `piece` → `letter` → `near` → `case` →
-//! `judge` → `run` → `score`.
+//! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` → `driven` → `stage` → `piece` →
+//! `letter` → `near` → `case` → `judge` → `run` → `score`.
 
 pub mod case;
 pub mod columns;
@@ -18,13 +18,19 @@ pub mod judge;
 pub mod law;
 pub mod letter;
 pub mod linear;
+pub mod motion;
 pub mod near;
 pub mod null;
 pub mod oscillator;
 pub mod piece;
 pub mod readout;
+pub mod rest;
 pub mod run;
 pub mod score;
+pub mod simulate;
 pub mod stage;
+pub mod still;
 pub mod truth;
+pub mod tumble;
+pub mod turned;
 pub mod wave;

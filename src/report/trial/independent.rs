@@ -90,7 +90,7 @@ pub fn agreement(score: &Score) -> Table {
 }
 
 fn counts(rows: &[Row]) -> Table {
-    let shown = [Mark::Right, Mark::HonestNamed, Mark::Honest, Mark::BelowDetection, Mark::Missed];
+    let shown = [Mark::Right, Mark::Overclaimed, Mark::HonestNamed, Mark::Honest, Mark::BelowDetection, Mark::Missed];
     let mut headings = vec!["kind", "family", "cases"];
     headings.extend(shown.map(Mark::word));
     headings.extend(["false name (sure)", "alarm (undecided)", "error"]);

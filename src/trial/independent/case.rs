@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::draw::Draw;
 use super::driven::Driven;
 use super::stage::Size;
+use super::still::Still;
 use super::truth::{Family, Kind, Truth};
-use super::{foreign, letter, near, null};
+use super::turned::Turned;
+use super::{foreign, letter, near, null, rest, tumble};
 
 /// How a case is linked to another: the same recording, written otherwise. Their verdicts must agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -49,6 +51,10 @@ impl Change {
 pub enum Body {
     /// One proof mass.
     Driven(Box<Driven>),
+    /// A sensor at rest.
+    Still(Box<Still>),
+    /// An IMU turned by hand.
+    Turned(Box<Turned>),
 }
 
 /// A case with its truth.
@@ -116,7 +122,14 @@ impl Case {
             (Kind::Driven, Family::Near) => boxed(near::draw(nth, &mut draw, size)),
             (Kind::Driven, Family::Foreign) => boxed(foreign::draw(nth, &mut draw, size)),
             (Kind::Driven, Family::Null) => boxed(null::draw(nth, &mut draw, size)),
-            _ => return None,
+            (Kind::Static, _) => {
+                let (sub, still, truth) = rest::draw(family, nth, &mut draw, size);
+                (sub, Body::Still(Box::new(still)), truth)
+            }
+            (Kind::Tumble, _) => {
+                let (sub, turned, truth) = tumble::draw(family, nth, &mut draw, size);
+                (sub, Body::Turned(Box::new(turned)), truth)
+            }
         };
         let mut case = Self { number, kind, family, sub, change: None, truth, body };
         if how > 0 {
@@ -140,7 +153,16 @@ impl Case {
     }
 
     fn rewrite(&mut self, change: Change) -> Option<()> {
-        let Body::Driven(driven) = &mut self.body;
+        let driven = match &mut self.body {
+            Body::Driven(driven) => driven,
+            Body::Still(still) => {
+                rewrite_still(still, change)?;
+                self.truth.parameters = Vec::new();
+                self.change = Some(change);
+                return Some(());
+            }
+            Body::Turned(_) => return None,
+        };
         let (o, columns) = (&driven.oscillator, &mut driven.columns);
         match change {
             Change::Half | Change::Fifth | Change::Tenth => {
@@ -180,8 +202,25 @@ impl Case {
     pub fn texts(&self) -> [String; 2] {
         match &self.body {
             Body::Driven(driven) => driven.texts(),
+            Body::Still(still) => still.texts(),
+            Body::Turned(turned) => turned.texts(),
         }
     }
+}
+
+/// A recording at rest in other units or with its sign turned; every k-th row would be another noise.
+fn rewrite_still(still: &mut Still, change: Change) -> Option<()> {
+    let factor = match change {
+        Change::Units => 1e3,
+        Change::Sign => -1.0,
+        _ => return None,
+    };
+    still.mean.iter_mut().for_each(|m| *m *= factor);
+    still.sigma.iter_mut().for_each(|s| *s *= factor);
+    still.step *= factor.abs();
+    // The data sheet promises a size.
+    still.promised = still.promised.map(|p| p * factor.signum());
+    Some(())
 }
 
 fn boxed((sub, driven, truth): letter::Made) -> (String, Body, Truth) {
@@ -202,5 +241,44 @@ mod tests {
             assert_eq!(nths, (0..3 * count).collect::<Vec<_>>());
         }
         assert!(Case::numbers(100).iter().all(|n| Case::numbers(2000).contains(n)));
+    }
+
+    #[test]
+    fn the_same_recording_written_otherwise_is_the_same_recording() {
+        let size = Size { rows: 4000 };
+        let numbers = |text: &str| -> Vec<Vec<f64>> {
+            text.lines().skip(1).map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect()).collect()
+        };
+        let (mut thinned, mut turned) = (0, 0);
+        for number in Case::numbers(40).into_iter().filter(|n| *n > LINKED) {
+            let Some(case) = Case::make(3, number, size) else { continue };
+            let origin = Case::make(3, case.origin(), size).expect("made before");
+            let [first, other] = [&origin, &case].map(|c| numbers(&c.texts()[0]));
+            match case.change {
+                Some(Change::Half) => {
+                    thinned += 1;
+                    assert!(other.iter().eq(first.iter().step_by(2)));
+                    assert!(!other.iter().eq(first.iter().skip(1).step_by(2)), "shifted rows are seen: control");
+                }
+                Some(Change::Swapped) => {
+                    turned += 1;
+                    assert!(other.iter().zip(&first).all(|(a, b)| a.len() == 1 || (a[0], a[1]) == (b[1], b[0])));
+                }
+                _ => {}
+            }
+        }
+        assert!(thinned > 0 && turned > 0, "{thinned} {turned}");
+    }
+
+    #[test]
+    fn every_slot_makes_cases_with_files_that_repeat() {
+        let size = Size { rows: 2500 };
+        for number in 0..25 {
+            let case = Case::make(5, number, size).expect("made");
+            assert!(case.texts() == Case::make(5, number, size).expect("made").texts());
+            assert_eq!(case.family == Family::Null, case.truth.effects.is_empty() && case.family != Family::Foreign);
+            let text = serde_json::to_string(&case).expect("written");
+            assert_eq!(serde_json::from_str::<Case>(&text).expect("read"), case);
+        }
     }
 }

@@ -102,7 +102,7 @@ pub fn table(columns: &[(&str, &[f64])]) -> String {
             let comma = if c > 0 { "," } else { "" };
             let value = values[row];
             let _ = match value == value.round() && value.abs() < 1e9 {
-                true => write!(text, "{comma}{value}"),
+                true => write!(text, "{comma}{}", value + 0.0),
                 false => write!(text, "{comma}{value:.9e}"),
             };
         }

@@ -6,8 +6,9 @@ use super::columns::Columns;
 use super::draw::Draw;
 use super::law::{Course, Law};
 use super::linear::{self, Fine};
-use super::oscillator::{self, Oscillator, Run};
+use super::oscillator::{self, Oscillator};
 use super::readout::{self, Noise, Readout};
+use super::simulate::{self, Run};
 use super::truth::Parameter;
 
 /// What was drawn.
@@ -37,7 +38,7 @@ impl Driven {
     /// The first rows. None when the motion runs away.
     pub fn readings(&self, rows: usize, noisy: bool) -> Option<Readings> {
         let o = &self.oscillator;
-        let Run { mut input, signal } = oscillator::run(o, rows)?;
+        let Run { mut input, signal } = simulate::run(o, rows)?;
         let mut draw = Draw::new(o.seed, 0, 31);
         let noise: Vec<f64> = match noisy {
             true => self.noise.series(&signal, &mut draw).iter().map(|e| self.sigma * e).collect(),

@@ -15,6 +15,8 @@ use crate::trial::said::{Ending, Said};
 pub enum Mark {
     /// All that is there is named and nothing else; a null is adequate; foreign physics is unexplained without a name.
     Right,
+    /// Called explained by the right name, though the truth departs from its statement by more than a good test sees.
+    Overclaimed,
     /// Unexplained or undecidable, with right names only.
     HonestNamed,
     /// Unexplained or undecidable, without a name.
@@ -37,8 +39,9 @@ pub enum Mark {
 
 impl Mark {
     /// All, in the order of the report.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Right,
+        Self::Overclaimed,
         Self::HonestNamed,
         Self::Honest,
         Self::BelowDetection,
@@ -54,6 +57,7 @@ impl Mark {
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",
+            Self::Overclaimed => "explained, only near",
             Self::HonestNamed => "honest, right name",
             Self::Honest => "honest, no name",
             Self::BelowDetection => "too small to see",
@@ -101,7 +105,11 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
         Ending::Explained if truth.effects.is_empty() => Mark::ConfidentlyWrong,
         Ending::Explained => {
             let missing = |e: &super::truth::Effect| e.evidence >= SEEN && !e.right.iter().any(|r| ids.contains(r));
-            if truth.effects.iter().any(missing) { Mark::Missed } else { Mark::Right }
+            match () {
+                () if truth.effects.iter().any(missing) => Mark::Missed,
+                () if case.family == Family::Near && overclaims(case, said) => Mark::Overclaimed,
+                () => Mark::Right,
+            }
         }
         Ending::Unexplained if !ids.iter().all(|id| truth.tolerates(id)) => Mark::FalseName,
         Ending::Undecidable if !said.groups.iter().all(|g| g.iter().any(|id| truth.tolerates(id))) => Mark::FalseName,
@@ -109,6 +117,16 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
         Ending::Unexplained if truth.effects.is_empty() => Mark::Right,
         Ending::Unexplained | Ending::Undecidable => Mark::Honest,
     }
+}
+
+/// Whether what is called explained is not: the nearest statement leaves too much, or the repaired model runs worse than the
+/// noise by four standard errors of a variance over a third of the rows and by what a good test sees.
+fn overclaims(case: &Case, said: &Said) -> bool {
+    let worse = case.truth.floor.is_some_and(|[sigma, rows]| {
+        let excess = (said.rmse[1] / sigma).powi(2) - 1.0;
+        excess > SEEN / rows && excess > 4.0 * (2.0 / (rows / 3.0)).sqrt()
+    });
+    worse || case.truth.departure.is_some_and(|d| d >= SEEN)
 }
 
 /// One interval against the truth.

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::draw::Draw;
 use super::driven::{Driven, rms};
 use super::law::{Course, Law};
-use super::oscillator;
 use super::piece::{Piece, assemble, strengthen, target};
 use super::readout::Readout;
+use super::simulate;
 use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;
@@ -51,7 +51,7 @@ fn needs_input(id: &str) -> bool {
 
 /// The largest displacement of the bare oscillator.
 pub fn reach(base: &Driven) -> f64 {
-    let run = oscillator::run(&base.oscillator, base.oscillator.rows);
+    let run = simulate::run(&base.oscillator, base.oscillator.rows);
     run.map_or(1.0, |r| r.signal.iter().fold(0.0f64, |a, b| a.max(b.abs())))
 }
 
@@ -167,7 +167,7 @@ fn several(ids: &[&str], ratios: &[f64], draw: &mut Draw, wish: Wish, size: Size
 
 /// Whether two runs that begin 1e-8 apart part by five decades: a positive Lyapunov exponent, seen.
 fn parts(base: &Driven) -> bool {
-    let near = |driven: &Driven| oscillator::run(&driven.oscillator, driven.oscillator.rows);
+    let near = |driven: &Driven| simulate::run(&driven.oscillator, driven.oscillator.rows);
     let mut other = base.clone();
     other.oscillator.start[0] += 1e-8;
     let (Some(a), Some(b)) = (near(base), near(&other)) else { return false };
@@ -196,7 +196,7 @@ fn chaotic(draw: &mut Draw, size: Size) -> Option<(Driven, Truth)> {
     if !parts(&with) {
         return None;
     }
-    let loud = rms(&oscillator::run(&with.oscillator, with.oscillator.rows)?.signal);
+    let loud = rms(&simulate::run(&with.oscillator, with.oscillator.rows)?.signal);
     base.sigma *= loud;
     base.columns.output_scale /= loud;
     base.columns.step = 0.0;

@@ -166,7 +166,10 @@ pub fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
         if !strengthen(&base, &mut piece, target) {
             continue;
         }
-        if let Some((driven, truth)) = assemble(base, &[(piece, effect(&right))], Truth::default()) {
+        let random = matches!(piece, Piece::InputNoise(_));
+        if let Some((driven, mut truth)) = assemble(base, &[(piece, effect(&right))], Truth::default()) {
+            let sigma = driven.sigma * driven.columns.output_scale.abs();
+            truth.floor = (!random).then_some([sigma, driven.oscillator.rows as f64]);
             return (sub.to_owned(), driven, truth);
         }
     }

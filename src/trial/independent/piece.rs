@@ -101,17 +101,24 @@ pub fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
     last > 0.2 * target && last < 3.0 * target
 }
 
-/// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar wavelet variances).
-fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
-    let mut level = left.to_vec();
+/// Count and variance of the Haar details of each octave, finest first.
+pub fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
+    let mut level = values.to_vec();
     let mut octaves = Vec::new();
     while level.len() >= 16 {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let detail: f64 = level.chunks_exact(2).map(|p| (half * (p[0] - p[1])).powi(2)).sum();
         let count = (level.len() / 2) as f64;
-        octaves.push((count, detail / count / (sigma * sigma) + 1.0));
+        octaves.push((count, detail / count));
         level = level.chunks_exact(2).map(|p| half * (p[0] + p[1])).collect();
     }
+    octaves
+}
+
+/// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar wavelet variances).
+pub fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
+    let octaves: Vec<(f64, f64)> =
+        octaves(left).into_iter().map(|(count, level)| (count, level / (sigma * sigma) + 1.0)).collect();
     let total: f64 = octaves.iter().map(|o| o.0).sum();
     let mean = octaves.iter().map(|o| o.0 * o.1).sum::<f64>() / total.max(1.0);
     octaves.iter().map(|(n, level)| n * (mean / level).ln()).sum::<f64>().max(0.0)

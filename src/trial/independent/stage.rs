@@ -5,8 +5,9 @@ use std::f64::consts::{PI, TAU};
 use super::columns::Columns;
 use super::draw::Draw;
 use super::driven::{Driven, rms};
-use super::oscillator::{self, Oscillator};
+use super::oscillator::Oscillator;
 use super::readout::Noise;
+use super::simulate;
 use super::wave::Shape;
 
 /// What a family asks of the input.
@@ -133,7 +134,7 @@ fn attempt(draw: &mut Draw, wish: Wish, size: Size) -> Option<Driven> {
         jitter: 0.0,
         slip: None,
     };
-    let signal = oscillator::run(&oscillator, rows)?.signal;
+    let signal = simulate::run(&oscillator, rows)?.signal;
     let loud = rms(&signal);
     if !ring {
         oscillator.gain /= loud;

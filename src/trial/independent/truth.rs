@@ -93,6 +93,10 @@ pub struct Truth {
     pub tolerable: Vec<String>,
     /// Evidence of everything together.
     pub evidence: f64,
+    /// Evidence of what the nearest statement of the library leaves, where it is known.
+    pub departure: Option<f64>,
+    /// Rms of the noise in the reading, column units, and rows: what a repaired model that explains has to reach.
+    pub floor: Option<[f64; 2]>,
     /// Intervals are held against these.
     pub parameters: Vec<Parameter>,
 }

@@ -1,0 +1,324 @@
+//! Families at rest: processes to the letter, near laws (other exponents, other courses of a temperature), nulls.
+
+use std::f64::consts::TAU;
+
+use super::draw::Draw;
+use super::linear::left_by;
+use super::piece::{coloured_evidence, octaves};
+use super::readout::Noise;
+use super::stage::Size;
+use super::still::{Filter, Process, Still};
+use super::truth::{Effect, Family, Truth};
+
+/// A name, what was made and its truth.
+pub type Made = (String, Still, Truth);
+
+const LETTER: [&str; 12] = [
+    "white-noise",
+    "quantisation-noise",
+    "flicker-noise",
+    "random-walk",
+    "rate-ramp",
+    "gauss-markov",
+    "sinusoid",
+    "warm-up",
+    "temperature-sensitivity",
+    "random-walk beside a knock",
+    "rate-ramp + flicker-noise",
+    "sinusoid + random-walk",
+];
+const NEAR: [&str; 12] = [
+    "density f^-0.8",
+    "density f^-1.3",
+    "drift √t",
+    "drift t^0.8",
+    "warm-up in two speeds",
+    "temperature, parabola",
+    "temperature, lag",
+    "temperature, play",
+    "popcorn",
+    "jump",
+    "sine of changing frequency",
+    "drift t^1.5",
+];
+const NULL: [&str; 10] = [
+    "normal noise",
+    "Student t3 noise",
+    "Student t5 noise",
+    "Laplace noise",
+    "noise grows with time",
+    "one bad reading",
+    "moving average on chip",
+    "second-order filter on chip",
+    "finely quantised",
+    "temperature column without effect",
+];
+
+fn bare(draw: &mut Draw, size: Size) -> Still {
+    let channels = draw.one_of(&[1, 1, 2, 3]);
+    let rate_hz = draw.log_between(1.0, 1000.0);
+    let rows = draw.log_between(4000.0f64.min(size.rows as f64), size.rows as f64) as usize;
+    let unit: &str = draw.one_of(&["g", "m/s^2", "deg/s", "V"]);
+    let level = draw.log_between(1e-5, 10.0);
+    let names = draw.one_of(&[["ax", "ay", "az"], ["gyro x", "gyro y", "gyro z"], ["ch1_V", "ch2_V", "ch3_V"]]);
+    Still {
+        seed: draw.bits() >> 12,
+        rate_hz: (rate_hz * 1000.0).round() / 1000.0,
+        rows,
+        // One data sheet: channels are alike within a few per cent where nothing else is said.
+        sigma: vec![level; channels],
+        mean: (0..channels).map(|_| level * draw.between(-300.0, 300.0)).collect(),
+        processes: Vec::new(),
+        noise: Noise::Gauss,
+        filter: Filter::None,
+        step: 0.0,
+        knocks: Vec::new(),
+        temperature: false,
+        promised: None,
+        unit: unit.into(),
+        headings: names[..channels].iter().map(|n| (*n).to_owned()).collect(),
+    }
+}
+
+/// Evidence of the n-th process in all channels, and its rms over σ in the channel that shows it most.
+fn evidence(still: &Still, n: usize) -> [f64; 2] {
+    let random = still.processes[n].0.is_random();
+    let channels = (0..still.sigma.len()).map(|c| {
+        let mut values = still.effect(n, c);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.iter_mut().for_each(|v| *v -= mean);
+        let power: f64 = values.iter().map(|v| v * v).sum();
+        let found = if random { coloured_evidence(&values, 1.0) } else { power };
+        [found, (power / values.len() as f64).sqrt()]
+    });
+    channels.fold([0.0, 0.0], |a, b| [a[0] + b[0], f64::max(a[1], b[1])])
+}
+
+/// Adds a process in one or all channels, scaled to an evidence.
+fn add(still: &mut Still, draw: &mut Draw, mut process: Process, goal: f64) {
+    let channels = still.sigma.len();
+    let only = draw.chance(0.4).then(|| draw.below(channels));
+    let weights: Vec<f64> = (0..channels)
+        .map(|c| match only {
+            Some(one) if one != c => 0.0,
+            _ => draw.between(0.5, 1.0) * if process.is_random() { 1.0 } else { draw.sign() },
+        })
+        .collect();
+    *process.size_mut() = 0.1;
+    let n = still.processes.len();
+    still.processes.push((process, weights));
+    for _ in 0..30 {
+        let [found, _] = evidence(still, n);
+        if found > goal / 1.1 && found < goal * 1.1 {
+            break;
+        }
+        // Evidence grows as the square at least.
+        let factor = (goal / found.max(1e-12)).powf(0.4).clamp(0.05, 20.0);
+        *still.processes[n].0.size_mut() *= factor;
+    }
+}
+
+fn letter_process(id: &str, draw: &mut Draw, length_s: f64, rate_hz: f64) -> Option<Process> {
+    let size = 1.0;
+    Some(match id {
+        "flicker-noise" => Process::Flicker { size, alpha: 1.0 },
+        "random-walk" | "random-walk beside a knock" => Process::Walk { size },
+        "rate-ramp" => Process::Drift { size, p: 1.0 },
+        "gauss-markov" => Process::GaussMarkov { size, tau: draw.log_between(10.0 / rate_hz, length_s / 30.0) },
+        "sinusoid" => Process::Sine {
+            size,
+            hz: draw.log_between(20.0 / length_s, 0.45 * rate_hz),
+            phase: TAU * draw.unit(),
+            chirp: 0.0,
+        },
+        "warm-up" => Process::WarmUp { size, tau: length_s * draw.log_between(0.04, 0.3) },
+        "temperature-sensitivity" => Process::Temperature { size, square: 0.0, lag: 0.0, play: 0.0 },
+        _ => return None,
+    })
+}
+
+fn near_process(sub: &str, draw: &mut Draw, length_s: f64, rate_hz: f64) -> (Process, &'static [&'static str]) {
+    let size = 1.0;
+    let drift = |p: f64| (Process::Drift { size, p }, &["rate-ramp", "warm-up"][..]);
+    match sub {
+        "density f^-0.8" => (Process::Flicker { size, alpha: 0.8 }, &["flicker-noise"]),
+        "density f^-1.3" => (Process::Flicker { size, alpha: 1.3 }, &["flicker-noise"]),
+        "drift √t" => drift(0.5),
+        "drift t^0.8" => drift(0.8),
+        "drift t^1.5" => drift(1.5),
+        "warm-up in two speeds" => {
+            let tau = length_s * draw.log_between(0.02, 0.08);
+            let (part, ratio) = (draw.between(0.5, 1.5), draw.between(4.0, 10.0));
+            (Process::TwoSpeeds { size, tau, part, ratio }, &["warm-up"])
+        }
+        "temperature, parabola" => {
+            let square = draw.between(0.08, 0.4);
+            (Process::Temperature { size, square, lag: 0.0, play: 0.0 }, &["temperature-sensitivity"])
+        }
+        "temperature, lag" => {
+            let lag = length_s * draw.between(0.03, 0.15);
+            (Process::Temperature { size, square: 0.0, lag, play: 0.0 }, &["temperature-sensitivity"])
+        }
+        "temperature, play" => {
+            let play = draw.between(0.3, 1.0);
+            (Process::Temperature { size, square: 0.0, lag: 0.0, play }, &["temperature-sensitivity"])
+        }
+        // Switching between two levels has the spectrum of a Gauss–Markov process, and not its law.
+        "popcorn" => {
+            let dwell = draw.log_between(20.0 / rate_hz, length_s / 20.0);
+            (Process::Popcorn { size, dwell }, &["gauss-markov", "popcorn", "popcorn-noise"])
+        }
+        "jump" => (Process::Jump { size, at: draw.between(0.15, 0.85) }, &["jump", "step"]),
+        _ => {
+            let hz = draw.log_between(50.0 / length_s, 0.3 * rate_hz);
+            let chirp = draw.between(3.0, 30.0) / (hz * length_s);
+            (Process::Sine { size, hz, phase: TAU * draw.unit(), chirp }, &["sinusoid"])
+        }
+    }
+}
+
+fn measured(still: &Still, n: usize, right: &[&str]) -> Effect {
+    let [evidence, over_noise] = evidence(still, n);
+    Effect { right: right.iter().map(|r| (*r).to_owned()).collect(), evidence, over_noise }
+}
+
+fn letter(sub: &str, draw: &mut Draw, size: Size) -> Made {
+    let mut still = bare(draw, size);
+    let length_s = still.rows as f64 / still.rate_hz;
+    let mut truth = Truth::default();
+    let rows = still.rows as f64 * still.sigma.len() as f64;
+    let known = |id: &str, evidence: f64, over_noise: f64| Effect { right: vec![id.into()], evidence, over_noise };
+    match sub {
+        "white-noise" => {
+            let over = draw.log_between(1.15, 2.0);
+            let over = if draw.chance(0.5) { over } else { 1.0 / over };
+            still.promised = Some(over);
+            // Log-likelihood ratio of a variance that is wrong by a factor.
+            let ratio = 1.0 / (over * over);
+            truth.effects.push(known("white-noise", rows * (ratio - 1.0 - ratio.ln()), (1.0 / over - 1.0).abs()));
+        }
+        "quantisation-noise" => {
+            let steps = draw.log_between(1.5, 6.0);
+            still.step = steps * still.sigma[0];
+            truth.effects.push(known("quantisation-noise", rows * steps.powi(4) / 144.0, steps / 12f64.sqrt()));
+        }
+        _ => {
+            let goal = draw.log_between(300.0, 3e4);
+            for id in sub.split(" + ") {
+                let Some(process) = letter_process(id, draw, length_s, still.rate_hz) else { continue };
+                add(&mut still, draw, process, goal);
+                let name = id.split(' ').next().unwrap_or(id).to_owned();
+                truth.effects.push(measured(&still, still.processes.len() - 1, &[&name]));
+            }
+            if sub == "random-walk beside a knock" {
+                still.knocks.push([
+                    draw.between(0.05, 0.95),
+                    1.0 + draw.below(30) as f64,
+                    draw.log_between(15.0, 300.0),
+                ]);
+            }
+            still.temperature = sub == "temperature-sensitivity" || draw.chance(0.2);
+        }
+    }
+    (sub.to_owned(), still, truth)
+}
+
+fn near(sub: &str, draw: &mut Draw, size: Size) -> Made {
+    let mut still = bare(draw, size);
+    let length_s = still.rows as f64 / still.rate_hz;
+    let (process, right) = near_process(sub, draw, length_s, still.rate_hz);
+    let goal = draw.log_between(300.0, 1e5);
+    add(&mut still, draw, process, goal);
+    still.temperature = sub.starts_with("temperature") || draw.chance(0.2);
+    let effects = vec![measured(&still, 0, right)];
+    let departure = departure(&still);
+    (sub.to_owned(), still, Truth { effects, departure, ..Truth::default() })
+}
+
+/// Evidence of what the nearest law of the library leaves of the first process, all channels together.
+fn departure(still: &Still) -> Option<f64> {
+    let rows = still.rows;
+    let (ones, dt) = (vec![1.0; rows], 1.0 / still.rate_hz);
+    let length_s = rows as f64 * dt;
+    let ramp: Vec<f64> = (0..rows).map(|n| n as f64 / rows as f64).collect();
+    let settling =
+        |part: f64| -> Vec<f64> { (0..rows).map(|n| (-(n as f64) * dt / (part * length_s)).exp()).collect() };
+    let courses: Vec<Vec<f64>> = match still.processes[0].0 {
+        Process::Drift { .. } => std::iter::once(ramp).chain([0.03, 0.1, 0.3, 0.6, 1.0, 2.0].map(settling)).collect(),
+        Process::TwoSpeeds { .. } => [0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6].map(settling).into(),
+        Process::Temperature { .. } => vec![still.temperatures()],
+        Process::Flicker { .. } => {
+            return Some((0..still.sigma.len()).map(|c| departure_from_flicker(&still.effect(0, c))).sum());
+        }
+        _ => return None,
+    };
+    let left = |channel: usize, course: &[f64]| -> f64 {
+        left_by(&[&ones, course], &still.effect(0, channel)).iter().map(|v| v * v).sum()
+    };
+    let of = |channel: usize| courses.iter().map(|c| left(channel, c)).fold(f64::INFINITY, f64::min);
+    Some((0..still.sigma.len()).map(of).sum())
+}
+
+/// Twice the log-likelihood by which octaves of white noise of variance one and this process depart from white and 1/f noise:
+/// an octave of Haar details of 1/f noise has the same variance as every other.
+fn departure_from_flicker(process: &[f64]) -> f64 {
+    let levels: Vec<[f64; 2]> = octaves(process).into_iter().map(|(n, level)| [n, 1.0 + level]).collect();
+    let apart = |white: f64, flicker: f64| -> f64 {
+        let of = |[n, level]: &[f64; 2]| {
+            let ratio = level / (white + flicker);
+            n * (ratio - 1.0 - ratio.ln())
+        };
+        levels.iter().map(of).sum()
+    };
+    let grid = |n: i32| 10f64.powf(-4.0 + 6.0 * f64::from(n) / 60.0);
+    let best = (0..=60)
+        .flat_map(|f| (0..=40).map(move |w| (0.7 + 0.02 * f64::from(w), f)))
+        .map(|(white, f)| apart(white, grid(f)))
+        .fold(f64::INFINITY, f64::min);
+    // Each octave scatters by its own degrees of freedom: one unit each in the mean.
+    (best - levels.len() as f64).max(0.0)
+}
+
+fn null(sub: &str, draw: &mut Draw, size: Size) -> Made {
+    let mut still = bare(draw, size);
+    let mut truth = Truth::default();
+    if draw.chance(0.3) {
+        // A data sheet that keeps its word.
+        still.promised = Some(1.0);
+    }
+    match sub {
+        "Student t3 noise" => still.noise = Noise::Student { freedom: 3 },
+        "Student t5 noise" => still.noise = Noise::Student { freedom: 5 },
+        "Laplace noise" => still.noise = Noise::Laplace,
+        "noise grows with time" => still.noise = Noise::Growing { factor: draw.log_between(1.3, 4.0) },
+        "one bad reading" => {
+            still.knocks.push([draw.between(0.02, 0.98), 1.0, draw.sign() * draw.log_between(15.0, 1e3)])
+        }
+        "moving average on chip" => still.filter = Filter::Mean { taps: 2 + draw.below(7) },
+        "second-order filter on chip" => still.filter = Filter::TwoPoles { pole: draw.between(0.1, 0.7) },
+        "finely quantised" => {
+            still.step = still.sigma[0] * draw.log_between(0.1, 0.9);
+            // A step near the noise may be said: it is there.
+            truth.also.push("quantisation-noise".into());
+        }
+        "temperature column without effect" => still.temperature = true,
+        _ => {}
+    }
+    if !matches!(still.noise, Noise::Gauss) || still.filter != Filter::None || !still.knocks.is_empty() {
+        still.promised = None;
+    }
+    (sub.to_owned(), still, truth)
+}
+
+/// The n-th case of a family.
+pub fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> Made {
+    let size = Size { rows: 2 * size.rows };
+    let (sub, still, mut truth) = match family {
+        Family::Letter => letter(LETTER[nth % LETTER.len()], draw, size),
+        Family::Near | Family::Foreign => near(NEAR[nth % NEAR.len()], draw, size),
+        Family::Null => null(NULL[nth % NULL.len()], draw, size),
+    };
+    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum();
+    truth.parameters = still.parameters();
+    (sub, still, truth)
+}

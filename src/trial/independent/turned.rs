@@ -1,0 +1,301 @@
+//! An IMU turned by hand as the second generator has it: still poses joined by turns about two axes at once, in closed form.
+
+use serde::{Deserialize, Serialize};
+
+use super::columns::table;
+use super::draw::Draw;
+use super::readout::Noise;
+use super::truth::Parameter;
+
+/// Gravity where it is turned, m/s².
+pub const GRAVITY: f64 = 9.80665;
+
+type Vector = [f64; 3];
+type Rotation = [[f64; 3]; 3];
+
+/// Errors of one three-axis sensor: counts = offset + scale·(v + k₂v² + k₂ₐ|v|v), v = M·true.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sensor {
+    /// Counts per m/s² or rad/s.
+    pub scale: Vector,
+    /// M with ones on its diagonal.
+    pub skew: Rotation,
+    /// Counts.
+    pub offset: Vector,
+    /// k₂ per unit.
+    pub square: Vector,
+    /// k of |v|v per unit.
+    pub bend: Vector,
+    /// White noise per sample, counts.
+    pub sigma: f64,
+    /// Flicker (bias instability), over sigma.
+    pub flicker: f64,
+    /// Offset drift over the recording, in units of the quantity.
+    pub drift: Vector,
+}
+
+/// Everything about one recording by hand.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Turned {
+    /// Seed of poses and noise.
+    pub seed: u64,
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// Still poses.
+    pub poses: usize,
+    /// Shortest and longest rest, s.
+    pub rest_s: [f64; 2],
+    /// Accelerometer, m/s².
+    pub accelerometer: Sensor,
+    /// Gyro, rad/s.
+    pub gyro: Sensor,
+    /// Gyro bias per specific force, rad/s per m/s².
+    pub g_sensitivity: Rotation,
+    /// Law of the white noise.
+    pub noise: Noise,
+    /// A pose in which it was knocked, and by how much, m/s².
+    pub knock: Option<(usize, f64)>,
+    /// Whether readings are whole counts.
+    pub whole: bool,
+    /// Whether a temperature column is written, which drives the drift.
+    pub temperature: bool,
+}
+
+fn apply(m: &Rotation, v: Vector) -> Vector {
+    std::array::from_fn(|i| (0..3).map(|j| m[i][j] * v[j]).sum())
+}
+
+fn product(a: &Rotation, b: &Rotation) -> Rotation {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+fn transposed(m: &Rotation) -> Rotation {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}
+
+/// Rotation by a vector (Rodrigues).
+fn rotation(v: Vector) -> Rotation {
+    let angle = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (a, b) = if angle < 1e-8 { (1.0, 0.5) } else { (angle.sin() / angle, (1.0 - angle.cos()) / (angle * angle)) };
+    let k = [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]];
+    let kk = product(&k, &k);
+    std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) + a * k[i][j] + b * kk[i][j]))
+}
+
+/// Minimum-jerk course from 0 to 1 and its rate, over a span.
+fn course(t: f64, from: f64, to: f64) -> [f64; 2] {
+    let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
+    let rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / (to - from);
+    [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), rate]
+}
+
+/// A turn: R(t) = R₀·exp(a·s₁(t))·exp(b·s₂(t)).
+struct Turn {
+    from: f64,
+    to: f64,
+    begin: Rotation,
+    first: Vector,
+    second: Vector,
+}
+
+impl Turn {
+    fn parts(&self) -> [[f64; 2]; 2] {
+        let length = self.to - self.from;
+        [[self.from, self.from + 0.75 * length], [self.from + 0.25 * length, self.to]]
+    }
+
+    /// Attitude (body to level) and body rate.
+    fn at(&self, t: f64) -> (Rotation, Vector) {
+        let [one, two] = self.parts();
+        let ([s1, r1], [s2, r2]) = (course(t, one[0], one[1]), course(t, two[0], two[1]));
+        let second = rotation(self.second.map(|x| x * s2));
+        let attitude = product(&self.begin, &product(&rotation(self.first.map(|x| x * s1)), &second));
+        let carried = apply(&transposed(&second), self.first.map(|x| x * r1));
+        (attitude, std::array::from_fn(|i| carried[i] + self.second[i] * r2))
+    }
+}
+
+/// Specific force and rate of the body at each row, and the pose of each row, none in a turn.
+pub struct Motion {
+    /// m/s².
+    pub force: Vec<Vector>,
+    /// rad/s.
+    pub rate: Vec<Vector>,
+    /// Number of the still pose.
+    pub pose: Vec<Option<usize>>,
+}
+
+fn random_axis(draw: &mut Draw) -> Vector {
+    let v: Vector = std::array::from_fn(|_| draw.normal());
+    let size = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-9);
+    v.map(|x| x / size)
+}
+
+impl Turned {
+    /// Motion in closed form, sampled at the rows.
+    pub fn motion(&self) -> Motion {
+        let mut draw = Draw::new(self.seed, 0, 51);
+        let mut turns: Vec<Turn> = Vec::new();
+        let mut attitude = rotation(random_axis(&mut draw).map(|x| x * draw.between(0.0, 3.0)));
+        let mut t = 0.0;
+        let mut rests = Vec::new();
+        for _ in 0..self.poses {
+            let end = t + draw.between(self.rest_s[0], self.rest_s[1]);
+            rests.push([t, end]);
+            let (first, second) = (random_axis(&mut draw), random_axis(&mut draw));
+            let (a, b) = (draw.between(0.5, 1.8), draw.between(0.2, 1.4));
+            let turn = Turn {
+                from: end,
+                to: end + draw.between(1.0, 2.5),
+                begin: attitude,
+                first: first.map(|x| x * a),
+                second: second.map(|x| x * b),
+            };
+            (attitude, _) = turn.at(turn.to);
+            t = turn.to;
+            turns.push(turn);
+        }
+        // It ends in its last rest.
+        let rows = (rests.last().map_or(0.0, |r| r[1]) * self.rate_hz) as usize;
+        let mut motion = Motion { force: Vec::new(), rate: Vec::new(), pose: Vec::new() };
+        let mut now = 0;
+        for row in 0..rows {
+            let t = row as f64 / self.rate_hz;
+            while now + 1 < turns.len() && t >= turns[now].to {
+                now += 1;
+            }
+            let (attitude, rate) = turns[now].at(t);
+            motion.force.push(apply(&transposed(&attitude), [0.0, 0.0, GRAVITY]));
+            motion.rate.push(rate);
+            motion.pose.push((t < rests[now][1]).then_some(now));
+        }
+        motion
+    }
+
+    /// Temperature at a part of the recording.
+    fn temperature(part: f64) -> f64 {
+        24.0 + 6.0 * (1.0 - (-2.5 * part).exp())
+    }
+
+    fn counts(&self, sensor: &Sensor, truth: &[Vector], purpose: u64) -> [Vec<f64>; 3] {
+        let rows = truth.len();
+        let flat = vec![0.0; rows];
+        std::array::from_fn(|axis| {
+            let mut draw = Draw::new(self.seed, purpose * 3 + axis as u64, 52);
+            let noise = self.noise.series(&flat, &mut draw);
+            let slow = if sensor.flicker > 0.0 { super::still::flicker(rows, 1.0, &mut draw) } else { flat.clone() };
+            (0..rows)
+                .map(|n| {
+                    let part = n as f64 / rows as f64;
+                    let course = if self.temperature { (Self::temperature(part) - 24.0) / 6.0 } else { part };
+                    let v: f64 = (0..3).map(|j| sensor.skew[axis][j] * truth[n][j]).sum();
+                    let bent =
+                        v + sensor.square[axis] * v * v + sensor.bend[axis] * v.abs() * v + sensor.drift[axis] * course;
+                    let counts = sensor.offset[axis]
+                        + sensor.scale[axis] * bent
+                        + sensor.sigma * (noise[n] + sensor.flicker * slow[n]);
+                    if self.whole { counts.round() } else { counts }
+                })
+                .collect()
+        })
+    }
+
+    /// Intervals are held against these; x of the accelerometer is exact and y lies in its x–y plane.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut found = Vec::new();
+        for (sensor, letter) in [(&self.accelerometer, 'a'), (&self.gyro, 'g')] {
+            for (i, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
+                let channel = Some(format!("{letter}{axis}"));
+                let mut add = |id: &str, name: String, value: f64| {
+                    found.push(Parameter { id: id.into(), channel: channel.clone(), name, value });
+                };
+                add("scale-factor", "scale".into(), sensor.scale[i]);
+                for (j, other) in ['x', 'y', 'z'].into_iter().enumerate() {
+                    if i != j && (letter == 'g' || sensor.skew[i][j] != 0.0) {
+                        add("misalignment", format!("m_{axis}{other}"), sensor.skew[i][j]);
+                    }
+                    if letter == 'g' && self.g_sensitivity[i][j] != 0.0 {
+                        let per_g = self.g_sensitivity[i][j].to_degrees() * GRAVITY;
+                        add("g-sensitivity", format!("k_{axis}{other}"), per_g);
+                    }
+                }
+                if sensor.square[i] != 0.0 {
+                    add("scale-nonlinearity", "k2".into(), sensor.square[i]);
+                }
+            }
+        }
+        found
+    }
+
+    /// recording.csv and model.toml.
+    pub fn texts(&self) -> [String; 2] {
+        let mut motion = self.motion();
+        if let Some((pose, size)) = self.knock {
+            // It is pushed while it rests: a force that is not gravity, for the second half of the rest.
+            let rows: Vec<usize> = (0..motion.pose.len()).filter(|n| motion.pose[*n] == Some(pose)).collect();
+            for n in rows.iter().skip(rows.len() / 2) {
+                motion.force[*n][pose % 3] += size;
+            }
+        }
+        let force = self.counts(&self.accelerometer, &motion.force, 1);
+        let rate: Vec<Vector> = motion
+            .rate
+            .iter()
+            .zip(&motion.force)
+            .map(|(w, f)| {
+                let k = apply(&self.g_sensitivity, *f);
+                std::array::from_fn(|i| w[i] + k[i])
+            })
+            .collect();
+        let rate = self.counts(&self.gyro, &rate, 2);
+        let mut columns: Vec<(&str, &[f64])> = vec![
+            ("ax", &force[0]),
+            ("ay", &force[1]),
+            ("az", &force[2]),
+            ("gx", &rate[0]),
+            ("gy", &rate[1]),
+            ("gz", &rate[2]),
+        ];
+        let rows = force[0].len();
+        let temperature: Vec<f64> = (0..rows).map(|n| Self::temperature(n as f64 / rows as f64)).collect();
+        let mut model = format!("kind = \"tumble\"\nrate_hz = {}\ngravity_m_s2 = {GRAVITY}\n[columns]\n", self.rate_hz);
+        model += "gyro = [\"gx\", \"gy\", \"gz\"]\naccelerometer = [\"ax\", \"ay\", \"az\"]\n";
+        if self.temperature {
+            columns.push(("temp_C", &temperature));
+            model += "environment = [\"temp_C\"]\n";
+        }
+        [table(&columns), model]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // R′ = R·[ω]×: the attitude a small step later is R·exp(ω·dt) up to dt³; |f| stays g.
+    #[test]
+    fn rates_carry_one_attitude_into_the_next() {
+        let turn = Turn {
+            from: 0.0,
+            to: 2.0,
+            begin: rotation([0.3, -0.2, 1.0]),
+            first: [1.0, 0.4, -0.2],
+            second: [-0.3, 0.9, 0.5],
+        };
+        let dt = 1e-3;
+        let mut worst: [f64; 2] = [0.0; 2];
+        for n in 0..1990 {
+            let t = f64::from(n) * 1e-3;
+            let (now, _) = turn.at(t);
+            let (next, _) = turn.at(t + dt);
+            let (_, rate) = turn.at(t + 0.5 * dt);
+            for (sign, worst) in [1.0, -1.0].into_iter().zip(&mut worst) {
+                let carried = product(&now, &rotation(rate.map(|w| sign * w * dt)));
+                let off = carried.iter().flatten().zip(next.iter().flatten()).map(|(a, b)| (a - b).abs());
+                *worst = off.fold(*worst, f64::max);
+            }
+        }
+        assert!(worst[0] < 1e-7, "{worst:?}");
+        assert!(worst[1] > 1e-3, "turned the wrong way is seen: control {worst:?}");
+    }
+}
