@@ -249,25 +249,24 @@ mod tests {
         let numbers = |text: &str| -> Vec<Vec<f64>> {
             text.lines().skip(1).map(|l| l.split(',').map(|v| v.parse().expect("a number")).collect()).collect()
         };
-        let (mut thinned, mut turned) = (0, 0);
-        for number in Case::numbers(40).into_iter().filter(|n| *n > LINKED) {
-            let Some(case) = Case::make(3, number, size) else { continue };
-            let origin = Case::make(3, case.origin(), size).expect("made before");
-            let [first, other] = [&origin, &case].map(|c| numbers(&c.texts()[0]));
-            match case.change {
-                Some(Change::Half) => {
-                    thinned += 1;
-                    assert!(other.iter().eq(first.iter().step_by(2)));
-                    assert!(!other.iter().eq(first.iter().skip(1).step_by(2)), "shifted rows are seen: control");
-                }
-                Some(Change::Swapped) => {
-                    turned += 1;
-                    assert!(other.iter().zip(&first).all(|(a, b)| a.len() == 1 || (a[0], a[1]) == (b[1], b[0])));
-                }
-                _ => {}
-            }
+        let pair = |change: Change, number: usize| -> Option<[Vec<Vec<f64>>; 2]> {
+            let how = Change::ALL.iter().position(|c| *c == change).expect("listed") + 1;
+            let other = Case::make(3, how * LINKED + number, size)?;
+            let origin = Case::make(3, other.origin(), size)?;
+            Some([&origin, &other].map(|c| numbers(&c.texts()[0])))
+        };
+        let nulls = || (0..60).filter(|n| slot(*n).0 == Kind::Driven && slot(*n).1 == Family::Null);
+        let thinned: Vec<_> = nulls().filter_map(|n| pair(Change::Half, n)).collect();
+        assert!(!thinned.is_empty());
+        for [first, other] in thinned {
+            assert!(other.iter().eq(first.iter().step_by(2)));
+            assert!(!other.iter().eq(first.iter().skip(1).step_by(2)), "shifted rows are seen: control");
         }
-        assert!(thinned > 0 && turned > 0, "{thinned} {turned}");
+        let swapped: Vec<_> = nulls().filter_map(|n| pair(Change::Swapped, n)).filter(|p| p[0][0].len() == 2).collect();
+        assert!(!swapped.is_empty());
+        for [first, other] in swapped {
+            assert!(other.iter().zip(&first).all(|(a, b)| (a[0], a[1]) == (b[1], b[0])));
+        }
     }
 
     #[test]

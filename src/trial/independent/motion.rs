@@ -1,6 +1,6 @@
 //! The motion of an oscillator: rates of its states, dry friction with sticking, laws that remember the path.
 
-use super::integrate::{STATES, State, System, Tolerance, advance, step};
+use super::integrate::{MOST_STEPS, STATES, State, System, Tolerance, advance, step};
 use super::law::Law;
 use super::oscillator::{Oscillator, environment, filters};
 use super::wave::{Shape, Wave};
@@ -224,7 +224,12 @@ fn slide(m: &mut Motion<'_>, span: [f64; 2], state: &mut State, h: &mut f64, tol
     let [mut t, end] = span;
     let least = 1e-12 * (end - t).max(1e-300);
     let longest = 0.05 / m.o.omega;
+    let mut steps = 0;
     while end - t > least {
+        steps += 1;
+        if steps > MOST_STEPS {
+            return false;
+        }
         let length = h.min(end - t).min(longest);
         if m.stuck {
             let (next, _) = step(m, t, state, length, tolerance);

@@ -84,7 +84,15 @@ pub fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
     let cycle = o.rate_hz * std::f64::consts::TAU / o.omega;
     let rows = o.rows.min(3000).max((12.0 * cycle) as usize).min(o.rows);
     let mut last = 0.0;
+    // Friction beyond the spring's own force holds the mass for good.
+    let most = match piece {
+        Piece::Law(Law::Friction { .. } | Law::SmoothFriction { .. } | Law::Stribeck { .. }) => o.omega * o.omega,
+        _ => f64::INFINITY,
+    };
     for _ in 0..9 {
+        if piece.size_mut().is_some_and(|size| size.abs() > most) {
+            return false;
+        }
         let mut with = base.clone();
         piece.put(&mut with);
         let visible = with.visible(rows);
