@@ -4,6 +4,8 @@
 //! sub-steps, own parameter ranges) plants effects at a stated size; the truth is sealed (its SHA-256 is printed first)
 //! and opened only after the verdicts. The diagnosis receives two files, recording and base model, and nothing else.
 //!
+//! `independent` is a second generator with families of its own, which shares only plumbing with the first.
+//!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 
 pub mod blind;

@@ -144,10 +144,11 @@ fn several(ids: &[&str], ratios: &[f64], draw: &mut Draw, wish: Wish, size: Size
         base.oscillator.environment = Some([draw.between(3.0, 15.0), draw.between(0.1, 1.0)]);
     }
     let is_ring = base.oscillator.input == Shape::None;
-    if is_ring && ids.iter().any(|id| needs_input(id)) {
+    // A late record of an input that is held is late by whole rows: another thing.
+    let held_late = base.oscillator.held && ids.contains(&"input-lag");
+    if held_late || is_ring && ids.iter().any(|id| needs_input(id)) {
         return None;
     }
-    // A continuous input between rows is the base model's business; a converter's delay is an effect.
     let largest = target(draw, &base);
     let mut pieces = Vec::new();
     for (id, ratio) in ids.iter().zip(ratios) {
