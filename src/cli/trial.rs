@@ -25,7 +25,7 @@ use crate::trial::real::{self, Found, Recipe};
 use crate::trial::scratch::Scratch;
 
 /// Arguments of `trial`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub struct Arguments {
     /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
     #[arg(long, value_name = "DIR")]
@@ -107,7 +107,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         return like(recording, model, arguments, json, &control);
     }
     if arguments.independent {
-        return independent::run(arguments, json, &control);
+        let Arguments { out, force, quick, resume, cases, seed, samples: rows, case, .. } = arguments.clone();
+        let request = independent::Request { out, force, quick, resume, cases, seed, rows, case };
+        return independent::run(&request, json, &control);
     }
     let plan = arguments.plan();
     if !(1..=1_000_000).contains(&plan.cases) || !(500..=10_000_000).contains(&plan.samples) {

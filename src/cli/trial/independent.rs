@@ -1,8 +1,7 @@
 //! `proofmass trial --independent`: the diagnosis on cases of the second generator.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::Arguments;
 use crate::cli::say::{remark, say, sayln};
 use crate::control::Control;
 use crate::diagnosis::verdict::Verdict;
@@ -22,10 +21,30 @@ use crate::trial::scratch::Scratch;
 const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
 const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
 
-fn plan(arguments: &Arguments) -> Result<Plan> {
-    let (cases, rows) = if arguments.quick { (100, 5000) } else { (2000, 40_000) };
-    let plan =
-        Plan { seed: arguments.seed, cases: arguments.cases.unwrap_or(cases), rows: arguments.samples.unwrap_or(rows) };
+/// What `trial` was asked for, as far as it concerns the second generator.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Where to write.
+    pub out: Option<PathBuf>,
+    /// Replace what is not ours.
+    pub force: bool,
+    /// Fewer and shorter recordings.
+    pub quick: bool,
+    /// Continue.
+    pub resume: bool,
+    /// Cases, without those written otherwise.
+    pub cases: Option<usize>,
+    /// Seed.
+    pub seed: u64,
+    /// Rows of the longest recording.
+    pub rows: Option<usize>,
+    /// Only this case.
+    pub case: Option<usize>,
+}
+
+fn plan(request: &Request) -> Result<Plan> {
+    let (cases, rows) = if request.quick { (100, 5000) } else { (2000, 40_000) };
+    let plan = Plan { seed: request.seed, cases: request.cases.unwrap_or(cases), rows: request.rows.unwrap_or(rows) };
     if !(1..1_000_000).contains(&plan.cases) || !(2000..=1_000_000).contains(&plan.rows) {
         let cause = format!("{} cases of at most {} rows", plan.cases, plan.rows);
         return Err(Error::new("could not plan the trial", cause, "use at least one case and 2000 rows"));
@@ -33,12 +52,12 @@ fn plan(arguments: &Arguments) -> Result<Plan> {
     Ok(plan)
 }
 
-fn command(arguments: &Arguments) -> String {
-    let mut command = format!("proofmass trial --independent --seed {}", arguments.seed);
-    if arguments.quick {
+fn command(request: &Request) -> String {
+    let mut command = format!("proofmass trial --independent --seed {}", request.seed);
+    if request.quick {
         command += " --quick";
     }
-    for (name, value) in [("cases", arguments.cases), ("samples", arguments.samples)] {
+    for (name, value) in [("cases", request.cases), ("samples", request.rows)] {
         if let Some(value) = value {
             command += &format!(" --{name} {value}");
         }
@@ -50,22 +69,22 @@ fn command(arguments: &Arguments) -> String {
 ///
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
-pub fn run(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
-    let plan = plan(arguments)?;
-    if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
-        return one(plan, number, path, arguments.force, json, control);
+pub fn run(request: &Request, json: bool, control: &Control) -> Result<()> {
+    let plan = plan(request)?;
+    if let (Some(number), Some(path)) = (request.case, &request.out) {
+        return one(plan, number, path, request.force, json, control);
     }
-    let mut kept = arguments.out.as_deref().map(|path| keep(path, arguments)).transpose()?;
+    let mut kept = request.out.as_deref().map(|path| keep(path, request)).transpose()?;
     if let Some(kept) = &mut kept {
-        STATES.iter().try_for_each(|name| kept.state(name, arguments.resume))?;
+        STATES.iter().try_for_each(|name| kept.state(name, request.resume))?;
     }
-    let scratch = Scratch::new(arguments.out.as_deref())?;
-    let folder = arguments.out.as_deref().unwrap_or(scratch.path());
+    let scratch = Scratch::new(request.out.as_deref())?;
+    let folder = request.out.as_deref().unwrap_or(scratch.path());
     let [truth, state] = STATES.map(|name| folder.join(name));
-    let (sealed, cases) = run::prepare(plan, &truth, arguments.resume, control)?;
+    let (sealed, cases) = run::prepare(plan, &truth, request.resume, control)?;
     remark!("sealed truth of {} cases, SHA-256 {sealed}", cases.len());
-    let done = if arguments.resume { run::earlier(&state)? } else { run::Lines::new() };
-    if !arguments.resume && state.exists() {
+    let done = if request.resume { run::earlier(&state)? } else { run::Lines::new() };
+    if !request.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
     }
     let lines = run::run(&cases, &state, done, &tool(control), control)?;
@@ -73,7 +92,7 @@ pub fn run(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
     let score = Score::of(plan.seed, &truths.cases, &lines, &sealed);
     let document = to_json(&score)?;
     let written = kept.map_or(Ok(()), |mut folder| {
-        let texts = [report::page(&score, &lines), report::summary(&score, &command(arguments)), document.clone()];
+        let texts = [report::page(&score, &lines), report::summary(&score, &command(request)), document.clone()];
         FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
         STATES.iter().for_each(|name| folder.record(name));
         folder.finish()
@@ -83,28 +102,28 @@ pub fn run(arguments: &Arguments, json: bool, control: &Control) -> Result<()> {
     } else {
         sayln!("sealed truth, SHA-256 {sealed} (opened after the last verdict)\n")?;
         say(format_args!("{}", report::terminal(&score)))?;
-        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
+        if let (Some(folder), Ok(())) = (&request.out, &written) {
             sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
         }
     }
     written
 }
 
-fn keep(path: &Path, arguments: &Arguments) -> Result<Folder> {
-    if arguments.resume && !path.join(STATES[0]).is_file() {
+fn keep(path: &Path, request: &Request) -> Result<Folder> {
+    if request.resume && !path.join(STATES[0]).is_file() {
         return Err(Error::new(
             "could not resume",
             format!("no trial in {}", path.display()),
             "leave --resume out to begin anew, or give the --out of the interrupted trial",
         ));
     }
-    let request = output::Request {
+    let files = output::Request {
         command: "trial --independent",
         writes: FILES.map(str::to_owned).into(),
-        force: arguments.force,
+        force: request.force,
         ..output::Request::default()
     };
-    Folder::open(path, request)
+    Folder::open(path, files)
 }
 
 /// Makes one case again and asks for its verdict.
