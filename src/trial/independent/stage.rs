@@ -72,13 +72,13 @@ fn input(draw: &mut Draw, wish: Wish, f0: f64, rate_hz: f64, rows: usize, seed: 
             let mut at_s: Vec<f64> = (0..count).map(|_| length_s * draw.between(0.0, 0.98)).collect();
             at_s.sort_by(f64::total_cmp);
             let levels = (0..count).map(|_| draw.normal()).collect();
-            Shape::Steps { at_s, levels, rise_s: (0.08 / f0).max(1.6 / rate_hz) }
+            Shape::Steps { at_s, levels, rise_s: (0.08 / f0).max(3.0 / rate_hz) }
         }
         7 => {
             let count = 1 + draw.below(6);
             let at_s = (0..count).map(|k| length_s * (k as f64 + draw.between(0.02, 0.3)) / count as f64).collect();
             let peaks = (0..count).map(|_| draw.sign() * draw.between(0.5, 2.0)).collect();
-            Shape::Shocks { at_s, peaks, length_s: (draw.log_between(0.25, 1.5) / f0).max(4.0 / rate_hz) }
+            Shape::Shocks { at_s, peaks, length_s: (draw.log_between(0.25, 1.5) / f0).max(7.0 / rate_hz) }
         }
         8 => Shape::Sines { lines: vec![sine(draw, 0.3, 1.6)] },
         9 => Shape::Sines { lines: vec![sine(draw, 0.4, 0.95), sine(draw, 1.05, 1.8)] },

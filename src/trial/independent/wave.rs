@@ -21,11 +21,11 @@ pub enum Shape {
     /// Many sines of random phase between two frequencies, all multiples of one (`of_hz`) or, for zero, anywhere: noise in
     /// a band.
     Lines { count: usize, from_hz: f64, to_hz: f64, of_hz: f64, odd_only: bool, seed: u64 },
-    /// Frequency grows exponentially (`exponential`) or linearly over the recording, again and again.
+    /// Frequency goes up exponentially (`exponential`) or linearly and down again, each way in `length_s`.
     Sweep { from_hz: f64, to_hz: f64, length_s: f64, exponential: bool },
     /// Levels that change at times, each with a smooth edge.
     Steps { at_s: Vec<f64>, levels: Vec<f64>, rise_s: f64 },
-    /// Half-sine shocks.
+    /// Shocks: Gaussian pulses, which rows a few per width apart tell whole; `length_s` is four standard deviations.
     Shocks { at_s: Vec<f64>, peaks: Vec<f64>, length_s: f64 },
 }
 
@@ -48,7 +48,7 @@ impl Shape {
             Self::Lines { to_hz, .. } => *to_hz,
             Self::Sweep { from_hz, to_hz, .. } => from_hz.max(*to_hz),
             Self::Steps { rise_s, .. } => 0.5 / rise_s,
-            Self::Shocks { length_s, .. } => 1.5 / length_s,
+            Self::Shocks { length_s, .. } => 2.8 / length_s,
         }
     }
 
@@ -97,23 +97,27 @@ impl Shape {
             Self::None | Self::Lines { .. } => 0.0,
             Self::Sines { lines } => lines.iter().map(|[a, f, p]| a * (TAU * f * t + p).sin()).sum(),
             Self::Sweep { from_hz, to_hz, length_s, exponential } => {
-                let s = t.rem_euclid(*length_s);
-                if *exponential {
-                    let k = (to_hz / from_hz).ln() / length_s;
-                    (TAU * from_hz * ((k * s).exp() - 1.0) / k).sin()
-                } else {
-                    (TAU * (from_hz * s + 0.5 * (to_hz - from_hz) / length_s * s * s)).sin()
-                }
+                let phase = |s: f64| {
+                    if *exponential {
+                        let k = (to_hz / from_hz).ln() / length_s;
+                        TAU * from_hz * ((k * s).exp() - 1.0) / k
+                    } else {
+                        TAU * (from_hz * s + 0.5 * (to_hz - from_hz) / length_s * s * s)
+                    }
+                };
+                // Up and down: a sweep that jumped back would not be band-limited.
+                let (round, s) = ((t / (2.0 * length_s)).floor(), t.rem_euclid(2.0 * length_s));
+                let whole = phase(*length_s);
+                let here = if s < *length_s { phase(s) } else { 2.0 * whole - phase(2.0 * length_s - s) };
+                (2.0 * whole * round + here).sin()
             }
             Self::Steps { at_s, levels, rise_s } => {
                 at_s.iter().zip(levels).map(|(at, level)| level * 0.5 * (1.0 + ((t - at) / rise_s).tanh())).sum()
             }
-            Self::Shocks { at_s, peaks, length_s } => at_s
-                .iter()
-                .zip(peaks)
-                .filter(|(at, _)| (0.0..*length_s).contains(&(t - **at)))
-                .map(|(at, peak)| peak * (0.5 * TAU * (t - at) / length_s).sin())
-                .sum(),
+            Self::Shocks { at_s, peaks, length_s } => {
+                let pulse = |at: &f64| (-8.0 * ((t - at) / length_s - 0.5).powi(2)).exp();
+                at_s.iter().zip(peaks).map(|(at, peak)| peak * pulse(at)).sum()
+            }
         }
     }
 
@@ -188,5 +192,21 @@ mod tests {
         let Wave::Table { from_s, step_s, values } = &wave else { panic!("many lines make a table") };
         assert!(worst(&|t| values[((t - from_s) / step_s) as usize]) > 1e-2);
         assert!(lines.iter().all(|l| (l[1] / 0.1).round() as usize % 2 == 1), "odd multiples");
+    }
+
+    // Up and down: the phase has no jump and its rate is the frequency, at the turn as well.
+    #[test]
+    fn a_sweep_turns_without_a_jump_and_a_shock_is_smooth() {
+        for exponential in [true, false] {
+            let sweep = Shape::Sweep { from_hz: 1.0, to_hz: 5.0, length_s: 7.0, exponential };
+            let jump = |h: f64| {
+                let steps = (0..40_000).map(|n| h * f64::from(n)).map(|t| (sweep.at(t + h) - sweep.at(t)).abs());
+                steps.fold(0.0, f64::max)
+            };
+            assert!(jump(1e-3) < TAU * 5.0 * 1.01e-3, "{}", jump(1e-3));
+            assert!(jump(0.1) > TAU * 5.0 * 1.01e-3, "a jump would be seen: control");
+        }
+        let shock = Shape::Shocks { at_s: vec![1.0], peaks: vec![2.0], length_s: 0.4 };
+        assert!((shock.at(1.2) - 2.0).abs() < 1e-12 && (shock.at(1.3) - 2.0 * (-0.5f64).exp()).abs() < 1e-12);
     }
 }
