@@ -5,18 +5,22 @@ use std::path::{Path, PathBuf};
 use super::say::{remark, sayln};
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
-use crate::recording::Request;
+use crate::recording::finding::Finding;
 use crate::recording::noise::{self, Noise};
-use crate::recording::rows;
 use crate::recording::unit::{Quantity, Unit};
+use crate::recording::{self, Request};
+use crate::recording::{roles, stream};
 use crate::report::allan as report;
 
 /// Arguments of `allan`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// CSV file: a header, one row per sample
+    /// The recording: text, an array, a table or a robot's log; - is standard input
     recording: PathBuf,
+    /// Topic, message or array to read, where the file has several
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
@@ -72,9 +76,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "name a column once, under --columns, --accelerometer or --gyro",
         ));
     }
-    rows::open(&arguments.recording)?;
+    recording::formats::located(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
     let request = Request {
+        topic: arguments.topic.clone(),
         columns,
         rate_hz: arguments.rate_hz,
         time: arguments.time.clone(),
@@ -82,14 +87,17 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         to_s: arguments.to_s,
         ..Request::default()
     };
-    let noise = noise::analyse(&arguments.recording, &request, |name| {
+    let known =
+        if request.columns.is_empty() { inertial(&arguments.recording, &request)? } else { Inertial::default() };
+    let mut noise = noise::analyse(&arguments.recording, &request, |name| {
         let among = |columns: &[String]| columns.iter().any(|c| c == name);
         match name {
             _ if among(&arguments.accelerometer) => accelerometer.clone(),
             _ if among(&arguments.gyro) => gyro.clone(),
-            _ => Unit::unknown(),
+            _ => known.units.iter().find(|u| u.0 == name).map_or_else(Unit::unknown, |u| u.1.clone()),
         }
     })?;
+    noise.source.findings.extend(known.findings);
     let file = arguments.recording.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let written = folder.map(|folder| write(folder, &arguments.recording, &file, &noise)).transpose();
     if json {
@@ -104,6 +112,41 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         remark!("simulate it beside its log: proofmass study {}", folder.join(STUDY).display());
     }
     Ok(())
+}
+
+/// Columns that are known for those of an inertial sensor, and their units.
+#[derive(Default)]
+struct Inertial {
+    units: Vec<(String, Unit)>,
+    findings: Vec<Finding>,
+}
+
+/// Knows them by their names, and by the units that the file states.
+fn inertial(recording: &Path, request: &Request) -> Result<Inertial> {
+    let (names, stated) = stream::headings(recording, request)?;
+    let mut known = Inertial::default();
+    let found = roles::of(&names);
+    let kinds = [
+        (found.gyro, Quantity::Gyro, "rad/s", "--gyro-scale"),
+        (found.accelerometer, Quantity::Accelerometer, "m/s2", "--accelerometer-scale"),
+    ];
+    for (places, quantity, usual, option) in kinds {
+        let mut assumed = Vec::new();
+        for place in places.into_iter().flatten() {
+            let unit = match roles::unit(&names[place], stated[place].as_deref()) {
+                Some(unit) => unit.filter(|u| u.quantity == quantity),
+                None => {
+                    assumed.push(names[place].clone());
+                    Some(Unit::parse(usual, quantity)?)
+                }
+            };
+            known.units.extend(unit.map(|unit| (names[place].clone(), unit)));
+        }
+        if !assumed.is_empty() {
+            known.findings.push(Finding::UnitAssumed { columns: assumed, unit: usual, option });
+        }
+    }
+    Ok(known)
 }
 
 const REPORT: &str = "report.html";

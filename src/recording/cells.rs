@@ -11,8 +11,13 @@ pub struct Cells {
 
 impl Cells {
     /// Cuts a line (shorter than 4 GB, which `lines` sees to) at every separator outside quotation marks.
+    ///
+    /// With a blank as separator, blanks and tabs in a row are one, and none begins or ends a line.
     pub fn cut(&mut self, line: &[u8], separator: u8) {
         self.places.clear();
+        if separator == b' ' {
+            return self.cut_blanks(line);
+        }
         if memchr::memchr(b'"', line).is_some() {
             return self.cut_quoted(line, separator);
         }
@@ -22,6 +27,21 @@ impl Cells {
             start = end as u32 + 1;
         }
         self.places.push(start..line.len() as u32);
+    }
+
+    fn cut_blanks(&mut self, line: &[u8]) {
+        let mut start = None;
+        for (i, byte) in line.iter().enumerate() {
+            match (byte.is_ascii_whitespace(), start) {
+                (false, None) => start = Some(i),
+                (true, Some(from)) => {
+                    self.places.push(from as u32..i as u32);
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+        self.places.extend(start.map(|from| from as u32..line.len() as u32));
     }
 
     fn cut_quoted(&mut self, line: &[u8], separator: u8) {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::dropped::{Dropped, Reason};
 use super::time_unit::{Basis, TimeUnit};
+use super::trajectory::Trajectory;
 use crate::number::{duration, rounded, significant};
 
 /// One thing that a person should know. Rows are counted from zero after the header, lines from one.
@@ -11,6 +12,46 @@ use crate::number::{duration, rounded, significant};
 pub enum Finding {
     /// The first line holds numbers.
     NoHeader,
+    /// The numbers of a file without headings are those of a trajectory.
+    TrajectoryRecognised {
+        /// Which kind.
+        kind: Trajectory,
+    },
+    /// A row of units below the headings.
+    UnitsRow {
+        /// Its line, counted from one.
+        line: u64,
+    },
+    /// The column that holds the time was not named, and found.
+    ClockFound {
+        /// Its heading.
+        heading: String,
+        /// How.
+        by: ClockBy,
+    },
+    /// One part of several was read.
+    PartChosen {
+        /// Topic, message or array.
+        name: String,
+        /// How many other parts there are.
+        others: usize,
+    },
+    /// Bytes that are no part of the format were passed over.
+    SkippedBytes {
+        /// How many.
+        bytes: u64,
+        /// The first of them, counted from zero.
+        first: u64,
+    },
+    /// The unit of some columns is not stated, and taken for granted.
+    UnitAssumed {
+        /// The columns.
+        columns: Vec<String>,
+        /// The unit.
+        unit: &'static str,
+        /// The option that states it.
+        option: &'static str,
+    },
     /// Lines between the rows that are comments or blank.
     SkippedLines {
         /// How many.
@@ -166,6 +207,17 @@ pub enum Finding {
     },
 }
 
+/// How a column was known to hold the time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ClockBy {
+    /// The format says so.
+    Format,
+    /// Its heading, and its numbers rise.
+    Heading,
+    /// Its numbers alone: they rise in even steps.
+    Numbers,
+}
+
 /// What was done about an uneven clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Uneven {
@@ -181,6 +233,37 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoHeader => write!(f, "the file has no header; its columns are called 1, 2, 3, … here"),
+            Self::TrajectoryRecognised { kind } => write!(
+                f,
+                "the file has no header; by its numbers it is a {} trajectory, whose columns are {}",
+                kind.name(),
+                kind.columns().join(" ")
+            ),
+            Self::UnitsRow { line } => write!(f, "line {line} holds the units of the columns"),
+            Self::ClockFound { heading, by } => match by {
+                ClockBy::Format => write!(f, "the clock is `{heading}`, which the format says"),
+                ClockBy::Heading => write!(
+                    f,
+                    "the clock is the column `{heading}`, by its heading and as its numbers rise; to choose another one or a \
+                     rate: --time, --rate-hz"
+                ),
+                ClockBy::Numbers => write!(
+                    f,
+                    "the clock is taken to be the column `{heading}`, whose numbers alone rise in even steps; to choose \
+                     another one or a rate: --time, --rate-hz"
+                ),
+            },
+            Self::PartChosen { name, others } => {
+                write!(f, "`{name}` was read, and {} of the file left out", count(*others, "other part"))
+            }
+            Self::SkippedBytes { bytes, first } => {
+                write!(f, "{bytes} bytes that are no part of any message were passed over, the first at byte {first}")
+            }
+            Self::UnitAssumed { columns, unit, option } => write!(
+                f,
+                "the unit of {} is not stated: taken as {unit}; if it is another one, name the columns and give {option}",
+                columns.join(", ")
+            ),
             Self::SkippedLines { lines, first_line } => {
                 write!(
                     f,

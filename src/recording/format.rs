@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::cells::Cells;
 use crate::error::{Error, Result};
 
 /// How cells are separated and whether the first row names them.
@@ -16,28 +17,54 @@ pub struct Format {
 /// Judges a file by its first bytes.
 ///
 /// # Errors
-/// Empty files, compressed files, UTF-16 and binary content, each by its own sentence.
+/// Empty files, UTF-16 and binary content, each by its own sentence.
 pub fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     let fail = |cause: &str, hint: &str| Err(Error::new(format!("could not read {}", path.display()), cause, hint));
     match head {
         [] => return fail("the file is empty", "was the recording stopped before it was written?"),
-        [0x1f, 0x8b, ..] => return fail("this is gzip data, not text", "unpack it first: gunzip FILE"),
-        [b'P', b'K', 3, 4, ..] => return fail("this is a zip archive or a spreadsheet", "save it as CSV"),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return fail("this is UTF-16 text", "save it as UTF-8 CSV"),
         _ => {}
     }
     if head.contains(&0) {
-        return fail("this is binary data, not text", "convert it to CSV: one row per sample, a header, numbers");
+        return fail(
+            "this is binary data of a kind that is not known here",
+            "known are text (CSV), .npy, .npz, .mat, Parquet, Arrow, ROS 1 bags, MCAP, .db3, ULog and DataFlash; is it one of \
+             them, and does it begin where the file begins?",
+        );
     }
     let skip = if head.starts_with(&[0xef, 0xbb, 0xbf]) { 3 } else { 0 };
-    let mut lines = head[skip..].split(|b| *b == b'\n' || *b == b'\r');
-    let Some(line) = lines.find(|l| !l.trim_ascii().is_empty() && !l.starts_with(b"#")) else {
+    let mut lines = head[skip..]
+        .split(|b| *b == b'\n' || *b == b'\r')
+        .filter(|l| !l.trim_ascii().is_empty() && !l.trim_ascii_start().starts_with(b"#"));
+    let Some(first) = lines.next() else {
         return fail("the file holds no row", "a recording is a header and one row per sample");
     };
-    let count = |separator: u8| line.iter().filter(|b| **b == separator).count();
+    // The second line may hold units.
+    let second = lines.next();
+    Ok(Format { separator: separator(first, lines.next().or(second).unwrap_or(first)), skip })
+}
+
+/// What stands between the cells: judged by the first line, and by a later one where a comma may be a decimal sign.
+fn separator(first: &[u8], later: &[u8]) -> u8 {
+    let count = |line: &[u8], separator: u8| line.iter().filter(|b| **b == separator).count();
+    let mut cells = Cells::default();
+    let mut numbers = |line: &[u8], separator: u8| {
+        cells.cut(line, separator);
+        let number =
+            |i: usize| matches!(cell(cells.of(line, i)), Cell::Number(_) | Cell::TooLarge | Cell::DecimalComma(_));
+        if (0..cells.len()).all(number) { cells.len() } else { 0 }
+    };
+    let stronger = [b';', b'\t'].into_iter().find(|s| count(first, *s) > 0 && numbers(later, *s) > 1);
+    if let Some(separator) = stronger {
+        return separator;
+    }
+    let strongest = [b',', b';', b'\t'].into_iter().any(|s| count(first, s) > 0);
+    let blanks = numbers(later, b' ');
+    if blanks > 1 && (!strongest || count(later, b',') > 0 && numbers(first, b' ') == blanks) {
+        return b' ';
+    }
     // On a tie the first wins: a comma.
-    let separator = [b',', b';', b'\t'].into_iter().rev().max_by_key(|s| count(*s)).unwrap_or(b',');
-    Ok(Format { separator, skip })
+    [b',', b';', b'\t'].into_iter().rev().max_by_key(|s| count(first, *s)).unwrap_or(b',')
 }
 
 /// No reading in any unit is larger: the powers of it that a fit takes must stay finite.
@@ -52,22 +79,27 @@ pub enum Cell {
     Number(f64),
     /// A number larger than any reading.
     TooLarge,
-    /// A number with a comma for its point.
-    DecimalComma,
+    /// A number with a comma for its point, as one with a point.
+    DecimalComma(f64),
     /// Anything else.
     Text,
+}
+
+/// A number as a reading: what is smaller than any is zero, what is infinite is missing.
+#[inline]
+pub fn reading(value: f64) -> Cell {
+    match value.abs() {
+        size if size <= LARGEST => Cell::Number(if size < SMALLEST { 0.0 } else { value }),
+        size if size.is_finite() => Cell::TooLarge,
+        _ => Cell::Number(f64::NAN),
+    }
 }
 
 /// Reads a cell.
 pub fn cell(cell: &[u8]) -> Cell {
     let Ok(text) = std::str::from_utf8(cell.trim_ascii()) else { return Cell::Text };
     if let Ok(value) = text.parse::<f64>() {
-        return match value.abs() {
-            size if size < SMALLEST => Cell::Number(0.0),
-            size if size <= LARGEST => Cell::Number(value),
-            size if size.is_finite() => Cell::TooLarge,
-            _ => Cell::Number(f64::NAN),
-        };
+        return reading(value);
     }
     // Blanks beyond ASCII are too rare to be looked for in every cell.
     let trimmed = text.trim();
@@ -78,8 +110,12 @@ pub fn cell(cell: &[u8]) -> Cell {
     if missing.contains(&text.to_ascii_lowercase().as_str()) {
         return Cell::Number(f64::NAN);
     }
-    let comma = text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok();
-    if comma { Cell::DecimalComma } else { Cell::Text }
+    let comma = if text.contains(',') { text.replacen(',', ".", 1).parse::<f64>().ok() } else { None };
+    match comma.map(reading) {
+        Some(Cell::Number(value)) => Cell::DecimalComma(value),
+        Some(other) => other,
+        None => Cell::Text,
+    }
 }
 
 /// A cell as a number; `None` when it is text, or beyond any reading; NaN where it is missing.
@@ -99,7 +135,29 @@ pub fn was_rounded(cell: &[u8], value: f64) -> bool {
 pub fn names_a_clock(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
-    matches!(stem, "t" | "time" | "timestamp" | "stamp" | "date" | "datetime" | "seq" | "index" | "sample" | "row")
+    let stem = stem.trim_start_matches(['#', '%']);
+    matches!(
+        stem,
+        "t" | "time"
+            | "timestamp"
+            | "stamp"
+            | "timeus"
+            | "timems"
+            | "sampletimefine"
+            | "date"
+            | "datetime"
+            | "seq"
+            | "index"
+            | "sample"
+            | "row"
+    )
+}
+
+/// Whether a heading that names a clock counts rows instead, or writes dates.
+pub fn counts_rows(heading: &str) -> bool {
+    let heading = heading.to_ascii_lowercase();
+    let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
+    matches!(stem, "date" | "datetime" | "seq" | "index" | "sample" | "row")
 }
 
 #[cfg(test)]
@@ -112,7 +170,13 @@ mod tests {
         assert_eq!(sniff(b"a,b\n1,2\n").expect("comma").separator, b',');
         assert_eq!(sniff(b"\xef\xbb\xbfa;b\r\n1;2\r\n").expect("semicolon"), Format { separator: b';', skip: 3 });
         assert_eq!(sniff(b"# made by x, y\na\tb\n").expect("tab").separator, b'\t');
-        for stranger in [&b""[..], b"\x1f\x8b\x08", b"PK\x03\x04", b"\xff\xfea\0", b"a\0b", b"\n\n"] {
+        assert_eq!(sniff(b"t;a\n0,0;1,5\n0,1;2,5\n").expect("decimal comma").separator, b';');
+        assert_eq!(sniff(b"0,0;1,5\n0,1;2,5\n").expect("no header").separator, b';');
+        assert_eq!(sniff(b"# t x\n0.0 1.5\n 0.1  2.5\n").expect("blanks").separator, b' ');
+        assert_eq!(sniff(b"0,0 1,5\n0,1  2,5\n").expect("decimal comma and blanks").separator, b' ');
+        assert_eq!(sniff(b"one two\n1.5\n2.5\n").expect("one column").separator, b',');
+        assert_eq!(sniff(b"a, b\n1, 2\n2, 3\n").expect("comma and blank").separator, b',');
+        for stranger in [&b""[..], b"\xff\xfea\0", b"a\0b", b"\n\n"] {
             assert!(sniff(stranger).is_err(), "{stranger:?}");
         }
     }
@@ -124,7 +188,10 @@ mod tests {
         assert!(number(b"inf").is_some_and(f64::is_nan), "an infinite reading is a missing one");
         assert_eq!((number(b"1,5"), number(b"1e300"), number(b"1e-300")), (None, None, Some(0.0)));
         assert_eq!(number(b"\xff"), None);
-        assert_eq!([cell(b"1e300"), cell(b"1,5"), cell(b"1,5,2")], [Cell::TooLarge, Cell::DecimalComma, Cell::Text]);
+        assert_eq!(
+            [cell(b"1e300"), cell(b"1,5"), cell(b"1,5,2")],
+            [Cell::TooLarge, Cell::DecimalComma(1.5), Cell::Text]
+        );
         let rounded = |text: &[u8]| was_rounded(text, number(text).unwrap_or_default());
         assert!(rounded(b"9007199254740993") && !rounded(b"9007199254740992") && !rounded(b"1e300"));
     }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::cells::Cells;
+use super::reader::Heading;
 use crate::error::nearest;
 
 /// Headings compared with one that is not there: more would take seconds.
@@ -13,6 +14,8 @@ const COMPARED: usize = 100_000;
 pub struct Headings {
     /// As written, without quotation marks and blanks around them.
     pub names: Vec<String>,
+    /// Unit of each, where the file states it: in brackets, in a row of its own, or by its format.
+    pub units: Vec<Option<String>>,
     /// Place of each name; `None` where two columns bear it.
     places: HashMap<String, Option<usize>>,
     counted: bool,
@@ -40,7 +43,31 @@ impl Headings {
         for (place, name) in names.iter().enumerate() {
             places.entry(name.clone()).and_modify(|p| *p = None).or_insert(Some(place));
         }
-        Self { names, places, counted }
+        let units = names.iter().map(|name| bracketed(name)).collect();
+        Self { names, units, places, counted }
+    }
+
+    /// Those that a format states, with their units.
+    pub fn stated(columns: &[Heading]) -> Self {
+        let mut headings = Self::of(columns.iter().map(|c| c.name.clone()).collect(), false);
+        for (unit, column) in headings.units.iter_mut().zip(columns) {
+            *unit = column.unit.clone().or(unit.take());
+        }
+        headings
+    }
+
+    /// Those of a file without any, of a kind whose columns are known.
+    pub fn known(names: &[&str]) -> Self {
+        Self::of(names.iter().map(|n| (*n).to_owned()).collect(), false)
+    }
+
+    /// Heading of a clock, with its unit where the file states it elsewhere.
+    pub fn clock_heading(&self, place: usize) -> String {
+        let name = &self.names[place];
+        match &self.units[place] {
+            Some(unit) if bracketed(name).is_none() => format!("{name} [{unit}]"),
+            _ => name.clone(),
+        }
     }
 
     /// Place of a column: by its heading, or by what stands before a unit in brackets.
@@ -83,6 +110,13 @@ impl Headings {
             None => format!("it has: {}", known.take(40).map(shortened).collect::<Vec<_>>().join(", ")),
         }
     }
+}
+
+/// What stands in brackets at the end of a name.
+fn bracketed(name: &str) -> Option<String> {
+    let open = name.trim_end().strip_suffix([']', ')'])?;
+    let unit = open.rsplit_once(['[', '('])?.1.trim();
+    (!unit.is_empty()).then(|| unit.to_owned())
 }
 
 /// The first forty characters.

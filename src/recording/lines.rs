@@ -1,14 +1,11 @@
-//! Lines of a text file one by one, in bounded memory, with the file's checksum on the way.
+//! Lines of a text file one by one, in bounded memory, unpacked as they are read.
 //!
 //! A line ends with `\n`, `\r\n` or `\r`. Not for cells: see `cells`.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::io::{BufRead, BufReader};
 
-use sha2::{Digest, Sha256};
-
-use crate::document::hexadecimal;
+use super::input::{Checksum, Input};
+use super::pack::{Pack, Unpacked};
 use crate::error::{Error, Result};
 
 /// No line of a recording is longer: a million columns take 20 MB.
@@ -19,44 +16,27 @@ const BUFFER_BYTES: usize = 1 << 18;
 /// A text file being read.
 #[derive(Debug)]
 pub struct Lines {
-    path: PathBuf,
-    reader: BufReader<Hashed>,
+    input: Input,
+    pack: Pack,
+    reader: BufReader<Unpacked>,
+    /// Whether a checksum is wanted, and the one that is being made.
+    digested: bool,
+    checksum: Option<Checksum>,
     line: Vec<u8>,
     number: u64,
-    length_bytes: u64,
     /// The last line ended with `\r`, so a `\n` that follows belongs to it.
     returned: bool,
-}
-
-/// Opens a recording and gives its length in bytes.
-///
-/// # Errors
-/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
-pub fn open(path: &Path) -> Result<(File, u64)> {
-    let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
-    if about.is_dir() {
-        return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !about.is_file() {
-        // It is read more than once: for its headings, its clock and its rows.
-        return Err(Error::new(
-            format!("could not read {}", path.display()),
-            "it is a pipe or a device, not a file",
-            "save the recording as a file first",
-        ));
-    }
-    Ok((File::open(path).map_err(|e| Error::io("read", path, &e))?, about.len()))
 }
 
 impl Lines {
     /// Opens a file at its first line.
     ///
     /// # Errors
-    /// As [`open`].
-    pub fn open(path: &Path) -> Result<Self> {
-        let (file, length_bytes) = open(path)?;
-        let reader = BufReader::with_capacity(BUFFER_BYTES, Hashed { file, digest: Some(Sha256::new()), bytes: 0 });
-        Ok(Self { path: path.into(), reader, line: Vec::new(), number: 0, length_bytes, returned: false })
+    /// As [`Unpacked::new`].
+    pub fn open(input: Input, pack: Pack) -> Result<Self> {
+        let reader = BufReader::with_capacity(BUFFER_BYTES, Unpacked::new(&input, pack)?);
+        let (line, checksum) = (Vec::new(), None);
+        Ok(Self { input, pack, reader, digested: true, checksum, line, number: 0, returned: false })
     }
 
     /// The first bytes, before any line was read.
@@ -64,12 +44,22 @@ impl Lines {
     /// # Errors
     /// When the file cannot be read.
     pub fn head(&mut self) -> Result<&[u8]> {
-        self.reader.fill_buf().map_err(|e| Error::io("read", &self.path, &e))
+        match self.reader.fill_buf() {
+            Ok(head) => Ok(head),
+            Err(error) => Err(failed(&self.input, self.pack, &error)),
+        }
     }
 
     /// Makes no checksum, which takes a good part of the time.
     pub fn without_checksum(&mut self) {
-        self.reader.get_mut().digest = None;
+        self.digested = false;
+    }
+
+    /// The file will be read to its end: its checksum is begun, where one is wanted.
+    pub fn begin(&mut self) {
+        if self.digested && self.checksum.is_none() {
+            self.checksum = Some(self.input.checksum());
+        }
     }
 
     /// Leaves out so many of the first bytes.
@@ -85,7 +75,7 @@ impl Lines {
         self.line.clear();
         let mut some = false;
         loop {
-            let buffer = self.reader.fill_buf().map_err(|e| Error::io("read", &self.path, &e))?;
+            let buffer = self.reader.fill_buf().map_err(|e| failed(&self.input, self.pack, &e))?;
             if std::mem::take(&mut self.returned) && buffer.first() == Some(&b'\n') {
                 self.reader.consume(1);
                 continue;
@@ -99,7 +89,7 @@ impl Lines {
             let taken = end.unwrap_or(buffer.len());
             if self.line.len() + taken > LONGEST_BYTES {
                 return Err(Error::new(
-                    format!("could not read {}", self.path.display()),
+                    format!("could not read {}", self.input.path.display()),
                     format!("line {} is longer than {} MB", self.number + 1, LONGEST_BYTES >> 20),
                     "a recording is one line per sample, ended by a line feed: was it saved as one long line?",
                 ));
@@ -132,40 +122,40 @@ impl Lines {
 
     /// Size of the file when it was opened.
     pub fn length_bytes(&self) -> u64 {
-        self.length_bytes
+        self.input.length()
     }
 
     /// How far it has been read.
     pub fn bytes_read(&self) -> u64 {
-        self.reader.get_ref().bytes
+        self.reader.get_ref().bytes_taken()
     }
 
-    /// Reads whatever is left: SHA-256 of the whole file, hexadecimal; empty without checksum.
+    /// SHA-256 of the whole file, hexadecimal, and its size; empty without checksum.
     ///
     /// # Errors
     /// When the file cannot be read on.
-    pub fn finish(mut self) -> Result<String> {
-        std::io::copy(&mut self.reader, &mut std::io::sink()).map_err(|e| Error::io("read", &self.path, &e))?;
-        Ok(self.reader.into_inner().digest.map_or_else(String::new, |d| hexadecimal(&d.finalize())))
+    pub fn finish(self) -> Result<(String, u64)> {
+        match self.checksum {
+            Some(checksum) => checksum.finish(&self.input.path),
+            None if self.digested => self.input.checksum().finish(&self.input.path),
+            None => Ok((String::new(), self.input.length())),
+        }
     }
 }
 
-/// A file that is digested as it is read.
-#[derive(Debug)]
-struct Hashed {
-    file: File,
-    digest: Option<Sha256>,
-    bytes: u64,
-}
-
-impl Read for Hashed {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        if let Some(digest) = &mut self.digest {
-            digest.update(&buffer[..count]);
-        }
-        self.bytes += count as u64;
-        Ok(count)
+/// What went wrong on the way from the disk to the text.
+fn failed(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
+    match pack {
+        Pack::None => Error::io("read", &input.path, error),
+        _ if error.kind() == std::io::ErrorKind::UnexpectedEof => input.fail(
+            format!(
+                "expected more {} data, but the file ends after {} bytes: it is cut short",
+                pack.name(),
+                input.length()
+            ),
+            "copy it again, or unpack what is left of it yourself",
+        ),
+        _ => input.fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it whole?"),
     }
 }
 
@@ -176,7 +166,7 @@ mod tests {
     fn lines(text: &[u8]) -> Result<Vec<Vec<u8>>> {
         let file = tempfile::NamedTempFile::new().expect("file");
         std::fs::write(file.path(), text).expect("write");
-        let mut lines = Lines::open(file.path())?;
+        let mut lines = Lines::open(Input::open(file.path())?, Pack::None)?;
         let mut out = Vec::new();
         while lines.advance()? {
             out.push(lines.line().to_vec());

@@ -97,7 +97,7 @@ pub struct Noise {
 /// # Errors
 /// As `stream::read`.
 pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + Sync) -> Result<Noise> {
-    let names = stream::headings(path, request)?;
+    let (names, _) = stream::headings(path, request)?;
     let mut meters = names.iter().map(|n| Meter::new(n)).collect::<Option<Vec<Meter>>>().ok_or_else(|| {
         Error::new("could not analyse noise", "segments of the spectrum are too short", "report this as a defect")
     })?;

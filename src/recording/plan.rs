@@ -11,7 +11,8 @@ use super::finding::Finding;
 use super::limits::RATES_HZ;
 use super::repeats::{Meaning, Repeated, Repeats};
 use super::request::Request;
-use super::rows::{Rows, Source};
+use super::rows::{Rows, Wanted};
+use super::source::Source;
 use crate::error::{Error, Result};
 use crate::progress;
 use crate::signal;
@@ -81,7 +82,7 @@ pub fn walk(
 /// Opens a file as it is asked for.
 ///
 /// # Errors
-/// As [`Rows::open_timed`].
+/// As [`Rows::open_wanted`].
 pub fn open(path: &Path, request: &Request) -> Result<Rows> {
     let columns: Vec<String> = request.columns.iter().filter(|c| Some(*c) != request.time.as_ref()).cloned().collect();
     if columns.is_empty() && !request.columns.is_empty() {
@@ -91,7 +92,8 @@ pub fn open(path: &Path, request: &Request) -> Result<Rows> {
             "name a column of readings beside it",
         ));
     }
-    Rows::open_timed(path, request.time.as_deref(), &columns)
+    let (topic, time) = (request.topic.as_deref(), request.time.as_deref());
+    Rows::open_wanted(path, &Wanted { topic, time, columns: &columns })
 }
 
 /// Looks through a file. `values` asks for rows that repeat where no clock tells.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::clock::place::{Place, Placer};
 use super::clock::{Clock, Kind, Question, resample};
+use super::clock_column;
 use super::dropped::{Reason, Tally};
 use super::finding::{self, Finding, Uneven};
 use super::in_memory::{Averaged, Column, Recording};
@@ -32,7 +33,9 @@ const MUCH_MEMORY: usize = 400 << 20;
 /// A file that cannot be read as a table of numbers, a column that is not there (the nearest is named), a clock that cannot
 /// be gone by (`clock::judge`), a clock and a rate that disagree, or more than 5 % of the values missing.
 pub fn read(path: &Path, request: &Request) -> Result<Recording> {
+    let (request, clock) = &clock_column::settled(path, request)?;
     let mut plan = plan::make(path, request, true)?;
+    plan.findings.splice(..0, clock.clone());
     let used = plan.rows.clone();
     if let Some((part, finding)) = plan.clock.as_ref().and_then(|c| longest_part(c, &plan.rows)) {
         plan.samples = plan.samples.min(part.len());

@@ -5,6 +5,8 @@ use std::ops::Range;
 /// What to read of a file, and what its clock is.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
+    /// Topic, message or array, where the file has several; absent: the only one that holds an IMU's readings.
+    pub topic: Option<String>,
     /// Headings, in the order wanted; without a header, "1", "2", … Empty: every column but the clock.
     pub columns: Vec<String>,
     /// Sampling rate, where rows are evenly spaced by construction.

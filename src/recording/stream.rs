@@ -8,6 +8,7 @@ use std::thread;
 
 use super::clock::place::{Place, Placer};
 use super::clock::{Kind, Question};
+use super::clock_column;
 use super::dropped::{Dropped, Reason, Tally};
 use super::finding::{Finding, Uneven};
 use super::limits::FILL_LIMIT;
@@ -48,12 +49,14 @@ pub struct Streamed {
     pub findings: Vec<Finding>,
 }
 
-/// Opens a file as [`read`] will stream it: the headings of its columns, without the clock.
+/// Opens a file as [`read`] will stream it: the headings of its columns, without the clock, and their units.
 ///
 /// # Errors
 /// As `Rows::open`.
-pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
-    Ok(plan::open(path, request)?.names().to_vec())
+pub fn headings(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Option<String>>)> {
+    let (request, _) = clock_column::settled(path, request)?;
+    let rows = plan::open(path, &request)?;
+    Ok((rows.names().to_vec(), rows.units().to_vec()))
 }
 
 /// Streams the columns of `request` into `take`, after a first pass over the clock: one thread reads while this one works on
@@ -62,7 +65,9 @@ pub fn headings(path: &Path, request: &Request) -> Result<Vec<String>> {
 /// # Errors
 /// As [`super::read`](fn@super::read), except that gaps of any length are survived.
 pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Result<Streamed> {
-    let plan = plan::make(path, request, false)?;
+    let (request, clock) = &clock_column::settled(path, request)?;
+    let mut plan = plan::make(path, request, false)?;
+    plan.findings.splice(..0, clock.clone());
     thread::scope(|scope| {
         let (send, receive) = mpsc::sync_channel(AHEAD);
         let reader = thread::Builder::new()

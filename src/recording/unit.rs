@@ -42,6 +42,109 @@ const SCALES: [(&str, Quantity, f64); 10] = [
     ("deg/h", Quantity::Gyro, DEGREE_PER_HOUR),
 ];
 
+/// Names of what a converter counts in.
+const COUNTS: [&str; 6] = ["lsb", "count", "counts", "cnt", "digit", "digits"];
+
+/// Other units that stand below headings.
+const OTHERS: [&str; 34] = [
+    "s", "ms", "us", "ns", "sec", "seconds", "m", "mm", "m/s", "km/h", "deg", "rad", "c", "degc", "k", "ut", "mt", "t",
+    "gauss", "mgauss", "pa", "hpa", "kpa", "mbar", "bar", "v", "mv", "a", "ma", "hz", "n", "%", "1", "-",
+];
+
+/// What stands in brackets, if anything does.
+pub fn without_brackets(text: &str) -> &str {
+    let text = text.trim();
+    let within = |open, close| text.strip_prefix(open)?.strip_suffix(close);
+    within('[', ']').or_else(|| within('(', ')')).unwrap_or(text).trim()
+}
+
+/// Whether these cells are a row of units: none is a number, and one at least is a unit or stands in brackets.
+pub fn are_units(cells: &[String]) -> bool {
+    let is_unit = |cell: &String| {
+        let word = normal(without_brackets(cell));
+        without_brackets(cell).len() < cell.len()
+            || COUNTS.contains(&word.as_str())
+            || OTHERS.contains(&word.as_str())
+            || SCALES.iter().any(|s| s.0 == word)
+    };
+    let filled = || cells.iter().filter(|c| !c.is_empty());
+    filled().count() > 0
+        && filled().all(|c| is_unit(c) && (c == "1" || c.parse::<f64>().is_err()))
+        && filled().any(|c| c != "1")
+}
+
+/// A unit as it is written in `SCALES`, however people write it: `rad s^-1`, `m/s/s`, `deg/sec`, `dps`.
+fn normal(text: &str) -> String {
+    let mut plain = text.trim().to_lowercase();
+    for (theirs, ours) in [
+        ("µ", "u"),
+        ("μ", "u"),
+        ("°", "deg"),
+        ("²", "2"),
+        ("^", ""),
+        ("**", ""),
+        ("⁻", "-"),
+        ("¹", "1"),
+        ("·", " "),
+        ("⋅", " "),
+    ] {
+        plain = plain.replace(theirs, ours);
+    }
+    let mut unit = String::new();
+    for word in plain.replace(" per ", "/").replace(" / ", "/").split_whitespace() {
+        match word.strip_suffix("-1").map(|w| (w, "")).or_else(|| word.strip_suffix("-2").map(|w| (w, "2"))) {
+            Some((below, power)) => unit += &format!("/{below}{power}"),
+            None => unit += word,
+        }
+    }
+    for (theirs, ours) in [
+        ("degrees", "deg"),
+        ("degree", "deg"),
+        ("radians", "rad"),
+        ("radian", "rad"),
+        ("seconds", "s"),
+        ("second", "s"),
+        ("sec", "s"),
+        ("hours", "h"),
+        ("hour", "h"),
+        ("/hr", "/h"),
+        ("meters", "m"),
+        ("meter", "m"),
+        ("metres", "m"),
+        ("metre", "m"),
+        ("/s/s", "/s2"),
+        ("milli-g", "mg"),
+        ("micro-g", "ug"),
+    ] {
+        unit = unit.replace(theirs, ours);
+    }
+    match unit.as_str() {
+        "dps" => "deg/s".into(),
+        "mdps" => "mdeg/s".into(),
+        "dph" => "deg/h".into(),
+        "gn" | "g0" | "g_0" | "gs" => "g".into(),
+        "mps2" => "m/s2".into(),
+        _ => match unit.split_once('/') {
+            Some(("dps", below)) => format!("deg/s/{below}"),
+            Some((above, "dps")) => format!("{above}/deg/s"),
+            _ => unit,
+        },
+    }
+}
+
+/// A scale per count, or counts per unit, as datasheets state sensitivities: `3.33 mg/LSB`, `16384 LSB/g`.
+fn per_count(factor: f64, unit: &str) -> (f64, String) {
+    if let Some((above, below)) = unit.rsplit_once('/')
+        && COUNTS.contains(&below)
+    {
+        return (factor, above.to_owned());
+    }
+    match unit.split_once('/') {
+        Some((count, below)) if COUNTS.contains(&count) => (1.0 / factor, below.to_owned()),
+        _ => (factor, unit.to_owned()),
+    }
+}
+
 impl Unit {
     /// A column of which nothing is said.
     pub fn unknown() -> Self {
@@ -58,8 +161,8 @@ impl Unit {
             let hint = format!("write an optional number and one of {}, e.g. 3.33{}", known.join(", "), known[1]);
             Error::new(format!("could not read the scale `{text}`"), cause, hint)
         };
-        let plain = text.trim().replace('µ', "u").replace('°', "deg").replace('²', "2").replace('^', "");
-        let split = plain.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(plain.len());
+        let plain = text.trim().replace('µ', "u").replace('°', "deg");
+        let split = plain.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E').unwrap_or(plain.len());
         let (number, word) = (plain[..split].trim(), plain[split..].trim());
         let factor = match number {
             "" => 1.0,
@@ -68,7 +171,11 @@ impl Unit {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(fail(format!("a scale of {factor}")));
         }
-        match SCALES.iter().find(|s| s.1 == quantity && s.0 == word) {
+        let (factor, unit) = per_count(factor, &normal(word));
+        if COUNTS.contains(&unit.as_str()) {
+            return Err(fail(format!("`{word}` is a count: how large one is stands in the sensor's datasheet")));
+        }
+        match SCALES.iter().find(|s| s.1 == quantity && s.0 == unit) {
             // What follows multiplies it again: with numbers that large or small, a coefficient would be infinite or 0.
             Some((_, _, si)) if !(1e-100..1e100).contains(&(factor * si)) => {
                 Err(fail(format!("a scale of {factor:e}")))
@@ -76,6 +183,11 @@ impl Unit {
             Some((_, _, si)) => Ok(Self { quantity, si: factor * si, name: text.trim().into() }),
             None => Err(fail(format!("`{word}` is no unit known here"))),
         }
+    }
+
+    /// A unit as a file states it, if it is one of an inertial sensor.
+    pub fn of_file(text: &str) -> Option<Self> {
+        [Quantity::Accelerometer, Quantity::Gyro].into_iter().find_map(|q| Self::parse(without_brackets(text), q).ok())
     }
 
     /// Unit of the signal for people, and how many of it one unit of the file is.
@@ -130,8 +242,40 @@ mod tests {
         assert_eq!(parse("3.33 mg"), Ok(3.33 * MILLI_G));
         assert_eq!(parse("2e-3m/s²"), Ok(2e-3));
         assert!(Unit::parse("0.05°/s", Quantity::Gyro).is_ok_and(|u| u.signal().1 == 0.05));
-        for wrong in ["", "3.33", "deg/s", "-1g", "1e999g", "x.5g"] {
+        for wrong in ["", "3.33", "deg/s", "-1g", "1e999g", "x.5g", "LSB"] {
             assert!(parse(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn units_are_known_in_every_spelling() {
+        for (text, quantity, si) in [
+            ("rad s^-1", Quantity::Gyro, 1.0),
+            ("rad/sec", Quantity::Gyro, 1.0),
+            ("dps", Quantity::Gyro, DEGREE),
+            ("deg/sec", Quantity::Gyro, DEGREE),
+            ("[°/s]", Quantity::Gyro, DEGREE),
+            ("deg/hr", Quantity::Gyro, DEGREE_PER_HOUR),
+            ("m s^-2", Quantity::Accelerometer, 1.0),
+            ("m s⁻²", Quantity::Accelerometer, 1.0),
+            ("m/s/s", Quantity::Accelerometer, 1.0),
+            ("(m/s^2)", Quantity::Accelerometer, 1.0),
+            ("m/sec2", Quantity::Accelerometer, 1.0),
+            ("G", Quantity::Accelerometer, STANDARD_GRAVITY_M_S2),
+            ("16384 LSB/g", Quantity::Accelerometer, STANDARD_GRAVITY_M_S2 / 16384.0),
+            ("3.33 mg/LSB", Quantity::Accelerometer, 3.33 * MILLI_G),
+            ("131 LSB/dps", Quantity::Gyro, DEGREE / 131.0),
+        ] {
+            let unit = Unit::of_file(text).unwrap_or_else(|| unreachable!("{text} is not known"));
+            assert!(unit.quantity == quantity && (unit.si / si - 1.0).abs() < 1e-12, "{text}: {unit:?}");
+        }
+        assert!(["LSB", "kg", "", "m", "rad"].iter().all(|t| Unit::of_file(t).is_none()));
+    }
+
+    #[test]
+    fn a_row_of_units_is_none_of_numbers_or_names() {
+        let row = |cells: &[&str]| are_units(&cells.iter().map(|c| (*c).to_owned()).collect::<Vec<_>>());
+        assert!(row(&["[s]", "[rad/s]"]) && row(&["s", "LSB"]) && row(&["", "g"]) && row(&["ns", "m s^-2"]));
+        assert!(!row(&["1", "2"]) && !row(&["", ""]) && !row(&["ok", "g"]) && !row(&["1", "1"]));
     }
 }

@@ -12,19 +12,35 @@ pub struct Stamp {
     decimals: u8,
 }
 
+/// Beyond, whole numbers of 64 bits end.
+const LARGEST: f64 = 9e18;
+
 impl Stamp {
-    /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp.
+    /// No stamp.
+    pub const MISSING: Self = Self { whole: 0, fraction: f64::NAN, decimals: u8::MAX };
+
+    /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp. The decimal sign may be a comma.
     pub fn parse(cell: &[u8]) -> Option<Self> {
         plain(cell.trim_ascii()).or_else(|| {
             let value = format::number(cell)?;
-            let whole = value.floor();
-            // A float this large has no digits to lose.
-            (value.is_nan() || whole.abs() < 9e18).then_some(Self {
-                whole: whole as i64,
-                fraction: value - whole,
-                decimals: u8::MAX,
-            })
+            (value.is_nan() || value.abs() < LARGEST).then(|| Self::of_float(value))
         })
+    }
+
+    /// A whole number.
+    pub fn of_integer(whole: i64) -> Self {
+        Self { whole, fraction: 0.0, decimals: 0 }
+    }
+
+    /// A double, which is missing where it is no number or too large.
+    pub fn of_float(value: f64) -> Self {
+        let whole = value.floor();
+        // A float this large has no digits to lose; NaN is not below it.
+        if whole.abs() < LARGEST {
+            Self { whole: whole as i64, fraction: value - whole, decimals: u8::MAX }
+        } else {
+            Self::MISSING
+        }
     }
 
     /// Whether there is a number.
@@ -55,7 +71,7 @@ fn plain(cell: &[u8]) -> Option<Stamp> {
         [b'+', rest @ ..] => (false, rest),
         _ => (false, cell),
     };
-    let point = digits.iter().position(|b| *b == b'.');
+    let point = digits.iter().position(|b| *b == b'.' || *b == b',');
     let (front, back) = match point {
         Some(place) => (&digits[..place], &digits[place + 1..]),
         None => (digits, &digits[..0]),

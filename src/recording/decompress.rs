@@ -1,0 +1,89 @@
+//! Compressed parts of files, each to the size that its file states.
+
+use std::io::Read;
+
+#[cfg(feature = "zstd")]
+use super::zstandard;
+
+/// How a part is compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code, reason = "which of them are met is a matter of features")]
+pub enum Codec {
+    /// Not at all.
+    None,
+    /// Snappy's raw format.
+    Snappy,
+    /// gzip, RFC 1952.
+    Gzip,
+    /// Zstandard, RFC 8878.
+    Zstandard,
+    /// A bare LZ4 block.
+    Lz4Block,
+    /// LZ4 frames.
+    Lz4Frame,
+}
+
+/// No part of a file is larger when it is decompressed: files are read part by part, and one must fit in memory.
+pub const LARGEST_BYTES: u64 = 256 << 20;
+
+/// Decompresses a part whose size is stated.
+///
+/// # Errors
+/// In words: damaged data, another size than the one stated, or one beyond [`LARGEST_BYTES`].
+#[allow(unused_variables, reason = "which codecs there are is a matter of features")]
+pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, String> {
+    if size > LARGEST_BYTES {
+        return Err(format!(
+            "{} bytes are said to become {size} when decompressed, more than the {} MiB that one part may have",
+            from.len(),
+            LARGEST_BYTES >> 20
+        ));
+    }
+    let bytes = match codec {
+        Codec::None => from.to_vec(),
+        #[cfg(feature = "parquet")]
+        Codec::Snappy => {
+            let stated = snap::raw::decompress_len(from).map_err(|e| format!("damaged Snappy data: {e}"))?;
+            if stated as u64 != size {
+                return Err(format!("Snappy data of {stated} bytes where {size} were expected"));
+            }
+            snap::raw::Decoder::new().decompress_vec(from).map_err(|e| format!("damaged Snappy data: {e}"))?
+        }
+        #[cfg(feature = "gzip")]
+        Codec::Gzip => whole(flate2::read::MultiGzDecoder::new(from), size, "gzip")?,
+        #[cfg(feature = "zstd")]
+        Codec::Zstandard => {
+            let mut source = from;
+            let mut out = Vec::new();
+            while let Some(mut frame) = zstandard::Frame::next(source).map_err(|e| e.to_string())? {
+                out.append(&mut whole(&mut frame, size, "Zstandard")?);
+                source = frame.source;
+                if out.len() as u64 > size {
+                    break;
+                }
+            }
+            out
+        }
+        #[cfg(any(feature = "parquet", feature = "arrow", feature = "mcap", feature = "rosbag"))]
+        Codec::Lz4Block => {
+            lz4_flex::block::decompress(from, size as usize).map_err(|e| format!("damaged LZ4 data: {e}"))?
+        }
+        #[cfg(any(feature = "parquet", feature = "arrow", feature = "mcap", feature = "rosbag"))]
+        Codec::Lz4Frame => whole(lz4_flex::frame::FrameDecoder::new(from), size, "LZ4")?,
+        #[allow(unreachable_patterns, reason = "which of them remain is a matter of features")]
+        other => return Err(format!("this build does not decompress {other:?}")),
+    };
+    if bytes.len() as u64 == size {
+        Ok(bytes)
+    } else {
+        Err(format!("{} bytes after decompression where {size} were expected", bytes.len()))
+    }
+}
+
+/// All that a decoder gives, and no more than one byte beyond what is expected.
+#[allow(dead_code, reason = "without features nothing is compressed")]
+fn whole(decoder: impl Read, size: u64, name: &str) -> Result<Vec<u8>, String> {
+    let mut out = Vec::new();
+    decoder.take(size + 1).read_to_end(&mut out).map_err(|e| format!("damaged {name} data: {e}"))?;
+    Ok(out)
+}

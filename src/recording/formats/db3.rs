@@ -1,0 +1,413 @@
+//! ROS 2 bags in SQLite, `.db3`, read by an own walk through the tables. Format: sqlite.org/fileformat2.html.
+
+use crate::error::{Error, Result};
+use crate::recording::bytes::Bytes;
+use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::recording::input::Input;
+use crate::recording::messages::{Encoding, MessageRows, Messages, part};
+use crate::recording::reader::{Choice, Log, Part, Reader};
+
+const HEADER_BYTES: u64 = 100;
+/// Deeper trees there are none: 2^32 pages at two a page.
+const DEEPEST: usize = 40;
+/// Entries of a short table.
+const MOST_ENTRIES: usize = 10_000;
+const DAMAGED: &str = "the file is cut short or damaged: copy it again, or mend it with `sqlite3 FILE .recover`";
+
+#[derive(Debug)]
+struct Bag {
+    database: Database,
+    parts: Vec<Part>,
+    topics: Vec<(i64, Encoding)>,
+    messages: Table,
+}
+
+/// Opens a bag.
+///
+/// # Errors
+/// A database that is damaged, not closed, or no ROS 2 bag.
+pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+    let database = Database::open(input)?;
+    let topics = database.table("topics")?;
+    let messages = database.table("messages")?;
+    let [id, name, kind, format] = ["id", "name", "type", "serialization_format"].map(|c| topics.column(c));
+    let mut bag = Bag { database, parts: Vec::new(), topics: Vec::new(), messages };
+    let mut tree = Tree::new(bag.database.clone(), topics.root);
+    while let Some((row, payload)) = tree.next()? {
+        let record = Record::new(&payload, row);
+        let number = id.and_then(|c| record.integer(c)).unwrap_or(row);
+        let text = |column: Option<usize>| column.and_then(|c| record.text(c)).unwrap_or_default();
+        let readable = matches!(text(format).as_str(), "cdr" | "");
+        if bag.parts.len() == MOST_ENTRIES {
+            return Err(input.fail(format!("more than {MOST_ENTRIES} topics"), DAMAGED));
+        }
+        bag.parts.push(part(text(name), text(kind), None, readable));
+        bag.topics.push((number, Encoding::Cdr));
+    }
+    Ok(Box::new(bag))
+}
+
+impl Log for Bag {
+    fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    fn open(self: Box<Self>, part: usize, choice: &Choice) -> Result<Box<dyn Reader>> {
+        let (topic, encoding) = self.topics[part];
+        let input = self.database.input.clone();
+        let place = |name: &str| {
+            self.messages.column(name).ok_or_else(|| {
+                input.fail(
+                    format!("expected a column `{name}` in its table of messages, found none"),
+                    "is this a ROS 2 bag?",
+                )
+            })
+        };
+        let (topic_at, data_at) = (place("topic_id")?, place("data")?);
+        let tree = Tree::new(self.database, self.messages.root);
+        let blobs = Blobs { tree, topic, topic_at, data_at };
+        Ok(Box::new(MessageRows {
+            input,
+            messages: Box::new(blobs),
+            kind: self.parts[part].kind.clone(),
+            encoding,
+            choice: choice.clone(),
+            count: 0,
+        }))
+    }
+}
+
+/// The data of the messages of one topic, in the order they were written.
+#[derive(Debug)]
+struct Blobs {
+    tree: Tree,
+    topic: i64,
+    topic_at: usize,
+    data_at: usize,
+}
+
+impl Messages for Blobs {
+    fn next(&mut self, into: &mut Vec<u8>) -> Result<bool> {
+        while let Some((row, payload)) = self.tree.next()? {
+            let record = Record::new(&payload, row);
+            if record.integer(self.topic_at) != Some(self.topic) {
+                continue;
+            }
+            let data = record.bytes(self.data_at).unwrap_or_default();
+            match data {
+                // Messages may be compressed one by one; their size is not stated apart.
+                [0x28, 0xb5, 0x2f, 0xfd, ..] => {
+                    let unpacked = unpacked(data).map_err(|words| self.tree.database.input.fail(words, DAMAGED))?;
+                    into.extend_from_slice(&unpacked);
+                }
+                _ => into.extend_from_slice(data),
+            }
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    fn bytes_read(&self) -> u64 {
+        self.tree.bytes
+    }
+}
+
+/// A message of Zstandard, whose frame states its size (RFC 8878, 3.1.1.1).
+fn unpacked(data: &[u8]) -> Result<Vec<u8>, String> {
+    let mut bytes = Bytes::new(data);
+    let size = || -> Option<u64> {
+        bytes.take(4)?;
+        let descriptor = bytes.u8()?;
+        if descriptor & 0x20 == 0 {
+            bytes.u8()?;
+        }
+        bytes.take([0, 1, 2, 4][usize::from(descriptor & 3)])?;
+        match descriptor >> 6 {
+            0 => bytes.u8().filter(|_| descriptor & 0x20 != 0).map(u64::from),
+            1 => bytes.u16().map(|n| u64::from(n) + 256),
+            2 => bytes.u32().map(u64::from),
+            _ => bytes.u64(),
+        }
+    };
+    let mut size = size;
+    decompress(Codec::Zstandard, data, size().ok_or("a compressed message that does not state its size")?)
+}
+
+/// The pages of a database.
+#[derive(Debug, Clone)]
+struct Database {
+    input: Input,
+    page_bytes: u64,
+    /// Bytes of a page that hold data.
+    usable: usize,
+}
+
+/// A table: its first page and its columns.
+#[derive(Debug, Clone)]
+struct Table {
+    root: u32,
+    columns: Vec<String>,
+}
+
+impl Table {
+    fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|c| c == name)
+    }
+}
+
+impl Database {
+    fn open(input: &Input) -> Result<Self> {
+        let head = input.bytes_at(0, HEADER_BYTES, "the header of an SQLite database")?;
+        let page_bytes = match u16::from_be_bytes([head[16], head[17]]) {
+            1 => 65_536,
+            bytes => u64::from(bytes),
+        };
+        if !page_bytes.is_power_of_two() || page_bytes < 512 {
+            return Err(input.fail(format!("expected pages of 512 to 65536 bytes, found {page_bytes}"), DAMAGED));
+        }
+        let beside =
+            input.path.with_file_name(format!("{}-wal", input.path.file_name().unwrap_or_default().to_string_lossy()));
+        if head[19] == 2 && std::fs::metadata(&beside).is_ok_and(|about| about.len() > 0) {
+            return Err(input.fail(
+                "part of its messages stand in the write-ahead log beside it",
+                format!("finish it first: sqlite3 {} 'PRAGMA wal_checkpoint(TRUNCATE)'", input.path.display()),
+            ));
+        }
+        Ok(Self { input: input.clone(), page_bytes, usable: page_bytes as usize - usize::from(head[20]) })
+    }
+
+    /// A table by its name, as the schema in the first page describes it.
+    fn table(&self, name: &str) -> Result<Table> {
+        let mut tree = Tree::new(self.clone(), 1);
+        let mut known = Vec::new();
+        while let Some((row, payload)) = tree.next()? {
+            let record = Record::new(&payload, row);
+            if record.text(0).as_deref() != Some("table") {
+                continue;
+            }
+            let found = record.text(1).unwrap_or_default();
+            if found == name {
+                let root = record.integer(3).and_then(|n| u32::try_from(n).ok()).unwrap_or_default();
+                return Ok(Table { root, columns: columns(&record.text(4).unwrap_or_default()) });
+            }
+            if known.len() < 40 {
+                known.push(found);
+            }
+        }
+        Err(self.input.fail(
+            format!("expected a table `{name}`, as ROS 2 bags have it; the database has {}", known.join(", ")),
+            "is this a ROS 2 bag? Export the readings as CSV otherwise",
+        ))
+    }
+
+    fn page(&self, number: u32) -> Result<Vec<u8>> {
+        let at = u64::from(number).checked_sub(1).map(|n| n * self.page_bytes);
+        let at = at.ok_or_else(|| self.input.fail("expected the number of a page, found 0", DAMAGED))?;
+        self.input.bytes_at(at, self.page_bytes, &format!("page {number} of the database"))
+    }
+}
+
+impl Database {
+    /// The record of a row, of which what does not fit stands on further pages.
+    fn payload(&self, size: u64, rest: &[u8]) -> Result<Option<Vec<u8>>> {
+        if size > LARGEST_BYTES || size > self.input.length() {
+            return Ok(None);
+        }
+        let (size, usable) = (size as usize, self.usable);
+        let most = usable.saturating_sub(35);
+        let local = if size <= most {
+            size
+        } else {
+            let least = (usable.saturating_sub(12) * 32 / 255).saturating_sub(23);
+            let local = least + (size - least) % (usable - 4);
+            if local <= most { local } else { least }
+        };
+        let Some(front) = rest.get(..local) else { return Ok(None) };
+        let mut out = front.to_vec();
+        let mut next = rest.get(local..local + 4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]));
+        while out.len() < size {
+            let Some(number) = next.filter(|n| *n > 0) else { return Ok(None) };
+            let page = self.page(number)?;
+            next = Some(u32::from_be_bytes([page[0], page[1], page[2], page[3]]));
+            out.extend_from_slice(&page[4..usable.min(4 + size - out.len())]);
+        }
+        Ok(Some(out))
+    }
+}
+
+/// Names of the columns in a CREATE TABLE statement.
+fn columns(sql: &str) -> Vec<String> {
+    let body = sql.split_once('(').map_or("", |(_, rest)| rest).rsplit_once(')').map_or("", |(front, _)| front);
+    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
+    for (i, c) in body.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(&body[start..i]);
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&body[start..]);
+    let name = |part: &&str| part.split_whitespace().next().map(|n| n.trim_matches(['"', '`', '[', ']']).to_owned());
+    parts.iter().filter_map(name).collect()
+}
+
+/// A number of one to nine bytes, the highest first.
+fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
+    let mut value = 0u64;
+    for i in 0..9 {
+        let byte = bytes.u8()?;
+        if i == 8 {
+            return Some((value << 8) | u64::from(byte));
+        }
+        value = (value << 7) | u64::from(byte & 0x7f);
+        if byte & 0x80 == 0 {
+            break;
+        }
+    }
+    Some(value)
+}
+
+/// A row of a table.
+struct Record<'a> {
+    row: i64,
+    /// Type and place of each value.
+    values: Vec<(u64, &'a [u8])>,
+}
+
+impl<'a> Record<'a> {
+    fn new(payload: &'a [u8], row: i64) -> Self {
+        let mut values = Vec::new();
+        let mut head = Bytes::new(payload);
+        let size = varint(&mut head).map_or(0, |s| usize::try_from(s).unwrap_or(usize::MAX));
+        let mut body = Bytes::new(payload.get(size..).unwrap_or_default());
+        while head.taken() < size {
+            let Some(kind) = varint(&mut head) else { break };
+            let length = match kind {
+                0..=4 => kind,
+                5 => 6,
+                6 | 7 => 8,
+                8..=11 => 0,
+                _ => (kind - 12) / 2,
+            };
+            let Some(value) = usize::try_from(length).ok().and_then(|l| body.take(l)) else { break };
+            values.push((kind, value));
+        }
+        Self { row, values }
+    }
+
+    /// A whole number; the row's own where the column stands for it.
+    fn integer(&self, column: usize) -> Option<i64> {
+        let (kind, bytes) = self.values.get(column)?;
+        match kind {
+            0 => Some(self.row),
+            1..=6 => {
+                let negative = bytes.first().is_some_and(|b| b & 0x80 != 0);
+                Some(bytes.iter().fold(if negative { -1 } else { 0 }, |sum: i64, b| (sum << 8) | i64::from(*b)))
+            }
+            8 => Some(0),
+            9 => Some(1),
+            _ => None,
+        }
+    }
+
+    fn bytes(&self, column: usize) -> Option<&'a [u8]> {
+        self.values.get(column).filter(|v| v.0 >= 12).map(|v| v.1)
+    }
+
+    fn text(&self, column: usize) -> Option<String> {
+        self.bytes(column).map(|b| String::from_utf8_lossy(b).into_owned())
+    }
+}
+
+/// A page on the way down, and its next cell.
+#[derive(Debug)]
+struct Level {
+    page: Vec<u8>,
+    /// Where its own header begins.
+    begin: usize,
+    next: usize,
+}
+
+/// All rows of a table in order.
+#[derive(Debug)]
+struct Tree {
+    database: Database,
+    levels: Vec<Level>,
+    begin: Option<u32>,
+    bytes: u64,
+}
+
+impl Tree {
+    fn new(database: Database, root: u32) -> Self {
+        Self { database, levels: Vec::new(), begin: Some(root), bytes: 0 }
+    }
+
+    fn damaged(&self, words: &str) -> Error {
+        self.database.input.fail(format!("expected {words} in a table of the database, found none"), DAMAGED)
+    }
+
+    fn descend(&mut self, page: u32) -> Result<()> {
+        // A page that is met twice would be met for ever.
+        if self.levels.len() == DEEPEST || self.bytes > self.database.input.length() {
+            return Err(self.damaged("a tree without circles"));
+        }
+        let begin = if page == 1 { HEADER_BYTES as usize } else { 0 };
+        let data = self.database.page(page)?;
+        self.bytes += self.database.page_bytes;
+        if !matches!(data[begin], 5 | 13) {
+            return Err(self.damaged("a page of a table"));
+        }
+        self.levels.push(Level { page: data, begin, next: 0 });
+        Ok(())
+    }
+
+    /// The next row: its number and its record.
+    fn next(&mut self) -> Result<Option<(i64, Vec<u8>)>> {
+        if let Some(root) = self.begin.take() {
+            self.descend(root)?;
+        }
+        loop {
+            let Some(level) = self.levels.last_mut() else { return Ok(None) };
+            let (page, begin, next) = (&level.page, level.begin, level.next);
+            let two = |at: usize| page.get(at..at + 2).map(|b| usize::from(u16::from_be_bytes([b[0], b[1]])));
+            let four = |at: usize| page.get(at..at + 4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]));
+            let interior = page[begin] == 5;
+            let cells = two(begin + 3).unwrap_or_default();
+            let pointers = begin + if interior { 12 } else { 8 };
+            level.next += 1;
+            if interior {
+                let child = match next.cmp(&cells) {
+                    std::cmp::Ordering::Less => two(pointers + 2 * next).and_then(four),
+                    std::cmp::Ordering::Equal => four(begin + 8),
+                    std::cmp::Ordering::Greater => {
+                        self.levels.pop();
+                        continue;
+                    }
+                };
+                match child {
+                    Some(child) => self.descend(child)?,
+                    None => return Err(self.damaged("a page below")),
+                }
+                continue;
+            }
+            if next >= cells {
+                self.levels.pop();
+                continue;
+            }
+            let cell = two(pointers + 2 * next).and_then(|at| page.get(at..));
+            let head = cell.and_then(|cell| {
+                let mut bytes = Bytes::new(cell);
+                Some((varint(&mut bytes)?, varint(&mut bytes)? as i64, bytes.rest()))
+            });
+            let Some((size, row, rest)) = head else { return Err(self.damaged("a row")) };
+            return match self.database.payload(size, rest)? {
+                Some(payload) => Ok(Some((row, payload))),
+                None => Err(self.damaged("a whole row")),
+            };
+        }
+    }
+}

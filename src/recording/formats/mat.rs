@@ -1,0 +1,228 @@
+//! MATLAB's `.mat` of version 5, also compressed (`-v7`): arrays, and arrays within structures. Format: MathWorks, *MAT-File
+//! Format*, 2019.
+
+use std::io::Read;
+
+use crate::error::{Error, Result};
+use crate::recording::array::{Array, Arrays, Packing, Place, Shape};
+use crate::recording::element::{Element, Kind};
+use crate::recording::input::Input;
+use crate::recording::reader::Log;
+
+const HEADER_BYTES: u64 = 128;
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+/// Structures within structures are followed so far.
+const DEEPEST: usize = 8;
+/// No name, list of dimensions or list of fields is longer, bytes.
+const LONGEST: u64 = 1 << 16;
+
+/// Opens a file.
+///
+/// # Errors
+/// A damaged file, or one without arrays of numbers.
+pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+    let header = input.bytes_at(0, HEADER_BYTES, "the header of a MATLAB file")?;
+    let big_endian = match &header[124..] {
+        [0, 1, b'I', b'M'] => false,
+        [1, 0, b'M', b'I'] => true,
+        other => {
+            return Err(input.fail(
+                format!("expected version 1 of the format and its order of bytes at byte 124, found {other:?}"),
+                "save it again in MATLAB with save(…, '-v7')",
+            ));
+        }
+    };
+    let mut found = Vec::new();
+    let mut at = HEADER_BYTES;
+    while at + 8 <= input.length() {
+        let tag = input.bytes_at(at, 8, "an element")?;
+        let [kind, bytes] = [0, 4].map(|i| number(&tag[i..i + 4], big_endian));
+        let (begin, stored) = (at + 8, u64::from(bytes));
+        if begin + stored > input.length() {
+            return Err(input.truncated("a variable", begin, stored));
+        }
+        let place = Place { at: begin, stored, packing: Packing::None, skip: 0 };
+        let mut scan = Scan { reader: place.open(input, 0).map_err(|e| damaged(input, &e))?, taken: 0, big_endian };
+        match kind {
+            MATRIX => scan.matrix(stored, &[], place, &mut found).map_err(|e| damaged(input, &e))?,
+            COMPRESSED => {
+                let place = Place { packing: Packing::Zlib, ..place };
+                scan.reader = place.open(input, 0).map_err(|e| damaged(input, &e))?;
+                let read = scan.tag().and_then(|(kind, bytes, _)| match kind {
+                    MATRIX => scan.matrix(bytes, &[], place, &mut found),
+                    _ => Ok(()),
+                });
+                read.map_err(|e| damaged(input, &e))?;
+            }
+            _ => {}
+        }
+        at = begin + stored;
+        if kind != COMPRESSED {
+            at = at.next_multiple_of(8);
+        }
+    }
+    let arrays = named(found);
+    if arrays.is_empty() {
+        return Err(input.fail(
+            "the MATLAB file holds no array of numbers",
+            "save the readings as matrices of numbers; tables and timetables are objects of MATLAB's own",
+        ));
+    }
+    Ok(Box::new(Arrays::new(input, arrays)))
+}
+
+fn damaged(input: &Input, error: &std::io::Error) -> Error {
+    input.fail(format!("expected a variable, found damaged data: {error}"), "copy the file again, or save it again")
+}
+
+fn number(bytes: &[u8], big_endian: bool) -> u32 {
+    let bytes = bytes.try_into().unwrap_or_default();
+    if big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+}
+
+/// An array by its path, before it has a name.
+struct Found {
+    path: Vec<String>,
+    element: Element,
+    shape: Shape,
+    place: Place,
+}
+
+/// A variable is called by its name, a field by its own, or by its path where that is taken.
+fn named(found: Vec<Found>) -> Vec<Array> {
+    let own = |f: &Found| f.path.last().cloned().unwrap_or_default();
+    let taken = |f: &Found| {
+        let others = found.iter().filter(|o| !std::ptr::eq(*o, f) && own(o) == own(f));
+        others.map(|o| o.path.len()).min().is_some_and(|depth| depth <= f.path.len())
+    };
+    let name = |f: &Found| if f.path.len() > 1 && taken(f) { (f.path.join("."), true) } else { (own(f), false) };
+    let array = |f: &Found| {
+        let (name, aside) = name(f);
+        Array::plain(&name, f.element, f.shape, f.place).map(|a| Array { aside, ..a })
+    };
+    found.iter().filter_map(array).collect()
+}
+
+/// An element's tag: its type, its bytes, and the bytes themselves where they stand in the tag.
+type Tag = (u32, u64, Option<[u8; 4]>);
+
+/// A variable that is read from front to back.
+struct Scan {
+    reader: Box<dyn Read + Send>,
+    taken: u64,
+    big_endian: bool,
+}
+
+fn wrong(words: &str) -> std::io::Error {
+    std::io::Error::other(words.to_owned())
+}
+
+impl Scan {
+    fn array<const N: usize>(&mut self) -> std::io::Result<[u8; N]> {
+        let mut bytes = [0; N];
+        self.reader.read_exact(&mut bytes)?;
+        self.taken += N as u64;
+        Ok(bytes)
+    }
+
+    fn skip(&mut self, bytes: u64) -> std::io::Result<()> {
+        let passed = std::io::copy(&mut self.reader.by_ref().take(bytes), &mut std::io::sink())?;
+        self.taken += passed;
+        if passed < bytes { Err(std::io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+    }
+
+    fn tag(&mut self) -> std::io::Result<Tag> {
+        let first = number(&self.array::<4>()?, self.big_endian);
+        let second = self.array::<4>()?;
+        match first >> 16 {
+            0 => Ok((first, u64::from(number(&second, self.big_endian)), None)),
+            bytes @ 1..=4 => Ok((first & 0xffff, u64::from(bytes), Some(second))),
+            _ => Err(wrong("a tag that is none")),
+        }
+    }
+
+    /// A short element, whole.
+    fn element(&mut self) -> std::io::Result<Vec<u8>> {
+        let (_, bytes, small) = self.tag()?;
+        if let Some(small) = small {
+            return Ok(small[..bytes as usize].to_vec());
+        }
+        if bytes > LONGEST {
+            return Err(wrong("a name or a list of dimensions that is too long"));
+        }
+        let mut data = vec![0; bytes as usize];
+        self.reader.read_exact(&mut data)?;
+        self.taken += bytes;
+        self.skip(bytes.next_multiple_of(8) - bytes)?;
+        Ok(data)
+    }
+
+    /// The content of a matrix of so many bytes, which lies within `outer` of the file.
+    fn matrix(&mut self, bytes: u64, path: &[String], outer: Place, found: &mut Vec<Found>) -> std::io::Result<()> {
+        if bytes == 0 {
+            return Ok(());
+        }
+        let end = self.taken.saturating_add(bytes);
+        let flags = self.element()?;
+        let class = number(flags.get(..4).ok_or_else(|| wrong("no flags"))?, self.big_endian) & 0xff;
+        let dimensions: Vec<u64> =
+            self.element()?.chunks_exact(4).map(|d| u64::from(number(d, self.big_endian))).collect();
+        let name = String::from_utf8_lossy(&self.element()?).into_owned();
+        // A field bears its name in its structure.
+        let path = if name.is_empty() { path.to_vec() } else { [path, &[name]].concat() };
+        match (class, &dimensions[..]) {
+            (2, [1, 1]) if path.len() < DEEPEST => {
+                let length = self.element()?;
+                let length =
+                    number(length.get(..4).ok_or_else(|| wrong("no length of names"))?, self.big_endian) as usize;
+                let names = self.element()?;
+                for name in names.chunks_exact(length.max(1)) {
+                    let (kind, bytes, _) = self.tag()?;
+                    if kind != MATRIX {
+                        return Err(wrong("a field that is no matrix"));
+                    }
+                    let name = crate::recording::bytes::until_zero(name);
+                    self.matrix(bytes, &[&path[..], &[name]].concat(), outer, found)?;
+                }
+            }
+            (6..=15, [rows, columns]) if *rows > 0 && *columns > 0 => {
+                let (kind, bytes, small) = self.tag()?;
+                let skip = if small.is_some() { self.taken - 4 } else { self.taken };
+                let shape = Shape { rows: *rows, columns: *columns, in_columns: true };
+                if let Some(element) = self.kind(kind)
+                    && rows.checked_mul(*columns).and_then(|n| n.checked_mul(element.bytes as u64)) == Some(bytes)
+                {
+                    let place = match outer.packing {
+                        Packing::None => Place { at: outer.at + skip, stored: bytes, ..outer },
+                        _ => Place { skip, ..outer },
+                    };
+                    found.push(Found { path, element, shape, place });
+                }
+            }
+            _ => {}
+        }
+        // What follows the numbers (an imaginary part) is passed over, and so is what was not understood.
+        match end.checked_sub(self.taken) {
+            Some(rest) => self.skip(rest),
+            None => Err(wrong("a matrix that is longer than it says")),
+        }
+    }
+
+    fn kind(&self, kind: u32) -> Option<Element> {
+        let (kind, bytes) = match kind {
+            1 => (Kind::Signed, 1),
+            2 => (Kind::Unsigned, 1),
+            3 => (Kind::Signed, 2),
+            4 => (Kind::Unsigned, 2),
+            5 => (Kind::Signed, 4),
+            6 => (Kind::Unsigned, 4),
+            7 => (Kind::Float, 4),
+            9 => (Kind::Float, 8),
+            12 => (Kind::Signed, 8),
+            13 => (Kind::Unsigned, 8),
+            _ => return None,
+        };
+        Some(Element { kind, bytes, big_endian: self.big_endian })
+    }
+}

@@ -1,0 +1,259 @@
+//! ROS 1 bags, version 2.0, plain or compressed by LZ4. Format: wiki.ros.org/Bags/Format/2.0.
+
+use std::collections::HashSet;
+
+use crate::error::{Error, Result};
+use crate::recording::bytes::Bytes;
+use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
+use crate::recording::input::Input;
+use crate::recording::messages::{Encoding, MessageRows, Messages, part};
+use crate::recording::reader::{Choice, Log, Part, Reader};
+
+/// Where the records begin: behind the magic line.
+const FIRST: u64 = 13;
+/// No header of a record is longer, bytes.
+const LONGEST_HEADER: u32 = 1 << 20;
+
+const MESSAGE: u8 = 2;
+const BAG: u8 = 3;
+const CHUNK: u8 = 5;
+const CHUNK_INFO: u8 = 6;
+const CONNECTION: u8 = 7;
+
+const DAMAGED: &str =
+    "the bag is cut short or damaged: copy it again, or mend it with `rosbag reindex` and `rosbag fix`";
+
+/// A bag: its topics, and which connections belong to each.
+#[derive(Debug)]
+struct Bag {
+    input: Input,
+    parts: Vec<Part>,
+    connections: Vec<HashSet<u32>>,
+}
+
+/// Opens a bag.
+///
+/// # Errors
+/// A bag that was not closed, or is damaged.
+pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+    let mut at = FIRST;
+    let head = record(input, &mut at)?;
+    let fields = Fields::new(&head.header);
+    let index = fields.u64(b"index_pos").filter(|_| fields.op() == Some(BAG));
+    let Some(index) = index else {
+        return Err(input.fail(format!("expected the bag's header at byte {FIRST}, found something else"), DAMAGED));
+    };
+    if index == 0 || index > input.length() {
+        return Err(input.fail(
+            match index {
+                0 => "the bag has no index: it was not closed when the recording ended".to_owned(),
+                _ => format!("expected the bag's index at byte {index}, but the file has {} bytes", input.length()),
+            },
+            "mend it: rosbag reindex FILE.bag; or copy it again if it is cut short",
+        ));
+    }
+    let mut bag = Bag { input: input.clone(), parts: Vec::new(), connections: Vec::new() };
+    let mut counts: Vec<u64> = Vec::new();
+    let mut at = index;
+    while at < input.length() {
+        let record = record(input, &mut at)?;
+        let fields = Fields::new(&record.header);
+        match fields.op() {
+            Some(CONNECTION) => {
+                let data = input.bytes_at(record.data, record.length, "a connection")?;
+                let inner = Fields::new(&data);
+                let topic = fields.text(b"topic").unwrap_or_default();
+                let kind = inner.text(b"type").unwrap_or_default();
+                let place = bag.parts.iter().position(|p| p.name == topic && p.kind == kind).unwrap_or_else(|| {
+                    bag.parts.push(part(topic, kind, None, true));
+                    bag.connections.push(HashSet::new());
+                    counts.push(0);
+                    counts.len() - 1
+                });
+                bag.connections[place].extend(fields.u32(b"conn"));
+            }
+            Some(CHUNK_INFO) => {
+                let data = input.bytes_at(record.data, record.length, "a list of a chunk's messages")?;
+                let mut data = Bytes::new(&data);
+                while let (Some(connection), Some(count)) = (data.u32(), data.u32()) {
+                    for (total, connections) in counts.iter_mut().zip(&bag.connections) {
+                        *total += u64::from(count) * u64::from(u8::from(connections.contains(&connection)));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    for (part, count) in bag.parts.iter_mut().zip(counts) {
+        part.rows = Some(count);
+    }
+    Ok(Box::new(bag))
+}
+
+impl Log for Bag {
+    fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    fn open(self: Box<Self>, part: usize, choice: &Choice) -> Result<Box<dyn Reader>> {
+        let chunks = Chunks {
+            input: self.input.clone(),
+            connections: self.connections[part].clone(),
+            at: FIRST,
+            chunk: Vec::new(),
+            within: 0,
+        };
+        Ok(Box::new(MessageRows {
+            input: self.input,
+            messages: Box::new(chunks),
+            kind: self.parts[part].kind.clone(),
+            encoding: Encoding::Ros1,
+            choice: choice.clone(),
+            count: 0,
+        }))
+    }
+}
+
+/// A record of the file: its header, and where its data lie.
+struct Record {
+    header: Vec<u8>,
+    data: u64,
+    length: u64,
+}
+
+/// The record at a place, which moves behind it.
+fn record(input: &Input, at: &mut u64) -> Result<Record> {
+    let four = |at: u64| -> Result<u32> {
+        let bytes = input.bytes_at(at, 4, "the length of a record")?;
+        Ok(u32::from_le_bytes(bytes.try_into().unwrap_or_default()))
+    };
+    let length = four(*at)?;
+    if length > LONGEST_HEADER {
+        return Err(input.fail(format!("expected a record at byte {at}, found a header of {length} bytes"), DAMAGED));
+    }
+    let header = input.bytes_at(*at + 4, u64::from(length), "the header of a record")?;
+    let data = *at + 8 + u64::from(length);
+    let length = u64::from(four(data - 4)?);
+    if data + length > input.length() {
+        return Err(input.truncated("the data of a record", data, length));
+    }
+    *at = data + length;
+    Ok(Record { header, data, length })
+}
+
+/// The fields of a header: name=value, each with its length before it.
+struct Fields<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Fields<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes }
+    }
+
+    fn get(&self, name: &[u8]) -> Option<&'a [u8]> {
+        let mut bytes = Bytes::new(self.bytes);
+        while let Some(field) = bytes.counted() {
+            let equals = memchr::memchr(b'=', field)?;
+            if &field[..equals] == name {
+                return Some(&field[equals + 1..]);
+            }
+        }
+        None
+    }
+
+    fn op(&self) -> Option<u8> {
+        self.get(b"op")?.first().copied()
+    }
+
+    fn u32(&self, name: &[u8]) -> Option<u32> {
+        Bytes::new(self.get(name)?).u32()
+    }
+
+    fn u64(&self, name: &[u8]) -> Option<u64> {
+        Bytes::new(self.get(name)?).u64()
+    }
+
+    fn text(&self, name: &[u8]) -> Option<String> {
+        self.get(name).map(|b| String::from_utf8_lossy(b).into_owned())
+    }
+}
+
+/// The messages of some connections, chunk by chunk.
+#[derive(Debug)]
+struct Chunks {
+    input: Input,
+    connections: HashSet<u32>,
+    at: u64,
+    chunk: Vec<u8>,
+    within: usize,
+}
+
+impl Chunks {
+    fn damaged(&self, what: &str) -> Error {
+        self.input.fail(format!("expected {what} in the chunk that ends at byte {}, found none", self.at), DAMAGED)
+    }
+
+    /// Reads the next chunk; false at the end of the bag.
+    fn load(&mut self) -> Result<bool> {
+        while self.at < self.input.length() {
+            let record = record(&self.input, &mut self.at)?;
+            let fields = Fields::new(&record.header);
+            if fields.op() != Some(CHUNK) {
+                continue;
+            }
+            let codec = match fields.get(b"compression") {
+                Some(b"none") => Codec::None,
+                Some(b"lz4") => Codec::Lz4Frame,
+                other => {
+                    let name = String::from_utf8_lossy(other.unwrap_or(b"nothing")).into_owned();
+                    return Err(self.input.fail(
+                        format!("its chunks are compressed by {name}, where lz4 or none were expected"),
+                        "rosbag decompress FILE.bag makes one that can be read",
+                    ));
+                }
+            };
+            let size = u64::from(fields.u32(b"size").unwrap_or_default());
+            if record.length > LARGEST_BYTES {
+                return Err(self.damaged("at most 256 MiB"));
+            }
+            let data = self.input.bytes_at(record.data, record.length, "a chunk")?;
+            self.chunk = decompress(codec, &data, size).map_err(|words| self.input.fail(words, DAMAGED))?;
+            self.within = 0;
+            return Ok(true);
+        }
+        Ok(false)
+    }
+}
+
+impl Messages for Chunks {
+    fn next(&mut self, into: &mut Vec<u8>) -> Result<bool> {
+        loop {
+            let mut rest = Bytes::new(&self.chunk[self.within..]);
+            if rest.is_empty() {
+                if !self.load()? {
+                    return Ok(false);
+                }
+                continue;
+            }
+            let (Some(header), Some(data)) = (rest.counted(), rest.counted()) else {
+                return Err(self.damaged("a whole record"));
+            };
+            let fields = Fields::new(header);
+            let wanted = fields.op() == Some(MESSAGE)
+                && fields.u32(b"conn").is_some_and(|connection| self.connections.contains(&connection));
+            let taken = rest.taken();
+            if wanted {
+                into.extend_from_slice(data);
+            }
+            self.within += taken;
+            if wanted {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn bytes_read(&self) -> u64 {
+        self.at
+    }
+}

@@ -1,0 +1,375 @@
+//! Rows of a text file one by one, in bounded memory: headings found, cells read as numbers, every row counted.
+//!
+//! A row is a line that is neither blank nor a comment, after the header and a row of units. Not for clocks or gaps: a
+//! missing cell is NaN here.
+
+use std::path::PathBuf;
+
+use super::cells::Cells;
+use super::clock::stamp::Stamp;
+use super::dropped::{Reason, Tally};
+use super::finding::Finding;
+use super::format::{self, Cell};
+use super::headings::Headings;
+use super::input::Input;
+use super::lines::Lines;
+use super::pack::Pack;
+use super::reader::Choice;
+use super::source::Source;
+use super::trajectory;
+use super::unit;
+use crate::error::{Error, Result};
+
+/// A text file being read.
+#[derive(Debug)]
+pub struct Text {
+    path: PathBuf,
+    lines: Lines,
+    separator: u8,
+    cells: Cells,
+    /// The row before, and where its time stamp lies.
+    before: (Vec<u8>, std::ops::Range<usize>),
+    /// The line at hand is a row that was not given yet.
+    held: bool,
+    headings: Headings,
+    names: Vec<String>,
+    /// Place in the row of each column wanted, and of the time column.
+    choice: Choice,
+    width: usize,
+    /// Rows given.
+    rows: usize,
+    dropped: Tally,
+    /// Per column, the first row with a whole number that was rounded.
+    rounded: Vec<Option<usize>>,
+    skipped: (u64, u64),
+    /// What was found in its first lines.
+    findings: Vec<Finding>,
+}
+
+impl Text {
+    /// Opens a file and reads its headings.
+    ///
+    /// # Errors
+    /// A file that is no table.
+    pub fn open(input: Input, pack: Pack) -> Result<Self> {
+        let path = input.path.clone();
+        let mut lines = Lines::open(input, pack)?;
+        let format = format::sniff(&path, lines.head()?)?;
+        lines.skip(format.skip);
+        let mut text = Self {
+            path,
+            lines,
+            separator: format.separator,
+            cells: Cells::default(),
+            before: Default::default(),
+            held: false,
+            headings: Headings::counted(0),
+            names: Vec::new(),
+            choice: Choice::default(),
+            width: 0,
+            rows: 0,
+            dropped: Tally::default(),
+            rounded: Vec::new(),
+            skipped: (0, 0),
+            findings: Vec::new(),
+        };
+        text.headings = text.read_header()?;
+        text.read_units()?;
+        Ok(text)
+    }
+
+    /// Its columns.
+    pub fn headings(&self) -> &Headings {
+        &self.headings
+    }
+
+    /// Chooses columns, which go by these names from here on.
+    pub fn choose(&mut self, names: Vec<String>, choice: Choice) {
+        self.rounded = vec![None; choice.places.len()];
+        (self.names, self.choice) = (names, choice);
+    }
+
+    /// The first line that is no comment names the columns; where it holds numbers, the comment before it may: EuRoC's files
+    /// begin with `#timestamp [ns],…`.
+    fn read_header(&mut self) -> Result<Headings> {
+        let mut comment = Vec::new();
+        loop {
+            if !self.lines.advance()? {
+                return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
+            }
+            match self.lines.line().trim_ascii() {
+                [] => {}
+                [b'#', ..] => self.lines.put_aside(&mut comment),
+                _ => break,
+            }
+        }
+        self.cells.cut(self.lines.line(), self.separator);
+        self.width = self.cells.len();
+        let numbers = |cells: &Cells, line: &[u8]| {
+            (0..cells.len()).all(|i| match format::cell(cells.of(line, i)) {
+                Cell::Text => false,
+                Cell::DecimalComma(_) => self.separator != b',',
+                _ => true,
+            })
+        };
+        if !numbers(&self.cells, self.lines.line()) {
+            let line = self.lines.line();
+            if (0..self.width).any(|i| self.cells.of(line, i).starts_with(b"\"")) {
+                return Err(self.open_quote());
+            }
+            return Ok(Headings::new(&self.cells, self.lines.line()));
+        }
+        self.held = true;
+        let comment = comment.trim_ascii().strip_prefix(b"#").unwrap_or_default();
+        let mut cells = Cells::default();
+        cells.cut(comment, self.separator);
+        if cells.len() == self.width && self.width > 1 && !numbers(&cells, comment) {
+            return Ok(Headings::new(&cells, comment));
+        }
+        let line = self.lines.line();
+        let row: Vec<f64> = (0..self.width).map(|i| self.number(self.cells.of(line, i)).unwrap_or(f64::NAN)).collect();
+        if let Some(kind) = trajectory::recognised(&row) {
+            self.findings.push(Finding::TrajectoryRecognised { kind });
+            return Ok(Headings::known(kind.columns()));
+        }
+        self.findings.push(Finding::NoHeader);
+        Ok(Headings::counted(self.width))
+    }
+
+    /// A row of units below the header: text in every cell that is not empty, and a unit in one at least.
+    fn read_units(&mut self) -> Result<()> {
+        if !self.held {
+            self.held = self.next_line()?;
+        }
+        if !self.held || self.cells.len() != self.width || self.rows > 0 {
+            return Ok(());
+        }
+        let line = self.lines.line();
+        let words: Vec<String> =
+            (0..self.width).map(|i| String::from_utf8_lossy(self.cells.of(line, i)).trim().to_owned()).collect();
+        if !unit::are_units(&words) {
+            return Ok(());
+        }
+        for (unit, word) in self.headings.units.iter_mut().zip(&words) {
+            let word = unit::without_brackets(word);
+            if !word.is_empty() {
+                *unit = Some(word.to_owned());
+            }
+        }
+        self.findings.push(Finding::UnitsRow { line: self.lines.number() });
+        self.held = self.next_line()?;
+        Ok(())
+    }
+
+    /// Places of the columns that hold numbers and are no clock, by the first row.
+    ///
+    /// # Errors
+    /// None, or more than 64.
+    pub fn numeric_places(&self) -> Result<Vec<usize>> {
+        let headings = &self.headings;
+        let kind = |place: usize| match self.held {
+            true if place >= self.cells.len() => Cell::Text,
+            true => format::cell(self.cells.of(self.lines.line(), place)),
+            false => Cell::Number(0.0),
+        };
+        let numeric = |p: &usize| match kind(*p) {
+            Cell::Number(_) | Cell::TooLarge => true,
+            Cell::DecimalComma(_) => self.separator != b',',
+            Cell::Text => false,
+        };
+        let places: Vec<usize> =
+            (0..self.width).filter(|p| numeric(p) && !format::names_a_clock(&headings.names[*p])).collect();
+        let comma = (0..self.width).any(|p| matches!(kind(p), Cell::DecimalComma(_)));
+        match places.len() {
+            0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
+            1..=64 => Ok(places),
+            n => Err(self.fail(format!("it has {n} columns of numbers"), "name the columns wanted")),
+        }
+    }
+
+    /// For a first look alone: without the checksum.
+    pub fn without_checksum(&mut self) {
+        self.lines.without_checksum();
+    }
+
+    /// The number in a cell; `None` where there is none.
+    fn number(&self, cell: &[u8]) -> Option<f64> {
+        match format::cell(cell) {
+            Cell::Number(value) => Some(value),
+            Cell::DecimalComma(value) if self.separator != b',' => Some(value),
+            _ => None,
+        }
+    }
+
+    /// Size of the file, for a progress bar.
+    pub fn length_bytes(&self) -> u64 {
+        self.lines.length_bytes()
+    }
+
+    /// How far it has been read.
+    pub fn bytes_read(&self) -> u64 {
+        self.lines.bytes_read()
+    }
+
+    /// Goes to the next row; false at the end.
+    ///
+    /// # Errors
+    /// A row with too few or too many cells, with its line; the last one may be cut short.
+    pub fn advance(&mut self) -> Result<bool> {
+        if self.rows > 0 {
+            self.before.1 = self.choice.time.map_or(0..0, |t| self.cells.place(t));
+            self.lines.put_aside(&mut self.before.0);
+        } else {
+            self.lines.begin();
+        }
+        if !std::mem::take(&mut self.held) && !self.next_line()? {
+            return Ok(false);
+        }
+        self.rows += 1;
+        let got = self.cells.len();
+        if got == self.width {
+            return Ok(true);
+        }
+        let (line, quotes) = (self.lines.number(), self.lines.line().iter().filter(|b| **b == b'"').count());
+        if got < self.width && !self.next_line()? {
+            self.dropped.add(Reason::CutShort, self.rows - 1);
+            return Ok(false);
+        }
+        let need = self.width;
+        if quotes % 2 == 1 {
+            return Err(self.fail(
+                format!("a quotation mark in line {line} is not closed in that line, which has {got} cells, the header {need}"),
+                "remove it, or close it",
+            ));
+        }
+        Err(self.fail(
+            format!("line {line} has {got} cells, the header {need}"),
+            "every row needs as many cells as the header; was the log interrupted, or is the decimal sign a comma?",
+        ))
+    }
+
+    /// Passes the next row whatever it holds; false at the end.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn skip(&mut self) -> Result<bool> {
+        let some = std::mem::take(&mut self.held) || self.next_line()?;
+        self.rows += usize::from(some);
+        Ok(some)
+    }
+
+    /// Reads the next line that is a row and cuts it; false at the end.
+    fn next_line(&mut self) -> Result<bool> {
+        let mut skipped = (0, 0);
+        while self.lines.advance()? {
+            let line = self.lines.line();
+            let first = line.first().copied();
+            if first == Some(b'#') || (first.is_none_or(|b| b.is_ascii_whitespace()) && line.trim_ascii().is_empty()) {
+                skipped = (skipped.0 + 1, if skipped.0 == 0 { self.lines.number() } else { skipped.1 });
+                continue;
+            }
+            self.cells.cut(line, self.separator);
+            // Those behind the last row do not matter, nor those right behind the header.
+            if skipped.0 > 0 && self.rows > 0 {
+                self.skipped =
+                    (self.skipped.0 + skipped.0, if self.skipped.0 == 0 { skipped.1 } else { self.skipped.1 });
+            }
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// Number of the row at hand, counted from zero after the header.
+    pub fn row(&self) -> usize {
+        self.rows.saturating_sub(1)
+    }
+
+    /// Time stamp of the row at hand.
+    ///
+    /// # Errors
+    /// A cell that is text, with its line.
+    pub fn stamp(&self) -> Result<Stamp> {
+        let place = self.choice.time.unwrap_or_default();
+        Stamp::parse(self.cells.of(self.lines.line(), place)).ok_or_else(|| self.no_number(place))
+    }
+
+    /// Whether the row at hand repeats the one before in every cell but its time stamp.
+    pub fn is_alike(&self) -> bool {
+        let (line, here) = (self.lines.line(), self.choice.time.map_or(0..0, |t| self.cells.place(t)));
+        let (before, there) = (&self.before.0, &self.before.1);
+        let ends = |line: &[u8], place: &std::ops::Range<usize>| line.len() - place.end;
+        here.start == there.start
+            && ends(line, &here) == ends(before, there)
+            && line[..here.start] == before[..there.start]
+            && line[here.end..] == before[there.end..]
+    }
+
+    /// Writes the row at hand into `values`, as long as [`Rows::names`]; a missing cell is NaN.
+    ///
+    /// # Errors
+    /// A cell that is no number, with its line and column.
+    pub fn values(&mut self, values: &mut [f64]) -> Result<()> {
+        for (index, (value, place)) in values.iter_mut().zip(&self.choice.places).enumerate() {
+            let cell = self.cells.of(self.lines.line(), *place);
+            *value = match self.number(cell) {
+                Some(number) => number,
+                None => return Err(self.no_number(*place)),
+            };
+            if self.rounded[index].is_none() && format::was_rounded(cell, *value) {
+                self.rounded[index] = Some(self.rows - 1);
+            }
+        }
+        Ok(())
+    }
+
+    fn no_number(&self, place: usize) -> Error {
+        let line = self.lines.number();
+        let cell = self.cells.of(self.lines.line(), place);
+        let text = String::from_utf8_lossy(cell).into_owned();
+        if text.starts_with('"') {
+            return self.open_quote();
+        }
+        let (what, hint) = match format::cell(cell) {
+            Cell::TooLarge => (
+                "is larger than any reading: powers of it leave double precision",
+                "check the exponent and the unit of the column",
+            ),
+            Cell::DecimalComma(_) => ("is no number", POINT),
+            _ if line == 2 => {
+                ("is no number", "one line of headings is read, and one of units; if this is another one, delete it")
+            }
+            _ => ("is no number", "leave missing numbers empty; name other columns if this one is text"),
+        };
+        self.fail(format!("line {line}, column {}: `{}` {what}", place + 1, super::headings::shortened(&text)), hint)
+    }
+
+    /// A cell of the line at hand that begins with a quotation mark and has none at its end.
+    fn open_quote(&self) -> Error {
+        let cause = format!("a quotation mark in line {} is not closed in that line", self.lines.number());
+        self.fail(cause, "remove it, or close it")
+    }
+
+    fn fail(&self, cause: impl Into<String>, hint: impl Into<String>) -> Error {
+        Error::new(format!("could not read {}", self.path.display()), cause, hint)
+    }
+
+    /// Reads whatever is left for the checksum.
+    ///
+    /// # Errors
+    /// When the file cannot be read on.
+    pub fn finish(mut self) -> Result<Source> {
+        while self.skip()? {}
+        let mut findings = self.findings;
+        if self.skipped.0 > 0 {
+            findings.push(Finding::SkippedLines { lines: self.skipped.0, first_line: self.skipped.1 });
+        }
+        for (name, row) in self.names.iter().zip(&self.rounded) {
+            findings.extend(row.map(|first_row| Finding::BeyondDouble { column: name.clone(), first_row }));
+        }
+        let (sha256, length_bytes) = self.lines.finish()?;
+        Ok(Source { sha256, length_bytes, rows: self.rows, dropped: self.dropped.all(), findings })
+    }
+}
+
+/// What to do about decimal commas.
+const POINT: &str = "write numbers with a decimal point, or separate the cells by semicolons or tabs";
