@@ -15,6 +15,9 @@ use proofmass::drift::document::Document;
 use proofmass::ensemble::{self, Choice, Keeper, Options};
 use proofmass::error::Error;
 use proofmass::kernel::integrator::Integrator;
+use proofmass::recording::formats::{Found, find_in};
+use proofmass::recording::input::Input;
+use proofmass::recording::reader::{self, Block};
 use proofmass::recording::unit::{Quantity, Unit};
 use proofmass::recording::{self, Request, noise, stream};
 use proofmass::report;
@@ -31,8 +34,9 @@ pub type Verdict = Result<(), String>;
 pub type Oracle = (&'static str, fn(&[u8]) -> Verdict);
 
 /// All of them.
-pub const ALL: [Oracle; 12] = [
+pub const ALL: [Oracle; 13] = [
     ("recording", recording),
+    ("formats", formats),
     ("allan", allan),
     ("unit", unit),
     ("study", study),
@@ -118,6 +122,59 @@ pub fn recording(bytes: &[u8]) -> Verdict {
             ensure(samples == streamed.samples, || format!("{samples} samples given, {} counted", streamed.samples))?;
             ensure(rows.is_none_or(|rows| rows == streamed.rows), || "another number of rows when streamed".into())?;
             ensure(dropped <= streamed.rows, || format!("{dropped} of {} rows are dropped", streamed.rows))
+        })?;
+    }
+    Ok(())
+}
+
+/// Most rows that are worth reading here: a few bytes of a format may stand for many.
+const MOST_ROWS: usize = 20_000;
+
+/// A binary file: each part that can be read, every column of it, beside a clock. Rows that a part states are given.
+pub fn formats(bytes: &[u8]) -> Verdict {
+    let input = Input::of_bytes(Path::new("log"), bytes.to_vec());
+    let open = |part: usize| match find_in(input.clone()) {
+        Ok(Found::Log { log, .. }) if part < log.parts().len() => Some(log),
+        _ => None,
+    };
+    let parts = match find_in(input.clone()) {
+        Ok(Found::Text(_)) => return Ok(()),
+        Ok(Found::Log { log, .. }) => log.parts().to_vec(),
+        Err(error) => return speaks(&error),
+    };
+    for (place, part) in parts.iter().enumerate().filter(|(_, p)| !p.columns.is_empty()).take(8) {
+        let width = part.columns.len().min(16);
+        let choice = reader::Choice { time: Some(0), places: (0..width).collect() };
+        let Some(log) = open(place) else { return Err("parts that come and go".into()) };
+        let mut reader = match log.open(place, &choice) {
+            Ok(reader) => reader,
+            Err(error) => {
+                speaks(&error)?;
+                continue;
+            }
+        };
+        let (mut rows, mut block) = (0, Block::new(width));
+        let ended = loop {
+            block.clear();
+            match reader.next(&mut block) {
+                Ok(true) if rows < MOST_ROWS => rows += block.rows,
+                Ok(more) => break Ok(!more),
+                Err(error) => break Err(error),
+            }
+            let whole = block.stamps.len() == block.rows && block.columns.iter().all(|c| c.len() == block.rows);
+            ensure(whole, || format!("a block of {} rows with columns of other lengths", block.rows))?;
+        };
+        let ended = match ended {
+            Ok(ended) => ended,
+            Err(error) => {
+                speaks(&error)?;
+                continue;
+            }
+        };
+        let lost: usize = reader.dropped().iter().map(|d| d.rows).sum();
+        let counted = part.rows.filter(|_| ended && lost == 0 && part.kind.is_empty() && !part.name.is_empty());
+        ensure(counted.is_none_or(|stated| stated == rows as u64), || {
+            format!("{:?} rows stated, {rows} given", part.rows)
         })?;
     }
     Ok(())

@@ -13,6 +13,7 @@ pub mod bench;
 pub mod candidates;
 mod device;
 pub mod diagnose;
+pub mod inspect;
 pub mod map;
 pub mod paper;
 pub mod say;
@@ -35,6 +36,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "Examples:
   proofmass                                         the default study: how far a MEMS accelerometer drifts
   proofmass study study.toml --members 100000       your own sensor
+  proofmass inspect flight.ulg                      what a recording holds, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
   proofmass validate                                check this build against laws and closed forms";
@@ -44,6 +46,8 @@ const EXAMPLES: &str = "Examples:
 pub enum Command {
     /// Simulate an ensemble and report how far it drifts
     Study(study::Arguments),
+    /// Say what a recording holds, and what to run next
+    Inspect(inspect::Arguments),
     /// Estimate noise coefficients from a static log
     Allan(allan::Arguments),
     /// Say what physics a model of a recording leaves out
@@ -113,6 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match &arguments.command {
         None => study::run_default(json),
         Some(Command::Study(a)) => study::run(a, json),
+        Some(Command::Inspect(a)) => inspect::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
         Some(Command::Diagnose(a)) => diagnose::run(a, json),
         Some(Command::Candidates(a)) => candidates::run(a, json),

@@ -22,6 +22,7 @@ pub mod headings;
 pub mod health;
 pub mod in_memory;
 pub mod input;
+pub mod inspection;
 pub mod limits;
 pub mod lines;
 #[cfg(any(feature = "rosbag", feature = "mcap", feature = "db3"))]

@@ -7,6 +7,7 @@ pub mod bench;
 pub mod diagnosis;
 pub mod figure;
 pub mod html;
+pub mod inspection;
 pub mod map;
 pub mod paper;
 pub mod study;

@@ -17,6 +17,7 @@ mod suite {
     pub mod diagnosis_tumble;
     pub mod driven_bad_input;
     pub mod dynamics;
+    pub mod formats;
     pub mod fuzz;
     pub mod hostile_names;
     pub mod invariance;
@@ -120,6 +121,8 @@ fn main() {
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),
+        // formats: one log gives one answer in every format; what is damaged ends in words.
+        suite::formats::tests(),
         // fuzz: any bytes are read as they are or refused in words, and what is written can be read.
         suite::fuzz::tests(),
         // kills: a run that is killed or stopped goes on, and ends with the same bits.

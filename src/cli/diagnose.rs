@@ -16,7 +16,7 @@ use crate::report::diagnosis::{self as page, Diagnosis};
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The recording: a CSV file with a header row; several of one sensor are fitted together (kind = "driven")
+    /// The recording: text with a header row, an array, a table or a robot's log; several of one sensor are fitted together (kind = "driven")
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<PathBuf>,
     /// Recordings of the same sensor that are never fitted and only judge (kind = "driven")
@@ -25,6 +25,9 @@ pub struct Arguments {
     /// What the recording is and what is believed of it (model.toml)
     #[arg(long)]
     pub model: PathBuf,
+    /// Topic, message or array to read, where a recording has several; also `topic` in the model
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
     /// Use each recording from this many seconds after its first row on
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub from_s: Option<f64>,
@@ -44,7 +47,10 @@ pub struct Arguments {
 /// # Errors
 /// A recording or model that cannot be read or judged; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let model = model::read(&arguments.model)?;
+    let mut model = model::read(&arguments.model)?;
+    if let Some(topic) = &arguments.topic {
+        model = model.of_topic(topic);
+    }
     let seconds = model::Seconds { from_s: arguments.from_s, to_s: arguments.to_s };
     let read = |paths: &[PathBuf]| -> Result<Vec<Recording>> {
         paths.iter().map(|path| model::read_part(path, &model, seconds)).collect()

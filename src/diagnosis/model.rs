@@ -30,6 +30,28 @@ pub enum Model {
     Tumble(Tumble),
 }
 
+impl Model {
+    /// Topic, message or array that is read of each recording.
+    pub fn topic(&self) -> Option<&String> {
+        match self {
+            Self::Driven(m) => m.topic.as_ref(),
+            Self::Static(m) => m.topic.as_ref(),
+            Self::Tumble(m) => m.topic.as_ref(),
+        }
+    }
+
+    /// The same model of another topic.
+    pub fn of_topic(mut self, topic: &str) -> Self {
+        let own = match &mut self {
+            Self::Driven(m) => &mut m.topic,
+            Self::Static(m) => &mut m.topic,
+            Self::Tumble(m) => &mut m.topic,
+        };
+        *own = Some(topic.to_owned());
+        self
+    }
+}
+
 /// Half-open ranges of samples.
 pub type Ranges = Vec<[usize; 2]>;
 
@@ -82,6 +104,8 @@ impl Split {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
@@ -126,6 +150,8 @@ pub struct Start {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Static {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
@@ -174,6 +200,8 @@ pub struct Noise {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tumble {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
@@ -309,6 +337,7 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recordi
     let columns = columns.into_iter().cloned().collect();
     let mut request = Request { columns, rate_hz, time: time.clone(), rows, ..Request::default() };
     (request.from_s, request.to_s) = (seconds.from_s, seconds.to_s);
+    request.topic = model.topic().cloned();
     if let Model::Static(m) = model {
         request.at_most = Some(MOST_AT_REST);
         request.samples = m.split.hull();

@@ -160,7 +160,12 @@ impl Arrays {
             let heading =
                 |((i, _), name): (&(usize, usize), String)| Heading { aside: arrays[*i].aside, ..Heading::named(name) };
             parts.push(Part {
-                name: names.first().map(|n| n.split('.').next().unwrap_or_default().to_owned()).unwrap_or_default(),
+                name: names
+                    .first()
+                    .filter(|n| *n != "1")
+                    .and_then(|n| n.split('.').next())
+                    .unwrap_or_default()
+                    .to_owned(),
                 kind: format!("{length} rows"),
                 rows: Some(length),
                 columns: places.iter().zip(names).map(heading).collect(),

@@ -95,8 +95,54 @@ pub fn reading(value: f64) -> Cell {
     }
 }
 
+/// Powers of ten that double precision holds exactly.
+const TENS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// Digits with at most one point and a sign, whose whole number is exact: then one division rounds as it must (Clinger, *How
+/// to read floating point numbers accurately*, 1990). Anything else is for the library.
+#[inline]
+fn plain(cell: &[u8]) -> Option<f64> {
+    let (negative, digits) = match cell {
+        [b'-', rest @ ..] => (true, rest),
+        _ => (false, cell),
+    };
+    if digits.len() > 17 {
+        return None;
+    }
+    let (mut whole, mut point) = (0u64, digits.len());
+    for (place, byte) in digits.iter().enumerate() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            whole = 10 * whole + u64::from(digit);
+        } else if *byte == b'.' && point == digits.len() {
+            point = place;
+        } else {
+            return None;
+        }
+    }
+    let decimals = digits.len().saturating_sub(point + 1);
+    let any = digits.len() > usize::from(point < digits.len());
+    if !any || whole >= 1 << 53 {
+        return None;
+    }
+    let value = whole as f64 / TENS[decimals];
+    Some(if negative { -value } else { value })
+}
+
 /// Reads a cell.
+#[inline]
 pub fn cell(cell: &[u8]) -> Cell {
+    match plain(cell) {
+        Some(value) => reading(value),
+        None => any(cell),
+    }
+}
+
+/// Reads a cell that is no plain number.
+fn any(cell: &[u8]) -> Cell {
     let Ok(text) = std::str::from_utf8(cell.trim_ascii()) else { return Cell::Text };
     if let Ok(value) = text.parse::<f64>() {
         return reading(value);
@@ -194,6 +240,25 @@ mod tests {
         );
         let rounded = |text: &[u8]| was_rounded(text, number(text).unwrap_or_default());
         assert!(rounded(b"9007199254740993") && !rounded(b"9007199254740992") && !rounded(b"1e300"));
+    }
+
+    /// The standard library rounds correctly.
+    #[test]
+    fn plain_numbers_are_rounded_as_the_library_rounds_them() {
+        let mut state = 1u64;
+        for _ in 0..100_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let digits = format!("{}", state >> (state % 50));
+            let at = (state >> 20) as usize % (digits.len() + 1);
+            let text = format!("{}{}.{}", if state % 3 == 0 { "-" } else { "" }, &digits[..at], &digits[at..]);
+            let library = text.parse::<f64>().expect("a number");
+            assert!(plain(text.as_bytes()).is_none_or(|v| v.to_bits() == library.to_bits()), "{text}");
+        }
+        assert_eq!(
+            [plain(b"1.5"), plain(b"."), plain(b"-"), plain(b""), plain(b"1.2.3")],
+            [Some(1.5), None, None, None, None]
+        );
+        assert_eq!([plain(b"5."), plain(b".5"), plain(b"9007199254740993")], [Some(5.0), Some(0.5), None]);
     }
 
     #[test]

@@ -161,7 +161,14 @@ pub fn located(path: &Path) -> Result<PathBuf> {
 /// # Errors
 /// A file that no format knows, or that is damaged.
 pub fn find(path: &Path) -> Result<Found> {
-    let input = Input::open(&located(path)?)?;
+    find_in(Input::open(&located(path)?)?)
+}
+
+/// The same of bytes that are open already.
+///
+/// # Errors
+/// As [`find`].
+pub fn find_in(input: Input) -> Result<Found> {
     let head = input.head()?;
     let pack = pack::of(&head);
     if pack == Pack::None {
@@ -288,6 +295,14 @@ impl Opened {
         match self {
             Self::Text(text) => text.headings(),
             Self::Log { headings, .. } => headings,
+        }
+    }
+
+    /// The part that is read; none of a table of text.
+    pub fn part(&self) -> Option<&Part> {
+        match self {
+            Self::Text(_) => None,
+            Self::Log { log, part, .. } => log.parts().get(*part),
         }
     }
 

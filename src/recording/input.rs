@@ -26,10 +26,31 @@ const SMALL_BYTES: u64 = 1 << 20;
 pub struct Input {
     /// What the user called it.
     pub path: PathBuf,
-    file: Arc<File>,
+    store: Arc<Store>,
     length: u64,
     /// The file that it was unpacked from.
     packed: Option<Box<Input>>,
+}
+
+/// Where the bytes are.
+#[derive(Debug)]
+enum Store {
+    File(File),
+    Memory(Vec<u8>),
+}
+
+impl Store {
+    fn read_at(&self, into: &mut [u8], at: u64) -> std::io::Result<usize> {
+        match self {
+            Self::File(file) => read_some_at(file, into, at),
+            Self::Memory(bytes) => {
+                let rest = usize::try_from(at).ok().and_then(|at| bytes.get(at..)).unwrap_or_default();
+                let count = rest.len().min(into.len());
+                into[..count].copy_from_slice(&rest[..count]);
+                Ok(count)
+            }
+        }
+    }
 }
 
 #[cfg(unix)]
@@ -49,8 +70,8 @@ impl Input {
     /// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
     pub fn open(path: &Path) -> Result<Self> {
         if path == Path::new("-") {
-            let (file, length) = standard_input()?;
-            return Ok(Self { path: path.into(), file, length, packed: None });
+            let (store, length) = standard_input()?;
+            return Ok(Self { path: path.into(), store, length, packed: None });
         }
         let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
         if about.is_dir() {
@@ -65,7 +86,13 @@ impl Input {
             ));
         }
         let file = File::open(path).map_err(|e| Error::io("read", path, &e))?;
-        Ok(Self { path: path.into(), file: Arc::new(file), length: about.len(), packed: None })
+        Ok(Self { path: path.into(), store: Arc::new(Store::File(file)), length: about.len(), packed: None })
+    }
+
+    /// Bytes in memory, under a name for messages.
+    pub fn of_bytes(path: &Path, bytes: Vec<u8>) -> Self {
+        let length = bytes.len() as u64;
+        Self { path: path.into(), store: Arc::new(Store::Memory(bytes)), length, packed: None }
     }
 
     /// The same file unpacked into an unnamed temporary one, to be read at any place.
@@ -73,8 +100,8 @@ impl Input {
     /// # Errors
     /// When it cannot be unpacked, or the disk is full.
     pub fn unpacked_by(&self, unpacked: &mut dyn Read) -> std::io::Result<Self> {
-        let (file, length) = spool(unpacked)?;
-        Ok(Self { path: self.path.clone(), file, length, packed: Some(Box::new(self.clone())) })
+        let (store, length) = spool(unpacked)?;
+        Ok(Self { path: self.path.clone(), store, length, packed: Some(Box::new(self.clone())) })
     }
 
     /// Size, bytes.
@@ -124,7 +151,7 @@ impl Input {
 
     /// A reader from a place in the file on.
     pub fn at(&self, at: u64) -> Cursor {
-        Cursor { file: Arc::clone(&self.file), at }
+        Cursor { store: Arc::clone(&self.store), at }
     }
 
     /// An error that names this file.
@@ -159,7 +186,7 @@ impl Input {
 /// A reader at a place in the file.
 #[derive(Debug, Clone)]
 pub struct Cursor {
-    file: Arc<File>,
+    store: Arc<Store>,
     at: u64,
 }
 
@@ -172,7 +199,7 @@ impl Cursor {
 
 impl Read for Cursor {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = read_some_at(&self.file, buffer, self.at)?;
+        let count = self.store.read_at(buffer, self.at)?;
         self.at += count as u64;
         Ok(count)
     }
@@ -212,16 +239,16 @@ fn digest(cursor: &mut Cursor) -> std::io::Result<(String, u64)> {
     }
 }
 
-fn spool(from: &mut dyn Read) -> std::io::Result<(Arc<File>, u64)> {
+fn spool(from: &mut dyn Read) -> std::io::Result<(Arc<Store>, u64)> {
     let mut file = tempfile::tempfile()?;
     let length = std::io::copy(from, &mut file)?;
     file.flush()?;
-    Ok((Arc::new(file), length))
+    Ok((Arc::new(Store::File(file)), length))
 }
 
 /// Standard input, read once.
-fn standard_input() -> Result<(Arc<File>, u64)> {
-    static KEPT: OnceLock<Result<(Arc<File>, u64)>> = OnceLock::new();
+fn standard_input() -> Result<(Arc<Store>, u64)> {
+    static KEPT: OnceLock<Result<(Arc<Store>, u64)>> = OnceLock::new();
     let kept = || spool(&mut std::io::stdin().lock()).map_err(|e| Error::io("keep", Path::new("-"), &e));
     KEPT.get_or_init(kept).clone()
 }

@@ -185,6 +185,7 @@ mod tests {
     fn model(train: Vec<[usize; 2]>) -> model::Driven {
         let (input, output) = (Some("force".into()), "reading".into());
         model::Driven {
+            topic: None,
             rate_hz: Some(200.0),
             rows: Vec::new(),
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },
@@ -237,6 +238,7 @@ mod tests {
         let columns =
             StaticColumns { time: None, channels: ["x", "y", "z"].map(String::from).into(), environment: Vec::new() };
         let model = model::Static {
+            topic: None,
             rate_hz: None,
             rows: Vec::new(),
             unit: "g".into(),

@@ -69,6 +69,7 @@ fn plan(physics: Option<Physics>, share: f64) -> Plan {
 
 fn model(input: Option<&str>, split: Split) -> Driven {
     Driven {
+        topic: None,
         rate_hz: Some(1000.0),
         rows: Vec::new(),
         columns: DrivenColumns { time: None, input: input.map(str::to_owned), output: "y".into(), environment: vec![] },
@@ -226,6 +227,7 @@ fn silverbox(folder: &Path, train: [usize; 2]) -> Result<Diagnosis, Failed> {
     let request = Request { columns: names.to_vec(), rate_hz: Some(1e7 / 16384.0), ..Request::default() };
     let recording = read(&folder.join("silverbox/SNLS80mV.csv"), &request).map_err(|e| e.to_string())?;
     let model = Driven {
+        topic: None,
         rate_hz: request.rate_hz,
         rows: Vec::new(),
         columns: DrivenColumns { time: None, input: Some("V1_V".into()), output: "V2_V".into(), environment: vec![] },

@@ -45,6 +45,7 @@ fn judged(channels: Vec<Vec<f64>>, density: Option<f64>) -> Result<Verdict, Fail
     let recording = Recording { path: "planted.csv".into(), rate_hz: RATE_HZ, columns, ..Recording::default() };
     let noise = density.map(|density| Noise { density, bias_instability: 0.0, random_walk: 0.0 });
     let model = Static {
+        topic: None,
         rate_hz: Some(RATE_HZ),
         rows: Vec::new(),
         unit: "g".into(),
@@ -289,6 +290,7 @@ fn adis(folder: &std::path::Path) -> Result<(), Failed> {
     let request =
         Request { columns: names.clone(), rate_hz: Some(100.0), rows: Some(0..200_000), ..Request::default() };
     let model = Static {
+        topic: None,
         rate_hz: Some(100.0),
         rows: Vec::new(),
         unit: String::new(),
@@ -321,6 +323,7 @@ fn sense_hat(folder: &std::path::Path) -> Result<(), Failed> {
         ..Request::default()
     };
     let model = |columns: &[&str], environment: &[&str]| Static {
+        topic: None,
         rate_hz: Some(0.1),
         rows: Vec::new(),
         unit: String::new(),

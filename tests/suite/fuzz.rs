@@ -14,8 +14,9 @@ use libtest_mimic::{Failed, Trial};
 use super::world::{check, test};
 
 /// Mutations per target: as many as it can make in a few seconds. A hundred thousand in all.
-const MUTATIONS: [(&str, usize); 12] = [
+const MUTATIONS: [(&str, usize); 13] = [
     ("recording", 5_000),
+    ("formats", 40_000),
     ("allan", 200),
     ("unit", 40_000),
     ("study", 10_000),

@@ -65,7 +65,7 @@ fn refusals() -> Result<(), Failed> {
         ("t,a\n0,1\n", "a", None, "1 data rows"),
         ("t,a\n0,1\n1,2,3\n2,3\n", "a", None, "line 3 has 3 cells"),
         ("t,a\n0,1\n1,high\n2,3\n", "a", None, "`high` is no number"),
-        ("t;a\n0;1,5\n1;2,5\n", "a", None, "`1,5` is no number"),
+        ("t,a\n0,\"1,5\"\n1,\"2,5\"\n", "a", None, "`1,5` is no number"),
         ("t,acc_x\n0,1\n1,2\n", "acc_y", None, "no column `acc_y`"),
         ("t,a,a\n0,1,2\n1,2,3\n", "a", None, "two columns"),
         (&many(""), "a", None, "40 of 40 values are missing"),

@@ -145,6 +145,7 @@ impl Imu {
 pub fn model() -> Tumble {
     let three = |s: &str| ["x", "y", "z"].map(|a| format!("{s}{a}"));
     Tumble {
+        topic: None,
         rate_hz: Some(50.0),
         rows: Vec::new(),
         gravity_m_s2: 9.81,

@@ -134,8 +134,8 @@ struct Walk {
     feed: Feed,
     messages: BTreeMap<u8, Message>,
     strays: Strays,
-    /// Type of a message that the end of the file cuts.
-    cut: Option<u8>,
+    /// Type and sensor of a message that the end of the file cuts.
+    cut: Option<(u8, Option<u8>)>,
     held: usize,
 }
 
@@ -166,7 +166,10 @@ impl Walk {
             };
             if ahead.len() < length {
                 let rest = ahead.len();
-                self.cut = Some(kind).filter(|k| *k != FORMAT);
+                let message = self.messages.get(&kind).filter(|_| kind != FORMAT);
+                let instance = message.and_then(|m| ahead.get(m.instance?).copied());
+                // Of which sensor it is must stand in what is left of it.
+                self.cut = message.filter(|m| m.instance.is_some() == instance.is_some()).map(|_| (kind, instance));
                 if self.cut.is_none() {
                     self.strays.add(self.feed.place(), rest as u64);
                 }
@@ -223,7 +226,7 @@ impl Reader for Rows {
     }
 
     fn dropped(&self) -> Vec<Dropped> {
-        let cut = self.walk.cut == Some(self.wanted.0);
+        let cut = self.walk.cut == Some(self.wanted);
         cut.then_some(Dropped { reason: Reason::CutShort, rows: 1, first_row: 0 }).into_iter().collect()
     }
 

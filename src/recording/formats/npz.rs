@@ -91,8 +91,8 @@ fn entries(input: &Input) -> Result<Vec<Entry>> {
     let tail = input.bytes_at(tail_at, input.length() - tail_at, "the end of the archive")?;
     let damaged = |what: &str| {
         input.fail(
-            format!("expected {what} of the zip archive, found none"),
-            "the file is cut short or damaged: copy it again",
+            format!("this is a zip archive (NumPy's .npz, or a spreadsheet), and {what} of it is not there"),
+            "it is cut short or damaged: copy it again; save a spreadsheet as CSV",
         )
     };
     let end = memchr::memmem::rfind(&tail, b"PK\x05\x06").ok_or_else(|| damaged("the end"))?;

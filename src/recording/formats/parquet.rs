@@ -4,6 +4,7 @@
 
 mod column;
 mod encoding;
+mod physical;
 mod thrift;
 
 use crate::error::{Error, Result};
@@ -14,11 +15,11 @@ use crate::recording::input::Input;
 use crate::recording::reader::{Choice, Heading, Log, Part, Reader};
 use crate::recording::roles;
 use column::{Chunk, Columns};
+use physical::{DAMAGED, Physical};
 use thrift::Value;
 
 /// No table's metadata are longer, bytes.
 const LONGEST_FOOTER: u64 = 256 << 20;
-const DAMAGED: &str = "the file is cut short or damaged: copy it again, or write it again";
 
 /// A column of numbers.
 #[derive(Debug, Clone)]
@@ -29,17 +30,6 @@ struct Column {
     physical: Physical,
     /// Levels of values that may be missing.
     levels: u32,
-}
-
-/// How a value is stored in a page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Physical {
-    /// As a number.
-    Number(Element),
-    /// As a bit.
-    Bit,
-    /// As a day and nanoseconds of it, in twelve bytes.
-    Int96,
 }
 
 #[derive(Debug)]

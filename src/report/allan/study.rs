@@ -47,6 +47,9 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
     let Some(file) = path.to_str() else {
         return Some(toml + "\n# The log is not compared: its path is not UTF-8, which TOML needs.\n");
     };
+    if file == "-" {
+        return Some(toml + "\n# The log is not compared: it came on standard input.\n");
+    }
     toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
     for (sense, scale, unit, channels) in
         [(Sense::Accelerometer, "scale_mg", MILLI_G, &accelerometers), (Sense::Gyro, "scale_deg_s", DEGREE, &gyros)]

@@ -1,8 +1,8 @@
 //! Columns of a Parquet table page by page, side by side.
 
 use super::encoding::{deltas, hybrid, split_streams};
+use super::physical::{DAMAGED, Physical};
 use super::thrift::{self, Value};
-use super::{DAMAGED, Physical};
 use crate::error::{Error, Result};
 use crate::recording::bytes::Bytes;
 use crate::recording::clock::stamp::Stamp;

@@ -1,0 +1,56 @@
+//! `proofmass inspect`: what a file holds, and the command to run next.
+
+use std::path::PathBuf;
+
+use super::say::{remark, sayln};
+use crate::error::Result;
+use crate::recording::Request;
+use crate::recording::inspection;
+use crate::report::inspection as report;
+
+/// Arguments of `inspect`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The recording: text, an array, a table or a robot's log; - is standard input
+    file: PathBuf,
+    /// Topic, message or array to look at, where the file has several
+    #[arg(long, value_name = "TOPIC")]
+    topic: Option<String>,
+    /// Column that holds the time
+    #[arg(long, value_name = "NAME")]
+    time: Option<String>,
+    /// Sampling rate, Hz
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    rate_hz: Option<f64>,
+}
+
+/// Runs it.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let request = Request {
+        topic: arguments.topic.clone(),
+        time: arguments.time.clone(),
+        rate_hz: arguments.rate_hz,
+        ..Request::default()
+    };
+    let seen = inspection::inspect(&arguments.file, &request)?;
+    let file = arguments.file.display().to_string();
+    if json {
+        return sayln!("{:#}", report::document(&file, &seen));
+    }
+    report::tables(&seen).iter().try_for_each(|table| sayln!("{table}"))?;
+    report::notes(&seen).iter().try_for_each(|note| sayln!("{note}"))?;
+    match (&seen.obstacle, report::next(&file, &seen)) {
+        (Some(obstacle), _) => {
+            sayln!("to be settled: {}", obstacle.cause)?;
+            sayln!("next: {}", obstacle.hint)
+        }
+        (None, Some(next)) => sayln!("next: {next}"),
+        (None, None) => {
+            remark!("nothing follows from it");
+            Ok(())
+        }
+    }
+}

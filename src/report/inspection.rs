@@ -1,0 +1,180 @@
+//! A first look at a file, in words for a terminal and as JSON, with the command to run next.
+
+use serde_json::{Value, json};
+
+use super::table::Table;
+use crate::number::{duration, rounded, short};
+use crate::recording::finding::sentences;
+use crate::recording::inspection::{Inspection, Rows, Stretch};
+use crate::recording::unit::Quantity;
+
+/// Parts shown on a terminal.
+const SHOWN: usize = 40;
+/// Share of its time that a sensor at rest is still.
+const AT_REST: f64 = 0.8;
+/// Poses that a calibration needs.
+const POSES: usize = 9;
+/// Rests shorter than this tell little of noise, s.
+const WORTHWHILE_S: f64 = 60.0;
+
+/// The tables: what parts there are, what the columns hold.
+pub fn tables(seen: &Inspection) -> Vec<Table> {
+    let mut out = Vec::new();
+    if seen.parts.iter().any(|p| !p.name.is_empty()) {
+        let mut table = Table::new(&["part", "type", "rows", "columns"]);
+        for part in seen.parts.iter().take(SHOWN) {
+            let columns: Vec<&str> = part.columns.iter().map(|c| c.name.as_str()).collect();
+            let columns = if columns.is_empty() { "not read".to_owned() } else { columns.join(" ") };
+            table.row([part.name.clone(), part.kind.clone(), part.rows.map_or("–".into(), |r| r.to_string()), columns]);
+        }
+        out.push(table);
+    }
+    if let Some(rows) = &seen.rows {
+        let mut table = Table::new(&["column", "unit", "lowest", "highest", "mean", "σ", "step"]);
+        for column in &rows.columns {
+            let numbers = [column.lowest, column.highest, column.mean, column.deviation].map(short);
+            let step = column.step.map_or("–".into(), short);
+            let unit = column.stated.clone().unwrap_or_else(|| "–".into());
+            table.row([&[column.name.clone(), unit], &numbers[..], &[step]].concat());
+        }
+        out.push(table);
+    }
+    out
+}
+
+fn total_s(still: &[Stretch]) -> f64 {
+    still.iter().map(|s| s.to_s - s.from_s).sum()
+}
+
+fn longest(still: &[Stretch]) -> Option<&Stretch> {
+    still.iter().max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))
+}
+
+/// What is to be said of the file, a sentence a line.
+pub fn notes(seen: &Inspection) -> Vec<String> {
+    let mut out = Vec::new();
+    let part = seen.part.as_ref().map_or(String::new(), |name| format!(", `{name}`"));
+    let Some(rows) = &seen.rows else {
+        out.push(seen.format.to_owned());
+        return out;
+    };
+    out.push(match rows.rate_hz {
+        Some(rate_hz) => format!(
+            "{}{part}: {} rows, {} samples at {} Hz, {}",
+            seen.format,
+            rows.rows,
+            rows.samples,
+            rounded(rate_hz, 6),
+            duration(rows.samples as f64 / rate_hz)
+        ),
+        None => format!("{}{part}: {} rows, without a clock", seen.format, rows.rows),
+    });
+    if seen.parts.len() > SHOWN {
+        out.push(format!("{} further parts are not shown; --json lists all", seen.parts.len() - SHOWN));
+    }
+    out.extend(sentences(&rows.findings).into_iter().map(|s| format!("found: {s}")));
+    if let (Some(longest), Some(rate_hz)) = (longest(&rows.still), rows.rate_hz) {
+        out.push(format!(
+            "still for {} of {}, in {} stretches; the longest from {} to {} s",
+            duration(total_s(&rows.still)),
+            duration(rows.samples as f64 / rate_hz),
+            rows.still.len(),
+            rounded(longest.from_s, 4),
+            rounded(longest.to_s, 4)
+        ));
+    } else if rows.roles.gyro.is_some() && rows.rate_hz.is_some() {
+        out.push("never still for two seconds".to_owned());
+    }
+    out
+}
+
+/// A word of a command line, quoted where a shell needs it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:+=@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// The command that suits what was seen; none where something must be chosen first.
+pub fn next(file: &str, seen: &Inspection) -> Option<String> {
+    let rows = seen.rows.as_ref()?;
+    let rate_hz = rows.rate_hz?;
+    let several = seen.parts.iter().filter(|p| p.is_imu).count() > 1 || seen.parts.iter().all(|p| !p.is_imu);
+    let topic = seen.part.as_ref().filter(|_| several).map_or(String::new(), |t| format!(" --topic {}", quoted(t)));
+    let allan = format!("proofmass allan {}{topic}", quoted(file));
+    let whole_s = rows.samples as f64 / rate_hz;
+    let inertial = rows.roles.gyro.is_some() || rows.roles.accelerometer.is_some();
+    let model = |kind: &str| {
+        format!(
+            "proofmass diagnose {}{topic} --model model.toml, where model.toml begins with kind = \"{kind}\"",
+            quoted(file)
+        )
+    };
+    Some(match longest(&rows.still) {
+        Some(_) if total_s(&rows.still) >= AT_REST * whole_s => allan,
+        _ if !inertial => model("driven"),
+        Some(_) if rows.still.len() >= POSES => model("tumble"),
+        Some(rest) if rest.to_s - rest.from_s >= WORTHWHILE_S => {
+            format!("{allan} --from-s {} --to-s {}", rounded(rest.from_s, 4), rounded(rest.to_s, 4))
+        }
+        _ => model("trajectory"),
+    })
+}
+
+/// `proofmass.inspect/1`.
+pub fn document(file: &str, seen: &Inspection) -> Value {
+    let parts: Vec<Value> = seen
+        .parts
+        .iter()
+        .map(|part| {
+            let columns: Vec<Value> = part.columns.iter().map(|c| json!({ "name": c.name, "unit": c.unit })).collect();
+            json!({ "name": part.name, "type": part.kind, "rows": part.rows, "imu": part.is_imu, "columns": columns })
+        })
+        .collect();
+    let mut document = json!({
+        "schema": "proofmass.inspect/1",
+        "file": file,
+        "format": seen.format,
+        "topics": parts,
+        "topic": seen.part,
+        "clock": seen.clock,
+        "next": next(file, seen),
+        "obstacle": seen.obstacle.as_ref().map(|e| json!({ "cause": e.cause, "hint": e.hint })),
+    });
+    if let (Some(rows), Some(fields)) = (&seen.rows, document.as_object_mut()) {
+        fields.extend(of_rows(rows));
+    }
+    document
+}
+
+fn of_rows(rows: &Rows) -> serde_json::Map<String, Value> {
+    let columns: Vec<Value> = rows
+        .columns
+        .iter()
+        .map(|c| {
+            let quantity = match c.quantity {
+                Quantity::Accelerometer => "accelerometer",
+                Quantity::Gyro => "gyro",
+                Quantity::Unknown => "unknown",
+            };
+            json!({ "name": c.name, "quantity": quantity, "unit": c.stated, "min": c.lowest, "max": c.highest,
+                    "mean": c.mean, "sd": c.deviation, "step": c.step })
+        })
+        .collect();
+    let still: Vec<Value> = rows.still.iter().map(|s| json!({ "from_s": s.from_s, "to_s": s.to_s })).collect();
+    let fields = json!({
+        "sha256": rows.sha256,
+        "rows": rows.rows,
+        "samples": rows.samples,
+        "rate_hz": rows.rate_hz,
+        "duration_s": rows.rate_hz.map(|rate_hz| rows.samples as f64 / rate_hz),
+        "dropped": rows.dropped,
+        "findings": sentences(&rows.findings),
+        "columns": columns,
+        "still": still,
+    });
+    if let Value::Object(fields) = fields { fields } else { serde_json::Map::new() }
+}
