@@ -29,6 +29,7 @@ pub mod drive_nonlinearity;
 pub mod end_stop;
 pub mod feedthrough;
 pub mod force_noise;
+pub mod free_form;
 pub mod free_oscillator;
 pub mod hysteresis;
 pub mod law;

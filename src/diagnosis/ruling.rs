@@ -32,6 +32,8 @@ pub struct Evidence {
     pub has_power: bool,
     /// Effects that hold.
     pub named: usize,
+    /// Whether the form of one of them is not the stated one.
+    pub departs: bool,
     /// Effects among them in whose place another candidate does as well.
     pub tied: usize,
     /// Whether terms that look alike, or too many to be told apart, do the work of something that the library lacks.
@@ -64,6 +66,7 @@ impl Default for Evidence {
             base_determined: true,
             has_power: true,
             named: 0,
+            departs: false,
             tied: 0,
             stand_ins: false,
             nameless: 0.0,
@@ -104,7 +107,7 @@ fn silent(evidence: &Evidence) -> Outcome {
 fn accounts_for_all(evidence: &Evidence) -> bool {
     let a_detail = evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;
-    noise && !evidence.stand_ins && evidence.held_out_ratio <= WORSE
+    noise && !evidence.departs && !evidence.stand_ins && evidence.held_out_ratio <= WORSE
 }
 
 #[cfg(test)]
@@ -132,6 +135,8 @@ mod tests {
             // Named, no rival.
             ("explained: named effects bring the residual to the noise", one, Explained),
             ("several effects", Evidence { named: 3, ..one }, Explained),
+            ("a law near the one named is not the one named", Evidence { departs: true, ..one }, Unexplained),
+            ("… nor one of two that are tied", Evidence { departs: true, tied: 1, ..one }, Unexplained),
             ("a name beside a faint remainder", Evidence { remainder: Faint, ..one }, Unexplained),
             ("a name beside a real remainder", Evidence { remainder: Material, ..one }, Unexplained),
             ("… which is a detail", Evidence { remainder: Material, removed: 0.995, ..one }, Explained),
@@ -179,6 +184,7 @@ mod tests {
                                 base_determined,
                                 has_power,
                                 named,
+                                departs: false,
                                 tied,
                                 stand_ins,
                                 nameless,

@@ -84,6 +84,25 @@ pub struct Evidence {
     pub p_value: f64,
 }
 
+/// How far a named law departs from the form that its name states.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Form {
+    /// The stated form, as a function of its argument.
+    pub stated: String,
+    /// Root mean square of the departure over that of the stated form, over the arguments visited.
+    pub departure: f64,
+    /// Its 95 % interval; from zero where the stated form predicts as well.
+    pub ci95: [f64; 2],
+    /// Argument and value of the law with a free form, without what the base model's own parameters do.
+    pub curve: Vec<[f64; 2]>,
+    /// The stated form at the same arguments.
+    #[serde(skip)]
+    pub stated_curve: Vec<[f64; 2]>,
+    /// Whether unseen samples tell the free form from the stated one.
+    #[serde(skip)]
+    pub departs: bool,
+}
+
 /// One named effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
@@ -97,6 +116,9 @@ pub struct Effect {
     pub parameters: Vec<Estimate>,
     /// Columns it shows in.
     pub channels: Vec<String>,
+    /// How far it departs from its stated form, where it has one that was freed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<Form>,
     /// Why it is believed.
     pub evidence: Evidence,
     /// Ids that fit equally or nearly so.

@@ -10,12 +10,13 @@ use super::side_by_side::{each, each_reading};
 use super::state::{Constants, Instants, Lanes, Stride};
 
 macro_rules! library {
-    ($($law:ident in $file:ident),* $(,)?) => {
+    ($($law:ident in $file:ident),* $(,)?; beside $($other:ident in $beside:ident),* $(,)?) => {
         /// Every law, in one of its forms.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[allow(missing_docs, reason = "each law's own file says what it is")]
         pub enum Term {
-            $($law(super::$file::$law)),*
+            $($law(super::$file::$law),)*
+            $($other(super::$beside::$other)),*
         }
 
         /// What can be named in a driven recording, in public order.
@@ -46,7 +47,10 @@ macro_rules! library {
                 rates: &mut [[T; N]],
                 acceleration: &mut [T; N],
             ) {
-                match self { $(Self::$law(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration)),* }
+                match self {
+                    $(Self::$law(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration),)*
+                    $(Self::$other(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration)),*
+                }
             }
 
             /// Changes the readings; as `force`.
@@ -58,13 +62,19 @@ macro_rules! library {
                 own: &[[f64; N]],
                 y: &mut [f64; N],
             ) {
-                match self { $(Self::$law(law) => each_reading(law, at, p, own, y)),* }
+                match self {
+                    $(Self::$law(law) => each_reading(law, at, p, own, y),)*
+                    $(Self::$other(law) => each_reading(law, at, p, own, y)),*
+                }
             }
 
             /// Carries its states over one step of the mass; as `force`.
             #[inline(always)]
             pub fn follow(&self, stride: &Stride, constants: &Constants, p: &[Lanes], own: &mut [Lanes]) {
-                match self { $(Self::$law(law) => law.follow(stride, constants, p, own)),* }
+                match self {
+                    $(Self::$law(law) => law.follow(stride, constants, p, own),)*
+                    $(Self::$other(law) => law.follow(stride, constants, p, own)),*
+                }
             }
         }
 
@@ -72,7 +82,10 @@ macro_rules! library {
             type Target = dyn Law;
 
             fn deref(&self) -> &Self::Target {
-                match self { $(Self::$law(law) => law),* }
+                match self {
+                    $(Self::$law(law) => law,)*
+                    $(Self::$other(law) => law),*
+                }
             }
         }
     };
@@ -100,7 +113,9 @@ library! {
     BiasDrift in bias_drift,
     WarmUp in warm_up,
     BiasRandomWalk in bias_random_walk,
-    PeriodicDisturbance in periodic_disturbance,
+    PeriodicDisturbance in periodic_disturbance;
+    // Fitted like laws and never named by themselves.
+    beside FreeForm in free_form
 }
 
 impl Term {

@@ -4,6 +4,7 @@
 
 mod driven;
 mod exhibit;
+mod form;
 mod profile;
 mod rest;
 mod standing;

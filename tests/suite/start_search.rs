@@ -112,6 +112,7 @@ fn profile_is_refits() -> Result<(), Failed> {
         equation: String::new(),
         parameters: vec![estimate],
         channels: Vec::new(),
+        form: None,
         evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
         confusable_with: Vec::new(),
     };

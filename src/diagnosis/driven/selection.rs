@@ -4,6 +4,7 @@
 pub mod base_model;
 pub mod earned;
 pub mod folds;
+pub mod forms;
 pub mod held_out;
 pub mod judged;
 pub mod lattice;

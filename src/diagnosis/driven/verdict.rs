@@ -7,6 +7,7 @@ mod detectable;
 pub mod dropped;
 mod effects;
 pub mod findings;
+pub mod form;
 mod isolation;
 mod sensor;
 pub mod surface;

@@ -52,6 +52,7 @@ impl Found {
             equation: entry.equation.into(),
             parameters: self.parameters.clone(),
             channels: self.channels.iter().map(|i| channels[*i].name.clone()).collect(),
+            form: None,
             evidence: self.evidence,
             confusable_with: self.rivals.iter().take(1).filter_map(|c| Some(row(*c).entry?.id.to_owned())).collect(),
         })

@@ -122,6 +122,7 @@ impl Case<'_> {
             equation: term.candidate.equation.into(),
             parameters,
             channels: self.columns_of(term.sensor),
+            form: None,
             evidence: Evidence { held_out_gain: named.standing.gain, p_value: named.standing.p_value },
             confusable_with: named.rivals.iter().map(|t| t.id().to_owned()).collect(),
         }

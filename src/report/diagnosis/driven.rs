@@ -23,6 +23,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     if !detail.candidates.is_empty() {
         all.push(candidates(detail));
     }
+    all.extend(super::form::exhibits(&detail.forms));
     all.extend(super::profile::exhibit(&detail.profiles));
     all
 }

@@ -20,6 +20,8 @@ pub enum Stage {
     SearchAgain,
     /// Candidates in the place of others.
     Rivals,
+    /// Laws with freedom in their form.
+    Forms,
     /// Final fits, what each term is worth, intervals and profiles.
     Conclusion,
 }
@@ -29,6 +31,7 @@ impl Stage {
         match self {
             Stage::Search => 5000,
             Stage::SearchAgain => 2500,
+            Stage::Forms => 3000,
             Stage::Rivals | Stage::Conclusion => 4000,
         }
     }

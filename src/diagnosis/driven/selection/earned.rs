@@ -1,7 +1,7 @@
 //! Whether a term earns its place: by the samples that judge, or where these show less than the fitted ones, by all samples in
 //! turn; and a model without the terms that do not.
 
-use crate::diagnosis::driven::identification::fit::fit;
+use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::shape::Shape;
 use crate::parallel;
@@ -65,8 +65,32 @@ pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> 
     model
 }
 
-/// A model refitted without one of its terms.
+/// A model refitted without one of its terms: at once, or where that breaks down, with the term made smaller step by step.
+/// `None` only where neither leads to a model.
 pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
     let (shape, point): (Shape, Vec<f64>) = model.fit.without(index);
-    Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
+    let at_once = fit(data, &shape, &point, scales, ITERATIONS);
+    Some(judge(data, at_once.or_else(|| continued(data, &model.fit, index, scales))?, scales))
+}
+
+/// Parts of its strength that a term passes through on the way to nothing.
+const WAY: [f64; 5] = [0.7, 0.45, 0.25, 0.1, 0.03];
+/// Iterations of the others at each.
+const ON_THE_WAY: usize = 6;
+
+/// A fit without one term, which is made smaller step by step while the others follow.
+fn continued(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
+    let (first, term) = (model.shape.first[index], model.shape.terms[index]);
+    let own = first..first + term.values();
+    let strength = model.point[first];
+    let mut here = model.clone();
+    for part in WAY {
+        let mut search = Search::all(data, &here.shape, &here.point, scales);
+        search.free.retain(|i| !own.contains(i));
+        search.point[first] = part * strength;
+        let found = search.minimise(ON_THE_WAY)?;
+        here.point = search.point(&found.z);
+    }
+    let (shape, point) = here.without(index);
+    fit(data, &shape, &point, scales, ITERATIONS)
 }

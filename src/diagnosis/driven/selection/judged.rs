@@ -51,6 +51,15 @@ pub struct Rival {
     pub id: &'static str,
 }
 
+/// A model in which the form of one law is free.
+#[derive(Debug, Clone)]
+pub struct Departing {
+    /// The model.
+    pub judged: Judged,
+    /// The term whose form is free.
+    pub index: usize,
+}
+
 /// What a search leaves.
 #[derive(Debug, Clone)]
 pub struct Selection {
@@ -64,6 +73,8 @@ pub struct Selection {
     pub tried: usize,
     /// For each term of the chosen model, the candidates that would do as well in its place.
     pub rivals: Vec<Vec<Rival>>,
+    /// The model with the form of one law free, where that law departs from its stated form.
+    pub departing: Option<Departing>,
     /// Whether the search ended because its work was spent, with structure left.
     pub cut_short: bool,
     /// Whether some of those candidates were not tried because the work for it was spent.

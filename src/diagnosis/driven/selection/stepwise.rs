@@ -9,6 +9,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
 use super::earned::{earned, pruned};
+use super::forms;
 use super::judged::{Judged, Selection, Trial};
 use super::residual_structure::left;
 use super::rivals::{Look, TIE};
@@ -69,11 +70,21 @@ pub fn search(
     // What is far from explained needs no rivals: it will not be named.
     let hopeless = chosen.fit.shape.terms.len() > 2 && rest > FAR_FROM_DONE;
     let (alone, tried) = (steps.alone, steps.tried);
-    let mut selection = Selection { base, chosen, alone, tried, rivals: Vec::new(), cut_short, rivals_left_out: false };
+    let mut selection = Selection {
+        base,
+        chosen,
+        alone,
+        tried,
+        rivals: Vec::new(),
+        departing: None,
+        cut_short,
+        rivals_left_out: false,
+    };
     if !cut_short && !hopeless {
         look.settle(&mut selection)?;
     }
     selection.rivals_left_out = look.left_out;
+    forms::settle(data, &mut selection, scales, data.work.budget(Stage::Forms, data.hull.len()));
     Ok(selection)
 }
 

@@ -12,10 +12,13 @@ use crate::diagnosis::driven::intake::prepare::Notes;
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
+use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::model;
-use crate::diagnosis::verdict::{Fit as Fitted, LogScore, Outcome, RangeScore, RecordingScore, Role, Score, Source};
+use crate::diagnosis::verdict::{
+    Fit as Fitted, Form, LogScore, Outcome, RangeScore, RecordingScore, Role, Score, Source,
+};
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
@@ -26,6 +29,7 @@ use super::detail::{Account, Detail, Shown};
 use super::detectable::{Limits, limits};
 use super::effects::{self, Channels};
 use super::findings;
+use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
 use super::sensor::repair;
 use super::surface::{Motion, Surface, surface};
@@ -64,7 +68,8 @@ pub fn answer(
     let output_unit = effects::unit_of(&output, "output unit");
     let input_unit = columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
-    let named = effects::effects(data, c, selection, scales, &channels);
+    let forms = forms(data, c, scales);
+    let named = effects::effects(data, c, selection, scales, &channels, &forms);
     let ranking = effects::ranking(c, selection, &channels);
     let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
@@ -99,6 +104,7 @@ pub fn answer(
     let fit = Fitted { recordings, ..scores(data, c, errors, judging, &output_unit) };
     let detail = Detail {
         profiles,
+        forms: forms.into_iter().map(|(index, form)| (c.model.fit.shape.terms[index].id(), form)).collect(),
         output,
         unit: output_unit,
         rate_hz: data.rate_hz,
@@ -130,6 +136,24 @@ pub fn answer(
         repair,
         detail: answer::Detail::Driven(Box::new(detail)),
     }
+}
+
+/// How far each named law departs from its stated form, by its place in the model, as far as the work for it reaches.
+fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
+    let known = |index: usize| {
+        let found = c.departing.as_ref()?;
+        let terms = &found.judged.fit.shape.terms;
+        let same = terms[found.index].id() == c.model.fit.shape.terms[index].id();
+        same.then_some(Freely { fit: &found.judged.fit, index: found.index, departs: true })
+    };
+    let of = |named: &Named| {
+        let known = known(named.index);
+        if known.is_none() && data.work.is_spent(c.budget) {
+            return None;
+        }
+        Some((named.index, form::form(data, &c.model, named.index, scales, known)?))
+    };
+    c.named.iter().filter_map(of).collect()
 }
 
 /// Where the base model errs, and what the force that it lacks follows.

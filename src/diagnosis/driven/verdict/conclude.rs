@@ -10,7 +10,7 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::diagnosis::driven::selection::earned::{SMALLEST_GAIN, without};
 use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
-use crate::diagnosis::driven::selection::judged::{Judged, Rival, Selection};
+use crate::diagnosis::driven::selection::judged::{Departing, Judged, Rival, Selection};
 use crate::diagnosis::driven::selection::lattice::Lattice;
 use crate::diagnosis::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
@@ -63,6 +63,8 @@ pub struct Conclusion {
     pub named: Vec<Named>,
     /// Terms that were in the model and do not hold, with the reason.
     pub dropped: Vec<(Term, Dropped)>,
+    /// The final model with the form of one law free, where that law departs from its stated form.
+    pub departing: Option<Departing>,
     /// Why terms that each earn a place got no name together, where they did not.
     pub series: Option<Series>,
     /// What is left of the final model's innovations.
@@ -86,6 +88,7 @@ pub struct Conclusion {
 /// Draws the conclusion: models fitted to the train samples of `data`, judged on its test samples.
 pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
     let mut draft = Draft::fitted(data, selection, scales);
+    draft.free(selection);
     // What the full model leaves is the measure.
     let share = draft.structured();
     draft.weigh();
@@ -96,7 +99,8 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let series = draft.drop_series();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
     let lattice = rounding(data, &draft.model);
-    let remainder = remainder(data, &draft.model, &draft.after);
+    draft.departing = draft.departing.take().filter(|d| draft.names(d));
+    let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
     let outcome = rule(&draft.evidence(nameless, twins || series.is_some(), lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.drop_stand_ins(share);
@@ -111,13 +115,14 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     if !finished {
         draft.left_out.push(LeftOut::Profiles);
     }
-    let Draft { base, model, named, dropped, after, scales, budget, left_out, .. } = draft;
+    let Draft { base, model, named, dropped, after, scales, budget, left_out, departing, .. } = draft;
     Conclusion {
         outcome,
         base,
         model,
         named,
         dropped,
+        departing,
         series,
         remainder,
         noise,
@@ -196,7 +201,9 @@ struct Draft<'a> {
     budget: Budget,
     base: Judged,
     model: Judged,
-    /// What is left of the model.
+    /// The model with the form of one law free, where that law departs from its stated form.
+    departing: Option<Departing>,
+    /// What is left of the model; of the one with a free form, where there is one.
     after: Structure,
     rivals: Vec<Vec<Rival>>,
     named: Vec<Named>,
@@ -221,7 +228,25 @@ impl<'a> Draft<'a> {
         let (base, model) = parallel::join(|| judge(base), || judge(model));
         let (after, rivals) = (left_evenly(data, &model.fit), selection.rivals.clone());
         let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
-        Self { data, selection, scales, budget, base, model, after, rivals, named, dropped, left_out }
+        let departing = None;
+        Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
+    }
+
+    /// Fits the model with a free form like the others. What it leaves is what is left: the stated form would leave its own
+    /// inexactness besides.
+    fn free(&mut self, selection: &Selection) {
+        let Some(found) = &selection.departing else { return };
+        let old = &found.judged.fit;
+        let fit = fit(self.data, &old.shape, &old.point, &self.scales, 20).unwrap_or_else(|| old.clone());
+        self.after = left_evenly(self.data, &fit);
+        let held_out = held_out(self.data, &fit, &self.scales, &self.data.test);
+        self.departing = Some(Departing { judged: Judged { fit, held_out }, index: found.index });
+    }
+
+    /// Whether the law whose form is free is named.
+    fn names(&self, departing: &Departing) -> bool {
+        let id = departing.judged.fit.shape.terms[departing.index].id();
+        self.named.iter().any(|n| self.term(n.index).id() == id)
     }
 
     /// Share of the innovations' variance that can still be foreseen beyond chance.
@@ -272,6 +297,8 @@ impl<'a> Draft<'a> {
             if index < self.rivals.len() {
                 self.rivals.remove(index);
             }
+            // Without that term the form is another question.
+            self.departing = None;
             self.after = left_evenly(self.data, &self.model.fit);
             self.weigh();
         }
@@ -339,6 +366,7 @@ impl<'a> Draft<'a> {
         let (model, base) = (&self.model, &self.base);
         Evidence {
             named: self.named.len() + usize::from(rounded),
+            departs: self.departing.is_some(),
             tied: self.named.iter().filter(|n| !n.rivals.is_empty()).count(),
             stand_ins,
             // A base model whose error goes only with terms that earn no name is not adequate.

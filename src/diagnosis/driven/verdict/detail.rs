@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::diagnosis::driven::identification::profile::Profile;
 use crate::diagnosis::driven::selection::series::Series;
 use crate::diagnosis::standing::Gain;
-use crate::diagnosis::verdict::Detectable;
+use crate::diagnosis::verdict::{Detectable, Form};
 
 use super::surface::Surface;
 
@@ -38,6 +38,8 @@ pub struct Detail {
     pub alike: Vec<[&'static str; 2]>,
     /// Whether anything was named.
     pub named: bool,
+    /// How far named laws depart from their stated form, each with its id.
+    pub forms: Vec<(&'static str, Form)>,
     /// How the misfit rises around each named parameter.
     pub profiles: Vec<Profile>,
     /// Where nothing is named: what would have been, candidate by candidate.

@@ -8,7 +8,7 @@ use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form};
 use crate::physics::law::Noise;
 use crate::physics::readout_quantisation;
 use crate::physics::scales::{Coordinate, Scales};
@@ -144,6 +144,7 @@ pub fn effects(
     selection: &Selection,
     scales: &Scales,
     channels: &Channels,
+    forms: &[(usize, Form)],
 ) -> Vec<Effect> {
     let floor = noise_floor(data, &c.model.fit).powi(2);
     let mut effects: Vec<Effect> = Vec::new();
@@ -156,6 +157,7 @@ pub fn effects(
             equation: words.equation.to_owned(),
             parameters: estimates(data, c, scales, named.index, channels),
             channels: vec![channels.output.clone()],
+            form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
             evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
             confusable_with: named.rivals.iter().map(|r| r.id.to_owned()).collect(),
         });
@@ -177,6 +179,7 @@ pub fn effects(
                 equation: words.equation.to_owned(),
                 parameters: estimates(data, &there, scales, index, channels),
                 channels: vec![channels.output.clone()],
+                form: None,
                 evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
                 confusable_with: vec![id.to_owned()],
             });
@@ -196,6 +199,7 @@ pub fn effects(
                 ci95: [step * (1.0 - 1e-6), step * (1.0 + 1e-6)],
             }],
             channels: vec![channels.output.clone()],
+            form: None,
             evidence: Evidence {
                 held_out_gain: lattice.gain,
                 p_value: (-(lattice.gain * c.model.fit.linear.residual.len() as f64).min(600.0)).exp()

@@ -45,6 +45,23 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
              past, the input or the state.",
             short(100.0 * account.predictable)
         ),
+        Outcome::Unexplained if effects.iter().any(departs) => {
+            let laws = holding(effects, &named);
+            let rest = if account.is_structured {
+                format!(
+                    "; {} % of the variance of what is left even then can be foreseen",
+                    short(100.0 * account.predictable)
+                )
+            } else {
+                String::new()
+            };
+            let forms: Vec<String> = effects.iter().filter(|e| departs(e)).filter_map(form).collect();
+            format!(
+                "The model left out {}, but {}: with the stated form, {fall}{rest}.",
+                listed(&laws, "and"),
+                listed(&forms, "and")
+            )
+        }
         Outcome::Unexplained => {
             let holding = holding(effects, &named);
             format!(
@@ -63,6 +80,29 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
         ),
     };
     sentence + &doubts(&account.doubts)
+}
+
+/// Whether unseen samples tell an effect's law from its stated form.
+fn departs(effect: &Effect) -> bool {
+    effect.form.as_ref().is_some_and(|f| f.departs)
+}
+
+/// How far an effect's law departs from its stated form, as a clause.
+pub fn form(effect: &Effect) -> Option<String> {
+    let form = effect.form.as_ref()?;
+    let percent = |v: f64| short(100.0 * v);
+    let stated = form.stated.replace("^2", "²").replace("^3", "³");
+    Some(if form.departs {
+        format!(
+            "the form of {} departs from {stated} by {} % (95 % interval {} to {} %)",
+            effect.id,
+            percent(form.departure),
+            percent(form.ci95[0]),
+            percent(form.ci95[1])
+        )
+    } else {
+        format!("the form of {} is {stated} within {} % (95 %)", effect.id, percent(form.ci95[1]))
+    })
 }
 
 /// Effects with their numbers, tied ones once: "a or b".
@@ -142,6 +182,7 @@ mod tests {
             equation: String::new(),
             parameters: Vec::new(),
             channels: Vec::new(),
+            form: None,
             evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
             confusable_with: confusable_with.iter().map(|id| (*id).to_owned()).collect(),
         };

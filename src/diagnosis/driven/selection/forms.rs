@@ -1,0 +1,229 @@
+//! Laws that are near the library's and not it: each law that was chosen is given freedom in its form, and what that takes up
+//! is no second effect. A law whose free form predicts samples better that were not fitted departs from its name.
+//!
+//! Not for how far it departs (`verdict::form`) and not for what follows for the verdict (`ruling`).
+
+use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::Budget;
+use crate::diagnosis::driven::simulation::run::trace;
+use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::numerics::least_squares::Residuals;
+use crate::numerics::moments::rms;
+use crate::parallel;
+use crate::physics::free_form::{Argument, Extent, FreeForm, Freed};
+use crate::physics::law::Law;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+
+use super::earned::{ITERATIONS, earned, without};
+use super::held_out::compare;
+use super::judged::{Departing, Judged, Selection, judge};
+use super::residual_structure::left;
+
+/// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from the stated one.
+const LEAST_LEAD: f64 = 3.0;
+/// Log-likelihood that one linear step must promise for the free form of a law to be fitted.
+const LEAST_PROMISE: f64 = 8.0;
+/// Laws beside the chosen ones that are tried alone with a free form.
+const OTHERS: usize = 4;
+/// Share of the variance of what is left from which on one law with a free form is tried in the place of all.
+const UNDONE: f64 = 0.02;
+/// Terms beyond which a model is that of a series.
+const MANY: usize = 3;
+/// Gain on samples that were not fitted below which a departure changes no prediction beyond noise.
+pub const IMMATERIAL: f64 = 0.02;
+
+/// Values of a law's argument on the samples that are fitted.
+pub fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
+    let rows = || data.train.iter().flat_map(Clone::clone).map(|k| k - data.hull.start);
+    match argument {
+        Argument::Input => {
+            let values = data.input.as_ref().map(|i| &i.samples()[data.hull.clone()]);
+            values.map_or_else(Vec::new, |u| rows().map(|k| u[k]).collect())
+        }
+        Argument::Displacement | Argument::Velocity => {
+            let (_, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, false));
+            let values = if argument == Argument::Velocity { states.v } else { states.x };
+            rows().map(|k| values[k]).filter(|v| v.is_finite()).collect()
+        }
+    }
+}
+
+/// Which law it is where it has a form that can be freed.
+pub fn freed_law(term: &Term) -> Option<Freed> {
+    match term {
+        Term::CubicStiffness(_) => Some(Freed::CubicSpring),
+        Term::QuadraticStiffness(_) => Some(Freed::QuadraticSpring),
+        Term::QuadraticDamping(_) => Some(Freed::Drag),
+        Term::SqueezeFilmDamping(_) => Some(Freed::Film),
+        Term::DriveNonlinearity(_) => Some(Freed::Drive),
+        Term::CoulombFriction(_) => Some(Freed::Friction),
+        Term::EndStop(stop) => Some(Freed::Stop(stop.0)),
+        _ => None,
+    }
+}
+
+/// A typical argument of a law, and the size by which its free form is measured; `None` where it never moves.
+fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f64)> {
+    let values = visits(data, model, law.argument());
+    let typical = rms(values.iter().copied());
+    let size = match law {
+        Freed::Stop(_) => {
+            let furthest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            0.5 * (furthest - stated[1]).max(0.02 * furthest)
+        }
+        _ => 2.0 * typical,
+    };
+    (size > 0.0 && size.is_finite()).then_some((typical, size))
+}
+
+/// A model with another term in the place of one of its own.
+fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (Shape, Vec<f64>) {
+    let mut terms = model.shape.terms.clone();
+    let (first, old) = (model.shape.first[index], terms[index].values());
+    terms[index] = term;
+    let mut point = model.point.clone();
+    point.splice(first..first + old, values.iter().copied());
+    (Shape::new(&terms), point)
+}
+
+/// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a corner.
+fn promise(data: &Data, shape: &Shape, point: &[f64], scales: &Scales) -> f64 {
+    let search = Search::all(data, shape, point, scales);
+    let Some(linear) = search.linearise(&search.z(point)) else { return f64::INFINITY };
+    let (rows, normal) = (linear.residual.len() as f64, linear.normal());
+    0.5 * rows * (normal.sum / normal.predicted().max(1e-300)).ln()
+}
+
+/// A model with the form of one of its laws freed, fitted; `None` where the law has no form to free, or where one linear step
+/// promises nothing. All of the form is free where that promises more than one value does.
+pub fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: bool) -> Option<Fit> {
+    let law = freed_law(&model.shape.terms[index])?;
+    let stated = model.shape.of(index, &model.point);
+    let (typical, size) = sizes(data, model, law, stated)?;
+    let best = |model: &Fit, term: Term, starts: &[Vec<f64>]| {
+        let fitted = |start: &Vec<f64>| {
+            let (shape, point) = with_instead(model, index, term, start);
+            fit(data, &shape, &point, scales, ITERATIONS)
+        };
+        let all: Vec<Fit> = parallel::filter_map(starts, fitted);
+        all.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))
+    };
+    let wide = FreeForm { law, size, extent: Extent::Wide };
+    let narrow = FreeForm { extent: Extent::Narrow, ..wide };
+    let starts = narrow.narrow_starts(stated, typical);
+    if screened && !wide.has_corner() {
+        let all = wide.wide_starts(&starts[0], typical);
+        let (shape, point) = with_instead(model, index, Term::FreeForm(wide), &all[0]);
+        if promise(data, &shape, &point, scales) < LEAST_PROMISE {
+            return None;
+        }
+    }
+    let first = best(model, Term::FreeForm(narrow), &starts)?;
+    let starts = wide.wide_starts(first.shape.of(index, &first.point), typical);
+    let (shape, point) = with_instead(&first, index, Term::FreeForm(wide), &starts[0]);
+    if !wide.has_corner() && promise(data, &shape, &point, scales) < LEAST_PROMISE {
+        return Some(first);
+    }
+    let second = best(&first, Term::FreeForm(wide), &starts);
+    let better = |second: &Fit| {
+        let price = 0.5 * (second.free.len() - first.free.len()) as f64 * (first.linear.residual.len() as f64).ln();
+        second.log_likelihood() - first.log_likelihood() > price
+    };
+    second.filter(better).or(Some(first))
+}
+
+impl Departing {
+    /// Without its terms, other than the one that is free, that are not worth what they cost beside it.
+    fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
+        loop {
+            let others = (0..self.judged.fit.shape.terms.len()).filter(|j| *j != self.index);
+            let poorer = others.filter_map(|j| Some((j, without(data, &self.judged, j, scales)?)));
+            let bar = self.judged.score().max(least) - LEAST_LEAD;
+            let idle = poorer.filter(|(_, p)| p.score() >= bar);
+            let Some((j, poorer)) = idle.max_by(|a, b| a.1.score().total_cmp(&b.1.score())) else { return self };
+            self = Self { judged: poorer, index: self.index - usize::from(j < self.index) };
+        }
+    }
+
+    /// The same terms with the form as stated, fitted.
+    fn as_stated(&self, data: &Data, like: &Fit, scales: &Scales) -> Option<Judged> {
+        let freed = &self.judged.fit;
+        let id = freed.shape.terms[self.index].id();
+        let place = like.shape.terms.iter().position(|t| t.id() == id)?;
+        let (shape, point) =
+            with_instead(freed, self.index, like.shape.terms[place], like.shape.of(place, &like.point));
+        Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
+    }
+}
+
+/// Frees the forms of the laws chosen, and where these are several or leave something, that of each law that does well alone.
+/// Where a free form does the work of more than one term, or predicts better, the selection holds its law and no more than
+/// still earns its place beside it.
+pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+    let chosen = selection.chosen.clone();
+    let tried = selection.tried;
+    let laws = chosen.fit.shape.terms.iter().filter(|t| t.noise().is_none()).count();
+    if laws == 0 && chosen.fit.shape.terms.is_empty() {
+        return;
+    }
+    let mut best: Option<(Departing, Fit)> = None;
+    let consider = |best: &mut Option<(Departing, Fit)>, found: Departing, like: &Fit| {
+        if best.as_ref().is_none_or(|(b, _)| found.judged.score() > b.judged.score()) {
+            *best = Some((found, like.clone()));
+        }
+    };
+    for index in 0..chosen.fit.shape.terms.len() {
+        if data.work.is_spent(budget) {
+            break;
+        }
+        // Where another term may only patch this law's form, the form is free to do so itself, whatever one step promises.
+        let Some(found) = freed(data, &chosen.fit, index, scales, chosen.fit.shape.terms.len() == 1) else { continue };
+        let found = Departing { judged: judge(data, found, scales), index }.pruned(data, scales, chosen.score());
+        consider(&mut best, found, &chosen.fit);
+    }
+    if chosen.fit.shape.terms.len() > 1 || left(data, &chosen.fit).share > UNDONE {
+        let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
+        let alone: Vec<Judged> =
+            alone.filter(|j| freed_law(&j.fit.shape.terms[0]).is_some()).take(OTHERS).cloned().collect();
+        for other in alone {
+            let same = |b: &Departing| {
+                b.judged.fit.shape.terms.len() == 1 && b.judged.fit.shape.terms[0].id() == other.fit.shape.terms[0].id()
+            };
+            if data.work.is_spent(budget) || best.as_ref().is_some_and(|(b, _)| same(b)) {
+                continue;
+            }
+            let Some(found) = freed(data, &other.fit, 0, scales, false) else { continue };
+            consider(&mut best, Departing { judged: judge(data, found, scales), index: 0 }, &other.fit);
+        }
+    }
+    let Some((found, like)) = best else { return };
+    let fewer = found.judged.fit.shape.terms.len() < chosen.fit.shape.terms.len();
+    let lead = found.judged.score() - chosen.score();
+    if lead < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
+        return;
+    }
+    // Of many terms none but the strongest is named: where freedom in one form does not end them, they stay as details.
+    if chosen.fit.shape.terms.len() > MANY && left(data, &found.judged.fit).share > UNDONE {
+        return;
+    }
+    let Some(stated) = found.as_stated(data, &like, scales) else { return };
+    let gain = compare(&stated.held_out, &found.judged.held_out);
+    let departs = earned(data, &stated, &found.judged, scales, tried).is_some() && gain.gain >= IMMATERIAL;
+    if !departs && !fewer {
+        return;
+    }
+    selection.rivals = stated
+        .fit
+        .shape
+        .terms
+        .iter()
+        .map(|term| {
+            let place = chosen.fit.shape.terms.iter().position(|t| t.id() == term.id());
+            place.and_then(|p| selection.rivals.get(p).cloned()).unwrap_or_default()
+        })
+        .collect();
+    selection.chosen = stated;
+    selection.departing = departs.then_some(found);
+}

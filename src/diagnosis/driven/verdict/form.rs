@@ -1,0 +1,174 @@
+//! How far a named law departs from the form that its name states, over the arguments that the recording visited.
+
+use crate::diagnosis::driven::identification::fit::Fit;
+use crate::diagnosis::driven::identification::interval;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::selection::forms::{freed, visits};
+use crate::diagnosis::driven::selection::judged::Judged;
+use crate::diagnosis::verdict::Form;
+use crate::numerics::moments::rms;
+use crate::numerics::order;
+use crate::physics::free_form::{Argument, FreeForm, Freed, VALUES};
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+
+/// Places of the curve that is kept.
+const PLACES: usize = 41;
+/// Visits that the departure is weighed by.
+const VISITS: usize = 400;
+/// 95 % quantile, as a number of standard deviations, of the length of what three free values do by chance (√χ²₀.₉₅ with
+/// three degrees of freedom): as far as a departure is no evidence of one.
+const BY_CHANCE: f64 = 2.795;
+/// Step of a free value, in standard deviations, for the derivative of the curve.
+const NUDGE: f64 = 0.05;
+
+/// The free form of a law as it was fitted.
+#[derive(Debug, Clone)]
+pub struct Freely<'a> {
+    /// The model in which it is free.
+    pub fit: &'a Fit,
+    /// Its place there.
+    pub index: usize,
+    /// Whether it predicts unseen samples better than the stated form does.
+    pub departs: bool,
+}
+
+/// The form of one named law of a model, found by a fit of its own where none is given.
+pub fn form(data: &Data, model: &Judged, index: usize, scales: &Scales, known: Option<Freely<'_>>) -> Option<Form> {
+    if let Some(known) = known {
+        return departure(data, &known);
+    }
+    let fit = freed(data, &model.fit, index, scales, false)?;
+    departure(data, &Freely { fit: &fit, index, departs: false })
+}
+
+/// Its numbers.
+fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
+    let fit = freely.fit;
+    let Term::FreeForm(form) = fit.shape.terms[freely.index] else { return None };
+    let mut visited = visits(data, fit, form.law.argument());
+    order::sort(&mut visited);
+    if visited.len() < 2 {
+        return None;
+    }
+    let last = visited.len() - 1;
+    let at: Vec<f64> = (0..VISITS).map(|i| visited[last * i / (VISITS - 1)]).collect();
+    let mut values = fit.shape.of(freely.index, &fit.point).to_vec();
+    let fitted = values.len();
+    values.resize(VALUES, 0.0);
+    let curve = |p: &[f64], at: &[f64]| -> Vec<f64> { at.iter().map(|a| form.curve::<f64, false>(p, *a)).collect() };
+    let whole = curve(&values, &at);
+    let split = Split::of(&form, &values, &at, &whole)?;
+    let size = rms(split.stated.iter().copied()).max(1e-300);
+    let rest = rms(split.rest.iter().copied());
+    let departure = rest / size;
+    // The departure's own direction as a linear function of the free values.
+    let spread = interval::spread(fit);
+    let first = fit.shape.first[freely.index];
+    let free: Vec<usize> = (0..fitted).filter_map(|j| fit.free.iter().position(|f| *f == first + j)).collect();
+    let slopes: Vec<f64> = free
+        .iter()
+        .map(|f| {
+            let step = NUDGE * spread.deviation[*f].min(1e3) * fit.slopes[*f];
+            let mut moved = values.clone();
+            moved[fit.free[*f] - first] += step;
+            let bent = curve(&moved, &at).iter().zip(&whole).map(|(m, w)| m - w).collect::<Vec<f64>>();
+            let along: f64 = bent.iter().zip(&split.rest).map(|(b, r)| b * r).sum();
+            along / (VISITS as f64 * rest.max(1e-300) * size * NUDGE)
+        })
+        .collect();
+    let mut variance = 0.0;
+    for (i, a) in free.iter().zip(&slopes) {
+        for (j, b) in free.iter().zip(&slopes) {
+            variance += a * b * spread.correlation[(*i, *j)];
+        }
+    }
+    let deviation = variance.max(0.0).sqrt();
+    if !departure.is_finite() || !deviation.is_finite() {
+        return None;
+    }
+    let low = if freely.departs { (departure - BY_CHANCE * deviation).max(0.0) } else { 0.0 };
+    let high = departure + interval::reach() * deviation;
+    let (from, to) = (visited[0], visited[last]);
+    let places: Vec<f64> = (0..PLACES).map(|i| from + (to - from) * i as f64 / (PLACES - 1) as f64).collect();
+    let drawn = curve(&values, &places).iter().zip(&places).map(|(f, a)| [*a, f - split.base(*a)]).collect();
+    let stated = places.iter().map(|a| [*a, split.stated_at(*a)]).collect();
+    Some(Form {
+        stated: form.law.stated().to_owned(),
+        departure,
+        ci95: [low, high],
+        curve: drawn,
+        stated_curve: stated,
+        departs: freely.departs,
+    })
+}
+
+/// A curve as the stated form of some strength, what the base model does besides, and the rest.
+struct Split {
+    law: Freed,
+    /// Strength of the stated form and of the base model's part.
+    strengths: Vec<f64>,
+    gap: [f64; 2],
+    stated: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+impl Split {
+    /// The nearest one: by least squares over the visits, over the gaps too for a stop.
+    fn of(form: &FreeForm, values: &[f64], at: &[f64], whole: &[f64]) -> Option<Self> {
+        let gaps: Vec<[f64; 2]> = match form.law {
+            Freed::Stop(_) => {
+                let (furthest, gap) = (at.iter().fold(0.0f64, |m, a| m.max(a.abs())), values[1]);
+                (0..=40).map(|i| gap + (furthest - gap) * f64::from(i) / 42.0).map(|g| [g; 2]).collect()
+            }
+            _ => vec![[0.0; 2]],
+        };
+        let all = gaps.into_iter().filter_map(|gap| Self::at_gap(form.law, gap, at, whole));
+        all.min_by(|a, b| rms(a.rest.iter().copied()).total_cmp(&rms(b.rest.iter().copied())))
+    }
+
+    fn at_gap(law: Freed, gap: [f64; 2], at: &[f64], whole: &[f64]) -> Option<Self> {
+        let columns: Vec<Vec<f64>> = at.iter().map(|a| functions(law, gap, *a)).collect();
+        let n = columns[0].len();
+        let matrix = nalgebra::DMatrix::from_fn(at.len(), n, |i, j| columns[i][j]);
+        let sizes: Vec<f64> = (0..n).map(|j| matrix.column(j).norm().max(1e-300)).collect();
+        let scaled = nalgebra::DMatrix::from_fn(at.len(), n, |i, j| matrix[(i, j)] / sizes[j]);
+        let solved = scaled.svd(true, true).solve(&nalgebra::DVector::from_column_slice(whole), 1e-10).ok()?;
+        let strengths: Vec<f64> = solved.iter().zip(&sizes).map(|(s, size)| s / size).collect();
+        let fitted: Vec<f64> = columns.iter().map(|c| c.iter().zip(&strengths).map(|(c, s)| c * s).sum()).collect();
+        let stated = columns.iter().map(|c| c[0] * strengths[0]).collect();
+        let rest = whole.iter().zip(&fitted).map(|(w, f)| w - f).collect();
+        Some(Self { law, strengths, gap, stated, rest })
+    }
+
+    /// What the base model's own parameters do of it.
+    fn base(&self, a: f64) -> f64 {
+        functions(self.law, self.gap, a).iter().zip(&self.strengths).skip(1).map(|(f, s)| f * s).sum()
+    }
+
+    /// The stated form.
+    fn stated_at(&self, a: f64) -> f64 {
+        functions(self.law, self.gap, a)[0] * self.strengths[0]
+    }
+}
+
+/// The stated form at an argument and the functions of it that the base model has parameters for.
+fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
+    use crate::physics::end_stop::Side;
+    let stated = match law {
+        Freed::CubicSpring => a.powi(3),
+        Freed::QuadraticSpring | Freed::Film | Freed::Drive => a * a,
+        Freed::Drag => a.abs() * a,
+        Freed::Friction => a.signum(),
+        Freed::Stop(side) => {
+            let upper = if side == Side::Lower { 0.0 } else { (a - above).max(0.0) };
+            let lower = if side == Side::Upper { 0.0 } else { (-a - below).max(0.0) };
+            upper - lower
+        }
+    };
+    match (law, law.argument()) {
+        (Freed::Film, _) => vec![stated, 1.0],
+        (_, Argument::Velocity) => vec![stated, a],
+        _ => vec![stated, a, 1.0],
+    }
+}

@@ -1,0 +1,273 @@
+//! A law of the library with freedom in its form: what a law that is near the stated one, but not it, looks like to a fit.
+//!
+//! It is no candidate and is never named by itself: it says how far the law that it frees departs from what its name states
+//! (`diagnosis::driven::selection::forms`). Its values are those of a fit alone; a study cannot run it.
+
+use crate::numerics::elementary::{Real, fma};
+
+use super::candidate::Candidate;
+use super::end_stop::Side;
+use super::law::{Law, Role};
+use super::scales::{Coordinate, Scales};
+use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::{
+    coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
+    squeeze_film_damping,
+};
+
+/// Which law is freed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Freed {
+    /// βx³.
+    CubicSpring,
+    /// αx².
+    QuadraticSpring,
+    /// c₂|x′|x′.
+    Drag,
+    /// c x²x′, as a damping that depends on x.
+    Film,
+    /// κu², over the gain.
+    Drive,
+    /// f_c sgn x′: smooth about standstill, with a size that falls or rises with speed.
+    Friction,
+    /// Contact beyond a gap: stiffer or softer the deeper, with a gap of its own on either side.
+    Stop(Side),
+}
+
+/// What a law depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Argument {
+    /// Displacement.
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// Input.
+    Input,
+}
+
+/// A law with freedom in its form.
+///
+/// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s − 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the
+/// stated law is d = e = h = 0. Friction: tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a
+/// depth δ beyond the gap, values k, gap, d, and by how much the other side's gap is wider. With one value free only d, or v_s,
+/// is; the values after it are zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeForm {
+    /// The law.
+    pub law: Freed,
+    /// A typical size of its argument (of the depth, for a stop).
+    pub size: f64,
+    /// How much of its form is free.
+    pub extent: Extent,
+}
+
+/// How much of a form is free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// One value: an exponent, or how smooth friction is.
+    Narrow,
+    /// All of them.
+    Wide,
+}
+
+impl Default for FreeForm {
+    fn default() -> Self {
+        Self { law: Freed::CubicSpring, size: 1.0, extent: Extent::Wide }
+    }
+}
+
+/// Most values.
+pub const VALUES: usize = 4;
+/// Where the slope of the form turns about, in sizes.
+const PIVOT: f64 = 0.7;
+/// Least argument in sizes: below it the logarithm is held.
+const LEAST: f64 = 1e-6;
+
+impl Freed {
+    /// What it depends on.
+    pub fn argument(self) -> Argument {
+        match self {
+            Self::CubicSpring | Self::QuadraticSpring | Self::Film | Self::Stop(_) => Argument::Displacement,
+            Self::Drag | Self::Friction => Argument::Velocity,
+            Self::Drive => Argument::Input,
+        }
+    }
+
+    /// The stated form, as a function of its argument.
+    pub fn stated(self) -> &'static str {
+        match self {
+            Self::CubicSpring => "x^3",
+            Self::QuadraticSpring => "x^2",
+            Self::Drag => "|v| v",
+            Self::Film => "x^2 v",
+            Self::Drive => "u^2",
+            Self::Friction => "sgn v",
+            Self::Stop(_) => "(x - gap)+",
+        }
+    }
+
+    /// Whether it is the stated form times a function of its argument.
+    fn is_power(self) -> bool {
+        !matches!(self, Self::Friction | Self::Stop(_))
+    }
+
+    /// The stated form at an argument, of strength 1.
+    #[inline(always)]
+    fn power<T: Real>(self, a: T) -> T {
+        match self {
+            Self::CubicSpring => a * a * a,
+            Self::Drag => a.abs() * a,
+            _ => a * a,
+        }
+    }
+}
+
+/// A function of the standard library at a number of either width.
+#[inline(always)]
+fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
+    T::of(f(value.f64()))
+}
+
+impl FreeForm {
+    /// Its curve at an argument.
+    #[inline(always)]
+    pub fn curve<T: Real, const FMA: bool>(&self, p: &[T], a: T) -> T {
+        let zero = T::of(0.0);
+        match self.law {
+            Freed::Friction => {
+                let fading = if p[3] > zero { by(-a.abs() / p[3], |v| v.max(-700.0).exp()) } else { zero };
+                by(a / p[1], f64::tanh) * fma::<T, FMA>(p[2], fading, p[0])
+            }
+            Freed::Stop(side) => {
+                let push = |depth: T| {
+                    let deep = (depth / T::of(self.size)).max(T::of(LEAST));
+                    p[0] * depth.max(zero) * by(p[2] * by(deep, f64::ln), |v| v.clamp(-40.0, 40.0).exp())
+                };
+                let upper = if side == Side::Lower { zero } else { push(a - p[1]) };
+                let gap = if side == Side::Both { p[1] + p[3] } else { p[1] };
+                let lower = if side == Side::Upper { zero } else { push(-a - gap) };
+                upper - lower
+            }
+            law => {
+                let s = (a.abs() / T::of(self.size)).max(T::of(LEAST));
+                let bent = by(p[1] * by(s, f64::ln), |v| v.clamp(-40.0, 40.0).exp());
+                let side = if a < zero { -p[3] } else { p[3] };
+                law.power(a) * bent * (fma::<T, FMA>(p[2], s - T::of(PIVOT), p[0]) + side)
+            }
+        }
+    }
+
+    /// Values at which it is the stated law, or nearly so, with these of the stated law's parameters. `typical` is the root
+    /// mean square of its argument.
+    pub fn narrow_starts(&self, stated: &[f64], typical: f64) -> Vec<Vec<f64>> {
+        match self.law {
+            Freed::Friction => [0.03, 0.2].map(|smooth| vec![stated[0], smooth * typical]).to_vec(),
+            Freed::Stop(_) => {
+                let (k, gap) = (stated[0], stated[1]);
+                vec![vec![k, gap, 0.0], vec![1.3 * k, gap - 0.3 * self.size, 0.5]]
+            }
+            _ => vec![vec![stated[0], 0.0]],
+        }
+    }
+
+    /// Values of the wide form at, or next to, these of the narrow one.
+    pub fn wide_starts(&self, narrow: &[f64], typical: f64) -> Vec<Vec<f64>> {
+        let more: Vec<[f64; 2]> = match self.law {
+            Freed::Friction => [0.1, 0.6].map(|more| [more * narrow[0], 0.3 * typical]).to_vec(),
+            Freed::Stop(_) => vec![[0.0; 2]],
+            _ => vec![[0.0; 2]],
+        };
+        more.into_iter().map(|m| narrow.iter().copied().chain(m).take(VALUES).collect()).collect()
+    }
+}
+
+impl Law for FreeForm {
+    fn candidate(&self) -> &'static Candidate {
+        match self.law {
+            Freed::CubicSpring => &cubic_stiffness::CANDIDATE,
+            Freed::QuadraticSpring => &quadratic_stiffness::CANDIDATE,
+            Freed::Drag => &quadratic_damping::CANDIDATE,
+            Freed::Film => &squeeze_film_damping::CANDIDATE,
+            Freed::Drive => &drive_nonlinearity::CANDIDATE,
+            Freed::Friction => &coulomb_friction::CANDIDATE,
+            Freed::Stop(_) => &end_stop::CANDIDATE,
+        }
+    }
+    fn role(&self) -> Role {
+        Role::Force
+    }
+    fn values(&self) -> usize {
+        match (self.extent, self.law) {
+            (Extent::Wide, _) => VALUES,
+            (Extent::Narrow, Freed::Stop(_)) => 3,
+            (Extent::Narrow, _) => 2,
+        }
+    }
+    fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
+        let (omega, zeta) = (s.omega_rad_s, s.zeta);
+        let spring = omega * omega;
+        let strength = match self.law {
+            Freed::CubicSpring => 0.1 * spring / s.output.powi(2),
+            Freed::QuadraticSpring => 0.1 * spring / s.output,
+            Freed::Drag => zeta * omega / s.velocity,
+            Freed::Film => zeta * omega / s.output.powi(2),
+            Freed::Drive => 0.1 / s.input.max(1e-300),
+            Freed::Friction => 0.1 * zeta * omega * s.velocity,
+            Freed::Stop(_) => spring,
+        };
+        let linear = Coordinate::Linear(strength);
+        let mut all = match self.law {
+            Freed::Friction => {
+                let speed = |low: f64, high: f64| Coordinate::Log(low * s.velocity, high * s.velocity);
+                vec![linear, speed(0.003, 3.0), linear, speed(0.03, 3.0)]
+            }
+            Freed::Stop(_) => vec![
+                Coordinate::Log(0.01 * spring, 1e4 * spring),
+                Coordinate::Log(0.1 * s.output, 10.0 * s.output),
+                Coordinate::Bounded(0.1, -0.7, 6.0),
+                Coordinate::Linear(0.1 * s.output),
+            ],
+            _ => vec![linear, Coordinate::Bounded(0.1, -2.0, 4.0), linear, linear],
+        };
+        all.truncate(self.values());
+        all
+    }
+    fn starts(&self, _: &Scales) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+    fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
+        let fastest = match self.law {
+            // About standstill friction is a damper of f/v_s.
+            Freed::Friction => {
+                ((p[0] + p.get(2).map_or(0.0, |p| p.max(0.0))).abs() / p[1].abs().max(1e-300)).min(8.0 * s.omega_rad_s)
+            }
+            Freed::Stop(_) => (p[0].max(0.0) + s.omega_rad_s.powi(2)).sqrt(),
+            _ => 0.0,
+        };
+        fastest.min(7.0 * s.omega_rad_s)
+    }
+    fn has_corner(&self) -> bool {
+        !self.law.is_power()
+    }
+    fn needs_input(&self) -> bool {
+        self.law == Freed::Drive
+    }
+    #[inline(always)]
+    fn force<T: Real, const FMA: bool>(
+        &self,
+        at: &Instant<'_, T>,
+        p: &[T; MOST_VALUES],
+        _: &[T; MOST_STAGED],
+        sum: T,
+    ) -> T {
+        match self.law {
+            Freed::Drive => fma::<T, FMA>(at.gain, self.curve::<T, FMA>(p, at.input), sum),
+            Freed::Film => fma::<T, FMA>(-self.curve::<T, FMA>(p, at.x), at.v, sum),
+            Freed::Drag | Freed::Friction => sum - self.curve::<T, FMA>(p, at.v),
+            _ => sum - self.curve::<T, FMA>(p, at.x),
+        }
+    }
+    fn tried(_: usize) -> Vec<Self> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,45 @@
+//! The form of a law as the recording has it, beside the one that its name states.
+
+use crate::diagnosis::verdict::Form;
+
+use super::exhibit::{Exhibit, Part};
+use crate::report::figure::{Axis, Chart, Ink, Mark};
+
+/// One figure per law whose form was freed; each with the id of its effect.
+pub fn exhibits(forms: &[(&'static str, Form)]) -> Vec<Exhibit> {
+    forms.iter().map(|(id, form)| exhibit(id, form)).collect()
+}
+
+fn exhibit(id: &str, form: &Form) -> Exhibit {
+    let points = |curve: &[[f64; 2]]| curve.iter().map(|[a, f]| (*a, *f)).collect::<Vec<_>>();
+    let stated = form.stated.replace("^2", "²").replace("^3", "³");
+    let argument = match form.stated.as_str() {
+        "|v| v" | "sgn v" => "velocity",
+        "u^2" => "input",
+        _ => "displacement",
+    };
+    let mut chart = Chart::new(
+        &format!("Form of {}", id),
+        Axis::linear(&format!("{argument} (range visited)")),
+        Axis::linear("law, per unit mass"),
+    );
+    chart.add(&format!("as stated: {stated}"), Ink::Black, Mark::Dashed, points(&form.stated_curve));
+    chart.add("with a free form", Ink::Red, Mark::Line, points(&form.curve));
+    let percent = |v: f64| crate::number::short(100.0 * v);
+    let said = if form.departs {
+        format!(
+            "The free form predicts samples better that were not fitted: the law is near {stated} and not it. Root mean square \
+             of the difference, weighed by how often each value is visited: {} % of the stated form (95 % interval {} to {} %).",
+            percent(form.departure),
+            percent(form.ci95[0]),
+            percent(form.ci95[1])
+        )
+    } else {
+        format!(
+            "Where the law may take another form, it stays at the stated one: within {} % of it (95 %), weighed by how often \
+             each value is visited.",
+            percent(form.ci95[1])
+        )
+    };
+    Exhibit { part: Part::Identification, name: format!("form-{}", id), figure: chart.draw(), caption: said }
+}
