@@ -32,6 +32,7 @@ pub mod force_noise;
 pub mod free_form;
 pub mod free_oscillator;
 pub mod hysteresis;
+pub mod input_lag;
 pub mod law;
 pub mod library;
 pub mod parasitic_mode;

@@ -44,6 +44,8 @@ pub struct Evidence {
     pub remainder: Size,
     /// Fraction of the base model's held-out error variance that is gone with the named effects; zero where unknown.
     pub removed: f64,
+    /// Whether a model with a named law errs more on held-out data than the base model.
+    pub predicts_worse: bool,
     /// Root-mean-square error on held-out data with the named effects over that of the base model, the lower end of its
     /// 95 % interval; 1 where it is not known.
     pub held_out_ratio: f64,
@@ -72,6 +74,7 @@ impl Default for Evidence {
             nameless: 0.0,
             remainder: Size::Negligible,
             removed: 0.0,
+            predicts_worse: false,
             held_out_ratio: 1.0,
             search_complete: true,
         }
@@ -107,7 +110,7 @@ fn silent(evidence: &Evidence) -> Outcome {
 fn accounts_for_all(evidence: &Evidence) -> bool {
     let a_detail = evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;
-    noise && !evidence.departs && !evidence.stand_ins && evidence.held_out_ratio <= WORSE
+    noise && !evidence.departs && !evidence.stand_ins && !evidence.predicts_worse && evidence.held_out_ratio <= WORSE
 }
 
 #[cfg(test)]
@@ -147,6 +150,11 @@ mod tests {
             ),
             ("a search cut short that ends at the noise", Evidence { search_complete: false, ..one }, Explained),
             ("a repair that predicts worse explains nothing", Evidence { held_out_ratio: 1.2, ..one }, Unexplained),
+            (
+                "… nor does a law that predicts worse by however little",
+                Evidence { predicts_worse: true, ..one },
+                Unexplained,
+            ),
             ("… but for the few per cent of noise terms", Evidence { held_out_ratio: 1.03, ..one }, Explained),
             ("names beside a series of stand-ins", Evidence { stand_ins: true, ..one }, Unexplained),
             // Named, with rivals.
@@ -190,6 +198,7 @@ mod tests {
                                 nameless,
                                 remainder,
                                 removed,
+                                predicts_worse: false,
                                 held_out_ratio,
                                 search_complete: true,
                             };

@@ -20,6 +20,8 @@ pub enum Role {
     Mode,
     /// The input acts late. Parameter 0 is the delay in s.
     InputDelay,
+    /// The input that is recorded acts before. Parameter 0 is by how much, in s.
+    InputLead,
     /// The displacement is read through a low-pass. Parameter 0 is its time constant in s, state 0 what it holds.
     LowPass,
     /// The reading is changed at this place of the readout.

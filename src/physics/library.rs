@@ -110,6 +110,7 @@ library! {
     ReadoutLowpass in readout_lowpass,
     ReadoutNonlinearity in readout_nonlinearity,
     Feedthrough in feedthrough,
+    InputLag in input_lag,
     BiasDrift in bias_drift,
     WarmUp in warm_up,
     BiasRandomWalk in bias_random_walk,

@@ -17,10 +17,10 @@ pub const CANDIDATE: Candidate = Candidate {
     kind: Kind::Driven,
     statement: "The reading lags the input by a fixed time.",
     equation: "y(t) = x(t − τ)",
-    parameters: &[Parameter { name: "tau", unit: "s", range: (-1.0, 1.0) }],
+    parameters: &[Parameter { name: "tau", unit: "s", range: (0.0, 1.0) }],
     acts: "readout",
     signature: "phase that falls in proportion to frequency",
-    confusable_with: &["readout-lowpass", "feedthrough", "parasitic-mode"],
+    confusable_with: &["readout-lowpass", "feedthrough", "parasitic-mode", "input-lag"],
     reference: "Ljung, System Identification, 1999, ch. 4 (time delay)",
 };
 
@@ -32,11 +32,11 @@ impl Law for ReadoutDelay {
         Role::InputDelay
     }
     fn coordinates(&self, s: &Scales) -> Vec<Coordinate> {
-        vec![Coordinate::Linear(0.1 * s.interval_s)]
+        vec![Coordinate::Bounded(0.1 * s.interval_s, 0.0, f64::MAX)]
     }
     fn starts(&self, s: &Scales) -> Vec<Vec<f64>> {
         let mut starts = vec![vec![0.0]];
-        if s.lag_samples != 0.0 {
+        if s.lag_samples > 0.0 {
             starts.push(vec![s.lag_samples * s.interval_s]);
         }
         starts

@@ -208,15 +208,20 @@ impl Fit {
         (Shape::over(&terms, self.shape.further), point)
     }
 
-    /// Whether a term's parameter lies at the end of its plausible range, where the term is not what its name says.
+    /// Whether a law's parameter lies at the end of its plausible range, where the law is not what its name says.
     pub fn at_bound(&self, scales: &Scales) -> bool {
-        self.shape.terms.iter().enumerate().filter(|(_, t)| t.noise().is_none()).any(|(i, term)| {
-            let values = self.shape.of(i, &self.point);
-            term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
+        (0..self.shape.terms.len()).any(|index| self.term_at_bound(index, scales))
+    }
+
+    /// The same of one term. Noise has no such range.
+    pub fn term_at_bound(&self, index: usize, scales: &Scales) -> bool {
+        let term = self.shape.terms[index];
+        let values = self.shape.of(index, &self.point);
+        term.noise().is_none()
+            && term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
                 Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
                 Coordinate::Linear(_) => false,
             })
-        })
     }
 
     /// The run it was fitted on.

@@ -87,7 +87,14 @@ pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
 /// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
 pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {
-        matches!(t, Term::ReadoutDelay(_) | Term::ReadoutLowpass(_) | Term::Feedthrough(_) | Term::ParasiticMode(_))
+        matches!(
+            t,
+            Term::ReadoutDelay(_)
+                | Term::InputLag(_)
+                | Term::ReadoutLowpass(_)
+                | Term::Feedthrough(_)
+                | Term::ParasiticMode(_)
+        )
     };
     if !chosen.fit.shape.terms.iter().any(mistaken) {
         return None;

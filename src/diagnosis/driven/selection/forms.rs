@@ -81,11 +81,10 @@ fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f
 /// A model with another term in the place of one of its own.
 fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (Shape, Vec<f64>) {
     let mut terms = model.shape.terms.clone();
-    let (first, old) = (model.shape.first[index], terms[index].values());
     terms[index] = term;
     let mut point = model.point.clone();
-    point.splice(first..first + old, values.iter().copied());
-    (Shape::new(&terms), point)
+    point.splice(model.shape.block(index), values.iter().copied());
+    (Shape::over(&terms, model.shape.further), point)
 }
 
 /// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a corner.

@@ -48,24 +48,26 @@ fn validation_is_fitted(data: &Data) -> bool {
     data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
 }
 
-/// Every term of a model, weighed; its place alone where the model breaks down without it.
+/// Every term of a model, weighed. Where there is no model without it, however slowly it is taken away, the base model stands in
+/// for that: a term that nothing can be fitted without is worth all that the terms do together.
 pub fn weighed(
     data: &Data,
     selection: &Selection,
     model: &Judged,
     scales: &Scales,
     rivals: &[Vec<Rival>],
-) -> Vec<Result<Named, usize>> {
+    base: &Judged,
+) -> Vec<Named> {
     let rounded = rounding(data, model);
     let price = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
     let weigh = |index: usize| {
-        let poorer = without(data, model, index, scales).ok_or(index)?;
+        let poorer = without(data, model, index, scales).unwrap_or_else(|| base.clone());
         let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
         let mut comparison =
             compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
         comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
         let judged = held_out(data, &poorer.fit, scales, &data.test);
-        Ok(Named {
+        Named {
             index,
             growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
                 .max(judged.free() / model.held_out.free().max(1e-300))
@@ -79,7 +81,7 @@ pub fn weighed(
                 Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
             }),
             rivals: rivals.get(index).cloned().unwrap_or_default(),
-        })
+        }
     };
     parallel::map_indices(model.fit.shape.terms.len(), weigh)
 }

@@ -100,7 +100,7 @@ impl Shape {
     pub fn all_beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().enumerate().flat_map(|(i, term)| {
             let block = self.block(i);
-            block.start + term.candidate().parameters.len()..block.end
+            block.start + term.values() - term.unknown_beginnings()..block.end
         });
         let of_recording = |r: usize| [self.offset(r), self.initial(r), self.initial(r) + 1];
         (0..=self.further).flat_map(of_recording).chain(of_terms).collect()

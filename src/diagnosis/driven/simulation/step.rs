@@ -112,7 +112,8 @@ impl<'a> Plan<'a> {
             modes: sensing.iter().filter(|m| m.term.role() == Role::Mode).map(|m| m.state).collect(),
             sensing,
             adding,
-            delay: of(Role::InputDelay).map(|d| Shift::new(d, parts.interval_s / (2 * parts.steps) as f64)),
+            delay: delay(of(Role::InputDelay), of(Role::InputLead))
+                .map(|d| Shift::new(&d, parts.interval_s / (2 * parts.steps) as f64)),
             friction: rubbing.map(|(t, first)| coulomb_friction::resistance(&parameters[*first..first + t.values()])),
             lagging: placed(|t| t.role() == Role::LowPass).first().map(|m| m.state),
         }
@@ -244,6 +245,13 @@ impl<'a> Plan<'a> {
             m.term.follow(&seen, constants, &self.parts.parameters[m.first..], &mut own[m.state..]);
         }
     }
+}
+
+/// By how much the input that acts is later than the one recorded.
+fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
+    let of = |lanes: Option<&Lanes>| lanes.copied().unwrap_or([0.0; LANES]);
+    let (late_s, early_s) = (of(late), of(early));
+    (late.is_some() || early.is_some()).then(|| std::array::from_fn(|l| late_s[l] - early_s[l]))
 }
 
 /// A term, where its parameters begin and where its states begin.

@@ -28,7 +28,7 @@ use crate::diagnosis::verdict::Outcome;
 use crate::numerics::order;
 use crate::parallel;
 use crate::physics::library::Term;
-use crate::physics::scales::Scales;
+use crate::physics::scales::{Coordinate, Scales};
 
 /// Share of the innovations' variance that may be foreseen before they are no longer called white.
 pub const WHITE: f64 = 0.02;
@@ -92,7 +92,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     // What the full model leaves is the measure.
     let share = draft.structured();
     draft.weigh();
-    draft.drop_what_worsens();
+    draft.drop_what_cannot_stay();
     draft.drop_what_follows_rounding();
     let nameless = draft.carry_what_is_small(share);
     let twins = draft.drop_twins();
@@ -104,6 +104,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let outcome = rule(&draft.evidence(nameless, twins || series.is_some(), lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.drop_stand_ins(share);
+        draft.keep_what_is_named();
     }
     let noise =
         if remainder.size == Size::Negligible { character(data, &draft.model.fit) } else { NoiseCharacter::default() };
@@ -269,23 +270,37 @@ impl<'a> Draft<'a> {
 
     /// Weighs every term of the model.
     fn weigh(&mut self) {
-        self.named.clear();
-        for weighed in weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals) {
-            match weighed {
-                Ok(named) => self.named.push(named),
-                Err(index) => self.drop_term(index, Dropped::Indispensable),
-            }
-        }
+        self.named = weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals, &self.base);
     }
 
-    /// A term that the test samples speak against goes, and the others are weighed again without it.
-    fn drop_what_worsens(&mut self) {
+    /// Why a term may not stay, if it may not: the test samples speak against it, it is not what its name says, or it may be
+    /// nothing.
+    fn objection(&self, named: &Named) -> Option<Dropped> {
+        if named.worsens(&self.model) {
+            return Some(Dropped::Worsens);
+        }
+        let fit = &self.model.fit;
+        if fit.term_at_bound(named.index, &self.scales) {
+            return Some(Dropped::AtBound);
+        }
+        if self.is_noise(named) {
+            return None;
+        }
+        let strength = fit.shape.first[named.index];
+        let place = fit.free.iter().position(|f| *f == strength)?;
+        let reach = interval::spread(fit).reach[place][0] * fit.slopes[place].abs();
+        let linear = matches!(self.term(named.index).coordinates(&self.scales)[0], Coordinate::Linear(_));
+        (linear && fit.point[strength].abs() <= reach).then_some(Dropped::MayBeNothing)
+    }
+
+    /// A term against which something speaks goes, and the others are weighed again without it.
+    fn drop_what_cannot_stay(&mut self) {
         let worst = |draft: &Self| {
-            let all = draft.named.iter().filter(|n| n.worsens(&draft.model));
-            all.min_by(|a, b| a.free_without.total_cmp(&b.free_without)).map(|n| n.index)
+            let all = draft.named.iter().filter_map(|n| Some((n, draft.objection(n)?)));
+            all.min_by(|a, b| a.0.free_without.total_cmp(&b.0.free_without)).map(|(n, reason)| (n.index, reason))
         };
-        while let Some(index) = worst(self) {
-            self.drop_term(index, Dropped::Worsens);
+        while let Some((index, reason)) = worst(self) {
+            self.drop_term(index, reason);
             if self.data.work.is_spent(self.budget) {
                 self.named.retain(|n| n.index != index);
                 self.left_out.push(LeftOut::WeighingAgain);
@@ -376,8 +391,38 @@ impl<'a> Draft<'a> {
             removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
             search_complete: !self.selection.cut_short,
             has_power: self.after.detectable_share < 1.0,
+            predicts_worse: model.held_out.free() > base.held_out.free()
+                && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
             base_determined: true,
+        }
+    }
+
+    /// The model of a verdict that explains nothing holds what it names and nothing else; and predicts no worse than the base.
+    fn keep_what_is_named(&mut self) {
+        let terms = self.model.fit.shape.terms.len();
+        let named = |draft: &Self, index: usize| draft.named.iter().any(|n| n.index == index);
+        for index in (0..terms).rev() {
+            if named(self, index) {
+                continue;
+            }
+            let poorer =
+                if self.named.is_empty() { None } else { without(self.data, &self.model, index, &self.scales) };
+            let Some(poorer) = poorer else {
+                self.named.clear();
+                break;
+            };
+            let held_out = held_out(self.data, &poorer.fit, &self.scales, &self.data.test);
+            self.model = Judged { held_out, fit: poorer.fit };
+            self.named.iter_mut().filter(|n| n.index > index).for_each(|n| n.index -= 1);
+        }
+        if self.named.is_empty() || self.model.held_out.free() > self.base.held_out.free() {
+            self.named.clear();
+            self.departing = None;
+            self.model = self.base.clone();
+        }
+        if self.departing.is_none() && self.model.fit.shape.terms.len() < terms {
+            self.after = left_evenly(self.data, &self.model.fit);
         }
     }
 

@@ -5,8 +5,10 @@ use crate::diagnosis::driven::selection::series::Series;
 /// Why a term that was in the model has no name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dropped {
-    /// The model cannot be fitted without it, so that nothing says what it adds.
-    Indispensable,
+    /// One of its parameters lies at the end of what its name allows.
+    AtBound,
+    /// The interval of its strength holds zero.
+    MayBeNothing,
     /// It makes the prediction of the test samples worse.
     Worsens,
     /// It follows the rounding of the readings.

@@ -8,7 +8,10 @@ use super::dropped::{Dropped, LeftOut};
 /// Why a term has no name, as a clause.
 pub fn dropped(reason: Dropped) -> String {
     match reason {
-        Dropped::Indispensable => "the model breaks down without it, so that nothing says what it adds".into(),
+        Dropped::AtBound => {
+            "one of its parameters lies at the end of its plausible range, where it is not what its name says".into()
+        }
+        Dropped::MayBeNothing => "the 95 % interval of its strength holds zero".into(),
         Dropped::Worsens => "made the prediction of the test samples worse".into(),
         Dropped::FollowsRounding => "follows only the rounding of the readings; carried along, not named".into(),
         Dropped::SmallerThanTheRest => "smaller than what is still unexplained; carried along, not named".into(),
