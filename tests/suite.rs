@@ -26,6 +26,7 @@ mod suite {
     pub mod laws;
     pub mod limits;
     pub mod mistakes;
+    pub mod near_laws;
     pub mod noise_law;
     pub mod outputs;
     pub mod paper;
@@ -118,6 +119,7 @@ fn main() {
         // windows: a recorded log beside its prediction.
         suite::windows::tests(),
         // noise_law: every noise term has the Allan deviation of its coefficient.
+        suite::near_laws::tests(),
         suite::noise_law::tests(),
         // device_faults: a device that fails costs neither the run nor what was done.
         suite::device_faults::tests(),

@@ -182,7 +182,8 @@ fn statements(effects: &[Effect]) -> Vec<String> {
     let first = |n: &usize| effects[..*n].iter().all(|e| e.id != effects[*n].id);
     let of = |n: usize| {
         let all: Vec<Effect> = effects.iter().filter(|e| e.id == effects[n].id).cloned().collect();
-        format!("{}: {}", named(&all), effects[n].statement)
+        let form = words::form(&effects[n]).map_or(String::new(), |form| format!(" In this recording {form}."));
+        format!("{}: {}{form}", named(&all), effects[n].statement)
     };
     (0..effects.len()).filter(first).map(of).collect()
 }

@@ -9,6 +9,7 @@ use crate::diagnosis::repair::Repair;
 use crate::diagnosis::standing::Ranked;
 use crate::diagnosis::verdict::{SCHEMA, Verdict, Where};
 
+pub use driven::form;
 pub use tumble::residual;
 
 /// A diagnosis in words and numbers.

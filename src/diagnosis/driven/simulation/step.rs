@@ -291,3 +291,17 @@ pub fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]
     }
     (x, v)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_that_was_recorded_late_acts_before_its_record() {
+        let [late, early] = [[3.0; LANES], [1.0; LANES]];
+        assert_eq!(delay(None, None), None);
+        assert_eq!(delay(Some(&late), None), Some(late));
+        assert_eq!(delay(None, Some(&early)), Some([-1.0; LANES]));
+        assert_eq!(delay(Some(&late), Some(&early)), Some([2.0; LANES]));
+    }
+}

@@ -172,3 +172,53 @@ fn functions(law: Freed, [above, below]: [f64; 2], a: f64) -> Vec<f64> {
         _ => vec![stated, a, 1.0],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::free_form::Extent;
+
+    /// The departure of a free form with these values over arguments spread evenly over (−1, 1).
+    fn off(law: Freed, values: [f64; 4]) -> f64 {
+        let form = FreeForm { law, size: 1.0, extent: Extent::Wide };
+        let at: Vec<f64> = (0..4000).map(|i| (f64::from(i) + 0.5) / 2000.0 - 1.0).collect();
+        let whole: Vec<f64> = at.iter().map(|a| form.curve::<f64, false>(&values, *a)).collect();
+        let split = Split::of(&form, &values, &at, &whole).expect("it can be split");
+        rms(split.rest.iter().copied()) / rms(split.stated.iter().copied())
+    }
+
+    // Least squares of |x|^2.4 sgn x by x³ and x over (−1, 1), whose products integrate to 1/(a + b + 1).
+    #[test]
+    fn the_departure_of_a_power_is_that_of_its_integrals() {
+        let product = |a: f64, b: f64| 1.0 / (a + b + 1.0);
+        let (p, det) = (2.4, product(3.0, 3.0) * product(1.0, 1.0) - product(3.0, 1.0).powi(2));
+        let (b3, b1) = (product(p, 3.0), product(p, 1.0));
+        let c3 = (b3 * product(1.0, 1.0) - b1 * product(3.0, 1.0)) / det;
+        let c1 = (b1 * product(3.0, 3.0) - b3 * product(3.0, 1.0)) / det;
+        let rest = product(p, p) - c3 * b3 - c1 * b1;
+        let expected = (rest / (c3 * c3 * product(3.0, 3.0))).sqrt();
+        let got = off(Freed::CubicSpring, [1.0, p - 3.0, 0.0, 0.0]);
+        assert!((got / expected - 1.0).abs() < 1e-3, "{got} {expected}");
+        assert!(off(Freed::CubicSpring, [1.0, 0.0, 0.0, 0.0]) < 1e-9, "the stated law departs by nothing");
+    }
+
+    #[test]
+    fn a_linear_spring_or_damper_beside_is_no_departure() {
+        // x³ · s⁻² is x: the base model's own.
+        assert!(off(Freed::CubicSpring, [1.0, 0.0, 0.3, 0.0]) > 0.01);
+        let linear = FreeForm { law: Freed::CubicSpring, size: 1.0, extent: Extent::Wide };
+        let at: Vec<f64> = (0..400).map(|i| (f64::from(i) + 0.5) / 200.0 - 1.0).collect();
+        let whole: Vec<f64> = at.iter().map(|a| a.powi(3) + 5.0 * a + 0.2).collect();
+        let split = Split::of(&linear, &[1.0, 0.0, 0.0, 0.0], &at, &whole).expect("it can be split");
+        assert!(rms(split.rest.iter().copied()) < 1e-9);
+        assert!((split.base(0.5) - 2.7).abs() < 1e-9 && (split.stated_at(0.5) - 0.125).abs() < 1e-9);
+    }
+
+    #[test]
+    fn hertz_departs_from_a_straight_stop_and_a_straight_one_does_not() {
+        use crate::physics::end_stop::Side;
+        let stop = Freed::Stop(Side::Both);
+        assert!(off(stop, [10.0, 0.5, 0.5, 0.0]) > 0.03);
+        assert!(off(stop, [10.0, 0.5, 0.0, 0.0]) < 0.02);
+    }
+}

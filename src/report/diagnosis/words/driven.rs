@@ -172,7 +172,7 @@ fn listed(items: &[String], last: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::verdict::Evidence;
+    use crate::diagnosis::verdict::{Evidence, Form};
 
     #[test]
     fn effects_that_are_tied_are_said_once_with_an_or() {
@@ -192,5 +192,33 @@ mod tests {
         // Without ties all stand with their numbers.
         let apart = [effect("a", &[]), effect("b", &[]), effect("c", &[])];
         assert_eq!(holding(&apart, &named), named);
+    }
+
+    #[test]
+    fn a_form_that_departs_is_said_with_its_interval_and_one_that_holds_with_its_limit() {
+        let form = |departs: bool, low: f64| Form {
+            stated: "x^3".into(),
+            departure: 0.123,
+            ci95: [low, 0.15],
+            curve: Vec::new(),
+            stated_curve: Vec::new(),
+            departs,
+        };
+        let effect = |form: Form| Effect {
+            id: "cubic-stiffness".into(),
+            statement: String::new(),
+            equation: String::new(),
+            parameters: Vec::new(),
+            channels: Vec::new(),
+            form: Some(form),
+            evidence: Evidence { held_out_gain: 1.0, p_value: 0.0 },
+            confusable_with: Vec::new(),
+        };
+        assert_eq!(
+            super::form(&effect(form(true, 0.1))).as_deref(),
+            Some("the form of cubic-stiffness departs from x³ by 12.3 % (95 % interval 10 to 15 %)")
+        );
+        let holds = super::form(&effect(form(false, 0.0)));
+        assert_eq!(holds.as_deref(), Some("the form of cubic-stiffness is x³ within 15 % (95 %)"));
     }
 }

@@ -1,0 +1,114 @@
+//! Laws that are near the library's and not it: named with how far they depart, and no second name for the departure. The same
+//! laws to the letter, as a control, are explained and depart by nothing.
+//!
+//! Motion is integrated here, by the classic Runge–Kutta method under lines of known phase, not by the solver that is judged.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::rng::{Philox, Stream};
+use rand_distr::{Distribution, StandardNormal, Uniform};
+
+use super::bench::{Bench, run};
+use super::world::{check, program, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("near laws: powers beside those of the library are named once, with their departure", powers),
+        test("near laws: powers of the library are explained and depart by nothing", letters),
+        test("near laws: a measured input that comes late is named as that", late),
+    ]
+}
+
+/// A force against displacement and velocity, in units of ω₀ = 1.
+type Force = fn(f64, f64) -> f64;
+
+/// Samples per radian of the resonance, and rows.
+const PER_RADIAN: f64 = 3.5;
+const ROWS: usize = 4000;
+const LINES: usize = 50;
+
+/// Input, recorded so many samples late, and noisy reading, of rms near 1.
+fn recording(force: Force, seed: u64, late_samples: f64) -> String {
+    let mut rng = Philox::new(seed, 0, Stream::Host);
+    let uniform = Uniform::new(0.0, 1.0).expect("from 0 to 1");
+    let lines: Vec<[f64; 2]> =
+        (0..LINES).map(|_| [0.15 + 2.0 * uniform.sample(&mut rng), TAU * uniform.sample(&mut rng)]).collect();
+    let zeta = 0.04;
+    let power: f64 = lines.iter().map(|[w, _]| 0.5 / ((1.0 - w * w).powi(2) + (2.0 * zeta * w).powi(2))).sum();
+    let push = |t: f64| lines.iter().map(|[w, phase]| (w * t + phase).sin()).sum::<f64>() / power.sqrt();
+    let slope = |t: f64, [x, v]: [f64; 2]| [v, push(t) - 2.0 * zeta * v - x - force(x, v)];
+    let add = |s: [f64; 2], k: [f64; 2], by: f64| [s[0] + by * k[0], s[1] + by * k[1]];
+    let (mut state, steps, mut csv) = ([0.0; 2], 12, String::from("u,y\n"));
+    let h = 1.0 / PER_RADIAN / steps as f64;
+    for k in 0..ROWS {
+        let t = k as f64 / PER_RADIAN;
+        let noise: f64 = StandardNormal.sample(&mut rng);
+        let _ = writeln!(csv, "{},{}", push(t - late_samples / PER_RADIAN), state[0] + 0.003 * noise);
+        for n in 0..steps {
+            let t = t + n as f64 * h;
+            let k1 = slope(t, state);
+            let k2 = slope(t + 0.5 * h, add(state, k1, 0.5 * h));
+            let k3 = slope(t + 0.5 * h, add(state, k2, 0.5 * h));
+            let k4 = slope(t + h, add(state, k3, h));
+            state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        }
+    }
+    csv
+}
+
+/// Verdict, names and the departure of each effect's form.
+fn diagnosed(csv: &str) -> Result<(String, Vec<String>, Vec<[f64; 3]>), Failed> {
+    let bench = Bench::new()?;
+    let file = bench.file("log.csv", csv)?;
+    let columns = "[columns]\ninput = \"u\"\noutput = \"y\"\n";
+    let model = bench.file("model.toml", &format!("kind = \"driven\"\nrate_hz = {}\n{columns}", 100.0 * PER_RADIAN))?;
+    let mut command = program();
+    let answer = run(command.arg("diagnose").arg(file).arg("--model").arg(model).arg("--json"))?;
+    let verdict: serde_json::Value = serde_json::from_str(&answer.stdout)?;
+    let effects = verdict["effects"].as_array().cloned().unwrap_or_default();
+    let names = effects.iter().filter_map(|e| e["id"].as_str().map(str::to_owned)).collect();
+    let number = |v: &serde_json::Value| v.as_f64().unwrap_or(f64::NAN);
+    let form = |e: &serde_json::Value| {
+        let f = &e["form"];
+        [number(&f["departure"]), number(&f["ci95"][0]), number(&f["ci95"][1])]
+    };
+    let forms = effects.iter().map(form).collect();
+    Ok((verdict["verdict"].as_str().unwrap_or_default().to_owned(), names, forms))
+}
+
+fn powers() -> Result<(), Failed> {
+    let near: [(&str, Force); 3] = [
+        ("cubic-stiffness", |x, _| 0.2 * x.signum() * x.abs().powf(2.4)),
+        ("quadratic-damping", |_, v| 0.15 * v.signum() * v.abs().powf(1.6)),
+        ("cubic-stiffness", |x, _| (0.6 * x).sin() / 0.6 - x),
+    ];
+    for (seed, (id, force)) in near.into_iter().enumerate() {
+        let (verdict, names, forms) = diagnosed(&recording(force, 3 + seed as u64, 0.0))?;
+        let said = format!("{id}: {verdict} {names:?} {forms:?}");
+        check(names == [id] && (verdict == "explained" || forms.iter().all(|f| f[1] > 0.0)), said)?;
+    }
+    Ok(())
+}
+
+fn letters() -> Result<(), Failed> {
+    let letters: [(&str, Force); 2] =
+        [("cubic-stiffness", |x, _| 0.2 * x.powi(3)), ("quadratic-damping", |_, v| 0.15 * v.abs() * v)];
+    for (seed, (id, force)) in letters.into_iter().enumerate() {
+        let (verdict, names, forms) = diagnosed(&recording(force, 3 + seed as u64, 0.0))?;
+        let said = format!("{id}: {verdict} {names:?} {forms:?}");
+        check(verdict == "explained" && names == [id] && forms.iter().all(|f| f[1] == 0.0 && f[2] < 0.05), said)?;
+    }
+    Ok(())
+}
+
+fn late() -> Result<(), Failed> {
+    let linear: Force = |_, _| 0.0;
+    for (samples, id) in [(0.7, "input-lag"), (-0.7, "readout-delay")] {
+        let (verdict, names, _) = diagnosed(&recording(linear, 5, samples))?;
+        check(verdict == "explained" && names == [id], format!("{samples}: {verdict} {names:?}"))?;
+    }
+    Ok(())
+}
