@@ -11,7 +11,7 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use crate::numerics::moments::mean_sd;
-use crate::numerics::order;
+use crate::numerics::{order, spectrum};
 use crate::parallel;
 
 /// Longest stretch that is looked at.
@@ -24,8 +24,12 @@ const ZETAS: [f64; 4] = [0.01, 0.05, 0.2, 0.8];
 const RATIO: f64 = 1.06;
 /// From this many samples on, a lag is one of the recording and not of the sensor.
 const LATE: isize = 10;
-/// No sensor reads ahead of time.
-const EARLY: isize = -2;
+/// From as many on, the other way, a lead is one of the recording and not of the chain that measures the input.
+const EARLY: isize = -LATE;
+/// Part of the cause's power that must lie well below half the rate of what is compared.
+const BAND: f64 = 0.99;
+/// Rows kept per cycle of the highest frequency within that band.
+const PER_CYCLE: f64 = 8.0;
 
 /// The lag at which one column follows best from the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +68,37 @@ pub fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
 
 /// The best lag of `effect` behind `cause` within `among`, on its loudest stretch; `None` where there is too little to see.
 pub fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignment> {
+    let stride = stride(&cause[among.clone()]);
+    if stride > 1 {
+        let thin = |values: &[f64]| -> Vec<f64> {
+            values[among.clone()].chunks_exact(stride).map(|c| c.iter().sum::<f64>() / stride as f64).collect()
+        };
+        let (cause, effect) = (thin(cause), thin(effect));
+        let found = aligned(&cause, &effect, &(0..cause.len()))?;
+        return Some(Alignment { lag: found.lag * stride as isize, ..found });
+    }
+    aligned(cause, effect, among)
+}
+
+/// Rows that are taken together so that those compared cover as many cycles of the cause as they can: an oversampled recording
+/// shows little of its band in the rows that are looked at.
+fn stride(cause: &[f64]) -> usize {
+    let most = cause.len() / LOOKED_AT;
+    if most < 2 {
+        return 1;
+    }
+    let density = spectrum::periodogram(cause, 1.0);
+    let whole: f64 = density.density.iter().sum();
+    let mut sum = 0.0;
+    let edge = density.frequency_hz.iter().zip(&density.density).find(|(_, d)| {
+        sum += **d;
+        sum >= BAND * whole
+    });
+    edge.map_or(1, |(f, _)| ((1.0 / (PER_CYCLE * f.max(1e-12))) as usize).clamp(1, most))
+}
+
+/// The same, row by row as they stand.
+fn aligned(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignment> {
     let length = among.len().min(LOOKED_AT) / 64 * 64;
     if length < FEWEST {
         return None;
@@ -79,6 +114,10 @@ pub fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alig
     let rest = length - coarse.lag.unsigned_abs();
     let (late, early) = (coarse.lag.max(0) as usize, (-coarse.lag).max(0) as usize);
     let fine = look(&cause[from + early..][..rest], &effect[from + late..][..rest], 3)?;
+    // Where the rows that have a partner are no better explained than all were without a shift, it was chance.
+    if fine.left >= coarse.left_unshifted {
+        return Some(Alignment { lag: 0, left: coarse.left_unshifted, ..coarse });
+    }
     Some(Alignment { lag: coarse.lag + fine.lag, left: fine.left, ..coarse })
 }
 
@@ -243,6 +282,23 @@ mod tests {
             let (late, early) = (found(&u[lag as usize..], &y), found(&u, &y[lag as usize..]));
             assert!((late - lag).abs() <= 2 && (early + lag).abs() <= 2, "{lag}: {late}, {early}");
         }
+    }
+
+    #[test]
+    fn an_oversampled_recording_is_looked_at_over_its_band() {
+        let (u, y) = pair(3000);
+        // Straight lines between the samples: 20 rows each, of which 8192 would hold a seventh of the recording.
+        let dense = |values: &[f64]| -> Vec<f64> {
+            let between = |w: &[f64]| (0..20).map(|i| w[0] + (w[1] - w[0]) * f64::from(i) / 20.0).collect::<Vec<_>>();
+            values.windows(2).flat_map(between).collect()
+        };
+        let smooth = |values: &[f64]| -> Vec<f64> { values.windows(8).map(|w| w.iter().sum::<f64>() / 8.0).collect() };
+        let (u, y) = (dense(&smooth(&u)), dense(&smooth(&y)));
+        assert!(stride(&u) > 3 && stride(&u[..6000]) == 1, "{}", stride(&u));
+        let found = |u: &[f64], y: &[f64]| align(u, y, &(0..50_000)).filter(Alignment::is_clear).map_or(0, |a| a.lag);
+        let lag = found(&u[900..], &y);
+        assert!((lag - 900).abs() <= 60, "{lag}");
+        assert!(found(&u, &y).abs() <= 60);
     }
 
     #[test]

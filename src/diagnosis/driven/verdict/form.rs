@@ -39,6 +39,10 @@ pub fn form(data: &Data, model: &Judged, index: usize, scales: &Scales, known: O
         return departure(data, &known);
     }
     let fit = freed(data, &model.fit, index, scales, false)?;
+    // Smooth friction, for one, comes near dry friction and never there: where it fits worse it says nothing of the form.
+    if fit.log_likelihood() < model.fit.log_likelihood() {
+        return None;
+    }
     departure(data, &Freely { fit: &fit, index, departs: false })
 }
 
