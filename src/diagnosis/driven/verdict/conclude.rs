@@ -289,7 +289,7 @@ impl<'a> Draft<'a> {
         let strength = fit.shape.first[named.index];
         let place = fit.free.iter().position(|f| *f == strength)?;
         let reach = interval::spread(fit).reach[place][0] * fit.slopes[place].abs();
-        let linear = matches!(self.term(named.index).coordinates(&self.scales)[0], Coordinate::Linear(_));
+        let linear = !matches!(self.term(named.index).coordinates(&self.scales)[0], Coordinate::Log(..));
         (linear && fit.point[strength].abs() <= reach).then_some(Dropped::MayBeNothing)
     }
 
