@@ -216,9 +216,9 @@ mod tests {
         };
         assert_eq!(
             super::form(&effect(form(true, 0.1))).as_deref(),
-            Some("the form of cubic-stiffness departs from x³ by 12.3 % (95 % interval 10 to 15 %)")
+            Some("the form of cubic-stiffness departs from x³ by 12.3 % (95 % interval 10.0 to 15.0 %)")
         );
         let holds = super::form(&effect(form(false, 0.0)));
-        assert_eq!(holds.as_deref(), Some("the form of cubic-stiffness is x³ within 15 % (95 %)"));
+        assert_eq!(holds.as_deref(), Some("the form of cubic-stiffness is x³ within 15.0 % (95 %)"));
     }
 }
