@@ -91,10 +91,20 @@ pub fn agreement(score: &Score) -> Table {
 
 fn counts(rows: &[Row]) -> Table {
     let shown = [Mark::Right, Mark::Overclaimed, Mark::HonestNamed, Mark::Honest, Mark::BelowDetection, Mark::Missed];
-    let mut headings = vec!["kind", "family", "cases"];
-    headings.extend(shown.map(Mark::word));
-    headings.extend(["false name (sure)", "alarm (undecided)", "error"]);
-    let mut table = Table::new(&headings);
+    let mut table = Table::new(&[
+        "kind",
+        "family",
+        "cases",
+        "right",
+        "only near",
+        "right name",
+        "no name",
+        "unseen",
+        "missed",
+        "false (sure)",
+        "alarm (undecided)",
+        "error",
+    ]);
     for row in rows {
         let mut cells = vec![row.kind.name().to_owned(), row.family.name().to_owned(), row.cases.to_string()];
         cells.extend(shown.map(|m| row.count(m).to_string()));
@@ -110,7 +120,12 @@ fn counts(rows: &[Row]) -> Table {
 
 /// The result on a terminal.
 pub fn terminal(score: &Score) -> String {
-    let mut text = format!("{}\n{}", headline(score), counts(&score.families));
+    let mut text = format!(
+        "{}\n{}\nonly near: explained by a law that the truth departs from; right name, no name: unexplained or undecidable;\n\
+         unseen: adequate, too small for a good test; sure: called explained\n",
+        headline(score),
+        counts(&score.families)
+    );
     if !score.agreement.is_empty() {
         text += &format!("\n{}", agreement(score));
     }

@@ -82,6 +82,21 @@ fn rotation(v: Vector) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) + a * k[i][j] + b * kk[i][j]))
 }
 
+/// The rotation Q that makes A·Q upper triangular with a positive diagonal (rows of A from the last one up, Gram–Schmidt).
+fn upper_gauge(a: &Rotation) -> Rotation {
+    let mut axes: [Vector; 3] = [[0.0; 3]; 3];
+    for i in (0..3).rev() {
+        let mut v = a[i];
+        for other in &axes[i + 1..] {
+            let along: f64 = v.iter().zip(other).map(|(x, y)| x * y).sum();
+            v.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+        }
+        let size = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-300);
+        axes[i] = v.map(|x| x / size);
+    }
+    transposed(&axes)
+}
+
 /// Minimum-jerk course from 0 to 1 and its rate, over a span.
 fn course(t: f64, from: f64, to: f64) -> [f64; 2] {
     let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
@@ -200,27 +215,29 @@ impl Turned {
         })
     }
 
-    /// Intervals are held against these; x of the accelerometer is exact and y lies in its x–y plane.
+    /// Intervals are held against these, in the gauge in which the accelerometer's z axis is exact and its y axis lies in the
+    /// y–z plane: misalignment m_xy, m_xz, m_yz of the accelerometer, all six of the gyro against it.
     pub fn parameters(&self) -> Vec<Parameter> {
+        let scaled = |sensor: &Sensor| -> Rotation {
+            std::array::from_fn(|i| std::array::from_fn(|j| sensor.scale[i] * sensor.skew[i][j]))
+        };
+        let body = upper_gauge(&scaled(&self.accelerometer));
         let mut found = Vec::new();
-        for (sensor, letter) in [(&self.accelerometer, 'a'), (&self.gyro, 'g')] {
+        for (sensor, heading) in [(&self.accelerometer, "ax"), (&self.gyro, "gx")] {
+            let turned = product(&scaled(sensor), &body);
+            let mut add = |id: &str, name: String, value: f64| {
+                found.push(Parameter { id: id.into(), channel: Some(heading.into()), name, value });
+            };
             for (i, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
-                let channel = Some(format!("{letter}{axis}"));
-                let mut add = |id: &str, name: String, value: f64| {
-                    found.push(Parameter { id: id.into(), channel: channel.clone(), name, value });
-                };
-                add("scale-factor", "scale".into(), sensor.scale[i]);
+                add("scale-factor", format!("scale_{axis}"), turned[i][i]);
                 for (j, other) in ['x', 'y', 'z'].into_iter().enumerate() {
-                    if i != j && (letter == 'g' || sensor.skew[i][j] != 0.0) {
-                        add("misalignment", format!("m_{axis}{other}"), sensor.skew[i][j]);
+                    if i != j && (heading == "gx" || j > i) {
+                        add("misalignment", format!("m_{axis}{other}"), turned[i][j] / turned[i][i]);
                     }
-                    if letter == 'g' && self.g_sensitivity[i][j] != 0.0 {
-                        let per_g = self.g_sensitivity[i][j].to_degrees() * GRAVITY;
-                        add("g-sensitivity", format!("k_{axis}{other}"), per_g);
+                    if heading == "gx" && self.g_sensitivity != [[0.0; 3]; 3] {
+                        let k = product(&self.g_sensitivity, &body)[i][j] * sensor.scale[i] / turned[i][i];
+                        add("g-sensitivity", format!("k_{axis}{other}"), k.to_degrees() * GRAVITY);
                     }
-                }
-                if sensor.square[i] != 0.0 {
-                    add("scale-nonlinearity", "k2".into(), sensor.square[i]);
                 }
             }
         }
@@ -297,5 +314,16 @@ mod tests {
         }
         assert!(worst[0] < 1e-7, "{worst:?}");
         assert!(worst[1] > 1e-3, "turned the wrong way is seen: control {worst:?}");
+    }
+
+    #[test]
+    fn a_gauge_makes_a_sensor_upper_triangular_and_keeps_lengths() {
+        let a = [[1.02, 0.0, 0.0], [0.013, 0.99, 0.0], [-0.02, 0.007, 1.01]];
+        let q = upper_gauge(&a);
+        let turned = product(&a, &q);
+        assert!([turned[1][0], turned[2][0], turned[2][1]].iter().all(|v| v.abs() < 1e-14));
+        let unit = product(&q, &transposed(&q));
+        assert!((0..3).all(|i| (0..3).all(|j| (unit[i][j] - f64::from(u8::from(i == j))).abs() < 1e-14)));
+        assert!(a[1][0].abs() > 1e-3, "it was not before: control");
     }
 }
