@@ -286,11 +286,24 @@ impl<'a> Draft<'a> {
         if self.is_noise(named) {
             return None;
         }
-        let strength = fit.shape.first[named.index];
-        let place = fit.free.iter().position(|f| *f == strength)?;
-        let reach = interval::spread(fit).reach[place][0] * fit.slopes[place].abs();
-        let linear = !matches!(self.term(named.index).coordinates(&self.scales)[0], Coordinate::Log(..));
-        (linear && fit.point[strength].abs() <= reach).then_some(Dropped::MayBeNothing)
+        // A law of several strengths is nothing only where each of them may be.
+        let (first, spread) = (fit.shape.first[named.index], interval::spread(fit));
+        let term = self.term(named.index);
+        let parameters = term.candidate().parameters.len();
+        let strengths: Vec<usize> = term
+            .coordinates(&self.scales)
+            .iter()
+            .take(parameters)
+            .enumerate()
+            .filter(|(_, c)| !matches!(c, Coordinate::Log(..)))
+            .map(|(j, _)| first + j)
+            .collect();
+        let may_be_nothing = |place: &usize| {
+            let free = fit.free.iter().position(|f| f == place);
+            free.is_none_or(|f| fit.point[*place].abs() <= spread.reach[f][0] * fit.slopes[f].abs())
+        };
+        let nothing = !strengths.is_empty() && strengths.iter().all(may_be_nothing);
+        nothing.then_some(Dropped::MayBeNothing)
     }
 
     /// A term against which something speaks goes, and the others are weighed again without it.
