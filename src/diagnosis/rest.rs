@@ -13,6 +13,7 @@ mod common;
 mod conclusion;
 mod describe;
 pub mod detail;
+mod disturbance;
 mod effects;
 mod estimate;
 mod findings;
@@ -28,6 +29,8 @@ mod selection;
 mod sensor;
 mod spectrum;
 mod standing;
+pub mod statement;
+mod statements;
 mod telegraph;
 
 pub use candidate::CANDIDATES;
@@ -110,11 +113,15 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
         .iter()
         .zip(&live)
         .map(|(name, values)| {
-            let mut channel = Channel::new(name, &reduce(values), rate_hz);
+            let step = Watch::of(name, values).step();
+            let mut values = values.to_vec();
+            let disturbances = disturbance::take_out(&mut values);
+            let mut channel = Channel::new(name, &reduce(&values), rate_hz);
+            channel.disturbances = disturbances;
             channel.promised = describe::promised(&channel, model.noise.as_ref());
             let step = match averaged {
                 Some(averaged) => places.get(name.as_str()).and_then(|i| averaged.steps.get(*i).copied().flatten()),
-                None => Watch::of(name, values).step(),
+                None => step,
             };
             channel.step = step.map(|q| q / channel.scale);
             channel.together = together;

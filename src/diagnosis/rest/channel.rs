@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::Cause;
+use super::disturbance::Disturbances;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;
@@ -23,6 +24,8 @@ pub(super) struct Channel {
     pub(super) step: Option<f64>,
     /// Readings averaged into one value.
     pub(super) together: usize,
+    /// What was taken out of it before; places among the readings, before any averaging.
+    pub(super) disturbances: Disturbances,
     /// Variance that the datasheet promises to every bin, beyond white noise; empty for none.
     pub(super) promised: Vec<f64>,
 }
@@ -176,7 +179,7 @@ impl Channel {
         let scale = if power > 0.0 { power.sqrt() } else { 1.0 };
         let values: Vec<f64> = values.iter().map(|v| (v - mean) / scale).collect();
         let coefficients = cosine::transform(&values).into();
-        Self { name: name.into(), values, scale, rate_hz, coefficients, step: None, together: 1, promised: Vec::new() }
+        Self { name: name.into(), values, scale, rate_hz, coefficients, step: None, together: 1, disturbances: Disturbances::default(), promised: Vec::new() }
     }
 
     /// Variance that rounding adds to a value.

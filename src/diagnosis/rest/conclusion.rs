@@ -12,7 +12,7 @@ use super::residual::{Residual, TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::{self, Law, Part};
 use super::standing::correction;
-use super::{describe, location, plausible, sensor, telegraph};
+use super::{describe, location, plausible, sensor, statements, telegraph};
 use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
@@ -177,8 +177,8 @@ impl<'a> Draft<'a> {
         Evidence {
             named: effects.len(),
             tied: effects.iter().filter(|e| !e.confusable_with.is_empty()).count(),
-            // A drift that is a jump in truth has been dropped, and the library holds no jump.
-            stand_ins: self.leaps.contains(&true),
+            // A drift that is a jump in truth has been dropped, and the library holds no jump, no knock and no spikes.
+            stand_ins: self.leaps.contains(&true) || self.channels.iter().any(|c| c.disturbances.are_foreign()),
             remainder: self.remainder().size,
             // Laws of noise change no prediction, and a curve that predicts worse does not count in the selection.
             ..Evidence::default()
@@ -201,6 +201,7 @@ impl<'a> Draft<'a> {
         let detail = Detail {
             unit: self.unit.into(),
             channels: (0..count).map(of_channel).collect(),
+            statements: statements::of(self.recording, channels, &self.residuals),
             temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
             location,
         };

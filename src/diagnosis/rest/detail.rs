@@ -1,5 +1,6 @@
 //! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its words.
 
+use super::statement::Statement;
 use crate::diagnosis::verdict::Stretch;
 
 /// Plain numbers behind the figures.
@@ -13,6 +14,8 @@ pub struct Detail {
     pub temperature_unlogged: bool,
     /// Where the mismatch lives.
     pub location: Location,
+    /// What is found of the readings and their noise besides.
+    pub statements: Vec<Statement>,
 }
 
 /// What the figures show of a channel; all in file units.
@@ -39,12 +42,38 @@ pub struct Location {
     pub described: bool,
     /// Jumps of the bias, each once for all channels that take part.
     pub jumps: Vec<Jump>,
+    /// Knocks, which were left out of the fits.
+    pub knocks: Vec<Knocked>,
+    /// Channels with many single readings far off, of one size.
+    pub spikes: Vec<Spiky>,
     /// Channels that hop between two levels.
     pub hops: Vec<Hops>,
     /// Channels that are not noise as modelled, worst first.
     pub mismatches: Vec<Mismatch>,
     /// Further such channels, by name.
     pub also: Vec<String>,
+}
+
+/// A short disturbance of a channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knocked {
+    /// Which channel.
+    pub channel: String,
+    /// Left out from here on, s.
+    pub from_s: f64,
+    /// Up to here, s.
+    pub to_s: f64,
+    /// Its largest reading off the level, in standard deviations of the noise.
+    pub deviations: f64,
+}
+
+/// A channel with spikes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spiky {
+    /// Which channel.
+    pub channel: String,
+    /// Readings far off.
+    pub count: usize,
 }
 
 /// A jump of the bias.
@@ -80,8 +109,6 @@ pub struct Mismatch {
     pub fading: Option<[f64; 2]>,
     /// Whether nothing is amiss in time.
     pub steady: bool,
-    /// Time, s, and size, in standard deviations, of a single reading far off.
-    pub outlier: Option<(f64, f64)>,
     /// Least and most power over that modelled among stretches of time.
     pub power: [f64; 2],
     /// Stretches of time that stand out, s.

@@ -1,7 +1,7 @@
 //! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by channel.
 
 use super::channel::Channel;
-use super::detail::{Hops, Jump, Location, Mismatch};
+use super::detail::{Hops, Jump, Knocked, Location, Mismatch, Spiky};
 use super::residual::{Residual, residual};
 use super::selection::Selection;
 use super::telegraph::Telegraph;
@@ -50,6 +50,8 @@ pub(super) fn locate(
     let location = Location {
         described,
         jumps: jumps(channels, shown, leaping),
+        knocks: channels.iter().flat_map(knocks).collect(),
+        spikes: channels.iter().filter_map(spiky).collect(),
         hops: hopping.iter().filter_map(|i| Some(hops(&channels[*i], shown[*i].telegraph.as_ref()?))).collect(),
         mismatches: off.iter().take(SPOKEN_OF).map(|i| mismatch(&channels[*i].name, &shown[*i])).collect(),
         also: off.iter().skip(SPOKEN_OF).map(|i| channels[*i].name.clone()).collect(),
@@ -71,6 +73,22 @@ fn jumps(channels: &[Channel], shown: &[Residual], mut leaping: Vec<usize>) -> V
     out
 }
 
+fn knocks(channel: &Channel) -> Vec<Knocked> {
+    let rate_hz = channel.rate_hz * channel.together as f64;
+    let of = |k: &super::disturbance::Knock| Knocked {
+        channel: channel.name.clone(),
+        from_s: k.from as f64 / rate_hz,
+        to_s: k.to as f64 / rate_hz,
+        deviations: k.deviations,
+    };
+    channel.disturbances.knocks.iter().map(of).collect()
+}
+
+fn spiky(channel: &Channel) -> Option<Spiky> {
+    let count = channel.disturbances.spikes;
+    (count > 0).then(|| Spiky { channel: channel.name.clone(), count })
+}
+
 fn hops(channel: &Channel, hops: &Telegraph) -> Hops {
     Hops {
         channel: channel.name.clone(),
@@ -86,7 +104,6 @@ fn mismatch(channel: &str, residual: &Residual) -> Mismatch {
         band_hz: residual.frequency_hz.iter().max_by(|a, b| a.excess.total_cmp(&b.excess)).copied(),
         fading: residual.fading,
         steady: residual.p_value_in_time >= REAL,
-        outlier: residual.outlier,
         power: residual.power,
         time_s: residual.time_s.clone(),
         creep: residual.creep,

@@ -28,8 +28,12 @@ pub(super) struct Residual {
     pub(super) frequency_hz: Vec<Stretch>,
     /// Least and most power over that modelled among the stretches of time.
     pub(super) power: [f64; 2],
-    /// Time and size (in standard deviations) of a single reading that no noise of this law would bring.
-    pub(super) outlier: Option<(f64, f64)>,
+    /// Whether its power changes from one stretch of time to another, beyond chance and the tolerance.
+    pub(super) uneven: bool,
+    /// Whether it changes at once and by so much that something disturbs the sensor for a while.
+    pub(super) disturbed: bool,
+    /// Fourth moment over the squared second one; 3 for normal noise.
+    pub(super) kurtosis: f64,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,
     /// Hops between two levels that a Gaussian drift does not make.
@@ -54,27 +58,22 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         white[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance.sqrt());
     }
     let innovations = cosine::invert(&white);
-    let count = innovations.len() as f64;
-    // A step in standard deviations: readings coarser than their noise are not normal, and may lie half a step off.
+    let squares = Squares::of(&innovations);
+    let Stretches { p_values: of_time, powers, shown: time_s, abrupt } = stretches(channel, &squares, tolerance);
+    // A step in standard deviations: coarse readings leap by whole steps anyway.
     let unaveraged = channel.step.filter(|_| channel.together == 1);
     let step = unaveraged.map_or(0.0, |q| q / fitted.white().0.max(f64::MIN_POSITIVE).sqrt());
-    let fourth = if step > 1.0 { innovations.iter().map(|v| v.powi(4)).sum::<f64>() / count } else { 3.0 };
-    let (of_time, means, time_s) = stretches(channel, &innovations, fourth, tolerance);
-    let (at, largest) =
-        innovations.iter().enumerate().fold((0, 0.0f64), |m, (n, v)| if v.abs() > m.1 { (n, v.abs()) } else { m });
-    // Coarse readings leap by whole steps anyway.
     let jump = (step < 1.0 && channel.values.len() >= 1024).then(|| jump::strongest(channel, fitted, tolerance));
-    let p_jump = jump.map_or(1.0, |j| j.p_value);
-    // Rounding and the ends of the record make tails a little heavier than normal: a tenth of the largest is allowed.
-    let excursion = (largest - 0.5 * step) / (1.0 + tolerance);
-    // A reading that is seldom one step off is rounded, not foreign.
-    let one_step = step > 1.0 && largest < 1.5 * step;
-    let p_outlier = if one_step { 1.0 } else { (count * 2.0 * normal_cdf(-excursion)).min(1.0) };
-    // Five questions, each corrected for its own number of tests: bands, stretches, a creeping level, a jump, one reading.
+    let p_jump = QUESTIONS * jump.map_or(1.0, |j| j.p_value);
+    // Each question is corrected for its own number of tests.
     let most = |p_values: &[f64]| QUESTIONS * p_values.len() as f64 * p_values.iter().copied().fold(1.0, f64::min);
-    let creeping = creep(&innovations, fourth, tolerance);
-    let [p_outlier, p_jump, p_creep] = [p_outlier, p_jump, creeping.1].map(|p| QUESTIONS * p);
-    let in_time = most(&of_time).min(p_outlier).min(p_jump).min(p_creep);
+    let creeping = creep(&squares, tolerance);
+    let p_creep = QUESTIONS * creeping.1;
+    let p_uneven = most(&of_time).min(p_creep);
+    let uneven = p_uneven < REAL;
+    // Uneven noise is a statement about the noise; what sets in at once is a disturbance, and no noise at all.
+    let disturbed = uneven && abrupt && step <= 1.0;
+    let in_time = if disturbed { p_uneven.min(p_jump) } else { p_jump };
     let smallest = most(&of_bands).min(in_time);
     let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
@@ -89,25 +88,58 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         telegraph: None,
         fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.share]),
         creep: (p_creep < REAL).then_some(creeping.0),
-        only_there: failing.is_empty() && p_outlier.min(p_jump).min(p_creep) >= REAL && 4 * amiss <= of_time.len(),
+        only_there: failing.is_empty() && p_jump.min(p_creep) >= REAL && 4 * amiss <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
-        power: means.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(*m), high.max(*m)]),
-        outlier: (p_outlier < REAL).then_some((at as f64 / channel.rate_hz, largest)),
+        power: powers.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(*m), high.max(*m)]),
+        uneven,
+        disturbed,
+        kurtosis: squares.kurtosis,
     }
 }
 
 /// Questions that are asked of what is left.
-const QUESTIONS: f64 = 5.0;
+const QUESTIONS: f64 = 4.0;
+
+/// Squares of innovations, clipped where noise of heavy tails would decide by a few readings, over their mean.
+struct Squares {
+    clipped: Vec<f64>,
+    /// Variance of one of them; 2 for the squares of normal noise that nothing clips.
+    variance: f64,
+    /// Of the innovations themselves, not clipped.
+    kurtosis: f64,
+}
+
+/// Standard deviations, as the larger part of the values shows them, at which innovations are clipped.
+const CLIPPED_AT: f64 = 3.0;
+
+impl Squares {
+    fn of(innovations: &[f64]) -> Self {
+        let mut sizes: Vec<f64> = innovations.iter().map(|v| v.abs()).collect();
+        let count = sizes.len().max(1) as f64;
+        let mut at = |part: f64| match ((sizes.len().max(1) - 1) as f64 * part) as usize {
+            place if place < sizes.len() => *sizes.select_nth_unstable_by(place, f64::total_cmp).1,
+            _ => 0.0,
+        };
+        let limit = (CLIPPED_AT * (1.4826 * at(0.5)).max(at(0.95) / 1.96)).powi(2);
+        let limit = if limit > 0.0 { limit } else { f64::INFINITY };
+        let (second, fourth) = innovations.iter().fold((0.0, 0.0), |(s, f), v| (s + v * v, f + v.powi(4)));
+        let mut clipped: Vec<f64> = innovations.iter().map(|v| (v * v).min(limit)).collect();
+        let mean = (clipped.iter().sum::<f64>() / count).max(f64::MIN_POSITIVE);
+        clipped.iter_mut().for_each(|c| *c /= mean);
+        let variance = clipped.iter().map(|c| (c - 1.0).powi(2)).sum::<f64>() / count;
+        Self { clipped, variance: variance.max(0.05), kurtosis: count * fourth / (second * second).max(f64::MIN_POSITIVE) }
+    }
+}
 
 /// Change of power from end to end along a straight line, over its mean, and the probability of as much by chance beyond a
 /// `tolerance` at either end.
-fn creep(innovations: &[f64], fourth: f64, tolerance: f64) -> (f64, f64) {
-    let count = innovations.len() as f64;
-    let sum: f64 = innovations.iter().enumerate().map(|(n, v)| ((n as f64 + 0.5) / count - 0.5) * v * v).sum();
+fn creep(squares: &Squares, tolerance: f64) -> (f64, f64) {
+    let count = squares.clipped.len() as f64;
+    let sum: f64 = squares.clipped.iter().enumerate().map(|(n, c)| ((n as f64 + 0.5) / count - 0.5) * c).sum();
     let change = 12.0 * sum / count;
-    let deviation = (12.0 * (fourth - 1.0).max(0.05) / count).sqrt();
+    let deviation = (12.0 * squares.variance / count).sqrt();
     let beyond = (change.abs() - 2.0 * tolerance).max(0.0) / deviation;
     (change, 2.0 * normal_cdf(-beyond))
 }
@@ -188,41 +220,48 @@ fn bands(channel: &Channel, fitted: &Fitted, tolerance: f64) -> (Vec<f64>, Vec<f
     (p_values, centres, named)
 }
 
-/// Probability, mean square and the stretches named; `fourth` is the fourth moment of the innovations.
-fn stretches(
-    channel: &Channel,
-    innovations: &[f64],
-    fourth: f64,
-    tolerance: f64,
-) -> (Vec<f64>, Vec<f64>, Vec<Stretch>) {
-    // A mean square of n values scatters as that of fewer normal ones where tails are heavy.
-    let worth = 2.0 / (fourth - 1.0).max(0.05);
-    let (mut all, mut powers, mut shown) = (Vec::new(), Vec::new(), Vec::new());
+/// What the power of stretches of time says.
+struct Stretches {
+    p_values: Vec<f64>,
+    /// Of the stretches shown, over that modelled.
+    powers: Vec<f64>,
+    shown: Vec<Stretch>,
+    /// Whether it changes by [`ABRUPT`] at once.
+    abrupt: bool,
+}
+
+/// Neighbouring stretches whose power differs by this factor: no noise grows so fast.
+const ABRUPT: f64 = 4.0;
+
+fn stretches(channel: &Channel, squares: &Squares, tolerance: f64) -> Stretches {
+    // A mean of n clipped squares scatters as that of fewer or more squares of normal values.
+    let worth = 2.0 / squares.variance;
+    let mut out = Stretches { p_values: Vec::new(), powers: Vec::new(), shown: Vec::new(), abrupt: false };
+    let count = squares.clipped.len();
     // Short stretches show a burst, long ones a level that creeps.
     for parts in [64, 16, 4] {
-        let count = innovations.len();
         let parts = (count / 64).clamp(1, parts);
         let edges: Vec<usize> = (0..=parts).map(|i| i * count / parts).collect();
-        let means: Vec<(f64, f64)> = edges
-            .windows(2)
-            .map(|w| {
-                let part = &innovations[w[0]..w[1]];
-                (part.iter().map(|v| v * v).sum::<f64>() / part.len() as f64, part.len() as f64 * worth)
-            })
-            .collect();
+        let mean = |w: &[usize]| {
+            let part = &squares.clipped[w[0]..w[1]];
+            (part.iter().sum::<f64>() / part.len() as f64, part.len() as f64 * worth)
+        };
+        let means: Vec<(f64, f64)> = edges.windows(2).map(mean).collect();
         let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
-        let silent = shown.is_empty();
+        let differs = |a: f64, b: f64| a > ABRUPT * b || b > ABRUPT * a;
+        out.abrupt |= parts > 4 && means.windows(2).any(|w| differs(w[0].0, w[1].0));
+        let silent = out.shown.is_empty();
         if silent {
-            shown = named(&p_values, |i| Stretch {
+            out.shown = named(&p_values, |i| Stretch {
                 from: edges[i] as f64 / channel.rate_hz,
                 to: edges[i + 1] as f64 / channel.rate_hz,
                 excess: means[i].0,
             });
         }
-        all.extend(p_values);
-        if powers.is_empty() || silent && !shown.is_empty() {
-            powers = means.into_iter().map(|m| m.0).collect();
+        out.p_values.extend(p_values);
+        if out.powers.is_empty() || silent && !out.shown.is_empty() {
+            out.powers = means.into_iter().map(|m| m.0).collect();
         }
     }
-    (all, powers, shown)
+    out
 }

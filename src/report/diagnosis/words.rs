@@ -41,6 +41,10 @@ pub fn worded(answer: Answer) -> Diagnosis {
     let detectable = answer.detail.detectable().to_vec();
     let Answer { kind, outcome, recording, effects, places, fit, residual_after, findings, ranking, repair, detail } =
         answer;
+    let mut findings = findings;
+    if let Detail::Static(detail) = &detail {
+        findings.extend(detail.statements.iter().map(|s| rest::statement(s, &detail.unit)));
+    }
     let verdict = Verdict {
         schema: SCHEMA,
         kind,

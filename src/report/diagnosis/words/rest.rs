@@ -1,8 +1,12 @@
 //! The verdict on a sensor at rest in words.
 
-use crate::diagnosis::rest::detail::{Detail, Hops, Mismatch};
+mod statement;
+
+use crate::diagnosis::rest::detail::{Detail, Hops, Knocked, Location, Mismatch, Spiky};
 use crate::diagnosis::verdict::{Effect, Outcome, named};
 use crate::number::{duration, short};
+
+pub use statement::statement;
 
 /// The verdict in a sentence; `place` says where the mismatch lives.
 pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Detail) -> String {
@@ -83,6 +87,7 @@ pub fn place(detail: &Detail) -> String {
             duration(jump.time_s)
         ));
     }
+    spoken.extend(disturbed(location));
     spoken.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
     if !location.hops.is_empty() {
         spoken.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
@@ -95,6 +100,30 @@ pub fn place(detail: &Detail) -> String {
         spoken.push("Nowhere: no band of frequency and no stretch of time stands out.".into());
     }
     spoken.join(" ")
+}
+
+/// Knocks and spikes, channel by channel.
+fn disturbed(location: &Location) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut knocks: &[Knocked] = &location.knocks;
+    while let Some(first) = knocks.first() {
+        let (own, others) = knocks.split_at(knocks.iter().take_while(|k| k.channel == first.channel).count());
+        let largest = own.iter().max_by(|a, b| a.deviations.total_cmp(&b.deviations)).unwrap_or(first);
+        out.push(format!(
+            "{}: {} up to {} standard deviations, from {} to {}{}; left out of the fit.",
+            first.channel,
+            if own.len() == 1 { "a knock of".to_owned() } else { format!("{} knocks of", own.len()) },
+            short(largest.deviations),
+            duration(largest.from_s),
+            duration(largest.to_s),
+            if own.len() == 1 { "" } else { " the largest" }
+        ));
+        knocks = others;
+    }
+    out.extend(location.spikes.iter().map(|Spiky { channel, count }| {
+        format!("{channel}: {count} single readings lie far off, as spikes do and the tail of no noise.")
+    }));
+    out
 }
 
 /// A channel that hops between two levels.
@@ -137,9 +166,6 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
     if let (Some(fading), true) = (&fading, residual.steady) {
         return format!("{name}: {fading}.");
     }
-    let single = residual.outlier.map(|(at, size)| {
-        format!(" A single reading at {} lies {} standard deviations off.", duration(at), short(size))
-    });
     let [low, high] = residual.power.map(short);
     let unsteady = match residual.time_s.as_slice() {
         [] if residual.creep.is_some() => format!(
@@ -147,7 +173,6 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
             if residual.creep.is_some_and(|c| c > 0.0) { "grows" } else { "falls" },
             short(residual.creep.unwrap_or(0.0).abs())
         ),
-        [] if single.is_some() => return format!("{name}:{}", single.unwrap_or_default()),
         [] => format!("{name}: its noise is not steady, its power goes from {low} to {high} times that modelled."),
         [first, more @ ..] => format!(
             "{name}: its noise is not steady. From {} to {}{} it has up to {high} times the power modelled, at its quietest \
@@ -162,5 +187,5 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
             if residual.only_there { "; outside that what is left is noise" } else { "" }
         ),
     };
-    unsteady + &single.unwrap_or_default() + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()
+    unsteady + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()
 }

@@ -1,0 +1,37 @@
+//! What is found of a channel besides missing physics: statements about its readings and its noise, as data.
+//!
+//! None of them is a mismatch. What is one stands in `detail::Location`.
+
+/// A statement; the words are made in `report`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Statement {
+    /// A single reading was left out.
+    BadReading {
+        /// Which channel.
+        channel: String,
+        /// Data row in the file, counted from one; absent where rows were dropped, so that places and rows differ.
+        row: Option<usize>,
+        /// When, s.
+        time_s: f64,
+        /// As recorded.
+        value: f64,
+        /// How far off, in standard deviations of the noise.
+        deviations: f64,
+    },
+    /// More readings far off than normal noise has.
+    HeavyTails {
+        /// Which channel.
+        channel: String,
+        /// Fourth moment over the squared second one; 3 for normal noise.
+        kurtosis: f64,
+    },
+    /// The power of the noise is not the same at all times.
+    Uneven {
+        /// Which channel.
+        channel: String,
+        /// Least and most power of stretches over the mean.
+        power: [f64; 2],
+        /// Change from end to end over the mean, where it creeps along a straight line.
+        creep: Option<f64>,
+    },
+}
