@@ -5,12 +5,14 @@
 //! (`residual`). Not for coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
 
 mod agreement;
+mod blocks;
 mod candidate;
 mod cause;
 mod chain;
 mod channel;
 mod common;
 mod conclusion;
+mod departure;
 mod describe;
 pub mod detail;
 mod disturbance;

@@ -122,7 +122,7 @@ impl Fitted {
     /// Variance of what is white within the sensor's band, as a mean over all frequencies.
     pub(super) fn floor(&self) -> f64 {
         let power = self.terms.iter().find_map(|t| match t.addition {
-            Addition::Law(law @ Law::Smoothed(_)) => Some(law),
+            Addition::Law(law @ Law::Filtered(_)) => Some(law),
             _ => None,
         });
         let white = self.strengths.values[0];
@@ -179,7 +179,17 @@ impl Channel {
         let scale = if power > 0.0 { power.sqrt() } else { 1.0 };
         let values: Vec<f64> = values.iter().map(|v| (v - mean) / scale).collect();
         let coefficients = cosine::transform(&values).into();
-        Self { name: name.into(), values, scale, rate_hz, coefficients, step: None, together: 1, disturbances: Disturbances::default(), promised: Vec::new() }
+        Self {
+            name: name.into(),
+            values,
+            scale,
+            rate_hz,
+            coefficients,
+            step: None,
+            together: 1,
+            disturbances: Disturbances::default(),
+            promised: Vec::new(),
+        }
     }
 
     /// Variance that rounding adds to a value.

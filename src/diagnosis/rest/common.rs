@@ -41,6 +41,7 @@ pub(super) fn is_slow(term: &Term, channel: &Channel) -> bool {
         Addition::Law(Law::Walk | Law::Flicker) => true,
         Addition::Law(Law::Markov(memory)) => *memory > 0.005 * count,
         Addition::Law(_) => false,
+        Addition::Curves(_) if term.cause == Cause::Jump => false,
         Addition::Curves(_) => term.cause != Cause::Sinusoid || term.searched * count < 10.0,
     }
 }

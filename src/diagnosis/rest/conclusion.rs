@@ -4,7 +4,8 @@ use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::common::Common;
-use super::detail::{ChannelDetail, Detail};
+use super::departure::{self, Departure, Ruling};
+use super::detail::{self, ChannelDetail, Detail};
 use super::effects::{self, Found};
 use super::findings;
 use super::jump;
@@ -58,6 +59,8 @@ struct Draft<'a> {
     residuals: Vec<Residual>,
     /// Whether a jump, or hops between two levels, describe a channel better than its drift does.
     leaps: Vec<bool>,
+    /// What free exponents say of a channel's drift.
+    departures: Vec<Option<Departure>>,
     effects: Vec<Found>,
 }
 
@@ -75,6 +78,7 @@ impl<'a> Draft<'a> {
             finals: selected.iter().map(|s| s.chosen.clone()).collect(),
             residuals: Vec::new(),
             leaps: vec![false; channels.len()],
+            departures: vec![None; channels.len()],
             effects: Vec::new(),
         }
     }
@@ -94,7 +98,6 @@ impl<'a> Draft<'a> {
             let own = effects::of_terms(i, channel, &self.selected[i], self.shares(i), self.unit);
             self.effects.extend(own);
             self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise, self.unit));
-            self.findings.extend(findings::band_limit(channel, &self.finals[i]));
             self.findings.extend(plausible::level(channel, &self.finals[i], noise));
         }
     }
@@ -119,6 +122,22 @@ impl<'a> Draft<'a> {
             self.residuals[i].p_value = self.residuals[i].p_value.min(hops.p_value);
             self.leaps[i] = true;
         }
+        let steady: Vec<usize> = alone.into_iter().filter(|i| !self.leaps[*i]).collect();
+        for (i, found) in
+            parallel::map(&steady, |i| (*i, departure::judge(&self.channels[*i], &self.selected[*i].chosen)))
+        {
+            self.departures[i] = found;
+        }
+    }
+
+    /// Whether a free exponent has ruled so of this cause in a channel.
+    fn is(&self, ruling: Ruling, cause: Cause, i: usize) -> bool {
+        self.departures[i].is_some_and(|d| d.ruling == ruling && d.concerns(cause))
+    }
+
+    /// Whether a channel drifts by a law that is not the library's.
+    fn departs(&self, i: usize) -> bool {
+        self.departures[i].is_some_and(|d| d.ruling == Ruling::Refuted)
     }
 
     /// One test for each channel, corrected for their number. Its tolerance is within the probability already, so that
@@ -133,7 +152,7 @@ impl<'a> Draft<'a> {
 
     /// Whether a channel's own model describes it.
     fn fits(&self, i: usize) -> bool {
-        !self.leaps[i] && self.test(i).found() == Size::Negligible
+        !self.leaps[i] && !self.departs(i) && self.test(i).found() == Size::Negligible
     }
 
     fn all_fit(&self) -> bool {
@@ -148,7 +167,8 @@ impl<'a> Draft<'a> {
             // What one jump, or hops between two levels, describe better is no drift.
             let leaps = row(found.cause).is_drift && at.clone().any(|i| self.leaps[*i]);
             let holds = |i: &usize| found.stands(&self.channels[*i], &self.finals[*i], &self.residuals[*i]);
-            !leaps && (at.clone().all(|i| self.fits(*i)) || at.any(holds))
+            let refuted = at.clone().any(|i| self.is(Ruling::Refuted, found.cause, *i));
+            !leaps && !refuted && (at.clone().all(|i| self.fits(*i)) || at.any(holds))
         };
         let standing: Vec<Found> = self.effects.iter().filter(|f| stands(f)).cloned().collect();
         self.effects = standing;
@@ -173,16 +193,44 @@ impl<'a> Draft<'a> {
         }
     }
 
+    /// Whether the recording cannot tell if an effect has the library's exponent.
+    fn is_open(&self, found: &Found) -> bool {
+        found.channels.iter().any(|i| self.is(Ruling::Open, found.cause, *i))
+    }
+
     fn evidence(&self, effects: &[Effect]) -> Evidence {
         Evidence {
             named: effects.len(),
-            tied: effects.iter().filter(|e| !e.confusable_with.is_empty()).count(),
+            tied: self.effects.iter().filter(|e| !e.rivals.is_empty() || self.is_open(e)).count(),
             // A drift that is a jump in truth has been dropped, and the library holds no jump, no knock and no spikes.
-            stand_ins: self.leaps.contains(&true) || self.channels.iter().any(|c| c.disturbances.are_foreign()),
+            stand_ins: self.leaps.contains(&true)
+                || self.channels.iter().any(|c| c.disturbances.are_foreign())
+                || (0..self.channels.len()).any(|i| self.departs(i)),
             remainder: self.remainder().size,
             // Laws of noise change no prediction, and a curve that predicts worse does not count in the selection.
             ..Evidence::default()
         }
+    }
+
+    /// Every departure that matters to the verdict, with the names that it concerns.
+    fn departures_named(&self) -> Vec<detail::Departure> {
+        let of = |(i, departure): (usize, &Option<Departure>)| {
+            let departure = departure.as_ref()?;
+            let chosen = self.selected[i].chosen.terms.iter().filter(|t| departure.concerns(t.cause));
+            let refuted = departure.ruling == Ruling::Refuted;
+            let stands = |cause: Cause| refuted || self.effects.iter().any(|e| e.is(cause, i));
+            let ids: Vec<&str> =
+                chosen.filter(|t| stands(t.cause)).filter_map(|t| Some(row(t.cause).entry?.id)).collect();
+            (!ids.is_empty()).then(|| detail::Departure {
+                channel: self.channels[i].name.clone(),
+                ids: ids.into_iter().map(str::to_owned).collect(),
+                refuted,
+                in_time: departure.of == departure::Of::Time,
+                exponent: departure.exponent.map(|e| e.value),
+                ci95: departure.exponent.map(|e| e.ci95),
+            })
+        };
+        self.departures.iter().enumerate().filter_map(of).collect()
     }
 
     fn answer(self) -> Answer {
@@ -198,10 +246,11 @@ impl<'a> Draft<'a> {
             ..describe::detail(&channels[i], &before[i], &self.finals[i])
         };
         let follows_temperature = self.effects.iter().any(|e| e.cause == Cause::TemperatureSensitivity);
-        let detail = Detail {
+        let of_static = Detail {
             unit: self.unit.into(),
             channels: (0..count).map(of_channel).collect(),
-            statements: statements::of(self.recording, channels, &self.residuals),
+            statements: statements::of(self.recording, channels, &self.finals, &self.residuals),
+            departures: self.departures_named(),
             temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
             location,
         };
@@ -214,7 +263,7 @@ impl<'a> Draft<'a> {
             residual_after: self.remainder().whiteness(),
             ranking: ranking(channels, self.selected, &self.effects),
             repair: sensor::repair(channels, &self.finals, &self.effects, self.model),
-            detail: answer::Detail::Static(Box::new(detail)),
+            detail: answer::Detail::Static(Box::new(of_static)),
             effects,
             findings: self.findings,
         }

@@ -14,6 +14,8 @@ pub struct Detail {
     pub temperature_unlogged: bool,
     /// Where the mismatch lives.
     pub location: Location,
+    /// Drifts whose exponent is not, or may not be, that of a library law.
+    pub departures: Vec<Departure>,
     /// What is found of the readings and their noise besides.
     pub statements: Vec<Statement>,
 }
@@ -33,6 +35,23 @@ pub struct ChannelDetail {
     pub density: Vec<[f64; 4]>,
     /// Time in s, block mean, repaired model's curve (0 where it has none).
     pub trace: Vec<[f64; 3]>,
+}
+
+/// A drift with an exponent of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Departure {
+    /// Which channel.
+    pub channel: String,
+    /// Library laws that describe it best.
+    pub ids: Vec<String>,
+    /// Whether they are refuted; else the recording cannot tell.
+    pub refuted: bool,
+    /// Whether the exponent is that of the course in time, t^p; else of the spectrum, f^−α.
+    pub in_time: bool,
+    /// The exponent; absent where a smooth course without one does best.
+    pub exponent: Option<f64>,
+    /// Its 95 % interval.
+    pub ci95: Option<[f64; 2]>,
 }
 
 /// Where the mismatch lives: the one that repair removed where every channel is described, else what is left.

@@ -123,9 +123,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     let rate = far.len() as f64 / off.len() as f64;
     // Chance that so many more follow one another so closely somewhere, if far readings were placed at random.
     let by_chance = |run: &[usize]| far.len() as f64 * (CLOSE as f64 * rate).powi(run.len() as i32 - 1);
-    let (knocks, alone): (Vec<Vec<usize>>, Vec<Vec<usize>>) = runs
-        .into_iter()
-        .partition(|run| run.len() >= 3 && (far.len() - run.len() < FEW || by_chance(run) < CHANCE));
+    let (knocks, alone): (Vec<Vec<usize>>, Vec<Vec<usize>>) =
+        runs.into_iter().partition(|run| run.len() >= 3 && (far.len() - run.len() < FEW || by_chance(run) < CHANCE));
     for run in knocks {
         found.knocks.extend(knock(&run, values, &level, &off, spread));
     }
@@ -172,7 +171,8 @@ fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: 
     let (start, end) = (before.unwrap_or(level[from]), after.unwrap_or(level[to - 1]));
     let width = (to - from) as f64;
     for n in from..to {
-        let noise = if 2 * from >= to { off[2 * from - 1 - n.min(2 * from - 1)] } else { off[(2 * to - 1 - n).min(count - 1)] };
+        let noise =
+            if 2 * from >= to { off[2 * from - 1 - n.min(2 * from - 1)] } else { off[(2 * to - 1 - n).min(count - 1)] };
         let noise = noise.clamp(-3.0 * spread, 3.0 * spread);
         values[n] = start + (end - start) * (n - from) as f64 / width + noise;
     }

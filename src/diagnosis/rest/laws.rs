@@ -29,7 +29,8 @@ fn merit(fitted: &Fitted) -> f64 {
     2.0 * (fitted.log_likelihood() - numbers)
 }
 
-fn slow_laws(fitted: &Fitted) -> Vec<Cause> {
+/// Those that a model holds, in its order.
+pub(super) fn slow_laws(fitted: &Fitted) -> Vec<Cause> {
     fitted.terms.iter().filter(|t| is_slow_law(t)).map(|t| t.cause).collect()
 }
 

@@ -129,7 +129,11 @@ impl Squares {
         let mean = (clipped.iter().sum::<f64>() / count).max(f64::MIN_POSITIVE);
         clipped.iter_mut().for_each(|c| *c /= mean);
         let variance = clipped.iter().map(|c| (c - 1.0).powi(2)).sum::<f64>() / count;
-        Self { clipped, variance: variance.max(0.05), kurtosis: count * fourth / (second * second).max(f64::MIN_POSITIVE) }
+        Self {
+            clipped,
+            variance: variance.max(0.05),
+            kurtosis: count * fourth / (second * second).max(f64::MIN_POSITIVE),
+        }
     }
 }
 

@@ -19,8 +19,55 @@ pub(super) enum Law {
     Walk,
     /// First-order memory of this many samples, unit variance.
     Markov(f64),
-    /// White noise behind a smoothing filter, cos²ᵖθ: one at low frequencies, zero at the highest.
-    Smoothed(u8),
+    /// 1/f to any power.
+    Power(f64),
+    /// White noise behind a filter in the sensor.
+    Filtered(Filter),
+}
+
+/// What a sensor may do to its readings before it hands them out; the power it lets through is one at low frequencies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Filter {
+    /// cos²ᵖθ: means of two neighbours, p times over.
+    Smoothing(u8),
+    /// Means of so many readings that overlap by all but one, once or twice over (the second is Bartlett's).
+    MovingAverage {
+        /// Readings in a mean.
+        readings: u16,
+        /// How often in a row.
+        times: u8,
+    },
+    /// One pole with a memory of so many samples.
+    OnePole(f64),
+    /// Two poles: tangent of θ at the cut-off, and the quality factor (bilinear transform; 1/√2 is Butterworth's).
+    TwoPoles {
+        /// tan θ at the cut-off.
+        cut: f64,
+        /// Quality factor.
+        quality: f64,
+    },
+}
+
+impl Filter {
+    /// Power let through at θ = πk/(2N), half the angular frequency per sample.
+    pub(super) fn power(self, theta: f64) -> f64 {
+        match self {
+            Filter::Smoothing(times) => theta.cos().powi(2 * i32::from(times)),
+            Filter::MovingAverage { readings, times } => {
+                let m = f64::from(readings);
+                ((m * theta).sin() / (m * theta.sin())).powi(2 * i32::from(times))
+            }
+            Filter::OnePole(memory) => {
+                let keep = (-1.0 / memory).exp();
+                let s = 2.0 * theta.sin();
+                (1.0 - keep).powi(2) / ((1.0 - keep).powi(2) + keep * s * s)
+            }
+            Filter::TwoPoles { cut, quality } => {
+                let ratio = theta.tan() / cut;
+                1.0 / ((1.0 - ratio * ratio).powi(2) + (ratio / quality).powi(2))
+            }
+        }
+    }
 }
 
 impl Law {
@@ -36,7 +83,8 @@ impl Law {
                 let keep = (-1.0 / memory).exp();
                 (1.0 - keep * keep) / ((1.0 - keep).powi(2) + keep * s * s)
             }
-            Law::Smoothed(power) => theta.cos().powi(2 * i32::from(power)),
+            Law::Power(exponent) => s.powf(-exponent),
+            Law::Filtered(filter) => filter.power(theta),
         }
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! None of them is a mismatch. What is one stands in `detail::Location`.
 
+pub use super::spectrum::Filter;
+
 /// A statement; the words are made in `report`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Statement {
@@ -24,6 +26,17 @@ pub enum Statement {
         channel: String,
         /// Fourth moment over the squared second one; 3 for normal noise.
         kurtosis: f64,
+    },
+    /// A filter in the sensor takes the top of its band away: no error that drifts.
+    Filtered {
+        /// Which channel.
+        channel: String,
+        /// Of which shape.
+        filter: Filter,
+        /// Part of the white power that is gone at half the sampling rate.
+        lost: f64,
+        /// Sampling rate, Hz.
+        rate_hz: f64,
     },
     /// The power of the noise is not the same at all times.
     Uneven {

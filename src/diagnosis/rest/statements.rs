@@ -1,7 +1,9 @@
 //! What is stated of every channel's readings and noise besides missing physics.
 
-use super::channel::Channel;
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Fitted};
 use super::residual::Residual;
+use super::spectrum::Law;
 use super::statement::Statement;
 use crate::recording::Recording;
 
@@ -9,9 +11,15 @@ use crate::recording::Recording;
 const HEAVY: f64 = 4.0;
 
 /// Of all channels, in their order.
-pub(super) fn of(recording: &Recording, channels: &[Channel], residuals: &[Residual]) -> Vec<Statement> {
+pub(super) fn of(
+    recording: &Recording,
+    channels: &[Channel],
+    finals: &[Fitted],
+    residuals: &[Residual],
+) -> Vec<Statement> {
     let mut out = Vec::new();
-    for (channel, residual) in channels.iter().zip(residuals) {
+    for ((channel, fitted), residual) in channels.iter().zip(finals).zip(residuals) {
+        out.extend(filtered(channel, fitted));
         let rate_hz = channel.rate_hz * channel.together as f64;
         let rows_are_places = recording.dropped.is_empty() && recording.averaged.is_none();
         out.extend(channel.disturbances.bad.iter().map(|bad| Statement::BadReading {
@@ -25,12 +33,17 @@ pub(super) fn of(recording: &Recording, channels: &[Channel], residuals: &[Resid
             out.push(Statement::HeavyTails { channel: channel.name.clone(), kurtosis: residual.kurtosis });
         }
         if residual.uneven && !residual.disturbed {
-            out.push(Statement::Uneven {
-                channel: channel.name.clone(),
-                power: residual.power,
-                creep: residual.creep,
-            });
+            out.push(Statement::Uneven { channel: channel.name.clone(), power: residual.power, creep: residual.creep });
         }
     }
     out
+}
+
+/// What a filter in the sensor takes away.
+fn filtered(channel: &Channel, fitted: &Fitted) -> Option<Statement> {
+    let term = fitted.terms.iter().find(|t| t.cause == Cause::BandLimit)?;
+    let Addition::Law(Law::Filtered(filter)) = term.addition else { return None };
+    let (total, rest) = (fitted.white().0, fitted.strengths.values[0]);
+    let lost = 1.0 - (rest + (total - rest) * filter.power(std::f64::consts::FRAC_PI_2)) / total;
+    Some(Statement::Filtered { channel: channel.name.clone(), filter, lost, rate_hz: channel.rate_hz })
 }

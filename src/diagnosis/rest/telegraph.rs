@@ -9,9 +9,10 @@
 
 use rand::RngExt;
 
+use super::blocks;
 use super::cause::Cause;
 use super::chain::{Chain, Expected, climb};
-use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::channel::{Addition, Channel, Fitted, Term};
 use super::common::{is_slow, slow_part};
 use super::spectrum::Law;
 use crate::numerics::order::median;
@@ -77,11 +78,6 @@ fn contest(own: Channel, terms: Vec<Term>) -> Option<Contest> {
     Some(Contest { own, chain, expected, p_value: (-gain).exp().min(1.0) })
 }
 
-/// Means of as many neighbours.
-fn blocks(values: &[f64], together: usize) -> Vec<f64> {
-    values.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
-}
-
 /// Whether readings are too coarse for a law of the values between the steps.
 fn coarse(channel: &Channel, fitted: &Fitted) -> bool {
     channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0)
@@ -108,20 +104,9 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
         }
     }
     let block = together(fitted, count);
-    let own = Channel::new(&channel.name, &blocks(&rest, block), channel.rate_hz / block as f64);
-    let terms = fitted.terms.iter().filter_map(|t| {
-        let addition = match &t.addition {
-            Addition::Law(Law::Markov(memory)) => Addition::Law(Law::Markov(memory / block as f64)),
-            // Within a block what differs between neighbours averages out.
-            Addition::Law(Law::Differenced | Law::Smoothed(_)) if block > 1 => return None,
-            Addition::Law(law) => Addition::Law(*law),
-            Addition::Curves(_) if !drifts(t) => return None,
-            Addition::Curves(curves) => {
-                Addition::Curves(curves.iter().map(|c| Curve::new(blocks(&c.values, block))).collect())
-            }
-        };
-        Some(Term { addition, ..t.clone() })
-    });
+    let own = blocks::channel(channel, &rest, block);
+    let kept = fitted.terms.iter().filter(|t| drifts(t) || matches!(t.addition, Addition::Law(_)));
+    let terms = kept.filter_map(|t| blocks::term(t, block));
     let Contest { own, chain, expected, p_value } = contest(own, terms.collect())?;
     let order = usize::from(chain.level[0] > chain.level[1]);
     let dwell = chain.leave.map(|l| block as f64 / l);

@@ -1,5 +1,6 @@
 //! `gauss-markov`: a bias with a memory of finite length.
 
+use super::band_limit::is_one_pole;
 use super::row::{IEEE, Row, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
@@ -36,7 +37,10 @@ pub(super) const ROW: Row = Row {
             return Ok(Vec::new());
         }
         let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
-        Ok(vec![search::best(memories(to.samples()), MEMORIES, to.control, |m| with(m.exp()))?])
+        let best = search::best(memories(to.samples()), MEMORIES, to.control, |m| with(m.exp()))?;
+        let memory = best.terms.last().map_or(0.0, |t| t.searched);
+        let filters = !to.current.has(Cause::BandLimit) && is_one_pole(&best, memory);
+        Ok(if filters { Vec::new() } else { vec![best] })
     },
     numbers: 2.0,
     chance: |gain, _| 4.0 * chi_squared_above(gain, 2.0),

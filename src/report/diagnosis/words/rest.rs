@@ -2,7 +2,7 @@
 
 mod statement;
 
-use crate::diagnosis::rest::detail::{Detail, Hops, Knocked, Location, Mismatch, Spiky};
+use crate::diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location, Mismatch, Spiky};
 use crate::diagnosis::verdict::{Effect, Outcome, named};
 use crate::number::{duration, short};
 
@@ -18,7 +18,10 @@ pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Deta
         Outcome::Explained => format!("The model leaves out {}. With that, what is left is noise.", named(effects)),
         Outcome::Undecidable => {
             let (ties, sure) = parted(effects);
-            if sure.is_empty() {
+            let open = open(detail);
+            if ties.is_empty() {
+                format!("The model leaves out {}; whether by that law, the recording cannot tell. {open}", named(&sure))
+            } else if sure.is_empty() {
                 format!("The model leaves something out, and the recording cannot tell which: {ties}.")
             } else {
                 format!(
@@ -49,6 +52,32 @@ pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Deta
                 format!("{left_out} in {}. {place}{others}", of(false))
             }
         }
+    }
+}
+
+/// Exponents that may not be a library law's.
+fn open(detail: &Detail) -> String {
+    detail.departures.iter().filter(|d| !d.refuted).map(departure).collect::<Vec<_>>().join(" ")
+}
+
+/// A drift with an exponent of its own.
+fn departure(of: &Departure) -> String {
+    let Departure { channel, ids, refuted, in_time, exponent, ci95 } = of;
+    let ids = ids.join(" and ");
+    let law = |value: f64| {
+        let value = short(value);
+        if *in_time { format!("with time as t^{value}") } else { format!("with a spectrum as f^−{value}") }
+    };
+    match (exponent, ci95) {
+        (Some(value), Some([low, high])) => {
+            let interval = format!("exponent {} to {}", short(*low), short(*high));
+            if *refuted {
+                format!("{channel}: it drifts {} ({interval}), not as {ids}.", law(*value))
+            } else {
+                format!("{channel}: {} ({interval}) does as well as {ids}.", law(*value))
+            }
+        }
+        _ => format!("{channel}: it drifts along a smooth course in time, not as {ids}."),
     }
 }
 
@@ -87,6 +116,7 @@ pub fn place(detail: &Detail) -> String {
             duration(jump.time_s)
         ));
     }
+    spoken.extend(detail.departures.iter().filter(|d| d.refuted).map(departure));
     spoken.extend(disturbed(location));
     spoken.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
     if !location.hops.is_empty() {
