@@ -19,7 +19,7 @@ pub(super) use row::{MOST_LAWS, Offer, Placed, Row};
 
 use super::cause::Cause;
 use crate::diagnosis::candidate::Candidate;
-use row::NO_CANDIDATE;
+use row::JUMP;
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
@@ -61,7 +61,7 @@ pub(super) fn row(cause: Cause) -> &'static Row {
         Cause::WarmUp => &warm_up::ROW,
         Cause::TemperatureSensitivity => &temperature_sensitivity::ROW,
         Cause::BandLimit => &band_limit::ROW,
-        Cause::Jump => &NO_CANDIDATE,
+        Cause::Jump => &JUMP,
     }
 }
 

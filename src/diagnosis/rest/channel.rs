@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cause::Cause;
 use super::disturbance::Disturbances;
+use super::shape::Followed;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;
@@ -64,13 +65,13 @@ pub(super) struct Term {
     /// Correlation time or time constant in samples; frequency in cycles per sample.
     pub(super) searched: f64,
     /// Environment column it follows.
-    pub(super) column: Option<String>,
+    pub(super) column: Option<Followed>,
 }
 
 impl Term {
     /// Whether it follows this environment column.
     pub(super) fn follows(&self, column: &str) -> bool {
-        self.column.as_deref() == Some(column)
+        self.column.as_ref().is_some_and(|f| f.column == column)
     }
 }
 

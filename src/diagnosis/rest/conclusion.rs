@@ -113,6 +113,11 @@ impl<'a> Draft<'a> {
                 self.leaps[i] = true;
             }
         }
+        for (i, fitted) in self.finals.iter().enumerate() {
+            let step = fitted.terms.iter().find(|t| t.cause == Cause::Jump);
+            let at = step.map(|t| t.searched / self.channels[i].rate_hz);
+            self.residuals[i].jump = self.residuals[i].jump.or(at);
+        }
         // What channels share is a common cause, whatever its course.
         let alone: Vec<usize> = (0..self.channels.len()).filter(|i| !self.shares(*i)).collect();
         let hops = parallel::map(&alone, |i| (*i, telegraph::hops(&self.channels[*i], &self.selected[*i].chosen)));
@@ -128,6 +133,11 @@ impl<'a> Draft<'a> {
         {
             self.departures[i] = found;
         }
+    }
+
+    /// Whether what acts on a channel is in no library: a jump, a knock, spikes.
+    fn is_disturbed(&self, i: usize) -> bool {
+        self.finals[i].has(Cause::Jump) || self.channels[i].disturbances.are_foreign()
     }
 
     /// Whether a free exponent has ruled so of this cause in a channel.
@@ -204,8 +214,7 @@ impl<'a> Draft<'a> {
             tied: self.effects.iter().filter(|e| !e.rivals.is_empty() || self.is_open(e)).count(),
             // A drift that is a jump in truth has been dropped, and the library holds no jump, no knock and no spikes.
             stand_ins: self.leaps.contains(&true)
-                || self.channels.iter().any(|c| c.disturbances.are_foreign())
-                || (0..self.channels.len()).any(|i| self.departs(i)),
+                || (0..self.channels.len()).any(|i| self.is_disturbed(i) || self.departs(i)),
             remainder: self.remainder().size,
             // Laws of noise change no prediction, and a curve that predicts worse does not count in the selection.
             ..Evidence::default()
@@ -236,7 +245,7 @@ impl<'a> Draft<'a> {
     fn answer(self) -> Answer {
         let (channels, count) = (self.channels, self.channels.len());
         let effects: Vec<Effect> = self.effects.iter().filter_map(|e| e.public(channels)).collect();
-        let fits: Vec<bool> = (0..count).map(|i| self.fits(i)).collect();
+        let fits: Vec<bool> = (0..count).map(|i| self.fits(i) && !self.is_disturbed(i)).collect();
         let before: Vec<Vec<f64>> =
             (0..count).map(|i| base_variances(&channels[i], &self.selected[i], self.model)).collect();
         let (places, location) = location::locate(channels, self.selected, &self.residuals, &fits);

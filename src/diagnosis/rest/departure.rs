@@ -10,6 +10,7 @@ use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::laws::{SLOW, slow_laws};
+use super::profile::{Profiled, profile};
 use super::spectrum::{self, Law, Part};
 use super::standing::CLOSE;
 
@@ -18,8 +19,6 @@ use super::standing::CLOSE;
 const NEAR: f64 = 0.2;
 /// Twice the log-likelihood that a free exponent must gain over a whole one to refute it: one in a thousand by chance.
 const REFUTED: f64 = 10.8;
-/// Half of χ²₁'s 95 % point.
-const WITHIN: f64 = 1.92;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
 const SPECTRAL: [f64; 2] = [0.2, 4.4];
 /// Exponents of a drift in time that are tried.
@@ -35,14 +34,7 @@ pub(super) struct Departure {
     pub(super) ruling: Ruling,
     pub(super) of: Of,
     /// The free exponent; `None` where a smooth course of no such form does best.
-    pub(super) exponent: Option<Exponent>,
-}
-
-/// A fitted exponent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Exponent {
-    pub(super) value: f64,
-    pub(super) ci95: [f64; 2],
+    pub(super) exponent: Option<Profiled>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,42 +77,8 @@ pub(super) fn judge(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     refuted.or_else(|| both.into_iter().flatten().next())
 }
 
-/// The best value of a number between two bounds, and its 95 % interval by profile likelihood.
-fn profile([from, to]: [f64; 2], points: usize, at: impl Fn(f64) -> f64) -> (Exponent, f64) {
-    let step = (to - from) / (points - 1) as f64;
-    let grid: Vec<(f64, f64)> = (0..points).map(|i| from + i as f64 * step).map(|x| (x, at(x))).collect();
-    let mut best = grid.iter().copied().fold((from, f64::NEG_INFINITY), |b, g| if g.1 > b.1 { g } else { b });
-    let mut width = 0.5 * step;
-    for _ in 0..6 {
-        let sides = [best.0 - width, best.0 + width].map(|x| x.clamp(from, to)).map(|x| (x, at(x)));
-        best = sides.into_iter().fold(best, |b, s| if s.1 > b.1 { s } else { b });
-        width /= 2.0;
-    }
-    let inside = |x: f64| best.1 - at(x) < WITHIN;
-    let edge = |direction: f64| {
-        let end = if direction < 0.0 { from } else { to };
-        let (mut near, mut reach) = (best.0, 0.5 * step);
-        loop {
-            let far = (best.0 + direction * reach).clamp(from, to);
-            if !inside(far) {
-                let mut out = far;
-                for _ in 0..6 {
-                    let middle = 0.5 * (near + out);
-                    if inside(middle) { near = middle } else { out = middle }
-                }
-                return 0.5 * (near + out);
-            }
-            if far == end {
-                return end;
-            }
-            (near, reach) = (far, 2.0 * reach);
-        }
-    };
-    (Exponent { value: best.0, ci95: [edge(-1.0), edge(1.0)] }, best.1)
-}
-
 /// What is said of one whole exponent.
-fn whole(law: f64, free: Exponent, gain: f64) -> Option<Ruling> {
+fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
     let within = free.ci95[0] >= law * (1.0 - NEAR) && free.ci95[1] <= law * (1.0 + NEAR);
     if within {
         None
@@ -202,7 +160,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let numbers: f64 = drift.iter().map(|c| row(*c).numbers).sum();
     let held = merit(before.log_likelihood(), numbers);
     let (free, best) = profile(TEMPORAL.map(f64::ln), 12, |p: f64| with(vec![course(count, |u| u.powf(p.exp()))]));
-    let free = Exponent { value: free.value.exp(), ci95: free.ci95.map(f64::exp) };
+    let free = free.map(f64::exp);
     if drift[..] == [Cause::RateRamp] {
         let ruling = whole(1.0, free, 2.0 * (best - before.log_likelihood()))?;
         return Some(Departure { ruling, of: Of::Time, exponent: Some(free) });

@@ -10,6 +10,7 @@ use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::common::is_slow;
 use super::standing::CLOSE;
+use crate::diagnosis::remainder::REAL;
 use crate::numerics::cosine;
 use crate::numerics::special::normal_cdf;
 
@@ -17,6 +18,9 @@ use crate::numerics::special::normal_cdf;
 const PLACES: usize = 512;
 /// Coefficients that are summed one by one; beyond, a step's ripples average out.
 const EXACT: usize = 1024;
+
+/// Power may differ from the model's by this share before a real sensor counts as misdescribed; no datasheet is better.
+pub(super) const TOLERANCE: f64 = 0.15;
 
 /// The step that stands out most from a fitted model.
 #[derive(Debug, Clone, Copy)]
@@ -107,6 +111,24 @@ fn heavy_tails(kurtosis: f64, n: f64) -> f64 {
     normal_cdf(-z)
 }
 
+/// A step at a place.
+fn term(channel: &Channel, at: usize) -> Term {
+    let step = (0..channel.values.len()).map(|n| if n < at { 0.0 } else { 1.0 }).collect();
+    Term { cause: Cause::Jump, addition: Addition::Curves(vec![Curve::new(step)]), searched: at as f64, column: None }
+}
+
+/// A step that a model of a channel lacks, as a term: one that stands out from it (`correction` for all that is tested), or
+/// describes the channel better than its slow terms.
+pub(super) fn missing(channel: &Channel, fitted: &Fitted, correction: f64) -> Option<Term> {
+    let coarse = channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0);
+    if channel.values.len() < 1024 || coarse {
+        return None;
+    }
+    let outstanding = Some(strongest(channel, fitted, TOLERANCE)).filter(|j| j.p_value * correction < REAL);
+    let jump = outstanding.or_else(|| alone(channel, fitted))?;
+    Some(term(channel, jump.at))
+}
+
 /// The single step that describes a channel better than its own slow terms do; `None` where none does.
 pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
     let (slow, mut terms): (Vec<Term>, Vec<Term>) = fitted.terms.iter().cloned().partition(|t| is_slow(t, channel));
@@ -114,14 +136,7 @@ pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
         return None;
     }
     let jump = strongest(channel, &channel.fit(terms.clone()), 0.0);
-    let at = jump.at;
-    let step = (0..channel.values.len()).map(|n| if n < at { 0.0 } else { 1.0 }).collect();
-    terms.push(Term {
-        cause: Cause::Jump,
-        addition: Addition::Curves(vec![Curve::new(step)]),
-        searched: at as f64,
-        column: None,
-    });
+    terms.push(term(channel, jump.at));
     // A step has a size and a place; a slow term has one or two numbers of its own.
     let numbers = |t: &Term| if matches!(t.cause, Cause::GaussMarkov | Cause::WarmUp) { 2.0 } else { 1.0 };
     let price = 2.0 * (2.0 - slow.iter().map(numbers).sum::<f64>());

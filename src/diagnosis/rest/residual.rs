@@ -4,14 +4,13 @@ use std::f64::consts::PI;
 
 use super::channel::{Channel, Fitted};
 use super::jump;
+pub(super) use super::jump::TOLERANCE;
 use super::telegraph::Telegraph;
 use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
 use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
 
-/// Power may differ from the model's by this share before a real sensor counts as misdescribed; no datasheet is better.
-pub(super) const TOLERANCE: f64 = 0.15;
 /// False discoveries among the stretches named.
 const RATE: f64 = 0.01;
 

@@ -2,15 +2,19 @@
 
 use super::candidate::row;
 use super::cause::Cause;
-use super::channel::{Addition, Channel, Environment, Fitted};
+use super::channel::{Addition, Channel, Environment, Fitted, Term};
+use super::jump;
 use super::laws::{self, Rivals};
 use super::round::{Tried, try_all};
+use super::shape;
 use super::standing::{self, CLOSE, Standing, contains, others, prune, worth};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
 /// At most this many effects per channel.
 const MOST: usize = 6;
+/// At most this many steps of the bias are fitted.
+const MOST_STEPS: usize = 2;
 
 /// What a channel needs, and how every candidate did alone.
 pub(super) struct Selection {
@@ -50,14 +54,49 @@ pub(super) fn select(
     channels: usize,
     control: &Control,
 ) -> Result<Selection, Stopped> {
+    let as_one = beside(channel, environment, channels, control, Vec::new())?;
+    let mut steps: Vec<Term> = Vec::new();
+    let mut selection = None;
+    // A bias that jumps once or twice is fitted in pieces; one that goes on jumping hops, which `telegraph` looks into.
+    while steps.len() <= MOST_STEPS {
+        let chosen = &selection.as_ref().unwrap_or(&as_one).chosen;
+        let Some(step) = jump::missing(channel, chosen, (channels * MOST_STEPS) as f64) else { break };
+        steps.push(step);
+        if steps.len() <= MOST_STEPS {
+            selection = Some(beside(channel, environment, channels, control, steps.clone())?);
+        }
+    }
+    Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
+}
+
+/// The shapes in which a channel follows environment columns, beside other terms: before any noise is offered.
+fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> Fitted {
+    let before = terms.clone();
+    terms.extend(environment.iter().filter_map(|(name, column)| shape::find(channel, name, column, correction)));
+    let fitted = channel.fit(terms);
+    let serves = |index: usize| channel.held_out_share(&fitted, index) > 0.0;
+    if (before.len()..fitted.terms.len()).all(serves) { fitted } else { channel.fit(before) }
+}
+
+/// Selects beside steps of the bias.
+fn beside(
+    channel: &Channel,
+    environment: &Environment,
+    channels: usize,
+    control: &Control,
+    steps: Vec<Term>,
+) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
-    let mut current = base.clone();
-    let mut alone = Vec::new();
+    let mut current = followed(channel, environment, steps, correction);
+    let mut alone = match current.terms.is_empty() {
+        true => Vec::new(),
+        false => try_all(channel, &base, environment, control, |_| false)?.standings,
+    };
     let mut rivals: Rivals = Vec::new();
-    for round in 0..MOST {
+    for _ in 0..MOST {
         let Tried { standings, best } = try_all(channel, &current, environment, control, |t| t.counts(correction))?;
-        if round == 0 {
+        if alone.is_empty() {
             alone.clone_from(&standings);
         }
         let Some((best, fitted)) = best else { break };

@@ -6,6 +6,7 @@ use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use crate::diagnosis::rest::spectrum::Law;
 use crate::diagnosis::verdict::Estimate;
+use crate::numerics::special::chi_squared_above;
 
 /// Laws beside white noise that one spectrum can tell apart.
 pub(in crate::diagnosis::rest) const MOST_LAWS: usize = 4;
@@ -39,6 +40,10 @@ pub(super) const NO_CANDIDATE: Row = Row {
     is_drift: false,
     parameters: |_| Vec::new(),
 };
+
+/// A jump: its size, and its place among the samples.
+pub(in crate::diagnosis::rest) const JUMP: Row =
+    Row { chance: |gain, samples| samples * chi_squared_above(gain, 1.0), ..NO_CANDIDATE };
 
 /// A model to which candidates are offered.
 pub(in crate::diagnosis::rest) struct Offer<'a> {

@@ -1,18 +1,27 @@
 //! `temperature-sensitivity`: a bias that follows an environment column, or a cause that channels share.
 
-use super::row::{Row, TITTERTON, signed};
+use super::row::{Row, TITTERTON, signed, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Curve, Term};
 use crate::diagnosis::rest::estimate::straight;
+use crate::diagnosis::rest::profile::Profiled;
+use crate::diagnosis::rest::shape::{Delay, Followed};
+use crate::diagnosis::verdict::Estimate;
 use crate::numerics::special::chi_squared_above;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",
     kind: Kind::Static,
     statement: "The bias follows temperature, or another slow cause that channels share.",
-    equation: "b = s (θ − θ̄)",
-    parameters: &[signed("slope", "y per unit of the environment")],
+    equation: "b = s (θ − θ̄), with a square and a cube, a lag or play where they show",
+    parameters: &[
+        signed("slope", "y per unit of the environment"),
+        signed("square", "y per squared unit"),
+        signed("cube", "y per cubed unit"),
+        size("lag", "s"),
+        size("play", "half width, unit of the environment"),
+    ],
     acts: "readout",
     signature: "Channels drift together; the drift follows an environment column.",
     confusable_with: &["random-walk"],
@@ -29,7 +38,7 @@ pub(super) const ROW: Row = Row {
                 cause: Cause::TemperatureSensitivity,
                 addition: Addition::Curves(vec![column.clone()]),
                 searched: 0.0,
-                column: Some(name.clone()),
+                column: Some(Followed::straight(name)),
             })
         };
         Ok(open.map(with).collect())
@@ -39,8 +48,24 @@ pub(super) const ROW: Row = Row {
     imitates: &[],
     is_drift: true,
     parameters: |of| {
-        let column = of.term().column.clone().unwrap_or_else(|| "the common cause".into());
-        let unit = format!("{} per unit of {column}", of.unit);
-        vec![straight("slope", unit, of.channel.scale, of.fitted.amplitudes_of(of.index)[0])]
+        let followed = of.term().column.clone().unwrap_or_else(|| Followed::straight("the common cause"));
+        let Followed { column, delay, unit } = followed;
+        let power = |(p, amplitude): (usize, &(f64, f64))| {
+            let (name, of_column) = POWERS[p.min(POWERS.len() - 1)];
+            let factor = of.channel.scale / unit.powi(p as i32 + 1);
+            straight(name, format!("{} per {of_column} of {column}", of.unit), factor, *amplitude)
+        };
+        let step_s = 1.0 / of.channel.rate_hz;
+        let delay = match delay {
+            Delay::None => None,
+            Delay::Lag(lag) => Some(("lag", lag.map(|v| v * step_s), "s".to_owned())),
+            Delay::Play(play) => Some(("play", play, format!("unit of {column}"))),
+        };
+        let delay =
+            delay.map(|(name, Profiled { value, ci95 }, unit)| Estimate { name: name.into(), value, unit, ci95 });
+        of.fitted.amplitudes_of(of.index).iter().enumerate().map(power).chain(delay).collect()
     },
 };
+
+/// The powers of a column, by name and by what they are per.
+const POWERS: [(&str, &str); 3] = [("slope", "unit"), ("square", "squared unit"), ("cube", "cubed unit")];
