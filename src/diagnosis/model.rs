@@ -160,6 +160,10 @@ pub struct Static {
     /// Unit of the channels, for words and plots.
     #[serde(default)]
     pub unit: String,
+    /// Geodetic latitude of the place: gravity and the Earth's rate there stand beside the means.
+    pub latitude_deg: Option<f64>,
+    /// Height above the ellipsoid.
+    pub height_m: Option<f64>,
     /// Columns by role.
     pub columns: StaticColumns,
     /// What the datasheet promises; absent, white noise whose level is estimated.

@@ -22,6 +22,7 @@ mod findings;
 mod jump;
 mod laws;
 mod location;
+mod place;
 mod plausible;
 mod profile;
 mod residual;
@@ -132,7 +133,7 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
             channel
         })
         .collect();
-    let means: Vec<f64> = live.iter().map(|v| v.iter().sum::<f64>() / v.len() as f64).collect();
+    let means: Vec<f64> = channels.iter().map(|c| c.mean).collect();
     findings.extend(plausible::gravity(&means, &model.unit));
     let stopped = |s: Stopped| s.during(format!("could not diagnose {}", recording.path.display()), "start it again");
     let select = |c: &Channel| selection::select(c, &environment, channels.len(), control);

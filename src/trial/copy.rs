@@ -242,6 +242,8 @@ mod tests {
             rate_hz: None,
             rows: Vec::new(),
             unit: "g".into(),
+            latitude_deg: None,
+            height_m: None,
             columns,
             noise: None,
             split: Split::default(),

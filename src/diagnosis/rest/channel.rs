@@ -11,12 +11,17 @@ use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;
 
+/// Part of the white level behind a filter that may be leakage.
+const LEAKAGE: f64 = 0.05;
+
 /// A channel, in units of its own scale so that all numbers are near one.
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     pub(super) name: String,
     /// Uniform samples, mean removed, over `scale`.
     pub(super) values: Vec<f64>,
+    /// What was removed, in file units.
+    pub(super) mean: f64,
     /// File units per unit here.
     pub(super) scale: f64,
     pub(super) rate_hz: f64,
@@ -89,6 +94,16 @@ pub(super) struct Fitted {
 }
 
 impl Fitted {
+    /// Variance of every bin, not below a part of the white level: behind a filter hardly anything is left at some frequencies,
+    /// and what is there is leakage, which must not decide.
+    pub(super) fn safe_variances(&self) -> Vec<f64> {
+        let least = match self.has(Cause::BandLimit) {
+            true => LEAKAGE * self.white().0,
+            false => 0.0,
+        };
+        self.variances.iter().map(|v| v.max(least)).collect()
+    }
+
     pub(super) fn log_likelihood(&self) -> f64 {
         self.strengths.log_likelihood
     }
@@ -182,6 +197,7 @@ impl Channel {
         let coefficients = cosine::transform(&values).into();
         Self {
             name: name.into(),
+            mean,
             values,
             scale,
             rate_hz,
@@ -271,7 +287,9 @@ impl Channel {
     /// Sums of squares before and after all curves, fitted to every second of sixteen stretches: on those, then on the
     /// others, which they were not fitted to.
     pub(super) fn held_out_squares(&self, fitted: &Fitted) -> [[f64; 2]; 2] {
-        split(&self.values, &curves(&fitted.terms).collect::<Vec<_>>())
+        // A jump has no name: what is named must predict without it.
+        let named: Vec<Term> = fitted.terms.iter().filter(|t| t.cause != Cause::Jump).cloned().collect();
+        split(&self.values, &curves(&named).collect::<Vec<_>>())
     }
 }
 

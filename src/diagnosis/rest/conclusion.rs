@@ -13,14 +13,15 @@ use super::residual::{Residual, TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::{self, Law, Part};
 use super::standing::correction;
-use super::{describe, location, plausible, sensor, statements, telegraph};
+use super::statement::Statement;
+use super::{describe, location, place, plausible, sensor, statements, telegraph};
 use crate::diagnosis::answer::{self, Answer};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
 use crate::diagnosis::ruling::{Evidence, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Fit, LogScore, Score, Source};
+use crate::diagnosis::verdict::{Effect, Estimate, Fit, LogScore, Score, Source};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
@@ -242,6 +243,16 @@ impl<'a> Draft<'a> {
         self.departures.iter().enumerate().filter_map(of).collect()
     }
 
+    fn means(&self) -> Vec<Estimate> {
+        place::means(self.channels, &self.finals, self.unit)
+    }
+
+    fn statements(&self) -> Vec<Statement> {
+        let place = place::reference(self.model, &self.means());
+        let of = statements::of(self.recording, self.channels, &self.finals, &self.residuals);
+        of.into_iter().chain(place).collect()
+    }
+
     fn answer(self) -> Answer {
         let (channels, count) = (self.channels, self.channels.len());
         let effects: Vec<Effect> = self.effects.iter().filter_map(|e| e.public(channels)).collect();
@@ -258,7 +269,8 @@ impl<'a> Draft<'a> {
         let of_static = Detail {
             unit: self.unit.into(),
             channels: (0..count).map(of_channel).collect(),
-            statements: statements::of(self.recording, channels, &self.finals, &self.residuals),
+            statements: self.statements(),
+            means: self.means(),
             departures: self.departures_named(),
             temperature_unlogged: follows_temperature && self.model.columns.environment.is_empty(),
             location,

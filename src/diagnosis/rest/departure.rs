@@ -166,10 +166,6 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         return Some(Departure { ruling, of: Of::Time, exponent: Some(free) });
     }
     let power = merit(best, 2.0);
-    if drift[..] == [Cause::WarmUp] {
-        let ruling = rival(power - held)?;
-        return Some(Departure { ruling, of: Of::Time, exponent: Some(free) });
-    }
     let kinked = (1..16).map(|k| f64::from(k) / 16.0).map(|place| {
         let curves = vec![course(count, |u| u), course(count, |u| (u - place).max(0.0))];
         merit(with(curves), 3.0)
@@ -179,12 +175,14 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         merit(with(curves), degree as f64)
     });
     let smooth = kinked.chain(polynomials).fold(f64::NEG_INFINITY, f64::max);
-    // Drift that only noise describes is refuted by a course; that a course does as well is what noise looks like.
-    (power.max(smooth) - held > CLOSE).then_some(Departure {
-        ruling: Ruling::Refuted,
-        of: Of::Time,
-        exponent: (power >= smooth).then_some(free),
-    })
+    let exponent = (power >= smooth).then_some(free);
+    let better_by = power.max(smooth) - held;
+    let ruling = match drift[..] {
+        [Cause::WarmUp] => rival(better_by)?,
+        // That a course does as well as noise is what noise looks like.
+        _ => rival(better_by).filter(|r| *r == Ruling::Refuted)?,
+    };
+    Some(Departure { ruling, of: Of::Time, exponent })
 }
 
 /// Legendre's polynomial of a degree: nearly orthogonal over the recording.

@@ -1,7 +1,7 @@
 //! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its words.
 
 use super::statement::Statement;
-use crate::diagnosis::verdict::Stretch;
+use crate::diagnosis::verdict::{Estimate, Stretch};
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
@@ -14,6 +14,8 @@ pub struct Detail {
     pub temperature_unlogged: bool,
     /// Where the mismatch lives.
     pub location: Location,
+    /// The mean of every channel.
+    pub means: Vec<Estimate>,
     /// Drifts whose exponent is not, or may not be, that of a library law.
     pub departures: Vec<Departure>,
     /// What is found of the readings and their noise besides.

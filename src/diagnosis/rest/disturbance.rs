@@ -133,8 +133,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     let bad = if alone.len() <= FEW {
         alone.len()
     } else {
-        // In a tail, twice as far off is several times as rare; spikes lie far out and hardly any on the way there.
-        let beyond = alone.iter().filter(|n| size(**n) > 2.0 * FAR).count();
+        // In a tail, half as far off again is three times as rare or more; spikes lie far out and few on the way there.
+        let beyond = alone.iter().filter(|n| size(**n) > 1.5 * FAR).count();
         if 2 * beyond > alone.len() {
             found.spikes = alone.len();
         } else {

@@ -36,14 +36,15 @@ fn sizes(channel: &Channel, fitted: &Fitted) -> Vec<f64> {
     let count = channel.values.len();
     let mut weighted = fitted.residual.to_vec();
     weighted[0] = 0.0;
-    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+    let variances = fitted.safe_variances();
+    for (bin, variance) in fitted.bins.iter().zip(&variances) {
         weighted[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance);
     }
     let weighted = cosine::invert(&weighted);
     // Squared cosine coefficients of a step at n: sin²(πkn/N)/(2N sin²θ), θ = πk/2N.
     let information = |place: usize| -> f64 {
         let mut sum = 0.0;
-        for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+        for (bin, variance) in fitted.bins.iter().zip(&variances) {
             let ripple = |k: usize| (PI * (k * place) as f64 / count as f64).sin().powi(2);
             let each = |theta: f64| 1.0 / (2.0 * count as f64 * theta.sin().powi(2) * variance);
             let theta_of = |k: usize| PI * k as f64 / (2 * count) as f64;

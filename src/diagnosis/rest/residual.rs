@@ -53,7 +53,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
     centres.extend(slowest.iter().map(|s| 0.5 * s.below));
     let mut white = fitted.residual.to_vec();
     white[0] = 0.0;
-    for (bin, variance) in fitted.bins.iter().zip(&fitted.variances) {
+    for (bin, variance) in fitted.bins.iter().zip(&fitted.safe_variances()) {
         white[bin.from..bin.to].iter_mut().for_each(|c| *c /= variance.sqrt());
     }
     let innovations = cosine::invert(&white);

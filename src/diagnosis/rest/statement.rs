@@ -4,6 +4,15 @@
 
 pub use super::spectrum::Filter;
 
+/// What the Earth does to a sensor at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Earth {
+    /// It pulls.
+    Gravity,
+    /// It turns.
+    Rate,
+}
+
 /// A statement; the words are made in `report`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Statement {
@@ -37,6 +46,19 @@ pub enum Statement {
         lost: f64,
         /// Sampling rate, Hz.
         rate_hz: f64,
+    },
+    /// What the Earth should show of itself, beside the length of the three means.
+    Place {
+        /// Gravity or its rate.
+        earth: Earth,
+        /// Of the means, in their unit.
+        length: f64,
+        /// Its 95 % interval, of the noise alone.
+        ci95: [f64; 2],
+        /// What it should be.
+        expected: f64,
+        /// Where, °.
+        latitude_deg: f64,
     },
     /// The power of the noise is not the same at all times.
     Uneven {

@@ -43,7 +43,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
         answer;
     let mut findings = findings;
     if let Detail::Static(detail) = &detail {
-        findings.extend(detail.statements.iter().map(|s| rest::statement(s, &detail.unit)));
+        findings.extend(rest::statements(&detail.statements, &detail.unit));
     }
     let verdict = Verdict {
         schema: SCHEMA,

@@ -2,11 +2,54 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnosis::rest::statement::{Filter, Statement};
-use crate::number::{duration, short};
+use crate::diagnosis::rest::statement::{Earth, Filter, Statement};
+use crate::number::{duration, short, significant};
 
-/// One of them in a sentence; `unit` is that of the channels.
-pub fn statement(statement: &Statement, unit: &str) -> String {
+/// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are told together.
+pub fn statements(all: &[Statement], unit: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut rest = all;
+    while let Some(first) = rest.first() {
+        let channel = |s: &Statement| match s {
+            Statement::BadReading { channel, .. } => Some(channel.clone()),
+            _ => None,
+        };
+        let bad = channel(first).map_or(0, |own| rest.iter().take_while(|s| channel(s).as_ref() == Some(&own)).count());
+        let (told, others) = rest.split_at(bad.max(1));
+        if bad > ONE_BY_ONE {
+            out.push(bad_readings(told));
+        } else {
+            out.extend(told.iter().map(|s| statement(s, unit)));
+        }
+        rest = others;
+    }
+    out
+}
+
+/// Bad readings of a channel that are told one by one, at most.
+const ONE_BY_ONE: usize = 3;
+
+/// Many bad readings of one channel.
+fn bad_readings(all: &[Statement]) -> String {
+    let mut places = Vec::new();
+    let (mut name, mut largest) = ("", 0.0f64);
+    for one in all {
+        if let Statement::BadReading { channel, row, time_s, deviations, .. } = one {
+            name = channel;
+            largest = largest.max(*deviations);
+            places.push(row.map_or_else(|| duration(*time_s), |row| format!("row {row}")));
+        }
+    }
+    format!(
+        "`{name}`: {} readings lie up to {} standard deviations off and were left out: {}",
+        all.len(),
+        short(largest),
+        places.join(", ")
+    )
+}
+
+/// One of them in a sentence.
+fn statement(statement: &Statement, unit: &str) -> String {
     match statement {
         Statement::BadReading { channel, row, time_s, value, deviations } => {
             let place = match row {
@@ -30,6 +73,19 @@ pub fn statement(statement: &Statement, unit: &str) -> String {
             short(rate_hz / 2.0),
             shape(*filter, *rate_hz)
         ),
+        Statement::Place { earth, length, ci95, expected, latitude_deg } => {
+            let (what, beyond) = match earth {
+                Earth::Gravity => ("gravity", "scale factors and biases account for the difference, if they are to"),
+                Earth::Rate => ("the Earth's rate", "what is beyond it is bias"),
+            };
+            let [low, high] = ci95.map(|v| significant(v, 6));
+            format!(
+                "the means together are {} {unit} long ({low} to {high} by their noise); {what} at {}° is {} {unit}: {beyond}",
+                significant(*length, 6),
+                short(*latitude_deg),
+                significant(*expected, 6)
+            )
+        }
         Statement::Uneven { channel, power, creep } => {
             let [low, high] = power.map(short);
             let how = match creep {
