@@ -68,13 +68,13 @@ pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement>
 mod tests {
     use super::*;
 
-    /// Table of normal gravity of the 1984 World Geodetic System: 9.7803253 at the equator, 9.8321849 m/s² at a pole; at
-    /// 45° it is 9.806199 m/s².
+    /// Normal gravity of the World Geodetic System 1984 (TR8350.2): 9.7803253359 at the equator, 9.8321849378 m/s² at a pole.
+    /// At 45° that of the Geodetic Reference System 1980 (Moritz), 9.806199203, from which it differs in the sixth decimal.
     #[test]
     fn normal_gravity_is_the_tabulated_one() {
-        for (latitude, tabulated) in [(0.0f64, 9.780_325_3), (45.0, 9.806_199), (90.0, 9.832_184_9)] {
+        for (latitude, tabulated) in [(0.0f64, 9.780_325_335_9), (45.0, 9.806_199_203), (90.0, 9.832_184_937_8)] {
             let got = gravity_m_s2(latitude * DEGREE, 0.0);
-            assert!((got - tabulated).abs() < 1e-6, "{latitude}: {got}");
+            assert!((got - tabulated).abs() < 2e-6, "{latitude}: {got}");
         }
         assert!((gravity_m_s2(0.8, 0.0) - gravity_m_s2(0.8, 1000.0) - 3.086e-3).abs() < 1e-9);
     }

@@ -21,8 +21,8 @@ const PRICE: f64 = 8.3;
 const LAGS: [f64; 2] = [0.002, 0.3];
 /// Half widths of play that are tried, as parts of the column's range.
 const PLAYS: [f64; 2] = [0.01, 0.4];
-/// Highest power of the column.
-const POWERS: usize = 3;
+/// Powers of the column that are tried together: a square or a cube only where it is needed.
+const POWERS: [&[i32]; 4] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3]];
 /// Shapes that differ by more than chance, for the correction of a probability.
 const SHAPES: f64 = 10.0;
 
@@ -35,6 +35,8 @@ pub(super) struct Followed {
     pub(super) delay: Delay,
     /// What one unit of the curves is in units of the column.
     pub(super) unit: f64,
+    /// Which power of the column each curve is.
+    pub(super) powers: &'static [i32],
 }
 
 /// How a reading comes after the column.
@@ -51,7 +53,7 @@ pub(super) enum Delay {
 impl Followed {
     /// At once and along a straight line, in units of the column.
     pub(super) fn straight(column: &str) -> Self {
-        Self { column: column.into(), delay: Delay::None, unit: 1.0 }
+        Self { column: column.into(), delay: Delay::None, unit: 1.0, powers: POWERS[0] }
     }
 }
 
@@ -77,10 +79,10 @@ fn played(column: &[f64], half: f64) -> Vec<f64> {
 }
 
 /// Powers of values about their mean in units of `unit`.
-fn powers(values: &[f64], unit: f64, highest: usize) -> Vec<Curve> {
+fn powers(values: &[f64], unit: f64, of: &[i32]) -> Vec<Curve> {
     let (mean, _) = mean_sd(values);
-    let power = |p: usize| Curve::new(values.iter().map(|v| ((v - mean) / unit).powi(p as i32)).collect());
-    (1..=highest).map(power).collect()
+    let power = |p: &i32| Curve::new(values.iter().map(|v| ((v - mean) / unit).powi(*p)).collect());
+    of.iter().map(power).collect()
 }
 
 /// The term in which a channel follows a column, where it does beyond chance (`correction` for all that is tried).
@@ -105,8 +107,8 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
         own.fit(noise.iter().cloned().chain([term]).collect()).log_likelihood()
     };
     let count = environment.len() as f64;
-    let late = |samples: f64| following(powers(&lagged(&environment, samples), unit, 1));
-    let loose = |half: f64| following(powers(&played(&environment, half), unit, 1));
+    let late = |samples: f64| following(powers(&lagged(&environment, samples), unit, POWERS[0]));
+    let loose = |half: f64| following(powers(&played(&environment, half), unit, POWERS[0]));
     let (lag, _) = profile(LAGS.map(|p| (p * count).ln()), 8, |l: f64| late(l.exp()));
     let (play, _) = profile(PLAYS.map(|p| (p * (range[1] - range[0])).ln()), 7, |p: f64| loose(p.exp()));
     let (lag, play) = (lag.map(f64::exp), play.map(f64::exp));
@@ -115,19 +117,19 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
         Delay::Lag(lag) => lagged(&environment, lag.value),
         Delay::Play(play) => played(&environment, play.value),
     };
-    let mut best: Option<(f64, f64, Delay, usize, f64)> = None;
+    let mut best: Option<(f64, f64, Delay, &'static [i32], f64)> = None;
     for delay in [Delay::None, Delay::Lag(lag), Delay::Play(play)] {
         let curve = delayed(delay);
-        for highest in 1..=POWERS {
-            let numbers = highest as f64 + if delay == Delay::None { 0.0 } else { 1.0 };
-            let log_likelihood = following(powers(&curve, unit, highest));
+        for of in POWERS {
+            let numbers = of.len() as f64 + if delay == Delay::None { 0.0 } else { 1.0 };
+            let log_likelihood = following(powers(&curve, unit, of));
             let merit = 2.0 * log_likelihood - PRICE * numbers;
             if best.is_none_or(|b| merit > b.0) {
-                best = Some((merit, log_likelihood, delay, highest, numbers));
+                best = Some((merit, log_likelihood, delay, of, numbers));
             }
         }
     }
-    let (_, log_likelihood, delay, highest, numbers) = best?;
+    let (_, log_likelihood, delay, of, numbers) = best?;
     let gain = 2.0 * (log_likelihood - own.fit(noise.to_vec()).log_likelihood());
     if SHAPES * chi_squared_above(gain.max(0.0), numbers) * correction >= ALPHA {
         return None;
@@ -144,9 +146,9 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
     };
     Some(Term {
         cause: Cause::TemperatureSensitivity,
-        addition: Addition::Curves(powers(&full, unit, highest)),
+        addition: Addition::Curves(powers(&full, unit, of)),
         searched: 0.0,
-        column: Some(Followed { column: name.into(), delay, unit }),
+        column: Some(Followed { column: name.into(), delay, unit, powers: of }),
     })
 }
 

@@ -49,10 +49,14 @@ pub(super) const ROW: Row = Row {
     is_drift: true,
     parameters: |of| {
         let followed = of.term().column.clone().unwrap_or_else(|| Followed::straight("the common cause"));
-        let Followed { column, delay, unit } = followed;
-        let power = |(p, amplitude): (usize, &(f64, f64))| {
-            let (name, of_column) = POWERS[p.min(POWERS.len() - 1)];
-            let factor = of.channel.scale / unit.powi(p as i32 + 1);
+        let Followed { column, delay, unit, powers } = followed;
+        let power = |(p, amplitude): (&i32, &(f64, f64))| {
+            let (name, of_column) = match p {
+                1 => ("slope", "unit"),
+                2 => ("square", "squared unit"),
+                _ => ("cube", "cubed unit"),
+            };
+            let factor = of.channel.scale / unit.powi(*p);
             straight(name, format!("{} per {of_column} of {column}", of.unit), factor, *amplitude)
         };
         let step_s = 1.0 / of.channel.rate_hz;
@@ -63,9 +67,6 @@ pub(super) const ROW: Row = Row {
         };
         let delay =
             delay.map(|(name, Profiled { value, ci95 }, unit)| Estimate { name: name.into(), value, unit, ci95 });
-        of.fitted.amplitudes_of(of.index).iter().enumerate().map(power).chain(delay).collect()
+        powers.iter().zip(of.fitted.amplitudes_of(of.index)).map(power).chain(delay).collect()
     },
 };
-
-/// The powers of a column, by name and by what they are per.
-const POWERS: [(&str, &str); 3] = [("slope", "unit"), ("square", "squared unit"), ("cube", "cubed unit")];
