@@ -318,7 +318,7 @@ pub fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> Made {
         Family::Near | Family::Foreign => near(NEAR[nth % NEAR.len()], draw, size),
         Family::Null => null(NULL[nth % NULL.len()], draw, size),
     };
-    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum();
+    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
     truth.parameters = still.parameters();
     (sub, still, truth)
 }

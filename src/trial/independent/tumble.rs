@@ -218,7 +218,7 @@ pub fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made {
         Family::Near | Family::Foreign => near(sub, draw),
         Family::Null => null(sub, draw),
     };
-    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>();
+    truth.evidence = truth.effects.iter().map(|e| e.evidence).sum::<f64>() + 0.0;
     debug_assert!(family == Family::Null || truth.evidence > SEEN);
     (sub.to_owned(), turned, truth)
 }
