@@ -19,6 +19,7 @@ mod disturbance;
 mod effects;
 mod estimate;
 mod findings;
+mod followed;
 mod jump;
 mod laws;
 mod location;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cause::Cause;
 use super::disturbance::Disturbances;
-use super::shape::Followed;
+use super::followed::Followed;
 use super::spectrum::{self, Bin, Law, Part, Strengths};
 use crate::numerics::cosine;
 use crate::numerics::moments::mean;

@@ -7,7 +7,8 @@
 use super::blocks;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Term};
-use super::profile::{Profiled, profile};
+use super::followed::{Delay, Followed};
+use super::profile::profile;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use crate::numerics::moments::mean_sd;
@@ -25,37 +26,6 @@ const PLAYS: [f64; 2] = [0.01, 0.4];
 const POWERS: [&[i32]; 4] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3]];
 /// Shapes that differ by more than chance, for the correction of a probability.
 const SHAPES: f64 = 10.0;
-
-/// A column and the shape in which it is followed.
-#[derive(Debug, Clone)]
-pub(super) struct Followed {
-    /// Heading.
-    pub(super) column: String,
-    /// How it is delayed.
-    pub(super) delay: Delay,
-    /// What one unit of the curves is in units of the column.
-    pub(super) unit: f64,
-    /// Which power of the column each curve is.
-    pub(super) powers: &'static [i32],
-}
-
-/// How a reading comes after the column.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Delay {
-    /// It does not.
-    None,
-    /// A first-order lag; in samples.
-    Lag(Profiled),
-    /// It moves when the column has moved by the play; half its width, in units of the column.
-    Play(Profiled),
-}
-
-impl Followed {
-    /// At once and along a straight line, in units of the column.
-    pub(super) fn straight(column: &str) -> Self {
-        Self { column: column.into(), delay: Delay::None, unit: 1.0, powers: POWERS[0] }
-    }
-}
 
 /// After a first-order lag of so many samples, settled at the beginning.
 fn lagged(column: &[f64], samples: f64) -> Vec<f64> {

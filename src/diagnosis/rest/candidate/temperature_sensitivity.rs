@@ -5,8 +5,8 @@ use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Curve, Term};
 use crate::diagnosis::rest::estimate::straight;
+use crate::diagnosis::rest::followed::{Delay, Followed};
 use crate::diagnosis::rest::profile::Profiled;
-use crate::diagnosis::rest::shape::{Delay, Followed};
 use crate::diagnosis::verdict::Estimate;
 use crate::numerics::special::chi_squared_above;
 
