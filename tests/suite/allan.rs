@@ -120,7 +120,7 @@ fn command() -> Result<(), Failed> {
     check(said.contains("beside the recording") && said.contains("ax"), said)?;
     for (arguments, said) in [
         (&["--rate-hz", "0"][..], "rate"),
-        (&[], "neither a sampling rate"),
+        (&["--time", "dead"], "repeat the first one"),
         (&["--rate-hz", "10", "--columns", "ay"], "did you mean `ax`?"),
         (&["--rate-hz", "10", "--accelerometer", "ax", "--accelerometer-scale", "3furlong"], "furlong"),
         (&["--rate-hz", "10", "--columns", "ax,ax"], "named twice"),
