@@ -33,6 +33,7 @@ mod search;
 mod selection;
 mod sensor;
 mod shape;
+mod slow;
 mod spectrum;
 mod standing;
 pub mod statement;

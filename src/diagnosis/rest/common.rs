@@ -8,6 +8,7 @@ use super::candidate::MOST_LAWS;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
 use super::selection::Selection;
+use super::slow::is_slow;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use crate::numerics::cosine;
@@ -32,18 +33,6 @@ pub(super) struct Common {
     /// The leader, following the best of its followers.
     pub(super) leader_fit: Fitted,
     pub(super) followers: Vec<Follower>,
-}
-
-/// Whether a term moves over much of the recording.
-pub(super) fn is_slow(term: &Term, channel: &Channel) -> bool {
-    let count = channel.values.len() as f64;
-    match &term.addition {
-        Addition::Law(Law::Walk | Law::Flicker) => true,
-        Addition::Law(Law::Markov(memory)) => *memory > 0.005 * count,
-        Addition::Law(_) => false,
-        Addition::Curves(_) if term.cause == Cause::Jump => false,
-        Addition::Curves(_) => term.cause != Cause::Sinusoid || term.searched * count < 10.0,
-    }
 }
 
 /// Whether a channel drifts in a way that no single curve of the library describes.

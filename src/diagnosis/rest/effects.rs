@@ -3,10 +3,11 @@
 use super::candidate::{Placed, row};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted};
-use super::common::{Common, is_slow};
+use super::common::Common;
 use super::residual::Residual;
 use super::rounding::Counts;
 use super::selection::Selection;
+use super::slow::is_slow;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use super::{describe, estimate};

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
-use super::common::is_slow;
+use super::slow::is_slow;
 use super::standing::CLOSE;
 use crate::diagnosis::remainder::REAL;
 use crate::numerics::cosine;
