@@ -8,6 +8,7 @@
 pub mod answer;
 pub use crate::physics::candidate;
 pub mod consequence;
+pub mod consistency;
 pub mod detection;
 pub mod driven;
 pub mod model;
@@ -52,11 +53,13 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
             Error::new("could not diagnose them together", cause, hint)
         })
     };
-    match model {
-        Model::Driven(model) => driven::diagnose_all(recordings, model, control),
-        Model::Static(model) => rest::diagnose(only()?, model, control),
-        Model::Tumble(model) => tumble::diagnose(only()?, model),
-    }
+    let mut answer = match model {
+        Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
+        Model::Static(model) => rest::diagnose(only()?, model, control)?,
+        Model::Tumble(model) => tumble::diagnose(only()?, model)?,
+    };
+    consistency::settle(&mut answer);
+    Ok(answer)
 }
 
 /// Every candidate of every kind, in the order of each kind's list.

@@ -4,7 +4,7 @@
 use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
-use super::verdict::{Detectable, Effect, Fit, Outcome, Source, StateCell, Stretch, Whiteness};
+use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, Source, StateCell, Stretch, Whiteness};
 use super::{driven, rest, tumble};
 
 /// What a diagnosis found.
@@ -16,6 +16,8 @@ pub struct Answer {
     pub outcome: Outcome,
     /// What was diagnosed.
     pub recording: Source,
+    /// The base model's own numbers, fitted together with the named effects; empty where a kind does not give them.
+    pub base: Vec<Estimate>,
     /// Named effects, strongest first.
     pub effects: Vec<Effect>,
     /// Where the mismatch lives.

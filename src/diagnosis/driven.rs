@@ -12,6 +12,7 @@ pub mod verdict;
 
 use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
+use crate::numerics::moments::mean_sd;
 use crate::numerics::order;
 pub use crate::physics::library::CANDIDATES;
 use crate::physics::library::Term;
@@ -24,6 +25,7 @@ use super::recordings::Recordings;
 
 use identification::fit::{self, Fit};
 use identification::refined_scales::refined;
+use identification::{chaos, start};
 use intake::data::Data;
 use intake::prepare::{Notes, Prepared};
 use intake::several::{self, Taken};
@@ -37,6 +39,9 @@ use verdict::answer::Asked;
 use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::{answer, findings};
+
+/// Part of the reading's power that free simulation of the base model must leave before the response is asked for chaos.
+const MUCH: f64 = 0.05;
 
 /// Diagnoses it.
 ///
@@ -55,7 +60,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: 
     let attempt = || format!("could not diagnose {}", recording.path.display());
     let Taken { prepared, pieces, judging } = several::taken(recordings, model)?;
     let mut course = Course::begin(prepared);
-    let (base, scales) = course.base(model).map_err(|cause| {
+    let (base, scales) = course.base().map_err(|cause| {
         let hint = "check that input and output are the right columns and that the input moves the output";
         Error::new(attempt(), cause, hint)
     })?;
@@ -63,7 +68,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: 
     let conclusion = course.conclude(&selection, &scales);
     let Course { data, notes, .. } = course;
     Ok(answer::answer(
-        &Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns },
+        &Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() },
         &data,
         &scales,
         &selection,
@@ -78,6 +83,8 @@ struct Course {
     data: Data,
     /// What terms are chosen on: the loudest stretch of a long recording, else all of it.
     narrow: Data,
+    /// Hints that can be right.
+    start: model::Start,
     /// Whether the model file named its own test samples.
     own_test: bool,
     /// Samples that were not recorded.
@@ -89,7 +96,7 @@ struct Course {
 
 impl Course {
     fn begin(prepared: Prepared) -> Self {
-        let Prepared { data, own_test, filled, mut notes } = prepared;
+        let Prepared { data, start, own_test, filled, mut notes } = prepared;
         let narrow = stretches::loudest(&data).unwrap_or_else(|| data.clone());
         if narrow.hull != data.hull {
             notes.findings.push(format!(
@@ -99,7 +106,7 @@ impl Course {
             ));
         }
         let budget = narrow.work.budget(Stage::Search, narrow.hull.len());
-        Self { data, narrow, own_test, filled, notes, budget }
+        Self { data, narrow, start, own_test, filled, notes, budget }
     }
 
     /// Whether terms are chosen on all of the recording.
@@ -108,14 +115,44 @@ impl Course {
     }
 
     /// The base model; what was not recorded is bridged by its readings.
-    fn base(&mut self, model: &model::Driven) -> Result<(Fit, Scales), String> {
-        let (base, scales) = base_model::base(&self.narrow, &model.start, &mut self.notes)?;
+    fn base(&mut self) -> Result<(Fit, Scales), String> {
+        let mut notes = self.notes.clone();
+        let free = base_model::base(&self.narrow, &self.start, &mut notes);
+        if let Some(found) = self.chaotic(free.as_ref().ok().map(|f| &f.0)) {
+            return Ok(found);
+        }
+        let (base, scales) = free?;
+        self.notes = notes;
         base_model::bridge(&mut self.narrow, &base, &self.filled);
         if self.is_whole() {
             self.data.reading.clone_from(&self.narrow.reading);
         }
         let scales = refined(&self.narrow, &base, &scales);
         Ok((base, scales))
+    }
+
+    /// The base model in windows, where the response is chaotic and its free simulation therefore leaves much.
+    fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
+        let rows = || self.narrow.train.iter().flat_map(|r| &self.narrow.reading[r.clone()]).copied();
+        let power = mean_sd(&rows().collect::<Vec<f64>>()).1.powi(2);
+        let follows = free.is_some_and(|fit| fit.variance < MUCH * power);
+        if follows || self.notes.broken || !self.filled.is_empty() || !self.data.breaks.is_empty() {
+            return None;
+        }
+        let chaos = chaos::chaos(&self.narrow)?;
+        let mut narrow = self.narrow.clone();
+        chaos.in_windows(&mut narrow, self.own_test);
+        let (base, scales) = start::base_from(&narrow, &chaos.force.base)?;
+        if self.is_whole() {
+            self.data = narrow.clone();
+        } else {
+            chaos.in_windows(&mut self.data, self.own_test);
+        }
+        self.narrow = narrow;
+        let scales = refined(&self.narrow, &base, &scales);
+        let [clause, more] = findings::chaos(&chaos);
+        self.notes.doubt(clause, &more);
+        Some((base, scales))
     }
 
     /// The terms that the recording asks for; searched again where another way of the input between its samples fits better.
@@ -136,12 +173,15 @@ impl Course {
     /// Terms that can be tried on this recording.
     fn candidates(&self, scales: &Scales) -> Vec<Term> {
         let all = Term::tried(self.data.environments, self.data.input.is_some());
-        all.into_iter().filter(|t| !self.notes.broken && !t.starts(scales).is_empty()).collect()
+        // A window begins from a displacement and a velocity: what has states beside them begins unknown each time.
+        let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
+        all.into_iter().filter(|t| !self.notes.broken && begins(t) && !t.starts(scales).is_empty()).collect()
     }
 
     /// The base model fitted to what is rare, where that lies in samples that were to judge: others judge then.
     fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
-        let Some(Fold { train, validation }) = folds::for_the_rare(&self.narrow, &base) else { return base };
+        let rare = if self.narrow.windows.is_some() { None } else { folds::for_the_rare(&self.narrow, &base) };
+        let Some(Fold { train, validation }) = rare else { return base };
         let said = "what stands out lies in samples that were to judge: they are fitted, and others judge";
         self.notes.findings.push(said.to_owned());
         if self.is_whole() {
@@ -156,6 +196,9 @@ impl Course {
 
     /// The base model with the input going another way between its samples, where that fits better than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
+        if self.narrow.windows.is_some() {
+            return None;
+        }
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
         self.notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
         let base = &selection.base.fit;

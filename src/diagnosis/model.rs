@@ -111,6 +111,8 @@ pub struct Driven {
     /// Data rows used, counted from zero after the header; absent means all. One range.
     #[serde(default)]
     pub rows: Ranges,
+    /// Unit of the output, for words, plots and numbers; absent, what its heading ends in.
+    pub unit: Option<String>,
     /// Columns by role.
     pub columns: DrivenColumns,
     /// Hints, which may be off by a factor of two.

@@ -183,8 +183,9 @@ pub struct StateCell {
 pub struct Score {
     /// Base model.
     pub rmse_before: f64,
-    /// With the named effects.
-    pub rmse_after: f64,
+    /// With the named effects; absent where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rmse_after: Option<f64>,
     /// 95 % interval of after / before, block bootstrap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_ci95: Option<[f64; 2]>,
@@ -199,8 +200,9 @@ pub struct RangeScore {
     pub to: usize,
     /// Base model.
     pub rmse_before: f64,
-    /// With the named effects.
-    pub rmse_after: f64,
+    /// With the named effects; absent where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rmse_after: Option<f64>,
 }
 
 /// What a recording is for.
@@ -238,13 +240,27 @@ pub struct LogScore {
     pub after: f64,
 }
 
+/// The noise of a reading, measured apart from every fit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Noise {
+    /// Standard deviation.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// From what.
+    pub how: String,
+}
+
 /// How well it fits.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// Unit of the errors.
     pub unit: String,
-    /// What noise alone leaves.
+    /// What noise alone leaves, by the model that was fitted.
     pub noise_floor: f64,
+    /// The noise of the reading, measured without any model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// On the data fitted.
     pub train: Score,
     /// On the data held out.
@@ -302,6 +318,9 @@ pub struct Verdict {
     pub sentence: String,
     /// What was diagnosed.
     pub recording: Source,
+    /// The base model's own numbers, fitted together with the named effects.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub base: Vec<Estimate>,
     /// Named effects, strongest first.
     pub effects: Vec<Effect>,
     /// Where the mismatch lives.

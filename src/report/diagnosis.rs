@@ -4,6 +4,7 @@
 
 mod driven;
 mod exhibit;
+mod fit;
 mod form;
 mod profile;
 mod rest;
@@ -25,6 +26,7 @@ use super::figure::Figure;
 use super::html::Page;
 use super::table::Table;
 use crate::number::{duration, rounded, significant, with_uncertainty};
+use fit::{base_table, base_words, fit_table, sure};
 
 /// The figures of any kind of diagnosis, no two of one file name.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
@@ -98,8 +100,16 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         page.paragraph(&detectable_words(diagnosis));
         page.table(&detectable_table(&verdict.detectable));
     }
-    page.section("Before and after");
+    page.section(if verdict.effects.is_empty() { "How well it fits" } else { "Before and after" });
     page.table(&fit_table(verdict));
+    if !verdict.base.is_empty() {
+        page.paragraph(if verdict.effects.is_empty() {
+            "The base model's numbers:"
+        } else {
+            "The base model's numbers, fitted together with the named effects:"
+        });
+        page.table(&base_table(verdict));
+    }
     figures(&mut page, exhibits, Part::Improvement);
     page.section("Where it shows");
     page.paragraph(&verdict.location.summary);
@@ -170,7 +180,10 @@ fn answers(diagnosis: &Diagnosis, costs: &[Cost]) -> Vec<(&'static str, String)>
         ("where it shows", verdict.location.summary.clone()),
         ("how sure", sure(verdict)),
     ];
-    if let Some(words) = cost(costs, diagnosis.repair.as_ref()) {
+    if !verdict.base.is_empty() {
+        out.push(("base model", base_words(verdict)));
+    }
+    if let Some(words) = cost(costs, diagnosis.repair.as_ref(), !verdict.effects.is_empty()) {
         out.push(("what it costs", words));
     }
     out.push(("next experiment", verdict.next_experiment.clone()));
@@ -193,26 +206,12 @@ fn recorded(verdict: &Verdict) -> String {
     format!("{samples} samples at {} Hz: {}", rounded(rate_hz, 6), duration(samples as f64 / rate_hz))
 }
 
-/// What held-out data say; noise that no simulation foretells shows in the likelihood alone.
-fn sure(verdict: &Verdict) -> String {
-    let (test, unit) = (&verdict.fit.test, &verdict.fit.unit);
-    let [before, after, floor] =
-        [test.rmse_before, test.rmse_after, verdict.fit.noise_floor].map(|v| significant(v, 3));
-    let gain = match verdict.fit.log_score {
-        Some(score) if !verdict.effects.is_empty() && before == after => format!(
-            "log-likelihood of a held-out sample {} → {} (noise is not foreseen sample by sample, so its error stays at {after} \
-             {unit})",
-            significant(score.before, 4),
-            significant(score.after, 4)
-        ),
-        _ => format!("held-out error {before} → {after} {unit} (noise alone {floor})"),
-    };
-    let worst = verdict.effects.iter().map(|e| e.evidence.p_value).fold(f64::NAN, f64::max);
-    if worst.is_finite() { format!("{gain}; chance of a false name {}", chance(worst)) } else { gain }
-}
-
 /// What the position error is with and without the named physics.
-fn cost(costs: &[Cost], repair: Option<&Repair>) -> Option<String> {
+fn cost(costs: &[Cost], repair: Option<&Repair>, named: bool) -> Option<String> {
+    if !costs.iter().all(|c| c.position_10_s_m.is_finite() && c.position_60_s_m.is_finite()) {
+        return None;
+    }
+    let costs = if named { costs } else { &costs[..costs.len().min(1)] };
     let metres = |c: &Cost| {
         let [ten, sixty] = [c.position_10_s_m, c.position_60_s_m].map(|v| significant(v, 2));
         format!("{ten} m after 10 s and {sixty} m after 60 s")
@@ -332,31 +331,6 @@ fn detectable_table(all: &[Detectable]) -> Table {
             format!("{:.0}", 100.0 * d.hidden_share),
         ]);
     }
-    table
-}
-
-fn fit_table(verdict: &Verdict) -> Table {
-    let fit = &verdict.fit;
-    let mut table =
-        Table::new(&[&format!("root-mean-square error, {}", fit.unit), "base model", "with the named physics"]);
-    for (name, score) in [("fitted data", &fit.train), ("held-out data", &fit.test)] {
-        table.row([name.to_owned(), significant(score.rmse_before, 3), significant(score.rmse_after, 3)]);
-    }
-    for r in &fit.test_ranges {
-        let name = format!("held-out samples {} to {}", r.from, r.to);
-        table.row([name, significant(r.rmse_before, 3), significant(r.rmse_after, 3)]);
-    }
-    if let Some([before, after]) = fit.one_step_rmse {
-        table.row(["held-out data, one step ahead".to_owned(), significant(before, 3), significant(after, 3)]);
-    }
-    if let Some(score) = fit.log_score {
-        table.row([
-            "log-likelihood per held-out sample".to_owned(),
-            significant(score.before, 4),
-            significant(score.after, 4),
-        ]);
-    }
-    table.row(["noise alone".to_owned(), significant(fit.noise_floor, 3), String::new()]);
     table
 }
 

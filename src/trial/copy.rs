@@ -186,6 +186,7 @@ mod tests {
         let (input, output) = (Some("force".into()), "reading".into());
         model::Driven {
             topic: None,
+            unit: None,
             rate_hz: Some(200.0),
             rows: Vec::new(),
             columns: DrivenColumns { time: None, input, output, environment: Vec::new() },

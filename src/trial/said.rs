@@ -112,7 +112,7 @@ impl Said {
             outcome: verdict.verdict.into(),
             groups,
             numbers,
-            rmse: [test.rmse_before, test.rmse_after, verdict.fit.noise_floor],
+            rmse: [test.rmse_before, test.rmse_after.unwrap_or(test.rmse_before), verdict.fit.noise_floor],
             seconds,
             words: verdict.sentence.clone(),
         }

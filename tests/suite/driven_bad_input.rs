@@ -106,31 +106,6 @@ fn refused() -> Result<(), Failed> {
             "overlap in 500 samples",
         ),
         (
-            "a hint above half the rate",
-            good.clone(),
-            format!("{MODEL}[start]\nresonance_hz = 300.0\n"),
-            "half the sampling",
-        ),
-        ("a hint that is no frequency", good.clone(), format!("{MODEL}[start]\nresonance_hz = -40.0\n"), "-40 Hz"),
-        (
-            "a hint that is no damping",
-            good.clone(),
-            format!("{MODEL}[start]\ndamping_ratio = 0.0\n"),
-            "damping ratio of 0",
-        ),
-        (
-            "a hint of a damping that nothing has",
-            good.clone(),
-            format!("{MODEL}[start]\ndamping_ratio = 1e300\n"),
-            "need a damping ratio from 1.00×10⁻⁵ to 30.0, got 1e300",
-        ),
-        (
-            "a hint that would not turn once",
-            good.clone(),
-            format!("{MODEL}[start]\nresonance_hz = 1e-300\n"),
-            "got 1e-300 Hz",
-        ),
-        (
             "a split that fits ten samples",
             good.clone(),
             format!("{MODEL}[split]\ntrain = [[0, 10]]\ntest = [[1500, 3000]]\n"),
@@ -187,6 +162,26 @@ fn survived() -> Result<(), Failed> {
         ("a row lost, no clock", csv(&dropped), MODEL.to_owned(), "jumps in row 1"),
         ("a stray reading", edited(|n, r| r[2] *= if n == 1000 { 1e6 } else { 1.0 }), MODEL.to_owned(), "row 1000"),
         ("a dead input", edited(|_, r| r[1] = 1.0), MODEL.to_owned(), "never changes"),
+        (
+            "a hint above half the rate",
+            csv(&rows()),
+            format!("{MODEL}[start]\nresonance_hz = 300.0\n"),
+            "half the sampling",
+        ),
+        ("a hint that is no frequency", csv(&rows()), format!("{MODEL}[start]\nresonance_hz = -40.0\n"), "-40 Hz"),
+        ("a hint that is no damping", csv(&rows()), format!("{MODEL}[start]\ndamping_ratio = 0.0\n"), "ratio of 0e0"),
+        (
+            "a hint of a damping that nothing has",
+            csv(&rows()),
+            format!("{MODEL}[start]\ndamping_ratio = 1e300\n"),
+            "ratio of 1e300",
+        ),
+        (
+            "a hint that would not turn once",
+            csv(&rows()),
+            format!("{MODEL}[start]\nresonance_hz = 1e-300\n"),
+            "1e-300 Hz would not turn",
+        ),
         ("a hint in kHz", csv(&rows()), format!("{MODEL}[start]\nresonance_hz = 0.04\n"), "far from the hint"),
         (
             "a resonance above half the rate",

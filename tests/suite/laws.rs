@@ -122,6 +122,7 @@ fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
         train: vec![inner],
         validation: Vec::new(),
         test: Vec::new(),
+        windows: None,
         work: Default::default(),
     }
 }

@@ -58,6 +58,7 @@ fn data(interpolation: Interpolation) -> Data {
         train: vec![24..700, 900..samples - 24],
         validation: vec![700..800, 800..900],
         test: Vec::new(),
+        windows: None,
         work: Default::default(),
     }
 }

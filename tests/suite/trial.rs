@@ -125,18 +125,20 @@ fn controls() -> Result<(), Failed> {
 }
 
 fn adequate(files: &Files) -> Verdict {
-    let score = verdict::Score { rmse_before: 1.0, rmse_after: 1.0, ratio_ci95: None };
+    let score = verdict::Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None };
     Verdict {
         schema: verdict::SCHEMA,
         kind: Kind::Driven,
         verdict: verdict::Outcome::Adequate,
         sentence: "Nothing is missing.".into(),
         recording: verdict::Source::of(&Recording { path: files.recording.clone(), ..Recording::default() }),
+        base: Vec::new(),
         effects: Vec::new(),
         location: verdict::Where::default(),
         fit: verdict::Fit {
             unit: "y".into(),
             noise_floor: 1.0,
+            noise: None,
             train: score,
             test: score,
             test_ranges: Vec::new(),

@@ -1,5 +1,6 @@
 //! A model's parameters: where to begin, the fit, how sure it is, and whether another minimum lies deeper.
 
+pub mod chaos;
 pub mod fit;
 pub mod interval;
 pub mod local_minima;

@@ -6,6 +6,7 @@ pub mod earned;
 pub mod folds;
 pub mod forms;
 pub mod held_out;
+pub mod identifiability;
 pub mod judged;
 pub mod lattice;
 pub mod noise_character;

@@ -2,7 +2,9 @@
 
 pub mod filter;
 mod gain;
+mod once;
 mod propagator;
+pub mod restarted;
 pub mod run;
 pub mod shape;
 mod step;

@@ -9,5 +9,6 @@ mod effects;
 pub mod findings;
 pub mod form;
 mod isolation;
+mod noise_words;
 mod sensor;
 pub mod surface;

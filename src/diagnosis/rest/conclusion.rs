@@ -285,6 +285,7 @@ impl<'a> Draft<'a> {
             ranking: ranking(channels, self.selected, &self.effects),
             repair: sensor::repair(channels, &self.finals, &self.effects, self.model),
             detail: answer::Detail::Static(Box::new(of_static)),
+            base: Vec::new(),
             effects,
             findings: self.findings,
         }
@@ -312,7 +313,7 @@ fn fit(channels: &[Channel], selected: &[Selection], finals: &[Fitted], before: 
     // Each part is half of the recording.
     let part = |part: usize| Score {
         rmse_before: power(&|i| 2.0 * squares[i][part][0]),
-        rmse_after: power(&|i| 2.0 * squares[i][part][1]),
+        rmse_after: Some(power(&|i| 2.0 * squares[i][part][1])),
         ratio_ci95: None,
     };
     let scale: f64 = channels.iter().map(|c| c.values.len() as f64 * c.scale.ln()).sum();
@@ -324,6 +325,7 @@ fn fit(channels: &[Channel], selected: &[Selection], finals: &[Fitted], before: 
     Fit {
         unit: unit.into(),
         noise_floor,
+        noise: None,
         train: part(0),
         test: part(1),
         test_ranges: Vec::new(),

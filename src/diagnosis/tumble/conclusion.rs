@@ -59,6 +59,7 @@ impl Case<'_> {
             kind: Kind::Tumble,
             outcome: rule(&evidence(&selection, &residual, self.ratio_interval(&selection)[0])),
             recording: Source::of(self.recording),
+            base: Vec::new(),
             effects,
             places,
             fit: self.fit(&selection),
@@ -72,11 +73,13 @@ impl Case<'_> {
 
     fn fit(&self, selection: &Selection) -> FitScore {
         let both = [&selection.base, &selection.chosen];
-        let score = |[rmse_before, rmse_after]: [f64; 2], ratio_ci95| Score { rmse_before, rmse_after, ratio_ci95 };
+        let score =
+            |[rmse_before, after]: [f64; 2], ratio_ci95| Score { rmse_before, rmse_after: Some(after), ratio_ci95 };
         let fitted = both.map(|f| (f.rows.residual.norm_squared() / f.rows.pose.len() as f64).sqrt());
         FitScore {
             unit: "times the noise of a pose".into(),
             noise_floor: 1.0,
+            noise: None,
             train: score(fitted, None),
             test_ranges: Vec::new(),
             recordings: Vec::new(),

@@ -39,8 +39,20 @@ struct Said {
 pub fn worded(answer: Answer) -> Diagnosis {
     let said = said(&answer);
     let detectable = answer.detail.detectable().to_vec();
-    let Answer { kind, outcome, recording, effects, places, fit, residual_after, findings, ranking, repair, detail } =
-        answer;
+    let Answer {
+        kind,
+        outcome,
+        recording,
+        base,
+        effects,
+        places,
+        fit,
+        residual_after,
+        findings,
+        ranking,
+        repair,
+        detail,
+    } = answer;
     let mut findings = findings;
     if let Detail::Static(detail) = &detail {
         findings.extend(rest::statements(&detail.statements, &detail.unit));
@@ -51,6 +63,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
         verdict: outcome,
         sentence: said.sentence,
         recording,
+        base,
         effects,
         location: Where {
             summary: said.place,
@@ -72,7 +85,7 @@ fn said(answer: &Answer) -> Said {
     match &answer.detail {
         Detail::Driven(detail) => Said {
             sentence: driven::sentence(answer, detail),
-            place: detail.account.place.clone(),
+            place: driven::place(answer, &detail.account),
             next_experiment: driven::next_experiment(answer, &detail.account),
         },
         Detail::Static(detail) => {

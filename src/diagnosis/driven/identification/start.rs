@@ -4,7 +4,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnosis::driven::base::BASE;
+use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::alignment::{Alignment, align};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::shape::Shape;
@@ -98,6 +98,19 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     };
     let found: Vec<Option<(Fit, Scales)>> = parallel::map(&places, begin);
     found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
+}
+
+/// Fits the base model from one place; with the sizes that follow from it.
+pub fn base_from(data: &Data, point: &[f64]) -> Option<(Fit, Scales)> {
+    let mut scales = first_scales(data);
+    let sized = |scales: &mut Scales, point: &[f64]| {
+        (scales.omega_rad_s, scales.zeta) = (point[OMEGA], point[ZETA]);
+        scales.gain = if data.input.is_some() { point[GAIN] } else { 1.0 };
+    };
+    sized(&mut scales, point);
+    let found = fit(data, &Shape::new(&[]), point, &scales, 25)?;
+    sized(&mut scales, &found.point);
+    Some((found, scales))
 }
 
 fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {

@@ -1,8 +1,10 @@
 //! The recording as simulations and fits see it: reading, input, environment, and what each sample is for.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::input::Input;
+use super::windows::Windows;
 use super::work::Work;
 
 /// The recording, as fits see it.
@@ -28,6 +30,8 @@ pub struct Data {
     pub validation: Vec<Range<usize>>,
     /// Samples that judge the model chosen, inside or outside the hull.
     pub test: Vec<Range<usize>>,
+    /// Where simulations are begun anew, where the response is chaotic.
+    pub windows: Option<Arc<Windows>>,
     /// What has been computed on it so far.
     pub work: Work,
 }

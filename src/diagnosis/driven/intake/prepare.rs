@@ -15,6 +15,7 @@ use super::alignment::{self, align};
 use super::data::Data;
 use super::defects;
 use super::input::{Input, Interpolation, REACH};
+use super::lines;
 use super::stretches::{Stretches, interleaved, merged, minus, sorted};
 use super::work::Work;
 
@@ -33,6 +34,8 @@ const LARGEST: f64 = 1e100;
 pub struct Prepared {
     /// The data.
     pub data: Data,
+    /// Hints that can be right.
+    pub start: model::Start,
     /// Whether the model file named its own test samples.
     pub own_test: bool,
     /// Samples that were not recorded.
@@ -79,10 +82,10 @@ impl Notes {
 ///
 /// # Errors
 /// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
-/// the recording or in both train and test, hints that no oscillator in this recording can have.
+/// the recording or in both train and test.
 pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
     let mut notes = Notes { findings: recording.sentences(), ..Notes::default() };
-    hints(recording, &model.start)?;
+    let start = hints(recording, &model.start, &mut notes.findings);
     let mut reading = column(recording, &model.columns.output)?.to_vec();
     let samples = reading.len();
     if samples < FEWEST + 2 * REACH {
@@ -160,6 +163,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         train: fitted,
         validation,
         test,
+        windows: None,
         work: Work::default(),
     };
     if data.train_len() < FEWEST / 2 {
@@ -169,46 +173,32 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
             "widen [split] train",
         ));
     }
-    Ok(Prepared { data, own_test, filled, notes })
+    Ok(Prepared { data, start, own_test, filled, notes })
 }
 
-/// Hints must be such that this recording could show them.
-fn hints(recording: &Recording, start: &model::Start) -> Result<()> {
+/// Hints that this recording could show; what could not be is said and left out.
+fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>) -> model::Start {
     let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
-    let refuse = |cause: String, hint: &str| {
-        let attempt = format!("could not use [start] for {}", recording.path.display());
-        Err(Error::new(attempt, cause, hint))
-    };
-    match start.resonance_hz {
-        Some(hz) if !(hz > 0.0 && hz.is_finite()) => {
-            return refuse(format!("a resonance of {hz} Hz"), "a frequency in Hz, e.g. 68.0, or no hint at all");
-        }
-        Some(hz) if hz >= half_hz => {
-            return refuse(
-                format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)),
-                "such a resonance cannot be seen in this recording: record faster than twice the resonance, or correct the \
-                 hint or the rate",
-            );
-        }
-        Some(hz) if hz < slowest_hz => {
-            return refuse(
-                format!("need a resonance of at least {} Hz at this sampling rate, got {hz:e} Hz", short(slowest_hz)),
-                "such a resonance would not turn once in this recording: correct the hint or the rate, or give no hint",
-            );
-        }
-        _ => {}
-    }
     let [least, most] = ZETAS;
-    match start.damping_ratio {
-        Some(zeta) if !(zeta > 0.0 && zeta.is_finite()) => {
-            refuse(format!("a damping ratio of {zeta}"), "a positive number: 0.05 is lively, 0.7 well damped")
+    let mut ignore = |cause: String| findings.push(format!("[start] is not used where it cannot be right: {cause}"));
+    let resonance_hz = start.resonance_hz.filter(|hz| {
+        if !(*hz > 0.0 && hz.is_finite()) {
+            ignore(format!("a resonance of {hz} Hz is no frequency"));
+        } else if *hz >= half_hz {
+            ignore(format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)));
+        } else if *hz < slowest_hz {
+            ignore(format!("a resonance of {hz:e} Hz would not turn once in this recording"));
         }
-        Some(zeta) if !(least..=most).contains(&zeta) => refuse(
-            format!("need a damping ratio from {} to {}, got {zeta:e}", short(least), short(most)),
-            "0.05 is lively, 0.7 well damped; leave the hint out where nothing is known",
-        ),
-        _ => Ok(()),
-    }
+        *hz >= slowest_hz && *hz < half_hz
+    });
+    let damping_ratio = start.damping_ratio.filter(|zeta| {
+        let can_be = zeta.is_finite() && (least..=most).contains(zeta);
+        if !can_be {
+            ignore(format!("a damping ratio of {zeta:e}; 0.05 is lively, 0.7 well damped"));
+        }
+        can_be
+    });
+    model::Start { resonance_hz, damping_ratio }
 }
 
 /// Whether input and output belong together as they stand; an input that is far early or late is moved.
@@ -233,6 +223,9 @@ fn together(
             ": a column that changed its unit or range? No candidate was tried: cut the recording there, or correct the column",
         );
         notes.broken = true;
+    }
+    if lines::are_all(&input[ends.clone()]) {
+        return Ok(());
     }
     let Some(forward) = align(input, reading, ends) else { return Ok(()) };
     if forward.left > 0.2

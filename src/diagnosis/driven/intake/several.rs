@@ -120,6 +120,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
         train: all.train,
         validation: all.validation,
         test: all.test,
+        windows: None,
         work: first.work.clone(),
     };
     let names =
@@ -130,7 +131,8 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     }
     said += "; times count through the recordings in this order";
     all.notes.findings.insert(0, said);
-    let prepared = Prepared { data, own_test, filled: all.filled, notes: all.notes };
+    let start = parts[0].prepared.start;
+    let prepared = Prepared { data, start, own_test, filled: all.filled, notes: all.notes };
     Ok(Taken { prepared, pieces, judging: Vec::new() })
 }
 

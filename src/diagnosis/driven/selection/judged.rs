@@ -6,6 +6,7 @@ use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 
 use super::held_out::{Comparison, HeldOut, held_out};
+use super::identifiability::Reach;
 
 /// A model with its record.
 #[derive(Debug, Clone)]
@@ -77,6 +78,8 @@ pub struct Selection {
     pub departing: Option<Departing>,
     /// Whether the search ended because its work was spent, with structure left.
     pub cut_short: bool,
+    /// What the input and the length of the recording leave undetermined.
+    pub reach: Reach,
     /// Whether some of those candidates were not tried because the work for it was spent.
     pub rivals_left_out: bool,
 }

@@ -7,6 +7,7 @@ use crate::diagnosis::driven::identification::start_search::StartSearch;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
+use crate::diagnosis::driven::simulation::shape::Shape;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
 use crate::parallel;
@@ -120,15 +121,15 @@ pub fn round(
         let (term, promised, starts) = &promised[i];
         let nothing = Comparison { gain: 0.0, ci95: [-1.0, 1.0], p_value: 1.0 };
         let mut trial = Trial { term: *term, promised: *promised, judged: None, comparison: nothing };
-        if !worth[i] || control.cancelled() {
+        let known = starts.first().and_then(|start| known(data, model.fit.with(*term, start).0));
+        if !(worth[i] || known.is_some()) || control.cancelled() {
             return trial;
         }
         let best = starts
             .iter()
-            .filter_map(|start| {
-                let (shape, point) = model.fit.with(*term, start);
-                fit(data, &shape, &point, scales, HEAT)
-            })
+            .map(|start| model.fit.with(*term, start))
+            .chain(known)
+            .filter_map(|(shape, point)| fit(data, &shape, &point, scales, HEAT))
             .min_by(|a, b| a.variance.total_cmp(&b.variance));
         trial.judged = best.map(|found| judge(data, found, scales));
         trial
@@ -148,6 +149,22 @@ pub fn round(
     control.go_on()?;
     by_score(&mut trials);
     Ok(trials)
+}
+
+/// A model of springs alone where a force that describes a chaotic motion puts it: its misfit over the linear base has other
+/// minima.
+fn known(data: &Data, shape: Shape) -> Option<(Shape, Vec<f64>)> {
+    let force = &data.windows.as_ref()?.force;
+    let mut point = vec![0.0; shape.parameters];
+    point.get_mut(..force.base.len())?.copy_from_slice(&force.base);
+    for (term, first) in shape.terms.iter().zip(&shape.first) {
+        point[*first] = match term {
+            Term::CubicStiffness(_) => force.cubic,
+            Term::QuadraticStiffness(_) => force.quadratic,
+            _ => return None,
+        };
+    }
+    Some((shape, point))
 }
 
 /// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises more than any law of motion

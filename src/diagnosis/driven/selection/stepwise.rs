@@ -10,6 +10,7 @@ use crate::physics::scales::Scales;
 
 use super::earned::{earned, pruned};
 use super::forms;
+use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
 use super::residual_structure::left;
 use super::rivals::{Look, TIE};
@@ -44,7 +45,8 @@ pub fn search(
     let progress = control.stage("candidates", MOST_TERMS as u64);
     let tried = candidates.len();
     let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
-    let mut way = steps.forward(base.clone(), candidates)?;
+    let reach = Reach::of(data, &base.fit);
+    let mut way = steps.first_way(&base, candidates, &reach)?;
     let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
     if way.chosen.fit.shape.is_noisy() && way.left > DONE && !nearly_done && !way.cut_short {
         let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
@@ -77,6 +79,7 @@ pub fn search(
         tried,
         rivals: Vec::new(),
         departing: None,
+        reach,
         cut_short,
         rivals_left_out: false,
     };
@@ -84,7 +87,10 @@ pub fn search(
         look.settle(&mut selection)?;
     }
     selection.rivals_left_out = look.left_out;
-    forms::settle(data, &mut selection, scales, data.work.budget(Stage::Forms, data.hull.len()));
+    // In windows a form has too little of the motion at a time.
+    if data.windows.is_none() {
+        forms::settle(data, &mut selection, scales, data.work.budget(Stage::Forms, data.hull.len()));
+    }
     Ok(selection)
 }
 
@@ -111,6 +117,21 @@ struct Way {
 }
 
 impl Stepwise<'_> {
+    /// The way from the base model. Where the input tells nothing linear apart, a linear law takes up whatever is left, and so
+    /// beside others it says nothing: then the way without any is tried as well.
+    fn first_way(&mut self, base: &Judged, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
+        let way = self.forward(base.clone(), candidates)?;
+        let terms = &way.chosen.fit.shape.terms;
+        let alone = terms.len() == 1 && way.left <= DONE;
+        if !reach.tells_nothing_linear_apart() || alone || way.cut_short || !terms.iter().any(is_linear) {
+            return Ok(way);
+        }
+        let others: Vec<Term> = candidates.iter().copied().filter(|t| !is_linear(t) && t.noise().is_none()).collect();
+        let other = self.forward(base.clone(), &others)?;
+        let does = !other.cut_short && !other.chosen.fit.shape.terms.is_empty() && other.left <= way.left.max(DONE);
+        Ok(if does { other } else { way })
+    }
+
     /// As far as these candidates lead.
     fn forward(&mut self, from: Judged, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short) = (self.data, from, false);

@@ -1,91 +1,22 @@
-//! A model run over part of a recording: its innovations at some points, and the states passed through.
+//! A model run over part of a recording: its innovations at some points, and the states passed through; in one piece, or in
+//! windows where the response is chaotic.
 
-use std::ops::Range;
-
-use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::intake::input::Input;
-use crate::physics::state::{BaseLanes, LANES, Lanes};
+use crate::physics::state::Lanes;
 
-use super::filter::{Beginning, Keep, Pass, States};
+use super::filter::{Keep, States};
+pub use super::once::Run;
+use super::once::{beginnings, once};
+use super::restarted;
 use super::shape::Shape;
-use super::step::Parts;
 
-/// How a run is evaluated.
-#[derive(Debug, Clone)]
-pub struct Run {
-    /// Samples.
-    pub range: Range<usize>,
-    /// Integration steps per sample.
-    pub steps: usize,
-    /// Whether readings correct the state.
-    pub corrected: bool,
-}
-
-/// Innovations at up to [`LANES`] points.
+/// Innovations at up to [`LANES`](crate::physics::state::LANES) points.
 pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run: &Run, keep: &mut K) -> Vec<Lanes> {
     data.work.add(run.range.len() * run.steps);
-    let lane = |index: usize| {
-        let mut lanes = [0.0; LANES];
-        for (l, value) in lanes.iter_mut().enumerate() {
-            *value = points[l.min(points.len() - 1)][index];
-        }
-        lanes
-    };
-    let (omega, zeta) = (lane(OMEGA), lane(ZETA));
-    let mut base = BaseLanes { gain: lane(GAIN), stiffness: [0.0; LANES], damping: [0.0; LANES] };
-    for l in 0..LANES {
-        base.stiffness[l] = omega[l] * omega[l];
-        base.damping[l] = 2.0 * zeta[l] * omega[l];
+    match &data.windows {
+        Some(windows) if !shape.is_noisy() => restarted::innovations(data, shape, points, run, windows, keep),
+        _ => once(data, shape, points, run, beginnings(data, shape, points, run), keep),
     }
-    let parameters: Vec<Lanes> = (BASE..shape.parameters).map(lane).collect();
-    let first: Vec<usize> = shape.first.iter().map(|f| f - BASE).collect();
-    let gains = (run.corrected && shape.is_noisy()).then(|| {
-        let mut gains = [[0.0; LANES]; 4];
-        for l in 0..LANES {
-            let gain = shape.gain(&points[l.min(points.len() - 1)], data.interval_s());
-            for (g, k) in gains.iter_mut().zip(gain.k) {
-                g[l] = k;
-            }
-        }
-        gains
-    });
-    let pass = Pass {
-        run: run.range.clone(),
-        reading: &data.reading,
-        grid: data.input.as_ref().map_or(&[], |i| i.grid(run.steps)),
-        grid_end: data.input.as_ref().map_or(0, Input::end),
-        environment: &data.environment,
-        environments: data.environments,
-        parts: Parts {
-            base,
-            oscillator: [omega, zeta],
-            terms: &shape.terms,
-            parameters: &parameters,
-            first: &first,
-            interval_s: data.interval_s(),
-            steps: run.steps,
-        },
-        beginnings: beginnings(data, shape, run, lane),
-        gains,
-    };
-    pass.innovations(keep)
-}
-
-/// Where the run begins, by the first recording's parameters wherever that is, and where within it further recordings do.
-fn beginnings(data: &Data, shape: &Shape, run: &Run, lane: impl Fn(usize) -> Lanes) -> Vec<Beginning> {
-    let at = |sample: usize, recording: usize| {
-        let initial = shape.initial(recording);
-        Beginning {
-            sample,
-            recording,
-            offset: lane(shape.offset(recording)),
-            initial: [lane(initial), lane(initial + 1)],
-        }
-    };
-    let further = data.breaks.iter().enumerate().take(shape.further).map(|(i, sample)| (*sample, i + 1));
-    let within = further.filter(|(sample, _)| run.range.start < *sample && *sample < run.range.end);
-    std::iter::once((run.range.start, 0)).chain(within).map(|(sample, recording)| at(sample, recording)).collect()
 }
 
 /// Innovations at one point, with the states that were passed through.

@@ -9,6 +9,7 @@ use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::profile;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::reading_noise::{ReadingNoise, Sample, reading_noise};
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::diagnosis::driven::selection::held_out::{Block, HeldOut, at_rest, ratio_interval, settled};
 use crate::diagnosis::driven::selection::judged::Selection;
@@ -17,8 +18,9 @@ use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{
-    Fit as Fitted, Form, LogScore, Outcome, RangeScore, RecordingScore, Role, Score, Source,
+    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingScore, Role, Score, Source,
 };
+use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
 use crate::physics::scales::Scales;
 use crate::recording::Recording;
@@ -31,6 +33,7 @@ use super::effects::{self, Channels};
 use super::findings;
 use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
+use super::noise_words::how;
 use super::sensor::repair;
 use super::surface::{Motion, Surface, surface};
 
@@ -52,6 +55,8 @@ pub struct Asked<'a> {
     pub judging: &'a [[usize; 2]],
     /// Columns by role.
     pub columns: &'a model::DrivenColumns,
+    /// Unit of the output, where the model file states it.
+    pub unit: Option<&'a str>,
 }
 
 /// Everything a diagnosis gives away.
@@ -63,9 +68,9 @@ pub fn answer(
     c: &Conclusion,
     notes: Notes,
 ) -> Answer {
-    let Asked { recording, pieces, judging, columns } = *asked;
+    let Asked { recording, pieces, judging, columns, unit } = *asked;
     let output = columns.output.clone();
-    let output_unit = effects::unit_of(&output, "output unit");
+    let output_unit = unit.map_or_else(|| effects::unit_of(&output, "output unit"), str::to_owned);
     let input_unit = columns.input.as_deref().map_or_else(String::new, |i| effects::unit_of(i, "input unit"));
     let channels = Channels { output: output.clone(), output_unit: output_unit.clone(), input_unit };
     let forms = forms(data, c, scales);
@@ -81,27 +86,36 @@ pub fn answer(
     let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
     let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
     let errors = [before.as_slice(), after.as_slice()];
-    let (places, place) = located(data, errors, &states.x, &surfaces[0], &output_unit);
+    let noise = reading_noise(&Sample::of(data));
+    let (places, place, at_noise) = located(data, errors, noise, &states.x, &surfaces[0], &output_unit);
     let Notes { mut findings, doubts, .. } = notes;
     findings.extend(doubtful(c));
     findings.extend(findings::noise(&c.noise, data.rate_hz));
+    findings.extend(findings::reach(&selection.reach));
     // What would have been seen is only known where what is left is noise.
     let silent = named.is_empty() && matches!(c.outcome, Outcome::Adequate | Outcome::Undecidable);
     let limits = if silent { seen(data, c, selection, scales, &channels) } else { Limits::default() };
     let account = Account {
         place,
+        at_noise,
         doubts,
         has_input: data.input.is_some(),
         predictable: c.after.share,
         is_structured: c.after.share >= WHITE,
         detectable_share: c.after.detectable_share,
         series: c.series,
+        lines_hz: selection.reach.lines_hz.clone(),
+        is_linear_class: !selection.reach.class(&c.model.fit.shape.terms).is_empty(),
+        few_cycles: selection.reach.few_cycles,
+        resonance_hz: c.base.fit.point[OMEGA] / std::f64::consts::TAU,
     };
     let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);
     findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
     findings.extend(profiles.iter().filter_map(profile::Profile::finding));
     let recordings = recording_scores(data, c, pieces, errors);
-    let fit = Fitted { recordings, ..scores(data, c, errors, judging, &output_unit) };
+    let noise = noise.map(|n| Noise { value: n.deviation, unit: output_unit.clone(), how: how(n.how) });
+    let fit = Fitted { recordings, noise, ..scores(data, c, errors, judging, &output_unit) };
+    let base = effects::base(c, scales, &channels);
     let detail = Detail {
         profiles,
         forms: forms.into_iter().map(|(index, form)| (c.model.fit.shape.terms[index].id(), form)).collect(),
@@ -127,6 +141,7 @@ pub fn answer(
         kind: Kind::Driven,
         outcome: c.outcome,
         recording: Source::of(recording),
+        base,
         effects: named,
         places,
         fit,
@@ -160,16 +175,18 @@ fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
 fn located(
     data: &Data,
     [before, after]: [&[f64]; 2],
+    noise: Option<ReadingNoise>,
     state: &[f64],
     surface: &Surface,
     unit: &str,
-) -> (Places, String) {
-    let compared = Compared { error: before, noise: after, state, rate_hz: data.rate_hz, unit };
-    let (places, mut words) = locate(&compared, data.hull.start);
+) -> (Places, String, bool) {
+    let noise = noise.map_or_else(|| moments::rms(after.iter().copied()), |n| n.deviation);
+    let compared = Compared { error: before, noise, state, rate_hz: data.rate_hz, unit };
+    let (places, mut words, at_noise) = locate(&compared, data.hull.start);
     if let Some(of_surface) = surface.words() {
         words += &format!("; {of_surface}");
     }
-    (Places { state_cells: surface.strongest(CELLS_SHOWN), ..places }, words)
+    (Places { state_cells: surface.strongest(CELLS_SHOWN), ..places }, words, at_noise)
 }
 
 /// What was dropped and why, and which names rest on fitted samples alone.
@@ -202,10 +219,11 @@ fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[us
     Fitted {
         unit: unit.to_owned(),
         noise_floor: effects::noise_floor(data, &c.model.fit),
-        train: Score { rmse_before: rmse(before), rmse_after: rmse(after), ratio_ci95: None },
+        noise: None,
+        train: Score { rmse_before: rmse(before), rmse_after: Some(rmse(after)), ratio_ci95: None },
         test: Score {
             rmse_before: c.base.held_out.free().sqrt(),
-            rmse_after: c.model.held_out.free().sqrt(),
+            rmse_after: Some(c.model.held_out.free().sqrt()),
             ratio_ci95: Some(ratio_interval(&c.base.held_out, &c.model.held_out)),
         },
         test_ranges: range_scores(test, &c.base.held_out, &c.model.held_out),
@@ -225,7 +243,7 @@ fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec
     }
     let score = |&[from, to]: &[usize; 2]| {
         let ((rmse_before, _), (rmse_after, _)) = within(before, &(from..to)).zip(within(after, &(from..to)))?;
-        Some(RangeScore { from, to, rmse_before, rmse_after })
+        Some(RangeScore { from, to, rmse_before, rmse_after: Some(rmse_after) })
     };
     ranges.iter().filter_map(score).collect()
 }

@@ -389,13 +389,25 @@ impl<'a> Draft<'a> {
         Some(found)
     }
 
+    /// Named terms in whose place another does as well, in this recording or in any with this input.
+    fn tied(&self) -> usize {
+        let class = self.selection.reach.class(&self.model.fit.shape.terms);
+        let in_class = |n: &Named| class.contains(&self.term(n.index).id());
+        self.named.iter().filter(|n| !n.rivals.is_empty() || in_class(n)).count()
+    }
+
+    /// Whether the recording is long enough for the base model, where anything is named beside it.
+    fn is_base_determined(&self) -> bool {
+        self.selection.reach.few_cycles.is_none() || self.named.is_empty()
+    }
+
     /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the final model.
     fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
         let (model, base) = (&self.model, &self.base);
         Evidence {
             named: self.named.len() + usize::from(rounded),
             departs: self.departing.is_some(),
-            tied: self.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+            tied: self.tied(),
             stand_ins,
             // A base model whose error goes only with terms that earn no name is not adequate.
             nameless: self.removed(),
@@ -407,7 +419,7 @@ impl<'a> Draft<'a> {
             predicts_worse: model.held_out.free() > base.held_out.free()
                 && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
-            base_determined: true,
+            base_determined: self.is_base_determined(),
         }
     }
 

@@ -55,6 +55,8 @@ pub struct Detail {
 pub struct Account {
     /// Where the mismatch lives, in a sentence.
     pub place: String,
+    /// Whether the power of the base model's error is that of the noise.
+    pub at_noise: bool,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,
     /// Whether it was driven; else it is a free ring-down.
@@ -65,6 +67,14 @@ pub struct Account {
     pub is_structured: bool,
     /// Smallest such fraction that would have been seen.
     pub detectable_share: f64,
+    /// Frequencies of the input's lines, Hz, where they are few.
+    pub lines_hz: Vec<f64>,
+    /// Whether they tell nothing linear apart.
+    pub is_linear_class: bool,
+    /// Cycles of the resonance in the recording, where they are too few.
+    pub few_cycles: Option<f64>,
+    /// The resonance, Hz.
+    pub resonance_hz: f64,
     /// Why terms that each earn a place got no name together, where they did not.
     pub series: Option<Series>,
 }

@@ -1,11 +1,13 @@
 //! A conclusion in public numbers: named effects with their intervals in the recording's own units, and every candidate's
 //! standing.
 
+use crate::diagnosis::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
+use crate::diagnosis::driven::simulation::shape::coordinates;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form};
@@ -67,6 +69,35 @@ pub fn noise_floor(data: &Data, fit: &Fit) -> f64 {
     variance.sqrt()
 }
 
+/// The base model's own numbers, as fitted together with the terms: ω₀, ζ, the gain of a driven recording, the offset.
+pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimate> {
+    let fit = &c.model.fit;
+    let coordinates = coordinates(&fit.shape, scales);
+    let rows = [("omega0", OMEGA, "rad/s"), ("zeta", ZETA, "1"), ("gain", GAIN, "y/(u s^2)"), ("offset", OFFSET, "y")];
+    let known = |(name, place, pattern): (&str, usize, &str)| {
+        let index = fit.free.iter().position(|f| *f == place)?;
+        let reach = c.spread.reach.get(index).copied()?;
+        let value = fit.point[place];
+        Some(Estimate {
+            name: name.to_owned(),
+            value,
+            unit: unit(pattern, channels),
+            ci95: interval_about(value, coordinates[place], reach),
+        })
+    };
+    rows.into_iter().filter_map(known).collect()
+}
+
+/// The 95 % interval about a value that moves in this coordinate.
+fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 2] {
+    let [down, up] = reach.map(|r| r.min(1e3));
+    match coordinate {
+        Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
+        Coordinate::Bounded(scale, low, high) => [(value - down * scale).max(low), (value + up * scale).min(high)],
+        Coordinate::Log(low, high) => [(value.ln() - down).exp().max(low), (value.ln() + up).exp().min(high)],
+    }
+}
+
 /// The parameters of one term with their intervals.
 pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, channels: &Channels) -> Vec<Estimate> {
     let fit = &c.model.fit;
@@ -84,14 +115,7 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
             let place = fit.shape.first[index] + j;
             let value = fit.point[place];
             let reach = fit.free.iter().position(|f| *f == place).map_or([0.0; 2], |f| c.spread.reach[f]);
-            let [down, up] = reach.map(|r| r.min(1e3));
-            let ci95 = match coordinates[j] {
-                Coordinate::Linear(scale) => [value - down * scale, value + up * scale],
-                Coordinate::Bounded(scale, low, high) => {
-                    [(value - down * scale).max(low), (value + up * scale).min(high)]
-                }
-                Coordinate::Log(low, high) => [(value.ln() - down).exp().max(low), (value.ln() + up).exp().min(high)],
-            };
+            let ci95 = interval_about(value, coordinates[j], reach);
             Estimate { name: parameter.name.to_owned(), value, unit: unit(parameter.unit, channels), ci95 }
         })
         .collect()
@@ -147,6 +171,14 @@ pub fn effects(
     forms: &[(usize, Form)],
 ) -> Vec<Effect> {
     let floor = noise_floor(data, &c.model.fit).powi(2);
+    let class = selection.reach.class(&c.model.fit.shape.terms);
+    let alike = |named: &Named| -> Vec<String> {
+        let id = c.model.fit.shape.terms[named.index].id();
+        let rivals: Vec<&str> = named.rivals.iter().map(|r| r.id).collect();
+        let of_class = if class.contains(&id) { class.as_slice() } else { &[] };
+        let others = of_class.iter().filter(|other| **other != id && !rivals.contains(other));
+        rivals.iter().chain(others).map(|id| (*id).to_owned()).collect()
+    };
     let mut effects: Vec<Effect> = Vec::new();
     for named in &c.named {
         let term = c.model.fit.shape.terms[named.index];
@@ -159,7 +191,7 @@ pub fn effects(
             channels: vec![channels.output.clone()],
             form: forms.iter().find(|(index, _)| *index == named.index).map(|(_, form)| form.clone()),
             evidence: Evidence { held_out_gain: gain(c, named, floor), p_value: named.comparison.p_value },
-            confusable_with: named.rivals.iter().map(|r| r.id.to_owned()).collect(),
+            confusable_with: alike(named),
         });
     }
     // A rival stands beside the term it is tied with, with its own parameters.

@@ -1,5 +1,7 @@
 //! What is found besides the physics, as clauses.
 
+use crate::diagnosis::driven::identification::chaos::Chaos;
+use crate::diagnosis::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
 use crate::diagnosis::driven::selection::noise_character::NoiseCharacter;
 use crate::number::short;
 
@@ -23,6 +25,53 @@ pub fn dropped(reason: Dropped) -> String {
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
         Dropped::StandIn => "a stand-in: does not bring the residual to the noise".into(),
     }
+}
+
+/// What the input and the length of the recording leave undetermined, in sentences.
+pub fn reach(reach: &Reach) -> Vec<String> {
+    let mut out = Vec::new();
+    if reach.tells_nothing_linear_apart() {
+        let lines: Vec<String> = reach.lines_hz.iter().map(|f| short(*f)).collect();
+        out.push(format!(
+            "the input has {} that {} the reading, at {} Hz: in the steady state nothing linear (a delay, a low-pass, \
+             feedthrough, another mode, another ω₀, ζ or gain) can be told apart by {}",
+            if lines.len() == 1 { "one spectral line".to_owned() } else { format!("{} spectral lines", lines.len()) },
+            if lines.len() == 1 { "moves" } else { "move" },
+            lines.join(" and "),
+            if lines.len() == 1 { "it" } else { "them" }
+        ));
+    }
+    if let Some(cycles) = reach.few_cycles {
+        out.push(format!(
+            "the recording holds {} cycles of the resonance, and ω₀ and ζ need about {FEWEST_CYCLES}: what stands beside them \
+             is not determined",
+            short(cycles)
+        ));
+    }
+    out
+}
+
+/// That the response is chaotic, as a clause and what follows from it.
+pub fn chaos(chaos: &Chaos) -> [String; 2] {
+    let wells = chaos.wells.map_or(String::new(), |[a, b]| {
+        format!(
+            "; the mass has two wells, at readings of {} and {}, and the model is written about the stiffer one",
+            short(a),
+            short(b)
+        )
+    });
+    [
+        format!(
+            "the response is chaotic (largest Lyapunov exponent {} 1/s), and a simulation follows it for about {} s",
+            short(chaos.exponent_per_s),
+            short(chaos.horizon_s)
+        ),
+        format!(
+            ": models are judged in windows of {} s, each begun from the state that fits it best, and errors are those of such \
+             windows; candidates with states of their own and noise terms were not tried{wells}",
+            short(chaos.window_s)
+        ),
+    ]
 }
 
 /// What was left undone, as a clause.

@@ -27,8 +27,8 @@ const LEAST: f64 = 1.2;
 pub struct Compared<'a> {
     /// Error of the base model, sample by sample.
     pub error: &'a [f64],
-    /// What noise alone leaves: the innovations of the best model at hand.
-    pub noise: &'a [f64],
+    /// Standard deviation of the noise of the reading, measured apart from every fit.
+    pub noise: f64,
     /// Displacement that the model passes through.
     pub state: &'a [f64],
     /// Sampling rate.
@@ -37,14 +37,14 @@ pub struct Compared<'a> {
     pub unit: &'a str,
 }
 
-/// Excess everywhere, neighbouring stretches joined.
-pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String) {
-    let n = c.error.len().min(c.noise.len()).min(c.state.len());
+/// Excess everywhere, neighbouring stretches joined; in words; and whether the error's power is that of the noise.
+pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
+    let n = c.error.len().min(c.state.len());
     if n < 64 {
-        return (Places::default(), "too short to say where".into());
+        return (Places::default(), "too short to say where".into(), false);
     }
     let power = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() / v.len().max(1) as f64;
-    let floor = power(&c.noise[..n]).max(1e-300);
+    let floor = c.noise.powi(2).max(1e-300);
     let mean = power(&c.error[..n]) / floor;
     let second = |k: usize| (from + k) as f64 / c.rate_hz;
     let times: Vec<(Range<f64>, f64, f64)> = (0..TIMES)
@@ -61,10 +61,10 @@ pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String) {
         })
         .collect();
     let segment = (n / 8).clamp(64, 4096);
-    let (before, after) =
-        (spectrum::welch(&c.error[..n], c.rate_hz, segment), spectrum::welch(&c.noise[..n], c.rate_hz, segment));
-    let bins = before.density.len().min(after.density.len());
-    let flat = after.density.iter().sum::<f64>() / after.density.len().max(1) as f64;
+    let before = spectrum::welch(&c.error[..n], c.rate_hz, segment);
+    let bins = before.density.len();
+    // One-sided density of white noise.
+    let flat = 2.0 * floor / c.rate_hz;
     let bands: Vec<(Range<f64>, f64, f64)> = (0..BANDS)
         .map(|i| (bins * i / BANDS, (bins * (i + 1) / BANDS).max(bins * i / BANDS + 1).min(bins)))
         .filter(|(a, b)| a < b)
@@ -80,7 +80,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String) {
     } else {
         summary(mean, &frequency_hz, &state, &time_s, c.unit)
     };
-    (Places { time_s, frequency_hz, state, ..Places::default() }, summary)
+    (Places { time_s, frequency_hz, state, ..Places::default() }, summary, mean < LEAST)
 }
 
 fn summary(mean: f64, frequency: &[Stretch], state: &[Stretch], time: &[Stretch], unit: &str) -> String {

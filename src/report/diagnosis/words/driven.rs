@@ -8,8 +8,8 @@ use crate::number::{short, with_uncertainty};
 /// One or two plain sentences.
 pub fn sentence(answer: &Answer, detail: &Detail) -> String {
     let (account, effects, unit) = (&detail.account, &answer.effects, &detail.unit);
-    let (before, after) = (answer.fit.test.rmse_before, answer.fit.test.rmse_after);
-    let fall = format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after));
+    let before = answer.fit.test.rmse_before;
+    let fall = fall(answer, unit);
     let named: Vec<String> = effects
         .iter()
         .map(|e| {
@@ -28,6 +28,19 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
             "Something faint is left ({} % of the variance can be foreseen), too weak in this recording to be named.",
             short(100.0 * account.predictable)
         ),
+        Outcome::Undecidable if account.few_cycles.is_some() => format!(
+            "Something is missing beside the base model ({}), but {} cycles of the resonance are too few to decide what: {fall}.",
+            listed(&holding(effects, &named), "and"),
+            short(account.few_cycles.unwrap_or(0.0))
+        ),
+        Outcome::Undecidable if account.is_linear_class => format!(
+            "Something is missing, and {} can answer it alike: {} cannot be told apart by it; with the first, {fall}.",
+            match account.lines_hz.as_slice() {
+                [one] => format!("whatever is linear, under an input of one spectral line at {} Hz,", short(*one)),
+                lines => format!("whatever is linear, under an input of {} spectral lines,", lines.len()),
+            },
+            listed(&holding(effects, &named), "and")
+        ),
         Outcome::Undecidable => {
             let also: Vec<String> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
@@ -36,6 +49,15 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
                 listed(&also, "and")
             )
         }
+        Outcome::Unexplained if named.is_empty() && account.series.is_none() && !account.is_structured => format!(
+            "The mismatch is real, and nothing in the library accounts for it{}.",
+            answer.fit.noise.as_ref().filter(|n| before > 1.2 * n.value).map_or(String::new(), |n| format!(
+                ": the base model errs by {} {unit}, and the noise is {} {unit} (measured from {})",
+                short(before),
+                short(n.value),
+                n.how
+            ))
+        ),
         Outcome::Unexplained if named.is_empty() && (account.series.is_some() || !account.is_structured) => format!(
             "The mismatch is real, and the library has only a series of stand-ins for it{}, none of which holds by itself.",
             account.series.map_or(String::new(), |s| format!(" ({})", s.words()))
@@ -105,6 +127,32 @@ pub fn form(effect: &Effect) -> Option<String> {
     })
 }
 
+/// What the named effects do to the error on held-out samples.
+fn fall(answer: &Answer, unit: &str) -> String {
+    let before = answer.fit.test.rmse_before;
+    match answer.fit.test.rmse_after {
+        Some(after) if after < 0.995 * before => {
+            format!("the error on held-out samples goes from {} to {} {unit}", short(before), short(after))
+        }
+        Some(after) if after <= 1.05 * before => {
+            format!("the error of free simulation on held-out samples stays at {} {unit}", short(after))
+        }
+        Some(after) => {
+            format!("the error on held-out samples grows from {} to {} {unit}", short(before), short(after))
+        }
+        None => format!("the base model's error on held-out samples is {} {unit}", short(before)),
+    }
+}
+
+/// Where the mismatch lives. That the error is at the noise is not said where a mismatch is.
+pub fn place(answer: &Answer, account: &Account) -> String {
+    if account.at_noise && answer.outcome == Outcome::Unexplained {
+        return "in power the base model's error is that of the noise; what is missing shows in its structure alone"
+            .into();
+    }
+    account.place.clone()
+}
+
 /// Effects with their numbers, tied ones once: "a or b".
 fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
@@ -134,6 +182,16 @@ pub fn next_experiment(answer: &Answer, account: &Account) -> String {
         Outcome::Undecidable if effects.is_empty() => {
             "Record longer, or harder: what is left must rise well above the noise before it can be named.".to_owned()
         }
+        Outcome::Undecidable if account.few_cycles.is_some() => {
+            format!("Record for at least {} s, ten cycles of the resonance.", short(10.0 / account.resonance_hz))
+        }
+        Outcome::Undecidable if account.is_linear_class => format!(
+            "Drive with a sweep or with noise from {} to {} Hz, a third of the resonance to three times: a delay turns the \
+             phase in proportion to frequency, a low-pass takes amplitude with it, feedthrough fills the trough above the \
+             resonance, and a mode has a peak of its own.",
+            short(account.resonance_hz / 3.0),
+            short(3.0 * account.resonance_hz)
+        ),
         Outcome::Undecidable => {
             let tied: Vec<&str> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
