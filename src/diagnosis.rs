@@ -56,7 +56,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
     let mut answer = match model {
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
         Model::Static(model) => rest::diagnose(only()?, model, control)?,
-        Model::Tumble(model) => tumble::diagnose(only()?, model)?,
+        Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
     };
     consistency::settle(&mut answer);
     Ok(answer)

@@ -230,8 +230,8 @@ pub struct Tumble {
 pub struct TumbleColumns {
     /// Time in s.
     pub time: Option<String>,
-    /// Three rates.
-    pub gyro: [String; 3],
+    /// Three rates; absent: the accelerometer alone.
+    pub gyro: Option<[String; 3]>,
     /// Three specific forces.
     pub accelerometer: [String; 3],
     /// Temperature and the like.
@@ -311,7 +311,12 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recordi
         }
         Model::Tumble(m) => {
             let c = &m.columns;
-            (m.rate_hz, &m.rows, &c.time, c.gyro.iter().chain(&c.accelerometer).chain(&c.environment).collect())
+            (
+                m.rate_hz,
+                &m.rows,
+                &c.time,
+                c.gyro.iter().flatten().chain(&c.accelerometer).chain(&c.environment).collect(),
+            )
         }
     };
     if matches!(model, Model::Static(m) if m.columns.channels.is_empty()) {

@@ -12,10 +12,13 @@ mod check;
 mod conclusion;
 mod consequence;
 pub mod detail;
+mod estimated;
 mod fit;
 pub mod group;
 mod imu;
 mod isolation;
+mod jackknife;
+mod knock;
 mod noise;
 pub mod poses;
 mod residual;
@@ -23,35 +26,47 @@ pub mod rows;
 mod selection;
 mod slopes;
 mod start;
+mod turn;
 mod units;
+mod wander;
 
 use std::ops::Range;
 
-pub use calibration::Calibration;
+pub use calibration::{Calibration, Slow};
 pub use candidate::CANDIDATES;
 pub use detail::{Detail, PoseDetail};
 pub use imu::Imu;
 
 use super::answer::Answer;
 use super::model;
+use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
+use conclusion::Found;
 use fit::Fit;
+use imu::Observed;
+use residual::Residual;
+use selection::Folds;
 
 /// Diagnoses a tumble recording.
 ///
 /// # Errors
-/// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them.
-pub fn diagnose(recording: &Recording, model: &model::Tumble) -> Result<Answer> {
+/// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them; when stopped.
+pub fn diagnose(recording: &Recording, model: &model::Tumble, control: &Control) -> Result<Answer> {
     let given = model.poses.as_ref().map(|path| poses::read(path, recording)).transpose()?;
-    diagnose_in(recording, model, given)
+    diagnose_in(recording, model, given, control)
 }
 
 /// The same with poses as row ranges in order of time; `None` lets the tool find them.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_in(recording: &Recording, model: &model::Tumble, given: Option<Vec<Range<usize>>>) -> Result<Answer> {
+pub fn diagnose_in(
+    recording: &Recording,
+    model: &model::Tumble,
+    given: Option<Vec<Range<usize>>>,
+    control: &Control,
+) -> Result<Answer> {
     let mut findings = recording.sentences();
     let imu = columns(recording, model, &mut findings)?;
     check::channels(recording, model)?;
@@ -69,10 +84,36 @@ pub fn diagnose_in(recording: &Recording, model: &model::Tumble, given: Option<V
     let guess = start::guess(&mut observed);
     check::axes(&recording.path, &observed, &guess, model)?;
     let folds = check::folds(&observed, &model.split, &mut findings)?;
-    let base = Fit::new(&observed, &guess, &start::base());
-    let selection = selection::select(&observed, base, &folds);
+    let found = searched(&mut observed, &guess, &folds, control).map_err(|stopped| {
+        stopped.during(format!("could not finish {}", recording.path.display()), "start it again")
+    })?;
     let case = conclusion::Case { recording, model, observed: &observed, folds: &folds, findings, poses_found };
-    Ok(case.conclude(selection))
+    Ok(case.conclude(found))
+}
+
+/// The search, with poses that disagree with all others left out where the rest then agrees, and with the noise between
+/// poses raised where it is more than the noise inside them says.
+fn searched(
+    observed: &mut Observed<'_>,
+    guess: &calibration::Point,
+    folds: &Folds,
+    control: &Control,
+) -> std::result::Result<Found, Stopped> {
+    let work = control.stage("searching the library", 0);
+    let mut knocked = knock::leave_out(observed, guess);
+    let mut selection = selection::select(observed, guess, folds, control)?;
+    if !knocked.is_empty() && !Residual::of(&selection.chosen).above.is_empty() {
+        work.rename("searching again with every pose");
+        observed.poses.iter_mut().for_each(|p| p.counts = true);
+        knocked.clear();
+        selection = selection::select(observed, guess, folds, control)?;
+    }
+    let wanders = wander::raise(observed, &selection.chosen);
+    if wanders {
+        work.rename("searching again with the noise between poses");
+        selection = selection::select(observed, guess, folds, control)?;
+    }
+    Ok(Found { selection, knocked, wanders })
 }
 
 fn columns<'a>(recording: &'a Recording, model: &model::Tumble, findings: &mut Vec<String>) -> Result<Imu<'a>> {
@@ -89,20 +130,20 @@ fn columns<'a>(recording: &'a Recording, model: &model::Tumble, findings: &mut V
         Ok([column(&names[0])?, column(&names[1])?, column(&names[2])?])
     };
     let covariate = match model.columns.environment.as_slice() {
-        [] => Imu::minutes(recording.samples(), recording.rate_hz),
+        [] => None,
         [first, rest @ ..] => {
             if !rest.is_empty() {
                 findings.push(format!("only the first environment column, `{first}`, is used"));
             }
             let values = column(first)?;
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-            values.iter().map(|v| v - mean).collect()
+            Some(values.iter().map(|v| v - mean).collect())
         }
     };
     check::gravity(model.gravity_m_s2, findings)?;
     Ok(Imu {
         rate_hz: recording.rate_hz,
-        gyro: three(&model.columns.gyro)?,
+        gyro: model.columns.gyro.as_ref().map(three).transpose()?,
         accelerometer: three(&model.columns.accelerometer)?,
         covariate,
         gravity_m_s2: model.gravity_m_s2,
@@ -119,14 +160,13 @@ pub fn calibrate(imu: Imu<'_>, poses: &[Range<usize>]) -> Result<Calibration> {
     check::enough(std::path::Path::new("the recording"), poses.len())?;
     let mut observed = imu.observe(poses);
     let guess = start::guess(&mut observed);
-    let base = Fit::new(&observed, &guess, &start::base());
-    let more = [
-        accelerometer::AXIS_SCALE,
-        accelerometer::MISALIGNMENT,
-        gyro::AXIS_SCALE,
-        gyro::MISALIGNMENT,
-        gyro::G_SENSITIVITY,
-    ];
-    let active: Vec<usize> = start::base().into_iter().chain(more.into_iter().flatten()).collect();
-    Ok(Calibration::from_point(&Fit::new(&observed, &base.point, &active).point))
+    let with_gyro = observed.imu.gyro.is_some();
+    let more = [accelerometer::AXIS_SCALE, accelerometer::MISALIGNMENT];
+    let more_of_gyro = [gyro::AXIS_SCALE, gyro::MISALIGNMENT, gyro::G_SENSITIVITY];
+    let active: Vec<usize> = start::base(with_gyro)
+        .into_iter()
+        .chain(more.into_iter().flatten())
+        .chain(more_of_gyro.into_iter().flatten().filter(|_| with_gyro))
+        .collect();
+    Ok(Calibration::from_point(&Fit::balanced(&observed, &guess, &active).point))
 }

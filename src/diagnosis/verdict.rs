@@ -305,6 +305,31 @@ pub struct Detectable {
     pub hidden_share: f64,
 }
 
+/// A sensor's way from readings to SI: calibrated = matrix · (reading − bias).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorCalibration {
+    /// By rows, unit per unit of the reading.
+    pub matrix: [[f64; 3]; 3],
+    /// 95 % interval of each entry.
+    pub matrix_ci95: [[[f64; 2]; 3]; 3],
+    /// In the reading's own unit.
+    pub bias: [f64; 3],
+    /// 95 % interval of each.
+    pub bias_ci95: [[f64; 2]; 3],
+    /// Of what is calibrated.
+    pub unit: String,
+}
+
+/// Calibrations of an IMU.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Triads {
+    /// Absent where none was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gyro: Option<SensorCalibration>,
+    /// Specific force.
+    pub accelerometer: SensorCalibration,
+}
+
 /// The whole document.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
@@ -326,6 +351,9 @@ pub struct Verdict {
     /// Where the mismatch lives.
     #[serde(rename = "where")]
     pub location: Where,
+    /// Biases and matrices of an IMU in poses, whatever the verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Triads>,
     /// How well it fits.
     pub fit: Fit,
     /// Whether anything is left.

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::check::Source;
-use crate::diagnosis::tumble::{Imu, calibrate, poses};
+use crate::diagnosis::tumble::{Imu, Slow, calibrate, poses};
 use crate::error::{Error, Result};
 use crate::navigation::tilt::{Vector, turn};
 use crate::recording::{Request, read};
@@ -60,9 +60,9 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
     };
     let imu = Imu {
         rate_hz: recording.rate_hz,
-        gyro: three(0)?,
+        gyro: Some(three(0)?),
         accelerometer: three(3)?,
-        covariate: vec![0.0; recording.samples()],
+        covariate: None,
         // Tilt is a ratio of forces: the local value of g drops out.
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
     };
@@ -71,8 +71,8 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
     let calibration = calibrate(imu.clone(), &poses)?;
     let (mut force_m_s2, mut rate_rad_s) = (Vec::new(), Vec::new());
     for i in 0..recording.samples() {
-        let force = calibration.specific_force_m_s2(imu.accelerometer_at(i).into(), 0.0);
-        rate_rad_s.push(calibration.rate_rad_s(imu.gyro_at(i).into(), &force, 0.0).into());
+        let force = calibration.specific_force_m_s2(imu.accelerometer_at(i).into(), &Slow::default());
+        rate_rad_s.push(calibration.rate_rad_s(imu.gyro_at(i).into(), &force, &Slow::default()).into());
         force_m_s2.push(force.into());
     }
     let origin = format!("{} samples of an Xsens MTi at {:.0} Hz", recording.samples(), recording.rate_hz);

@@ -2,6 +2,7 @@
 
 use libtest_mimic::{Failed, Trial};
 use nalgebra::{Matrix3, Vector3};
+use proofmass::control::Control;
 use proofmass::diagnosis::tumble::diagnose_in;
 use proofmass::diagnosis::verdict::Outcome;
 use proofmass::report::diagnosis::{Diagnosis, worded};
@@ -36,7 +37,7 @@ pub fn tests() -> Vec<Trial> {
 
 fn diagnose(imu: &Imu, seed: u64) -> Result<Diagnosis, Failed> {
     let (recording, ranges) = imu.record(seed);
-    Ok(worded(diagnose_in(&recording, &model(), Some(ranges))?))
+    Ok(worded(diagnose_in(&recording, &model(), Some(ranges), &Control::silent())?))
 }
 
 fn names(d: &Diagnosis) -> Vec<(String, char)> {

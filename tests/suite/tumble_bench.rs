@@ -150,7 +150,12 @@ pub fn model() -> Tumble {
         rows: Vec::new(),
         gravity_m_s2: 9.81,
         poses: None,
-        columns: TumbleColumns { time: None, gyro: three("g"), accelerometer: three("a"), environment: Vec::new() },
+        columns: TumbleColumns {
+            time: None,
+            gyro: Some(three("g")),
+            accelerometer: three("a"),
+            environment: Vec::new(),
+        },
         split: Split::default(),
     }
 }

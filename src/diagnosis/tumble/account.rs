@@ -8,6 +8,8 @@ use crate::sensor::Sense;
 pub struct Account {
     /// Whether the poses determine the base model's own parameters.
     pub base_determined: bool,
+    /// Whether a gyro was recorded beside the accelerometer.
+    pub with_gyro: bool,
     /// Named effects, strongest first.
     pub named: Vec<NamedTerm>,
     /// Residuals of the repaired model above their noise, worst first, with their variance over that of the noise.
@@ -16,6 +18,32 @@ pub struct Account {
     pub oversized: Vec<(&'static str, Sense)>,
     /// What the base model leaves.
     pub location: Location,
+    /// Offsets that drift slowly, without a name.
+    pub drifts: Vec<Drift>,
+    /// Whether a temperature (or other environment) column was given.
+    pub has_column: bool,
+    /// Poses that were left out because they disagree with all others.
+    pub knocked: Vec<Knocked>,
+    /// Whether offsets wander between the poses by more than the noise inside them says.
+    pub wanders: bool,
+}
+
+/// A slow drift of offsets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Of which sensor.
+    pub sensor: Sense,
+    /// From the lowest to the highest over the poses, per axis: mm/s² or °/s.
+    pub range: [f64; 3],
+}
+
+/// A pose that was left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knocked {
+    /// Counted from one.
+    pub pose: usize,
+    /// From and to, s.
+    pub time_s: [f64; 2],
 }
 
 /// Where the base model's mismatch lives.

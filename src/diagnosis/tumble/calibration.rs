@@ -1,16 +1,28 @@
 //! What an IMU makes of specific force and rate, and the way back from counts to m/s² and rad/s.
 //!
-//! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ, v = M f. Its M is upper triangular with ones: the frame is the
-//! accelerometer's own, z along its z axis, because gravity's length alone cannot show a rotation of all axes together.
-//! Gyro: (y − b)/s = w + k₂w² + k₃w³ + cτ with w = M ω + K f; its six off-diagonal M stand against the accelerometer's frame.
-//! τ is an environment column, or time without one. Not for fitting: see `fit`.
+//! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ + d(t), v = M f. Its M is upper triangular with ones: the frame is
+//! the accelerometer's own, z along its z axis, because gravity's length alone cannot show a rotation of all axes together.
+//! Gyro: the same with w = M ω + K f for v; its six off-diagonal M stand against the accelerometer's frame.
+//! τ is an environment column; d(t), the slow drift of an offset, is a sum of three cosines over the recording. Not for
+//! fitting: see `fit`.
 
 use nalgebra::{Matrix3, Vector3};
 
 /// Number of parameters, fitted or not.
-pub const PARAMETERS: usize = 51;
+pub const PARAMETERS: usize = 70;
 /// A point in the space of all parameters; zero is "absent" except for offsets and common scales.
 pub type Point = [f64; PARAMETERS];
+/// Cosines that a slow drift is made of.
+pub const DRIFT_TERMS: usize = 3;
+
+/// What changes slowly while it is recorded, at one time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Slow {
+    /// τ: the environment column less its mean; zero without one.
+    pub covariate: f64,
+    /// cos(nπu), n = 1, 2, 3, with u the fraction of the recording that has passed.
+    pub cosines: [f64; DRIFT_TERMS],
+}
 
 /// Where the parameters of the accelerometer stand.
 pub mod accelerometer {
@@ -29,6 +41,8 @@ pub mod accelerometer {
     pub const CUBIC: Range<usize> = 12..15;
     /// c per axis, m/s² per unit of τ.
     pub const TEMPERATURE: Range<usize> = 15..18;
+    /// Slow drift, three cosines of x, then of y and z, m/s².
+    pub const DRIFT: Range<usize> = 51..60;
 }
 
 /// Where the parameters of the gyro stand.
@@ -52,10 +66,17 @@ pub mod gyro {
     pub const TEMPERATURE: Range<usize> = 45..48;
     /// Rate of the frame itself (the earth), in the first pose's frame, rad/s.
     pub const FRAME_RATE: Range<usize> = 48..51;
+    /// Slow drift, three cosines of x, then of y and z, rad/s.
+    pub const DRIFT: Range<usize> = 60..69;
+    /// What the gyro's own filter changes in the coning correction: see `turn`.
+    pub const CONING: Range<usize> = 69..70;
 }
 
 /// Off-diagonal places of the gyro's M in the order of its parameters.
 pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+
+/// Below this slope a reading's curve is treated as if it went on straight: no sensor in use reads a fifth of a change.
+const LEAST_SLOPE: f64 = 0.2;
 
 /// One sensor's way from counts to SI, per axis and across axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,18 +93,41 @@ pub struct Triad {
     pub cubic: Vector3<f64>,
     /// c, per axis.
     pub temperature: Vector3<f64>,
+    /// d(t): rows are axes, columns cosines.
+    pub drift: Matrix3<f64>,
     /// M⁻¹.
     inverse: Matrix3<f64>,
 }
 
 impl Triad {
+    /// What the reading equation makes of the counts on one axis before its curve is undone: v + k₂v² + k₃v³.
+    pub fn curved(&self, axis: usize, counts: f64, slow: &Slow) -> f64 {
+        let drift: f64 = (0..DRIFT_TERMS).map(|n| self.drift[(axis, n)] * slow.cosines[n]).sum();
+        (counts - self.offset[axis]) / self.scale[axis] - self.temperature[axis] * slow.covariate - drift
+    }
+
+    /// The v for which v + k₂v² + k₃v³ = `curved`, on the branch through zero, and the slope of the left side there.
+    pub fn straightened(&self, axis: usize, curved: f64) -> (f64, f64) {
+        let (k2, k3) = (self.quadratic[axis], self.cubic[axis]);
+        let slope = |v: f64| 1.0 + 2.0 * k2 * v + 3.0 * k3 * v * v;
+        let mut v = curved;
+        if k2 == 0.0 && k3 == 0.0 {
+            return (v, 1.0);
+        }
+        // Newton; where the curve turns back there is no solution, and the nearest point that the steps reach stands for it.
+        for _ in 0..20 {
+            let step = (v + k2 * v * v + k3 * v * v * v - curved) / slope(v).max(LEAST_SLOPE);
+            v -= step;
+            if step.abs() <= 1e-14 * v.abs() {
+                break;
+            }
+        }
+        if v.is_finite() { (v, slope(v).max(LEAST_SLOPE)) } else { (curved, 1.0) }
+    }
+
     /// The reading in SI along the sensitive axes, before alignment is undone.
-    pub fn along_axes(&self, counts: Vector3<f64>, covariate: f64) -> Vector3<f64> {
-        let reading = (counts - self.offset).component_div(&self.scale) - self.temperature * covariate;
-        // The inverse of v + k₂v² + k₃v³ to first order in small k; the error, of order k², is below any k seen here.
-        reading
-            - self.quadratic.component_mul(&reading.map(|v| v * v))
-            - self.cubic.component_mul(&reading.map(|v| v * v * v))
+    pub fn along_axes(&self, counts: Vector3<f64>, slow: &Slow) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| self.straightened(i, self.curved(i, counts[i], slow)).0)
     }
 
     /// M⁻¹.
@@ -103,6 +147,8 @@ pub struct Calibration {
     pub g_sensitivity: Matrix3<f64>,
     /// Rate of the frame in the first pose's frame, rad/s.
     pub frame_rate_rad_s: Vector3<f64>,
+    /// Change of the coning coefficient by the gyro's filter, in squared sampling intervals.
+    pub coning: f64,
 }
 
 impl Calibration {
@@ -116,13 +162,14 @@ impl Calibration {
         for ((i, j), value) in GYRO_OFF_DIAGONAL.iter().zip(&p[gyro::MISALIGNMENT]) {
             full[(*i, *j)] = *value;
         }
-        let triad = |offset, scale, alignment: Matrix3<f64>, quadratic, cubic, temperature| Triad {
+        let triad = |offset, scale, alignment: Matrix3<f64>, quadratic, cubic, temperature, drift| Triad {
             offset,
             scale,
             alignment,
             quadratic,
             cubic,
             temperature,
+            drift,
             inverse: alignment.try_inverse().unwrap_or_else(Matrix3::identity),
         };
         Self {
@@ -133,6 +180,7 @@ impl Calibration {
                 three(accelerometer::QUADRATIC),
                 three(accelerometer::CUBIC),
                 three(accelerometer::TEMPERATURE),
+                Matrix3::from_row_slice(&p[accelerometer::DRIFT]),
             ),
             gyro: triad(
                 three(gyro::OFFSET),
@@ -141,20 +189,22 @@ impl Calibration {
                 three(gyro::QUADRATIC),
                 three(gyro::CUBIC),
                 three(gyro::TEMPERATURE),
+                Matrix3::from_row_slice(&p[gyro::DRIFT]),
             ),
             g_sensitivity: Matrix3::from_row_slice(&p[gyro::G_SENSITIVITY]),
             frame_rate_rad_s: three(gyro::FRAME_RATE),
+            coning: p[gyro::CONING.start],
         }
     }
 
-    /// Specific force in the accelerometer's frame, m/s². `covariate` is the temperature column's value, or 0.
-    pub fn specific_force_m_s2(&self, counts: [f64; 3], covariate: f64) -> Vector3<f64> {
-        self.accelerometer.inverse * self.accelerometer.along_axes(counts.into(), covariate)
+    /// Specific force in the accelerometer's frame, m/s². `slow` is what changed slowly by then.
+    pub fn specific_force_m_s2(&self, counts: [f64; 3], slow: &Slow) -> Vector3<f64> {
+        self.accelerometer.inverse * self.accelerometer.along_axes(counts.into(), slow)
     }
 
     /// Angular rate in the accelerometer's frame, rad/s, free of what the specific force does to the gyro.
-    pub fn rate_rad_s(&self, counts: [f64; 3], specific_force_m_s2: &Vector3<f64>, covariate: f64) -> Vector3<f64> {
-        self.gyro.inverse * (self.gyro.along_axes(counts.into(), covariate) - self.g_sensitivity * specific_force_m_s2)
+    pub fn rate_rad_s(&self, counts: [f64; 3], specific_force_m_s2: &Vector3<f64>, slow: &Slow) -> Vector3<f64> {
+        self.gyro.inverse * (self.gyro.along_axes(counts.into(), slow) - self.g_sensitivity * specific_force_m_s2)
     }
 }
 
@@ -172,8 +222,25 @@ mod tests {
         let (force, rate) = (Vector3::new(1.0, -2.0, 9.0), Vector3::new(0.3, -0.2, 1.1));
         let a = c.accelerometer.offset + c.accelerometer.scale.component_mul(&(c.accelerometer.alignment * force));
         let g = c.gyro.offset + c.gyro.scale.component_mul(&(c.gyro.alignment * rate + c.g_sensitivity * force));
-        let back = c.specific_force_m_s2(a.into(), 0.0);
+        let back = c.specific_force_m_s2(a.into(), &Slow::default());
         assert!((back - force).norm() < 1e-12);
-        assert!((c.rate_rad_s(g.into(), &back, 0.0) - rate).norm() < 1e-12);
+        assert!((c.rate_rad_s(g.into(), &back, &Slow::default()) - rate).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_curved_reading_is_undone_exactly_and_one_without_an_inverse_stays_finite() {
+        let mut p = [0.0; PARAMETERS];
+        (p[accelerometer::SCALE.start], p[gyro::SCALE.start]) = (1.0, 1.0);
+        (p[accelerometer::QUADRATIC.start], p[accelerometer::CUBIC.start]) = (3e-3, -4e-4);
+        let triad = Calibration::from_point(&p).accelerometer;
+        for v in [-9.8, -3.0, 0.0, 0.1, 9.8f64] {
+            let counts = v + 3e-3 * v * v - 4e-4 * v * v * v;
+            assert!((triad.along_axes(Vector3::repeat(counts), &Slow::default()).x - v).abs() < 1e-12);
+        }
+        // This curve turns back at v = −5, where it reads −2.5.
+        p[accelerometer::QUADRATIC.start] = 0.1;
+        p[accelerometer::CUBIC.start] = 0.0;
+        let triad = Calibration::from_point(&p).accelerometer;
+        assert!(triad.along_axes(Vector3::repeat(-9.8), &Slow::default()).x.is_finite());
     }
 }

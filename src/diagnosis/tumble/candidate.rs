@@ -1,6 +1,7 @@
 //! What an IMU's calibration model may leave out; one file per candidate, each with the parameters it frees.
 
 use crate::diagnosis::candidate::Candidate;
+use crate::sensor::Sense;
 
 mod earth_rate;
 mod g_sensitivity;
@@ -8,10 +9,11 @@ mod local_gravity;
 mod misalignment;
 mod scale_factor;
 mod scale_nonlinearity;
+mod slow_drift;
 mod temperature_sensitivity;
 mod term;
 
-pub use term::{Seen, Stated, Term};
+pub use term::{Role, Seen, Stated, Term};
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[
@@ -27,8 +29,9 @@ pub const CANDIDATES: &[Candidate] = &[
 /// What no pose can tell from the common scale: in the library to be said, never to be fitted.
 pub const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
 
-/// Everything that can be fitted. `local-gravity` is not among it: no pose can tell it from the common scale.
-pub fn terms() -> Vec<&'static Term> {
+/// Everything that can be fitted to a recording with or without a gyro and an environment column. `local-gravity` is not
+/// among it: no pose can tell it from the common scale.
+pub fn terms(with_gyro: bool, with_column: bool) -> Vec<&'static Term> {
     [
         scale_factor::TERMS,
         misalignment::TERMS,
@@ -36,8 +39,10 @@ pub fn terms() -> Vec<&'static Term> {
         scale_nonlinearity::TERMS,
         temperature_sensitivity::TERMS,
         earth_rate::TERMS,
+        slow_drift::TERMS,
     ]
     .into_iter()
     .flatten()
+    .filter(|t| (with_gyro || t.sensor == Sense::Accelerometer) && (with_column || t.role != Role::OfAColumn))
     .collect()
 }

@@ -39,7 +39,7 @@ pub fn gravity(gravity_m_s2: f64, findings: &mut Vec<String>) -> Result<()> {
 
 /// No channel is constant.
 pub fn channels(recording: &Recording, model: &Tumble) -> Result<()> {
-    for name in model.columns.gyro.iter().chain(&model.columns.accelerometer) {
+    for name in model.columns.gyro.iter().flatten().chain(&model.columns.accelerometer) {
         let values = recording.column(name).unwrap_or_default();
         if values.windows(2).all(|w| w[0] == w[1]) {
             return Err(fail(
@@ -75,7 +75,7 @@ pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -
     // Noise by differences of neighbours, which hardly see a motion; where rounding hides it, the step stands for it.
     let noise = |of: &[f64]| of.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * of.len().max(1)) as f64;
     let mut moved = vec![false; observed.poses.len()];
-    for column in imu.gyro.iter().chain(&imu.accelerometer) {
+    for column in imu.gyro.iter().flatten().chain(&imu.accelerometer) {
         let usual = median(observed.poses.iter().map(|p| noise(&column[p.samples.clone()])).collect()).unwrap_or(0.0);
         let step = column.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0).fold(f64::INFINITY, f64::min);
         let quiet = usual.max(if step.is_finite() { step * step / 12.0 } else { 0.0 });
@@ -109,7 +109,10 @@ pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
         (squares.sum::<f64>() / count).sqrt()
     };
     let accelerometer = spread(&|k| (observed.poses[k].accelerometer, observed.poses[k].accelerometer_variance));
-    let gyro = spread(&|k| (observed.poses[k].gyro, observed.poses[k].gyro_variance));
+    let gyro = match observed.imu.gyro {
+        Some(_) => spread(&|k| (observed.poses[k].gyro, observed.poses[k].gyro_variance)),
+        None => 0.0,
+    };
     if gyro > 20.0 && gyro > accelerometer {
         return Err(fail(
             path,
@@ -129,11 +132,11 @@ pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
 
 /// The gyro's axes turn the way the accelerometer's do: otherwise columns are swapped or mounted the other way round.
 pub fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble) -> Result<()> {
+    let (Some(names), Some(recorded)) = (&model.columns.gyro, &observed.imu.gyro) else { return Ok(()) };
     let as_given = turn_error(observed, guess);
     if as_given < 0.25 {
         return Ok(());
     }
-    let names = &model.columns.gyro;
     let mut best: Option<(f64, String)> = None;
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8u32 {
@@ -142,9 +145,9 @@ pub fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble)
             let mut trial = observed.clone();
             let gyro: [Vec<f64>; 3] = std::array::from_fn(|i| {
                 let centre = guess[gyro::OFFSET.start + order[i]];
-                observed.imu.gyro[order[i]].iter().map(|v| sign(i) * (v - centre)).collect()
+                recorded[order[i]].iter().map(|v| sign(i) * (v - centre)).collect()
             });
-            trial.imu.gyro = [&gyro[0], &gyro[1], &gyro[2]];
+            trial.imu.gyro = Some([&gyro[0], &gyro[1], &gyro[2]]);
             let mut point = *guess;
             gyro::OFFSET.for_each(|p| point[p] = 0.0);
             let error = turn_error(&trial, &point);

@@ -2,15 +2,17 @@
 
 use nalgebra::Vector3;
 
-use super::account::{Account, Fate, Location, NamedTerm, SeenFrom};
+use super::account::{Account, Drift, Fate, Knocked, Location, NamedTerm, SeenFrom};
 use super::by_pose::pose_details;
 use super::calibration::{Calibration, Point, gyro};
 use super::candidate::{NEVER_FITTED, Seen, Stated};
 use super::detail::Detail;
+use super::estimated;
 use super::fit::Fit;
 use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use super::isolation::locate;
+use super::jackknife;
 use super::residual::Residual;
 use super::selection::{Folds, Named, Selection, Standing, held_out_squares};
 use super::units::{factor, name_and_unit};
@@ -23,6 +25,17 @@ use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Sco
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
+use crate::units::DEGREE;
+
+/// What a search found.
+pub struct Found {
+    /// Base model, chosen model and what stands in it.
+    pub selection: Selection,
+    /// Poses that were left out.
+    pub knocked: Vec<usize>,
+    /// Whether the noise of a pose was raised to what wanders between the poses.
+    pub wanders: bool,
+}
 
 /// What a conclusion is drawn about.
 pub struct Case<'a> {
@@ -42,7 +55,8 @@ pub struct Case<'a> {
 
 impl Case<'_> {
     /// The diagnosis.
-    pub fn conclude(mut self, selection: Selection) -> Answer {
+    pub fn conclude(mut self, found: Found) -> Answer {
+        let selection = &found.selection;
         if !selection.base.determined {
             self.findings.push("the poses do not span all directions: the base model itself is not determined".into());
         }
@@ -53,19 +67,19 @@ impl Case<'_> {
         let effects: Vec<Effect> =
             selection.named.iter().map(|n| self.effect(n, &selection.chosen, &replicates)).collect();
         let (places, location) = locate(self.observed, &selection.base, &forces);
-        let account = account(&selection, &residual, location);
-        let detail = self.detail(&selection, account, calibration, &forces, &effects);
+        let account = self.account(&found, &residual, location);
+        let detail = self.detail(selection, account, calibration, &forces, &effects);
         Answer {
             kind: Kind::Tumble,
-            outcome: rule(&evidence(&selection, &residual, self.ratio_interval(&selection)[0])),
+            outcome: rule(&evidence(selection, &residual, self.ratio_interval(selection)[0])),
             recording: Source::of(self.recording),
             base: Vec::new(),
             effects,
             places,
-            fit: self.fit(&selection),
+            fit: self.fit(selection),
             residual_after: residual.remainder.whiteness(),
-            ranking: self.ranking(&selection),
-            repair: Some(self.repair(&selection, &detail)),
+            ranking: self.ranking(selection),
+            repair: Some(self.repair(selection, &detail)),
             detail: answer::Detail::Tumble(Box::new(detail)),
             findings: self.findings,
         }
@@ -92,17 +106,17 @@ impl Case<'_> {
     fn columns_of(&self, sensor: Sense) -> Vec<String> {
         match sensor {
             Sense::Accelerometer => self.model.columns.accelerometer.to_vec(),
-            Sense::Gyro => self.model.columns.gyro.to_vec(),
+            Sense::Gyro => self.model.columns.gyro.iter().flatten().cloned().collect(),
         }
     }
 
     fn covariate_unit(&self) -> String {
-        self.model.columns.environment.first().map_or("minute".into(), |c| format!("unit of {c}"))
+        self.model.columns.environment.first().map_or("unit of a column".into(), |c| format!("unit of {c}"))
     }
 
     fn effect(&self, named: &Named, fit: &Fit, replicates: &[Point]) -> Effect {
         let term = named.standing.term;
-        let interval = |of: &dyn Fn(&Point) -> f64| jackknife(of, fit, replicates);
+        let interval = |of: &dyn Fn(&Point) -> f64| jackknife::half_width(of, fit, replicates);
         let mut parameters = Vec::new();
         match term.stated {
             Stated::AxisScales { common, ratio, unit } => {
@@ -152,7 +166,7 @@ impl Case<'_> {
             .step_by(every)
             .map(|k| {
                 let counts = self.observed.imu.accelerometer_at(k).into();
-                let force = calibration.specific_force_m_s2(counts, self.observed.imu.covariate[k]);
+                let force = calibration.specific_force_m_s2(counts, &self.observed.imu.slow_at(k));
                 (k as f64 / self.observed.imu.rate_hz, force.norm())
             })
             .collect();
@@ -161,6 +175,7 @@ impl Case<'_> {
             poses_found: self.poses_found,
             held_out: GROUPS.map(both),
             calibration,
+            published: estimated::calibration(self.observed, &selection.chosen),
             g_sensitivity,
             length_m_s2,
             gravity_m_s2: self.observed.imu.gravity_m_s2,
@@ -185,7 +200,7 @@ impl Case<'_> {
         };
         let n = self.folds.len();
         let each: Vec<f64> = (0..n).map(ratio).collect();
-        let half = t_quantile(0.975, n as f64 - 1.0) * jackknife_deviation(&each);
+        let half = t_quantile(0.975, n as f64 - 1.0) * jackknife::deviation(&each);
         let centre = ratio(usize::MAX);
         [(centre - half).exp(), (centre + half).exp()]
     }
@@ -237,6 +252,51 @@ impl Case<'_> {
         };
         Fate::Absent { beside_named, seen_from }
     }
+
+    /// What the words rest on.
+    fn account(&self, found: &Found, residual: &Residual, location: Location) -> Account {
+        let selection = &found.selection;
+        let named = |n: &Named| NamedTerm {
+            id: n.standing.term.id(),
+            sensor: n.standing.term.sensor,
+            rivals: n.rivals.iter().map(|t| t.id()).collect(),
+        };
+        let oversized = selection.others.iter().filter(|s| s.would_but_for_its_size());
+        let seconds = |k: &usize| {
+            let samples = &self.observed.poses[*k].samples;
+            [samples.start, samples.end].map(|s| s as f64 / self.observed.imu.rate_hz)
+        };
+        Account {
+            base_determined: selection.base.determined,
+            with_gyro: self.observed.imu.gyro.is_some(),
+            named: selection.named.iter().map(named).collect(),
+            above: residual.above.clone(),
+            oversized: oversized.map(|s| (s.term.id(), s.term.sensor)).collect(),
+            location,
+            drifts: selection.drifting.iter().map(|s| self.drift(*s, &selection.chosen.point)).collect(),
+            has_column: self.observed.imu.covariate.is_some(),
+            knocked: found.knocked.iter().map(|k| Knocked { pose: k + 1, time_s: seconds(k) }).collect(),
+            wanders: found.wanders,
+        }
+    }
+
+    /// How far the offsets of a sensor drift over the poses, per axis, in public units.
+    fn drift(&self, sensor: Sense, point: &Point) -> Drift {
+        let (calibration, factor) =
+            (Calibration::from_point(point), if sensor == Sense::Gyro { 1.0 / DEGREE } else { 1e3 });
+        let triad = if sensor == Sense::Gyro { &calibration.gyro } else { &calibration.accelerometer };
+        let range = |axis: usize| {
+            let at = |p: &super::imu::Pose| (0..3).map(|n| triad.drift[(axis, n)] * p.slow.cosines[n]).sum::<f64>();
+            let (low, high) = self
+                .observed
+                .poses
+                .iter()
+                .map(at)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            (high - low) * factor
+        };
+        Drift { sensor, range: std::array::from_fn(range) }
+    }
 }
 
 /// What the verdict rests on.
@@ -251,39 +311,8 @@ fn evidence(selection: &Selection, residual: &Residual, held_out_ratio: f64) -> 
     }
 }
 
-/// What the words rest on.
-fn account(selection: &Selection, residual: &Residual, location: Location) -> Account {
-    let named = |n: &Named| NamedTerm {
-        id: n.standing.term.id(),
-        sensor: n.standing.term.sensor,
-        rivals: n.rivals.iter().map(|t| t.id()).collect(),
-    };
-    let oversized = selection.others.iter().filter(|s| s.would_but_for_its_size());
-    Account {
-        base_determined: selection.base.determined,
-        named: selection.named.iter().map(named).collect(),
-        above: residual.above.clone(),
-        oversized: oversized.map(|s| (s.term.id(), s.term.sensor)).collect(),
-        location,
-    }
-}
-
 fn estimate(name: String, unit: String, value: f64, half: f64) -> Estimate {
     Estimate { name, value, unit, ci95: [value - half, value + half] }
-}
-
-/// Half the width of a 95 % interval from delete-one-pose replicates.
-fn jackknife(of: &dyn Fn(&Point) -> f64, fit: &Fit, replicates: &[Point]) -> f64 {
-    let each: Vec<f64> = replicates.iter().map(of).collect();
-    // Each pose brings about six equations; a parameter costs its share of a pose.
-    let freedom = (each.len() as f64 - fit.active.len() as f64 / 6.0).max(2.0);
-    t_quantile(0.975, freedom) * jackknife_deviation(&each)
-}
-
-fn jackknife_deviation(each: &[f64]) -> f64 {
-    let n = each.len().max(1) as f64;
-    let mean = each.iter().sum::<f64>() / n;
-    ((n - 1.0) / n * each.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt()
 }
 
 /// Root mean square of held-out residuals in public units, unweighted.

@@ -88,8 +88,8 @@ impl Case<'_> {
         let count = 3.0 * self.observed.poses.len().max(1) as f64;
         let (force, rate) = self.observed.poses.iter().fold((0.0, 0.0), |sums, pose| {
             let of = |c: &Calibration| {
-                let f = c.specific_force_m_s2(pose.accelerometer.into(), pose.covariate);
-                (f, c.rate_rad_s(pose.gyro.into(), &f, pose.covariate))
+                let f = c.specific_force_m_s2(pose.accelerometer.into(), &pose.slow);
+                (f, c.rate_rad_s(pose.gyro.into(), &f, &pose.slow))
             };
             let ((f0, w0), (f1, w1)) = (of(&base), of(&repaired));
             (sums.0 + (f0 - f1).norm_squared(), sums.1 + (w0 - w1).norm_squared())

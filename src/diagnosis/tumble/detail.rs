@@ -2,6 +2,7 @@
 
 use super::account::Account;
 use super::calibration::Calibration;
+use crate::diagnosis::verdict::Triads;
 
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone)]
@@ -14,6 +15,8 @@ pub struct Detail {
     pub held_out: [[f64; 2]; 3],
     /// The repaired calibration.
     pub calibration: Calibration,
+    /// Biases and matrices with their intervals, to be used.
+    pub published: Option<Triads>,
     /// K's entries with their 95 % intervals, °/s/g, by rows; empty unless named.
     pub g_sensitivity: Vec<(String, f64, [f64; 2])>,
     /// Length of specific force over time, m/s², thinned for plotting, as (time in s, |f|).

@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::calibration::Point;
-use super::group::Group;
+use super::calibration::{Point, gyro};
+use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use super::rows::Rows;
 
@@ -18,7 +18,24 @@ pub struct Fit {
     pub rows: Rows,
     /// Whether the recording determines every active parameter.
     pub determined: bool,
+    /// Factor on the noise variance of each group by which the fit weighed it.
+    pub inflation: Inflation,
+    /// Rows over the inflated noise, the prior last.
+    design: DMatrix<f64>,
+    target: DVector<f64>,
 }
+
+/// A factor on the noise variance of each group, in the order of [`GROUPS`]: what a group misfits beyond its noise is noise
+/// to the parameters that it shares with the others, so that a gyro which does something unknown does not bend the
+/// accelerometer's calibration. (Variance components; Searle, Casella & McCulloch 1992.)
+pub type Inflation = [f64; GROUPS.len()];
+
+/// Every group by its measured noise.
+pub const AS_MEASURED: Inflation = [1.0; GROUPS.len()];
+/// Misfit that the noise's own uncertainty allows before a group counts for less.
+const TOLERATED: f64 = 1.3;
+/// Standard deviation of what is known of the coning coefficient beforehand: wide, and enough where no turn shows it.
+const CONING_PRIOR: f64 = 1.0;
 
 /// Slopes are scaled to columns of length one, so that counts and rad/s weigh alike.
 struct Normal {
@@ -26,18 +43,35 @@ struct Normal {
     unit: DVector<f64>,
 }
 
-fn normal(rows: &Rows) -> Normal {
+fn normal(design: &DMatrix<f64>) -> Normal {
     let unit = DVector::from_iterator(
-        rows.slope.ncols(),
-        rows.slope.column_iter().map(|c| c.norm()).map(|n| if n > 0.0 { 1.0 / n } else { 1.0 }),
+        design.ncols(),
+        design.column_iter().map(|c| c.norm()).map(|n| if n > 0.0 { 1.0 / n } else { 1.0 }),
     );
-    let mut matrix = rows.slope.tr_mul(&rows.slope);
+    let mut matrix = design.tr_mul(design);
     for i in 0..unit.len() {
         for j in 0..unit.len() {
             matrix[(i, j)] *= unit[i] * unit[j];
         }
     }
     Normal { matrix, unit }
+}
+
+/// Rows over the inflated noise, with the prior as the last one.
+fn weighed(rows: &Rows, point: &Point, active: &[usize], inflation: &Inflation) -> (DMatrix<f64>, DVector<f64>) {
+    let count = rows.group.len();
+    let weight = |r: usize| 1.0 / inflation[rows.group[r].place()].sqrt();
+    let mut design = rows.slope.clone().insert_row(count, 0.0);
+    let mut target = rows.residual.clone().insert_row(count, 0.0);
+    for r in 0..count {
+        design.row_mut(r).scale_mut(weight(r));
+        target[r] *= weight(r);
+    }
+    if let Some(column) = active.iter().position(|p| *p == gyro::CONING.start) {
+        design[(count, column)] = 1.0 / CONING_PRIOR;
+        target[count] = point[gyro::CONING.start] / CONING_PRIOR;
+    }
+    (design, target)
 }
 
 /// Smallest eigenvalue of the scaled normal matrix below which a parameter is not determined.
@@ -53,15 +87,16 @@ fn factor(mut matrix: DMatrix<f64>, damping: f64) -> Option<Cholesky<f64, Dyn>> 
 }
 
 impl Fit {
-    /// Fits `active` from `start`.
-    pub fn new(observed: &Observed<'_>, start: &Point, active: &[usize]) -> Self {
+    /// Fits `active` from `start`, each group weighed by its noise times its inflation.
+    pub fn new(observed: &Observed<'_>, start: &Point, active: &[usize], inflation: &Inflation) -> Self {
         let mut point = *start;
         let mut rows = observed.rows(&point, active);
+        let (mut design, mut target) = weighed(&rows, &point, active, inflation);
         let mut damping = 1e-6;
         for _ in 0..60 {
-            let Normal { matrix, unit } = normal(&rows);
-            let gradient = rows.slope.tr_mul(&rows.residual).component_mul(&unit);
-            let before = rows.residual.norm_squared();
+            let Normal { matrix, unit } = normal(&design);
+            let gradient = design.tr_mul(&target).component_mul(&unit);
+            let before = target.norm_squared();
             let Some(factored) = factor(matrix, damping) else {
                 damping = (damping * 10.0_f64).max(1e-9);
                 continue;
@@ -72,9 +107,10 @@ impl Fit {
                 trial[*p] += step[c] * unit[c];
             }
             let next = observed.rows(&trial, active);
-            let after = next.residual.norm_squared();
+            let (next_design, next_target) = weighed(&next, &trial, active, inflation);
+            let after = next_target.norm_squared();
             if after.is_finite() && after <= before {
-                (point, rows) = (trial, next);
+                (point, rows, design, target) = (trial, next, next_design, next_target);
                 damping *= 0.1;
                 if before - after <= 1e-7 * after.max(1e-9) {
                     break;
@@ -86,20 +122,34 @@ impl Fit {
                 damping *= 10.0;
             }
         }
-        let smallest = normal(&rows).matrix.symmetric_eigenvalues().min();
-        Self { point, active: active.to_vec(), rows, determined: smallest > DETERMINED }
+        let smallest = normal(&design).matrix.symmetric_eigenvalues().min();
+        let determined = smallest > DETERMINED;
+        Self { point, active: active.to_vec(), rows, determined, inflation: *inflation, design, target }
+    }
+
+    /// The same with each group weighed by its own misfit, where that is more than its noise.
+    pub fn balanced(observed: &Observed<'_>, start: &Point, active: &[usize]) -> Self {
+        let mut fit = Self::new(observed, start, active, &AS_MEASURED);
+        for _ in 0..3 {
+            let misfit = GROUPS.map(|g| Some(fit.reduced(g)).filter(|m| *m > TOLERATED).unwrap_or(1.0));
+            if misfit.iter().zip(&fit.inflation).all(|(new, old)| (new / old - 1.0).abs() < 0.05) {
+                break;
+            }
+            fit = Self::new(observed, &fit.point, active, &misfit);
+        }
+        fit
     }
 
     /// The parameters as they would be without the rows for which `left_out` holds (to first order), and the residuals
-    /// of all rows at that point. A new fit differs only by the square of the small change.
+    /// of all rows at that point, over their noise. A new fit differs only by the square of the small change.
     pub fn without(&self, left_out: impl Fn(usize) -> bool) -> (Point, DVector<f64>) {
-        let Normal { mut matrix, unit } = normal(&self.rows);
+        let Normal { mut matrix, unit } = normal(&self.design);
         let columns = self.active.len();
         let mut gradient = DVector::zeros(columns);
         for r in (0..self.rows.pose.len()).filter(|r| left_out(*r)) {
-            let row = self.rows.slope.row(r).transpose().component_mul(&unit);
+            let row = self.design.row(r).transpose().component_mul(&unit);
             matrix -= &row * row.transpose();
-            gradient += &row * self.rows.residual[r];
+            gradient += &row * self.target[r];
         }
         let step = match factor(matrix, RIDGE) {
             Some(factored) => factored.solve(&gradient).component_mul(&unit),
@@ -117,9 +167,9 @@ impl Fit {
         (0..poses).map(|k| self.without(|r| self.rows.pose[r] == k).0).collect()
     }
 
-    /// Standard deviation of each active parameter if the noise is as measured, and nothing else errs.
+    /// Standard deviation of each active parameter if the noise is as it was weighed, and nothing else errs.
     pub fn deviations(&self) -> Vec<f64> {
-        let Normal { matrix, unit } = normal(&self.rows);
+        let Normal { matrix, unit } = normal(&self.design);
         match factor(matrix, RIDGE) {
             Some(factored) => {
                 let inverse = factored.inverse();
@@ -152,11 +202,11 @@ impl Fit {
 
     /// Degrees of freedom that the parameters take from a group: the trace of its part of the hat matrix.
     pub fn leverage(&self, group: Group) -> f64 {
-        let Normal { matrix, unit } = normal(&self.rows);
+        let Normal { matrix, unit } = normal(&self.design);
         let Some(factored) = factor(matrix, RIDGE) else { return 0.0 };
         let mut part = DMatrix::zeros(unit.len(), unit.len());
         for r in (0..self.rows.group.len()).filter(|r| self.rows.group[*r] == group) {
-            let row = self.rows.slope.row(r).transpose().component_mul(&unit);
+            let row = self.design.row(r).transpose().component_mul(&unit);
             part += &row * row.transpose();
         }
         factored.solve(&part).trace()

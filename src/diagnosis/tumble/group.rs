@@ -17,6 +17,11 @@ pub enum Group {
 pub const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
 
 impl Group {
+    /// Its place in [`GROUPS`].
+    pub fn place(self) -> usize {
+        self as usize
+    }
+
     /// The unit that it is stated in.
     pub fn unit(self) -> &'static str {
         match self {

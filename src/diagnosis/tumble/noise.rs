@@ -11,7 +11,7 @@ use std::f64::consts::{LN_2, PI};
 use std::ops::Range;
 
 /// Noise of one axis in its own unit u: N in u·√s, B in u.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AxisNoise {
     /// White level as a random-walk coefficient.
     pub random_walk: f64,

@@ -88,7 +88,7 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
         return Vec::new();
     }
     let mut total = vec![0.0; samples - window];
-    for sensor in [&imu.accelerometer, &imu.gyro] {
+    for sensor in [Some(&imu.accelerometer), imu.gyro.as_ref()].into_iter().flatten() {
         let mut sum = vec![0.0; total.len()];
         let mut finest = 0.0;
         for values in sensor {

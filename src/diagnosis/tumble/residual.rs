@@ -30,7 +30,7 @@ impl Residual {
     pub fn of(fit: &Fit) -> Self {
         let mut tests: Vec<Test> = Vec::new();
         let mut above: Vec<(Group, f64)> = Vec::new();
-        for group in GROUPS {
+        for group in GROUPS.into_iter().filter(|g| fit.rows.chi_square(*g).1 > 0) {
             let (ratio, n) = (fit.reduced(group), fit.rows.chi_square(group).1 as f64);
             let freedom = (n - fit.leverage(group)).max(1.0);
             let p_value = TESTS * f_above(ratio, freedom, NOISE_FREEDOM);
@@ -41,10 +41,12 @@ impl Residual {
             tests.push(test);
         }
         order::sort_by_key(&mut above, |a| -a.1);
-        // Per pose one row of gravity, then three of the gyro at rest.
+        // Per pose one row of gravity, then three of the gyro at rest, where there is one.
         let at_rest: Vec<usize> = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] != Group::Turn).collect();
-        for channel in 0..AT_REST {
-            let values: Vec<f64> = at_rest.chunks_exact(AT_REST).map(|rows| fit.rows.residual[rows[channel]]).collect();
+        let channels = if fit.rows.group.contains(&Group::Still) { AT_REST } else { 1 };
+        for channel in 0..channels {
+            let values: Vec<f64> =
+                at_rest.chunks_exact(channels).map(|rows| fit.rows.residual[rows[channel]]).collect();
             // Noise of a pose has a 1/f part, which the next pose remembers: that is not white, and no mismatch.
             tests.push(Test { p_value: TESTS * memory(&values), size: Size::Negligible });
         }

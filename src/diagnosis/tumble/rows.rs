@@ -2,16 +2,19 @@
 //!
 //! - gravity: |f| − g, one per pose;
 //! - still: the gyro's reading at rest, three per pose;
-//! - turn: gravity's direction as the integrated gyro carries it from one pose to the next, two per move.
+//! - turn: gravity's direction as the integrated gyro carries it from one pose to the next, two per move: see `turn`.
+//!
+//! An accelerometer alone has the first kind only.
 //!
 //! A row belongs to a pose (a move to the pose it starts from), so that whole poses can be held out.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-use super::calibration::{Calibration, GYRO_OFF_DIAGONAL, Point, gyro};
+use super::calibration::{Calibration, Point, gyro};
 use super::group::Group;
 use super::imu::Observed;
 use super::slopes::{Active, reading_slopes};
+use super::turn::Turn;
 use crate::sensor::Sense;
 
 /// Residuals over their noise, with slopes by the active parameters where asked for.
@@ -32,54 +35,10 @@ pub struct Rows {
 /// A pose's specific force and its slopes: (column, ∂f).
 type Force<'a> = (&'a Vector3<f64>, &'a [(usize, Vector3<f64>)]);
 
-/// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it by.
-struct Turn {
-    rotation: Matrix3<f64>,
-    /// δφ at the end, by active parameter.
-    slopes: Vec<Vector3<f64>>,
-}
-
 impl Observed<'_> {
-    fn turn(&self, point: &Point, calibration: &Calibration, active: Option<&Active<'_>>, from: usize) -> Turn {
-        let step_s = 1.0 / self.imu.rate_hz;
-        let samples = self.poses[from].samples.end..self.poses[from + 1].samples.start;
-        let columns = active.map_or(0, |a| a.list.len());
-        let mut slopes = vec![Vector3::zeros(); columns];
-        let mut rotation = Matrix3::identity();
-        let unalign = *calibration.gyro.unalign();
-        for k in samples {
-            let covariate = self.imu.covariate[k];
-            let counts = self.imu.gyro_at(k);
-            let force = calibration.specific_force_m_s2(self.imu.accelerometer_at(k).into(), covariate);
-            let rate = calibration.rate_rad_s(counts.into(), &force, covariate);
-            let angle = rate * step_s;
-            if let Some(active) = active {
-                // The left Jacobian of this sample's rotation (it turns what came before), to first order in its angle.
-                let lever: Matrix3<f64> =
-                    rotation * (Matrix3::identity() + angle.cross_matrix() * 0.5) * unalign * step_s;
-                let mut give = |parameter: usize, axis: usize, phi: f64| {
-                    if let Some(column) = active.column[parameter] {
-                        slopes[column] -= lever.column(axis) * phi;
-                    }
-                };
-                reading_slopes(Sense::Gyro, &calibration.gyro, point[gyro::SCALE.start], &counts, covariate, &mut give);
-                for (n, (i, j)) in GYRO_OFF_DIAGONAL.iter().enumerate() {
-                    give(gyro::MISALIGNMENT.start + n, *i, rate[*j]);
-                }
-                for n in 0..9 {
-                    give(gyro::G_SENSITIVITY.start + n, n / 3, force[n % 3]);
-                }
-            }
-            rotation *= Rotation3::new(angle).matrix();
-        }
-        let back = rotation.transpose();
-        slopes.iter_mut().for_each(|s| *s = back * *s);
-        Turn { rotation, slopes }
-    }
-
     /// Specific force of each pose, m/s².
     pub fn forces_m_s2(&self, calibration: &Calibration) -> Vec<Vector3<f64>> {
-        self.poses.iter().map(|p| calibration.specific_force_m_s2(p.accelerometer.into(), p.covariate)).collect()
+        self.poses.iter().map(|p| calibration.specific_force_m_s2(p.accelerometer.into(), &p.slow)).collect()
     }
 
     /// All residuals at a point of the parameter space; slopes by `active` (empty: none).
@@ -93,12 +52,17 @@ impl Observed<'_> {
             .zip(&forces)
             .map(|(pose, force)| active.force_slopes(point, &calibration, pose, force))
             .collect();
-        let turns: Vec<Turn> = (0..self.poses.len().saturating_sub(1))
+        let with_gyro = self.imu.gyro.is_some();
+        let moves = if with_gyro { self.poses.len().saturating_sub(1) } else { 0 };
+        let turns: Vec<Turn> = (0..moves)
             .map(|k| self.turn(point, &calibration, (!active.list.is_empty()).then_some(&active), k))
             .collect();
         let attitudes = attitudes(&forces, &turns);
 
-        let count = self.poses.len() * 4 + turns.len() * 2;
+        let counts = |k: usize| self.poses[k].counts;
+        let turned = |k: usize| k < moves && counts(k) && counts(k + 1);
+        let per_pose = |k: usize| usize::from(counts(k)) * if with_gyro { 4 } else { 1 } + usize::from(turned(k)) * 2;
+        let count = (0..self.poses.len()).map(per_pose).sum();
         let mut rows = Rows {
             residual: DVector::zeros(count),
             slope: DMatrix::zeros(count, active.list.len()),
@@ -106,18 +70,20 @@ impl Observed<'_> {
             group: Vec::with_capacity(count),
             pose: Vec::with_capacity(count),
         };
-        for k in 0..self.poses.len() {
+        for k in (0..self.poses.len()).filter(|k| counts(*k)) {
             self.gravity_row(&mut rows, k, &forces[k], &force_slopes[k]);
-            self.still_rows(
-                &mut rows,
-                (point, &calibration, &active),
-                k,
-                (&forces[k], &force_slopes[k]),
-                &attitudes[k],
-            );
-            if let Some(turn) = turns.get(k) {
+            if with_gyro {
+                self.still_rows(
+                    &mut rows,
+                    (point, &calibration, &active),
+                    k,
+                    (&forces[k], &force_slopes[k]),
+                    &attitudes[k],
+                );
+            }
+            if turned(k) {
                 let ends = [k, k + 1].map(|p| (&forces[p], force_slopes[p].as_slice()));
-                self.turn_rows(&mut rows, k, turn, ends);
+                self.turn_rows(&mut rows, k, &turns[k], ends);
             }
         }
         rows
@@ -146,7 +112,7 @@ impl Observed<'_> {
         let pose = &self.poses[k];
         let triad = &calibration.gyro;
         let into_axes = triad.alignment * attitude.transpose();
-        let residual = triad.along_axes(pose.gyro, pose.covariate)
+        let residual = triad.along_axes(pose.gyro, &pose.slow)
             - calibration.g_sensitivity * force
             - into_axes * calibration.frame_rate_rad_s;
         let first = rows.deviation.len();
@@ -158,7 +124,7 @@ impl Observed<'_> {
                 rows.slope[(first + axis, column)] -= phi / rows.deviation[first + axis];
             }
         };
-        reading_slopes(Sense::Gyro, triad, point[gyro::SCALE.start], &pose.gyro, pose.covariate, &mut give);
+        reading_slopes(Sense::Gyro, triad, point[gyro::SCALE.start], &pose.gyro, &pose.slow, &mut give);
         for i in 0..3 {
             for j in 0..3 {
                 give(gyro::G_SENSITIVITY.start + 3 * i + j, i, force[j]);
@@ -242,7 +208,7 @@ fn tangents(up: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 /// Rotation from each pose's frame to the first one's: gyro for the heading, gravity for the rest.
 fn attitudes(forces: &[Vector3<f64>], turns: &[Turn]) -> Vec<Matrix3<f64>> {
     let mut out = vec![Matrix3::identity()];
-    for (k, turn) in turns.iter().enumerate() {
+    for (k, turn) in turns.iter().enumerate().take(forces.len().saturating_sub(1)) {
         let next = out[k] * turn.rotation;
         let level = Rotation3::rotation_between(&(next * forces[k + 1]), &forces[0]);
         out.push(level.map_or(next, |r| r.matrix() * next));
@@ -288,9 +254,9 @@ mod tests {
         let (gyro, accelerometer) = columns();
         let imu = Imu {
             rate_hz: 100.0,
-            gyro: [&gyro[0], &gyro[1], &gyro[2]],
+            gyro: Some([&gyro[0], &gyro[1], &gyro[2]]),
             accelerometer: [&accelerometer[0], &accelerometer[1], &accelerometer[2]],
-            covariate: (0..gyro[0].len()).map(|k| k as f64 * 0.01).collect(),
+            covariate: Some((0..gyro[0].len()).map(|k| k as f64 * 0.01).collect()),
             gravity_m_s2: 9.81,
         };
         let mut observed = imu.observe(&[0..100, 125..225, 250..350]);

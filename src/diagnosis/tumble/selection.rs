@@ -1,16 +1,21 @@
-//! Which candidates are named: forward by evidence, judged on poses that were held out, backward to drop stand-ins.
+//! Which candidates are named: from what nearly every unit has, backward to drop what is not needed and forward by evidence,
+//! judged on poses that were held out.
 
 use rand::RngExt;
 
-use super::candidate::{Term, terms};
-use super::fit::Fit;
+use super::calibration::Point;
+use super::candidate::{Role, Term, terms};
+use super::fit::{AS_MEASURED, Fit};
 use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use super::residual::Residual;
+use super::start;
 use super::units::factor;
+use crate::control::{Control, Stopped};
 use crate::numerics::order;
 use crate::numerics::special::{f_above, normal_quantile};
 use crate::rng::{Philox, Stream};
+use crate::sensor::Sense;
 
 /// Chance of a false name that is accepted, over all candidates together.
 pub const FALSE_NAME: f64 = 0.005;
@@ -75,6 +80,8 @@ pub struct Selection {
     pub named: Vec<Named>,
     /// The rest, judged as an addition to the chosen model.
     pub others: Vec<Standing>,
+    /// Sensors whose offsets drift slowly, fitted with the chosen model and not named.
+    pub drifting: Vec<Sense>,
 }
 
 impl Selection {
@@ -94,67 +101,182 @@ pub struct Named {
 }
 
 /// Searches the library.
-pub fn select(observed: &Observed<'_>, base: Fit, folds: &Folds) -> Selection {
-    let library = terms();
-    let tried = library.len();
-    let mut named: Vec<&'static Term> = Vec::new();
-    let mut model = base.clone();
-    let mut others;
+///
+/// # Errors
+/// When stopped.
+pub fn select(observed: &Observed<'_>, guess: &Point, folds: &Folds, control: &Control) -> Result<Selection, Stopped> {
+    let with_gyro = observed.imu.gyro.is_some();
+    let library = terms(with_gyro, observed.imu.covariate.is_some());
+    let base = Fit::new(observed, guess, &start::base(with_gyro), &AS_MEASURED);
+    let mut search = Search {
+        observed,
+        folds,
+        control,
+        tried: library.len(),
+        library,
+        banned: Vec::new(),
+        base,
+        others: Vec::new(),
+    };
+    // Scale and misalignment hide each other: the search begins with all that nearly every unit has, and drops what is not
+    // needed. Where poses do not determine all of it, it begins with nothing.
+    let usual: Vec<&'static Term> = search.library.iter().copied().filter(|t| t.role == Role::EveryUnit).collect();
+    let full = search.fitted(&search.base, &usual);
+    let mut state = if full.determined { State { named: usual, model: full } } else { search.bare() };
     loop {
-        let rest = library.iter().filter(|t| !named.contains(t));
-        let judged: Vec<(Standing, Fit)> = rest.map(|t| with(observed, &model, t, folds, tried)).collect();
-        let best = judged.iter().filter(|(s, _)| s.counts()).max_by(|a, b| a.0.criterion.total_cmp(&b.0.criterion));
-        let Some((standing, fit)) = best else {
-            others = judged.into_iter().map(|j| j.0).collect::<Vec<_>>();
+        state = search.settled(state)?;
+        let doubtful = search.doubtful(&state);
+        if doubtful.is_empty() {
             break;
+        }
+        // What helps but leaves the residual it is judged by above the noise is not what was left out: it is withdrawn, and
+        // the search goes on without it.
+        search.banned.extend(&doubtful);
+        state.named.retain(|t| !doubtful.contains(t));
+        state.model = search.fitted(&state.model, &state.named);
+    }
+    search.concluded(state)
+}
+
+/// A model on the way.
+struct State {
+    named: Vec<&'static Term>,
+    model: Fit,
+}
+
+/// What a search has at hand.
+struct Search<'a> {
+    observed: &'a Observed<'a>,
+    folds: &'a Folds,
+    control: &'a Control,
+    library: Vec<&'static Term>,
+    tried: usize,
+    /// Withdrawn.
+    banned: Vec<&'static Term>,
+    base: Fit,
+    /// Judged last as an addition.
+    others: Vec<Standing>,
+}
+
+/// Turns of adding and dropping before a search that goes in circles ends.
+const ROUNDS: usize = 6;
+/// Fraction of the excess over the noise that effects must remove from poses held out to be kept although something else
+/// is left (lower end of the 95 % interval): less may be the work of stand-ins.
+const CARRIES: f64 = 0.5;
+
+impl Search<'_> {
+    fn bare(&self) -> State {
+        State { named: Vec::new(), model: self.base.clone() }
+    }
+
+    /// Base and terms from the point of another model, each group weighed by its own misfit.
+    fn fitted(&self, from: &Fit, named: &[&'static Term]) -> Fit {
+        let active: Vec<usize> =
+            self.base.active.iter().copied().chain(named.iter().flat_map(|t| t.active())).collect();
+        let mut start = from.point;
+        from.active.iter().filter(|p| !active.contains(p)).for_each(|p| start[*p] = 0.0);
+        Fit::balanced(self.observed, &start, &active)
+    }
+
+    /// Drops what does not count and adds what does, until neither changes anything.
+    fn settled(&mut self, mut state: State) -> Result<State, Stopped> {
+        let mut seen: Vec<Vec<&'static Term>> = Vec::new();
+        for _ in 0..ROUNDS {
+            loop {
+                self.control.go_on()?;
+                let kept = state.named.iter().map(|t| self.within(&state.model, t));
+                let weakest = kept.filter(|s| !s.counts()).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+                let Some(weakest) = weakest else { break };
+                state.named.retain(|t| *t != weakest.term);
+                state.model = self.fitted(&state.model, &state.named);
+            }
+            let before = state.named.len();
+            loop {
+                self.control.go_on()?;
+                let rest = self.library.iter().filter(|t| !state.named.contains(t));
+                self.others = rest.map(|t| self.with(&state.model, t)).collect();
+                let free = self.others.iter().filter(|s| s.counts() && !self.banned.contains(&s.term));
+                let Some(best) = free.max_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { break };
+                state.named.push(best.term);
+                state.model = self.fitted(&state.model, &state.named);
+            }
+            if state.named.len() == before || seen.contains(&state.named) {
+                break;
+            }
+            seen.push(state.named.clone());
+        }
+        Ok(state)
+    }
+
+    /// Named terms judged by a residual that stays above its noise, unless together they carry most of it.
+    fn doubtful(&self, state: &State) -> Vec<&'static Term> {
+        let above = Residual::of(&state.model).above;
+        let doubtful = |group: Group| {
+            let own: Vec<&'static Term> =
+                state.named.iter().copied().filter(|t| t.judged == group && t.role != Role::Finding).collect();
+            if own.is_empty() {
+                return own;
+            }
+            let rest: Vec<&'static Term> = state.named.iter().copied().filter(|t| !own.contains(t)).collect();
+            let smaller = self.fitted(&state.model, &rest);
+            let (_, ci95) = held_out_gain(&smaller, &state.model, group, self.folds);
+            if ci95[0] > CARRIES { Vec::new() } else { own }
         };
-        named.push(standing.term);
-        model = fit.clone();
+        above.iter().flat_map(|(group, _)| doubtful(*group)).collect()
     }
-    // Backward: what only stood in for something found later no longer counts.
-    let mut kept: Vec<Standing>;
-    loop {
-        kept = named.iter().map(|t| standing_within(observed, &model, t, folds, tried)).collect();
-        let weakest = kept.iter().filter(|s| !s.counts()).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        let Some(weakest) = weakest.cloned() else { break };
-        named.retain(|t| *t != weakest.term);
-        model = without(observed, &model, weakest.term);
-        others.push(weakest);
+
+    fn concluded(self, state: State) -> Result<Selection, Stopped> {
+        let State { named, model } = state;
+        let mut kept: Vec<Standing> = named.iter().map(|t| self.within(&model, t)).collect();
+        order::sort_by_key(&mut kept, |s| -s.criterion);
+        let (findings, kept): (Vec<Standing>, Vec<Standing>) =
+            kept.into_iter().partition(|s| s.term.role == Role::Finding);
+        let mut others: Vec<Standing> = self.others.clone();
+        others.iter_mut().for_each(|s| s.withdrawn = self.banned.contains(&s.term));
+        others.retain(|s| s.term.role != Role::Finding);
+        order::sort_by_key(&mut others, |s| s.p_value);
+        let mut out = Vec::new();
+        for standing in kept {
+            self.control.go_on()?;
+            out.push(Named { rivals: self.rivals(&model, &standing, &others), standing });
+        }
+        let drifting = findings.iter().map(|s| s.term.sensor).collect();
+        Ok(Selection { base: self.base, chosen: model, named: out, others, drifting })
     }
-    // What helps but leaves the residual it is judged by above the noise is not what was left out: it is withdrawn.
-    let above: Vec<Group> = Residual::of(&model).above.iter().map(|a| a.0).collect();
-    let (withdrawn, mut kept): (Vec<Standing>, Vec<Standing>) =
-        kept.into_iter().partition(|s| above.contains(&s.term.judged));
-    for standing in withdrawn {
-        model = without(observed, &model, standing.term);
-        others.push(Standing { withdrawn: true, ..standing });
+
+    /// Judges a term as an addition to `model`.
+    fn with(&self, model: &Fit, term: &'static Term) -> Standing {
+        let active: Vec<usize> = model.active.iter().copied().chain(term.active()).collect();
+        let larger = Fit::new(self.observed, &model.point, &active, &model.inflation);
+        judge(model, &larger, term, self.folds, self.tried)
     }
-    order::sort_by_key(&mut kept, |s| -s.criterion);
-    let named = kept
-        .into_iter()
-        .map(|standing| Named { rivals: rivals(observed, &model, &standing, &others), standing })
-        .collect();
-    order::sort_by_key(&mut others, |s| s.p_value);
-    Selection { base, chosen: model, named, others }
-}
 
-/// Judges a term as an addition to `model`.
-fn with(observed: &Observed<'_>, model: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> (Standing, Fit) {
-    let active: Vec<usize> = model.active.iter().copied().chain(term.active()).collect();
-    let fit = Fit::new(observed, &model.point, &active);
-    (judge(model, &fit, term, folds, tried), fit)
-}
+    /// Judges a named term against the model without it.
+    fn within(&self, model: &Fit, term: &'static Term) -> Standing {
+        judge(&self.without(model, term), model, term, self.folds, self.tried)
+    }
 
-/// Judges a named term against the model without it.
-fn standing_within(observed: &Observed<'_>, model: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> Standing {
-    judge(&without(observed, model, term), model, term, folds, tried)
-}
+    fn without(&self, model: &Fit, term: &Term) -> Fit {
+        let active: Vec<usize> = model.active.iter().copied().filter(|p| term.active().all(|t| t != *p)).collect();
+        let mut start = model.point;
+        term.active().for_each(|p| start[p] = 0.0);
+        Fit::new(self.observed, &start, &active, &model.inflation)
+    }
 
-fn without(observed: &Observed<'_>, model: &Fit, term: &Term) -> Fit {
-    let active: Vec<usize> = model.active.iter().copied().filter(|p| term.active().all(|t| t != *p)).collect();
-    let mut start = model.point;
-    term.active().for_each(|p| start[p] = 0.0);
-    Fit::new(observed, &start, &active)
+    /// Terms of the same sensor that would do nearly as well in the place of a named one.
+    fn rivals(&self, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
+        let smaller = self.without(model, standing.term);
+        let mine = criterion(model);
+        others
+            .iter()
+            .filter(|o| o.term.sensor == standing.term.sensor && o.plausible)
+            .filter(|o| {
+                let active: Vec<usize> = smaller.active.iter().copied().chain(o.term.active()).collect();
+                criterion(&Fit::new(self.observed, &smaller.point, &active, &model.inflation)) - mine < TIED
+            })
+            .map(|o| o.term)
+            .collect()
+    }
 }
 
 fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> Standing {
@@ -251,21 +373,6 @@ fn plausible(fit: &Fit, term: &Term) -> bool {
             (value - spread) * unit <= stated.1 && (value + spread) * unit >= stated.0
         })
     })
-}
-
-/// Terms of the same sensor that would do nearly as well in the place of a named one.
-fn rivals(observed: &Observed<'_>, model: &Fit, standing: &Standing, others: &[Standing]) -> Vec<&'static Term> {
-    let smaller = without(observed, model, standing.term);
-    let mine = criterion(model);
-    others
-        .iter()
-        .filter(|o| o.term.sensor == standing.term.sensor && o.plausible)
-        .filter(|o| {
-            let active: Vec<usize> = smaller.active.iter().copied().chain(o.term.active()).collect();
-            criterion(&Fit::new(observed, &smaller.point, &active)) - mine < TIED
-        })
-        .map(|o| o.term)
-        .collect()
 }
 
 /// What is smallest of an effect that would still have been named, in public units: threshold and power of 95 %.

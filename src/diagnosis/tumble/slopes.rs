@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::calibration::{Calibration, PARAMETERS, Point, Triad, accelerometer, gyro};
+use super::calibration::{Calibration, DRIFT_TERMS, PARAMETERS, Point, Slow, Triad, accelerometer, gyro};
 use super::imu::Pose;
 use crate::sensor::Sense;
 
@@ -20,10 +20,10 @@ pub fn reading_slopes(
     triad: &Triad,
     scale: f64,
     counts: &Vector3<f64>,
-    covariate: f64,
+    slow: &Slow,
     mut give: impl FnMut(usize, usize, f64),
 ) {
-    let (offset, common, axis, quadratic, cubic, temperature) = match sensor {
+    let (offset, common, axis, quadratic, cubic, temperature, drift) = match sensor {
         Sense::Accelerometer => (
             accelerometer::OFFSET.start,
             accelerometer::SCALE.start,
@@ -31,6 +31,7 @@ pub fn reading_slopes(
             accelerometer::QUADRATIC.start,
             accelerometer::CUBIC.start,
             accelerometer::TEMPERATURE.start,
+            accelerometer::DRIFT.start,
         ),
         Sense::Gyro => (
             gyro::OFFSET.start,
@@ -39,20 +40,24 @@ pub fn reading_slopes(
             gyro::QUADRATIC.start,
             gyro::CUBIC.start,
             gyro::TEMPERATURE.start,
+            gyro::DRIFT.start,
         ),
     };
     for i in 0..3 {
         let raw = (counts[i] - triad.offset[i]) / triad.scale[i];
-        let x = raw - triad.temperature[i] * covariate;
-        let steep = 1.0 - 2.0 * triad.quadratic[i] * x - 3.0 * triad.cubic[i] * x * x;
+        let (v, slope) = triad.straightened(i, triad.curved(i, counts[i], slow));
+        let steep = 1.0 / slope;
         give(offset + i, i, steep / triad.scale[i]);
         give(common, i, steep * raw / scale);
         if i > 0 {
             give(axis + i - 1, i, steep * raw * scale / triad.scale[i]);
         }
-        give(quadratic + i, i, x * x);
-        give(cubic + i, i, x * x * x);
-        give(temperature + i, i, steep * covariate);
+        give(quadratic + i, i, steep * v * v);
+        give(cubic + i, i, steep * v * v * v);
+        give(temperature + i, i, steep * slow.covariate);
+        for (n, cosine) in slow.cosines.iter().enumerate() {
+            give(drift + DRIFT_TERMS * i + n, i, steep * cosine);
+        }
     }
 }
 
@@ -90,7 +95,7 @@ impl Active<'_> {
             triad,
             point[accelerometer::SCALE.start],
             &pose.accelerometer,
-            pose.covariate,
+            &pose.slow,
             &mut give,
         );
         let m = accelerometer::MISALIGNMENT.start;

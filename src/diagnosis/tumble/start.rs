@@ -7,9 +7,10 @@ use super::group::Group;
 use super::imu::Observed;
 use crate::numerics::order::median;
 
-/// Parameters of the base model: per axis an offset, per sensor one common scale.
-pub fn base() -> Vec<usize> {
-    accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro::OFFSET).chain(gyro::SCALE).collect()
+/// Parameters of the base model: per axis an offset, per sensor one common scale, and how the gyro's filter shapes a turn.
+pub fn base(with_gyro: bool) -> Vec<usize> {
+    let gyro = gyro::OFFSET.chain(gyro::SCALE).chain(gyro::CONING);
+    accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro.filter(|_| with_gyro)).collect()
 }
 
 /// A first guess of the base model; sets the scales by which noise is weighed.
@@ -24,6 +25,9 @@ pub fn guess(observed: &mut Observed<'_>) -> Point {
     point[accelerometer::SCALE.start] = scale / observed.imu.gravity_m_s2;
     observed.accelerometer_scale = point[accelerometer::SCALE.start];
     point[gyro::SCALE.start] = 1.0;
+    if observed.imu.gyro.is_none() {
+        return point;
+    }
     point[gyro::SCALE.start] = gyro_scale(observed, &point);
     observed.gyro_scale = point[gyro::SCALE.start];
     point

@@ -39,6 +39,11 @@ struct Said {
 pub fn worded(answer: Answer) -> Diagnosis {
     let said = said(&answer);
     let detectable = answer.detail.detectable().to_vec();
+    let (calibration, told) = match &answer.detail {
+        Detail::Tumble(detail) => (detail.published.clone(), tumble::findings(&detail.account)),
+        Detail::Static(detail) => (None, rest::statements(&detail.statements, &detail.unit)),
+        Detail::Driven(_) => (None, Vec::new()),
+    };
     let Answer {
         kind,
         outcome,
@@ -48,15 +53,12 @@ pub fn worded(answer: Answer) -> Diagnosis {
         places,
         fit,
         residual_after,
-        findings,
+        mut findings,
         ranking,
         repair,
         detail,
     } = answer;
-    let mut findings = findings;
-    if let Detail::Static(detail) = &detail {
-        findings.extend(rest::statements(&detail.statements, &detail.unit));
-    }
+    findings.extend(told);
     let verdict = Verdict {
         schema: SCHEMA,
         kind,
@@ -72,6 +74,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
             state: places.state,
             state_cells: places.state_cells,
         },
+        calibration,
         fit,
         residual_after,
         detectable,

@@ -1,6 +1,6 @@
 //! `earth-rate`: the gyro at rest feels the earth turn.
 
-use super::term::{Seen, Stated, Term};
+use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::gyro;
 use crate::diagnosis::tumble::group::Group;
@@ -25,4 +25,5 @@ pub(super) const TERMS: &[Term] = &[Term {
     judged: Group::Still,
     stated: Stated::AsFitted,
     seen: Seen::InItsBestDirection,
+    role: Role::Effect,
 }];

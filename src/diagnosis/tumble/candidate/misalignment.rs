@@ -1,6 +1,6 @@
 //! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the accelerometer's.
 
-use super::term::{Seen, Stated, Term};
+use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
@@ -26,6 +26,7 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Gravity,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::EveryUnit,
     },
     Term {
         candidate: &CANDIDATE,
@@ -34,5 +35,6 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Turn,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::EveryUnit,
     },
 ];

@@ -1,6 +1,6 @@
 //! `scale-factor`: the axes of a sensor do not share one scale.
 
-use super::term::{Seen, Stated, Term};
+use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
@@ -30,6 +30,7 @@ pub(super) const TERMS: &[Term] = &[
             unit: "count per m/s^2",
         },
         seen: Seen::InEveryParameter,
+        role: Role::EveryUnit,
     },
     Term {
         candidate: &CANDIDATE,
@@ -42,5 +43,6 @@ pub(super) const TERMS: &[Term] = &[
             unit: "count per rad/s",
         },
         seen: Seen::InEveryParameter,
+        role: Role::EveryUnit,
     },
 ];

@@ -1,6 +1,6 @@
 //! `scale-nonlinearity`: the scale changes with what is measured.
 
-use super::term::{Seen, Stated, Term};
+use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
@@ -29,6 +29,7 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Gravity,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::Effect,
     },
     Term {
         candidate: &CANDIDATE,
@@ -37,5 +38,6 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Turn,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::Effect,
     },
 ];

@@ -1,6 +1,6 @@
-//! `temperature-sensitivity`: offsets follow a temperature column, or drift slowly with time where none was recorded.
+//! `temperature-sensitivity`: offsets follow a temperature column. Without one there is no such name: see `slow_drift`.
 
-use super::term::{Seen, Stated, Term};
+use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
@@ -9,16 +9,12 @@ use crate::sensor::Sense;
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",
     kind: Kind::Tumble,
-    statement: "The offsets follow temperature; where no temperature was recorded, they drift slowly with time.",
+    statement: "The offsets follow temperature.",
     equation: "y = o + s (v + c (T − T̄))",
     // Unbounded: the column's unit is its owner's, so that no slope over it is too steep.
-    parameters: &[Parameter {
-        name: "c",
-        unit: "u per unit of the column, or per minute",
-        range: (f64::MIN, f64::MAX),
-    }],
+    parameters: &[Parameter { name: "c", unit: "u per unit of the column", range: (f64::MIN, f64::MAX) }],
     acts: "readout",
-    signature: "poses of equal attitude differ by when they were taken",
+    signature: "poses of equal attitude differ as the temperature did; needs a temperature column",
     confusable_with: &["g-sensitivity"],
     reference: "IEEE 1293, §5 (bias temperature sensitivity)",
 };
@@ -31,6 +27,7 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Gravity,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::OfAColumn,
     },
     Term {
         candidate: &CANDIDATE,
@@ -39,5 +36,6 @@ pub(super) const TERMS: &[Term] = &[
         judged: Group::Still,
         stated: Stated::AsFitted,
         seen: Seen::InEveryParameter,
+        role: Role::OfAColumn,
     },
 ];

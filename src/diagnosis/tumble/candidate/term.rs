@@ -21,6 +21,21 @@ pub struct Term {
     pub stated: Stated,
     /// From which strength on it would have been seen.
     pub seen: Seen,
+    /// What it is to a diagnosis.
+    pub role: Role,
+}
+
+/// What a candidate is to a diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// An effect that nearly every unit has: the search begins with it.
+    EveryUnit,
+    /// An effect that some have.
+    Effect,
+    /// An effect that needs an environment column.
+    OfAColumn,
+    /// Fitted and told, never named.
+    Finding,
 }
 
 /// From which strength on a candidate with several parameters would have been seen.

@@ -1,6 +1,6 @@
 //! The verdict on an IMU that was turned by hand, in plain words.
 
-use crate::diagnosis::tumble::account::{Account, NamedTerm, Rms};
+use crate::diagnosis::tumble::account::{Account, Drift, NamedTerm, Rms};
 use crate::diagnosis::tumble::detail::Detail;
 use crate::diagnosis::tumble::group::{GROUPS, Group};
 use crate::diagnosis::verdict::Outcome;
@@ -18,20 +18,25 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
     let names: Vec<String> = account.named.iter().map(name).collect();
     match outcome {
         Outcome::Adequate => format!(
-            "Nothing is missing that these {} poses could show: what is left of gravity, of the gyro at rest and of \
-                 the turns is noise.",
-            detail.poses.len()
+            "Nothing is missing that these {} poses could show: what is left of {} is noise.",
+            detail.poses.len(),
+            if account.with_gyro { "gravity, of the gyro at rest and of the turns" } else { "gravity" }
         ),
         Outcome::Explained => format!(
             "The model left out {}. With {} fitted, poses that were held out agree: {}.",
             join(&names),
             if names.len() == 1 { "it" } else { "them" },
-            join(&GROUPS.map(improvement))
+            join(&groups(account).map(improvement).collect::<Vec<_>>())
         ),
         Outcome::Unexplained => {
             let part = match names.is_empty() {
                 true => "Nothing in the library accounts for the mismatch".to_owned(),
-                false => format!("{} {} named, but something else is left out", join(&names), is_are(&names)),
+                false => format!(
+                    "{} {} named and hold on poses that were held out ({}), but something else is left out",
+                    join(&names),
+                    is_are(&names),
+                    join(&judging(account).map(improvement).collect::<Vec<_>>())
+                ),
             };
             let beyond = account.oversized.iter().map(|(id, sensor)| {
                 format!(
@@ -57,6 +62,55 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
     }
 }
 
+/// The residuals that this recording has.
+fn groups(account: &Account) -> impl Iterator<Item = Group> {
+    let with_gyro = account.with_gyro;
+    GROUPS.into_iter().filter(move |g| with_gyro || *g == Group::Gravity)
+}
+
+/// Those in which a named effect acts.
+fn judging(account: &Account) -> impl Iterator<Item = Group> {
+    let of = |sensor: Sense| account.named.iter().any(|n| n.sensor == sensor);
+    let (force, rate) = (of(Sense::Accelerometer), of(Sense::Gyro));
+    groups(account).filter(move |g| if *g == Group::Gravity { force } else { rate })
+}
+
+/// What was found in the recording and is no effect, in sentences.
+pub fn findings(account: &Account) -> Vec<String> {
+    let mut out: Vec<String> = account.drifts.iter().map(|d| drift(d, account.has_column)).collect();
+    out.extend(account.knocked.iter().map(|k| {
+        format!(
+            "pose {} ({} to {} s) disagrees with all the others, as one that was touched does; it was left out",
+            k.pose,
+            short(k.time_s[0]),
+            short(k.time_s[1])
+        )
+    }));
+    if account.wanders {
+        out.push(
+            "the offsets wander between the poses by more than the noise inside a pose says, as 1/f noise does; the noise \
+             of a pose was raised to that"
+                .into(),
+        );
+    }
+    out
+}
+
+fn drift(drift: &Drift, has_column: bool) -> String {
+    let unit = if drift.sensor == Sense::Gyro { "°/s" } else { "mm/s²" };
+    let [x, y, z] = drift.range.map(short);
+    let why = if has_column {
+        "the environment column does not account for it"
+    } else {
+        "1/f noise, warming up and a battery look alike here; a temperature column under `environment` would tell"
+    };
+    format!(
+        "slow drift of the {}: its offsets move by {x}, {y} and {z} {unit} (x, y, z) over the recording; it was fitted \
+         beside the calibration and has no name, for {why}",
+        drift.sensor.name()
+    )
+}
+
 /// Where the base model's mismatch lives.
 pub fn place(detail: &Detail) -> String {
     let location = &detail.account.location;
@@ -65,7 +119,8 @@ pub fn place(detail: &Detail) -> String {
         let [value, noise] = [r.value, r.noise].map(short);
         format!("{}: {value} {unit} rms where noise leaves {noise} {unit}", residual(r.group))
     };
-    let kinds: Vec<String> = location.residuals.iter().map(of).collect();
+    let present = |r: &&Rms| detail.account.with_gyro || r.group == Group::Gravity;
+    let kinds: Vec<String> = location.residuals.iter().filter(present).map(of).collect();
     let poses = detail.poses.len();
     let place = match (location.standing_out, location.axis) {
         (0, _) => "no pose stands out of the noise".to_owned(),

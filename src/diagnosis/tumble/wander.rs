@@ -1,0 +1,110 @@
+//! How far offsets wander from pose to pose by 1/f noise, from the poses themselves.
+//!
+//! Inside a pose 1/f noise hides under the white noise; over the recording it is what moves the poses. Unlike a law of the
+//! sensor, which follows attitude, it is alike in neighbouring poses: with covariance (B²/π) ln(T/Δt) between means that lie
+//! Δt apart in a recording of length T (the spectrum B²/(πf) of `noise`). Restricted likelihood weighs it against a misfit
+//! without memory (Patterson & Thompson, Biometrika 58 (1971) 545); where memory wins, the noise of every pose is raised.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::calibration::Calibration;
+use super::fit::Fit;
+use super::group::Group;
+use super::imu::Observed;
+use super::residual::Residual;
+use crate::sensor::Sense;
+
+/// Gain in twice the log-likelihood from which the wander is believed: 1 % for one parameter at its bound.
+const BELIEVED: f64 = 5.4;
+/// Factors on the noise variance without memory that are tried.
+const WITHOUT_MEMORY: [f64; 9] = [1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 30.0, 100.0, 1000.0];
+/// Factors on the wander's variance, which begins at a quarter of the mean noise variance of a pose.
+const WANDER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+/// More rows than this take too long for what they add.
+const MOST_ROWS: usize = 360;
+
+/// Raises the 1/f noise of sensors whose residual at rest is above its noise and wanders; whether any was raised.
+pub fn raise(observed: &mut Observed<'_>, fit: &Fit) -> bool {
+    let above: Vec<Group> = Residual::of(fit).above.iter().map(|a| a.0).collect();
+    let mut raised = false;
+    for (group, sensor) in [(Group::Gravity, Sense::Accelerometer), (Group::Still, Sense::Gyro)] {
+        let Some(level) = above.contains(&group).then(|| wander(observed, fit, group)).flatten() else { continue };
+        let (noise, scale) = match sensor {
+            Sense::Accelerometer => (&mut observed.accelerometer_noise, observed.accelerometer_scale),
+            Sense::Gyro => (&mut observed.gyro_noise, observed.gyro_scale),
+        };
+        for axis in noise.iter_mut() {
+            let own = level.sqrt() * scale;
+            if own > axis.bias_instability {
+                axis.bias_instability = own;
+                raised = true;
+            }
+        }
+    }
+    if raised {
+        observed.weigh();
+    }
+    raised
+}
+
+/// B² of the wander in SI, where it is believed.
+fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
+    let rows: Vec<usize> = (0..fit.rows.group.len()).filter(|r| fit.rows.group[*r] == group).collect();
+    if rows.len() > MOST_ROWS || rows.len() < fit.active.len() / 2 {
+        return None;
+    }
+    let calibration = Calibration::from_point(&fit.point);
+    let up: Vec<Vector3<f64>> =
+        observed.forces_m_s2(&calibration).iter().map(|f| f / f.norm().max(f64::MIN_POSITIVE)).collect();
+    // Along which axes a row reads: gravity along its direction, the gyro at rest along one axis after the other.
+    let along = |n: usize| match group {
+        Group::Gravity => up[fit.rows.pose[rows[n]]],
+        _ => Vector3::ith(n % 3, 1.0),
+    };
+    let record_s = observed.imu.accelerometer[0].len() as f64 / observed.imu.rate_hz;
+    let length_s = |k: usize| observed.poses[k].samples.len() as f64 / observed.imu.rate_hz;
+    let kernel = DMatrix::from_fn(rows.len(), rows.len(), |a, b| {
+        let (i, j) = (fit.rows.pose[rows[a]], fit.rows.pose[rows[b]]);
+        let apart = (observed.middle_s(i) - observed.middle_s(j)).abs().max(0.5 * (length_s(i) + length_s(j)));
+        let deviations = fit.rows.deviation[rows[a]] * fit.rows.deviation[rows[b]];
+        along(a).dot(&along(b)) * (record_s / apart).max(1.0).ln() / PI / deviations
+    });
+    // Columns that move these rows, scaled; those that do not are left out, for they would make the design singular.
+    let columns: Vec<DVector<f64>> = (0..fit.active.len())
+        .map(|c| DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.slope[(*r, c)])))
+        .filter(|c| c.norm() > 0.0)
+        .map(|c| c.normalize())
+        .collect();
+    let design = DMatrix::from_columns(&columns);
+    let residual = DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.residual[*r]));
+    let unit = kernel.diagonal().mean();
+    let likelihood = |white: f64, wander: f64| {
+        let covariance = DMatrix::identity(rows.len(), rows.len()) * white + &kernel * (wander / unit);
+        restricted(&covariance, &design, &residual)
+    };
+    let best = |of: &mut dyn Iterator<Item = (f64, f64)>| {
+        of.filter_map(|(w, b)| Some((likelihood(w, b)?, b))).max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let without = best(&mut WITHOUT_MEMORY.iter().map(|w| (*w, 0.0)))?;
+    let with = best(&mut WITHOUT_MEMORY.iter().flat_map(|w| WANDER.iter().map(|b| (*w, 0.25 * b))))?;
+    (2.0 * (with.0 - without.0) > BELIEVED).then(|| with.1 / unit)
+}
+
+/// Restricted log-likelihood but for a constant; `None` where the covariance is none.
+fn restricted(covariance: &DMatrix<f64>, design: &DMatrix<f64>, residual: &DVector<f64>) -> Option<f64> {
+    let factored = covariance.clone().cholesky()?;
+    let lower = factored.l();
+    let logarithm = |l: &DMatrix<f64>| 2.0 * l.diagonal().iter().map(|v| v.ln()).sum::<f64>();
+    let (mut columns, mut rest) = (design.clone(), residual.clone());
+    if !lower.solve_lower_triangular_mut(&mut columns) || !lower.solve_lower_triangular_mut(&mut rest) {
+        return None;
+    }
+    let mut normal = columns.tr_mul(&columns);
+    (0..normal.nrows()).for_each(|i| normal[(i, i)] *= 1.0 + 1e-9);
+    let normal = normal.cholesky()?;
+    let projected = columns.tr_mul(&rest);
+    let fitted = projected.dot(&normal.solve(&projected));
+    Some(-0.5 * (logarithm(&lower) + logarithm(&normal.l()) + rest.norm_squared() - fitted))
+}
