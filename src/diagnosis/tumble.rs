@@ -102,15 +102,16 @@ fn searched(
     let work = control.stage("searching the library", 0);
     let mut knocked = knock::leave_out(observed, guess);
     let mut selection = selection::select(observed, guess, folds, control)?;
-    if !knocked.is_empty() && !Residual::of(&selection.chosen).above.is_empty() {
-        work.rename("searching again with every pose");
-        observed.poses.iter_mut().for_each(|p| p.counts = true);
-        knocked.clear();
-        selection = selection::select(observed, guess, folds, control)?;
-    }
     let wanders = wander::raise(observed, &selection.chosen);
     if wanders {
         work.rename("searching again with the noise between poses");
+        selection = selection::select(observed, guess, folds, control)?;
+    }
+    let foreign = Residual::of(&selection.chosen).above.iter().any(|a| a.1 > knock::CLEAR);
+    if !knocked.is_empty() && foreign {
+        work.rename("searching again with every pose");
+        observed.poses.iter_mut().for_each(|p| p.counts = true);
+        knocked.clear();
         selection = selection::select(observed, guess, folds, control)?;
     }
     Ok(Found { selection, knocked, wanders })

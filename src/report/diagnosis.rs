@@ -2,6 +2,7 @@
 //!
 //! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
 
+mod calibration;
 mod driven;
 mod exhibit;
 mod fit;
@@ -55,6 +56,9 @@ pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     if !verdict.effects.is_empty() {
         out += &format!("\n{}", effects_table(&verdict.effects));
     }
+    if let Some(found) = &verdict.calibration {
+        out += &format!("\n{}:\n{}", calibration::MEANING, calibration::text(found));
+    }
     if !verdict.findings.is_empty() {
         out += "\nfound in the file:\n";
         out += &verdict.findings.iter().map(|f| format!("- {f}\n")).collect::<String>();
@@ -80,6 +84,11 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
             statements(&verdict.effects).iter().for_each(|s| page.paragraph(s));
             page.table(&effects_table(&verdict.effects));
         }
+    }
+    if let Some(found) = &verdict.calibration {
+        page.section("The calibration, ready to paste");
+        page.paragraph(&format!("{}. The same numbers stand in verdict.json.", calibration::MEANING));
+        page.preformatted(&calibration::text(found));
     }
     page.section("What fits better, and what does not");
     let (passed_over, tried): (Vec<&Ranked>, Vec<&Ranked>) =

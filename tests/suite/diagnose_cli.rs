@@ -62,6 +62,7 @@ fn contract() -> Result<(), Failed> {
     let written: Value = serde_json::from_str(&fs::read_to_string(out.join("verdict.json"))?)?;
     check(verdict == written, "stdout and verdict.json differ")?;
     let expected = [
+        "calibration",
         "effects",
         "findings",
         "fit",

@@ -15,8 +15,8 @@ use crate::numerics::special::f_above;
 
 /// Chance of leaving out a pose in which nothing happened, over all poses.
 const FALSE_KNOCK: f64 = 1e-4;
-/// Mean square of a pose's residuals over their noise, at the least.
-const CLEAR: f64 = 10.0;
+/// Mean square of a knocked pose's residuals over their noise, at the least; what is left of the others must be less.
+pub const CLEAR: f64 = 10.0;
 /// One pose in so many may be left out.
 const ONE_IN: usize = 10;
 

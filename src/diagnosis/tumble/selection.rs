@@ -1,4 +1,4 @@
-//! Which candidates are named: from what nearly every unit has, backward to drop what is not needed and forward by evidence,
+//! Which candidates are named: from what nearly every unit has, forward by evidence and backward to drop what is not needed,
 //! judged on poses that were held out.
 
 use rand::RngExt;
@@ -108,16 +108,7 @@ pub fn select(observed: &Observed<'_>, guess: &Point, folds: &Folds, control: &C
     let with_gyro = observed.imu.gyro.is_some();
     let library = terms(with_gyro, observed.imu.covariate.is_some());
     let base = Fit::new(observed, guess, &start::base(with_gyro), &AS_MEASURED);
-    let mut search = Search {
-        observed,
-        folds,
-        control,
-        tried: library.len(),
-        library,
-        banned: Vec::new(),
-        base,
-        others: Vec::new(),
-    };
+    let mut search = Search { observed, folds, control, tried: library.len(), library, banned: Vec::new(), base };
     // Scale and misalignment hide each other: the search begins with all that nearly every unit has, and drops what is not
     // needed. Where poses do not determine all of it, it begins with nothing.
     let usual: Vec<&'static Term> = search.library.iter().copied().filter(|t| t.role == Role::EveryUnit).collect();
@@ -154,14 +145,12 @@ struct Search<'a> {
     /// Withdrawn.
     banned: Vec<&'static Term>,
     base: Fit,
-    /// Judged last as an addition.
-    others: Vec<Standing>,
 }
 
 /// Turns of adding and dropping before a search that goes in circles ends.
 const ROUNDS: usize = 6;
-/// Fraction of the excess over the noise that effects must remove from poses held out to be kept although something else
-/// is left (lower end of the 95 % interval): less may be the work of stand-ins.
+/// Fraction of the excess over the noise that scale and misalignment must remove from poses held out to be kept although
+/// something else is left (lower end of the 95 % interval): less may be the work of stand-ins.
 const CARRIES: f64 = 0.5;
 
 impl Search<'_> {
@@ -178,26 +167,26 @@ impl Search<'_> {
         Fit::balanced(self.observed, &start, &active)
     }
 
-    /// Drops what does not count and adds what does, until neither changes anything.
-    fn settled(&mut self, mut state: State) -> Result<State, Stopped> {
+    /// Adds what counts and drops what does not, until nothing is dropped. Adding comes first: beside a strong effect that is
+    /// not in the model yet, what belongs there seems not to count.
+    fn settled(&self, mut state: State) -> Result<State, Stopped> {
         let mut seen: Vec<Vec<&'static Term>> = Vec::new();
         for _ in 0..ROUNDS {
+            loop {
+                self.control.go_on()?;
+                let free = self.rest(&state).filter(|t| !self.banned.contains(t));
+                let judged = free.map(|t| self.with(&state.model, t)).filter(Standing::counts);
+                let Some(best) = judged.max_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { break };
+                state.named.push(best.term);
+                state.model = self.fitted(&state.model, &state.named);
+            }
+            let before = state.named.len();
             loop {
                 self.control.go_on()?;
                 let kept = state.named.iter().map(|t| self.within(&state.model, t));
                 let weakest = kept.filter(|s| !s.counts()).min_by(|a, b| a.criterion.total_cmp(&b.criterion));
                 let Some(weakest) = weakest else { break };
                 state.named.retain(|t| *t != weakest.term);
-                state.model = self.fitted(&state.model, &state.named);
-            }
-            let before = state.named.len();
-            loop {
-                self.control.go_on()?;
-                let rest = self.library.iter().filter(|t| !state.named.contains(t));
-                self.others = rest.map(|t| self.with(&state.model, t)).collect();
-                let free = self.others.iter().filter(|s| s.counts() && !self.banned.contains(&s.term));
-                let Some(best) = free.max_by(|a, b| a.criterion.total_cmp(&b.criterion)) else { break };
-                state.named.push(best.term);
                 state.model = self.fitted(&state.model, &state.named);
             }
             if state.named.len() == before || seen.contains(&state.named) {
@@ -208,7 +197,7 @@ impl Search<'_> {
         Ok(state)
     }
 
-    /// Named terms judged by a residual that stays above its noise, unless together they carry most of it.
+    /// Named terms judged by a residual that stays above its noise, but for scale and misalignment that carry most of it.
     fn doubtful(&self, state: &State) -> Vec<&'static Term> {
         let above = Residual::of(&state.model).above;
         let doubtful = |group: Group| {
@@ -217,31 +206,41 @@ impl Search<'_> {
             if own.is_empty() {
                 return own;
             }
-            let rest: Vec<&'static Term> = state.named.iter().copied().filter(|t| !own.contains(t)).collect();
+            // What only some sensors have needs more than that: a law that nobody knows often looks like a little of it.
+            let (usual, rare): (Vec<&'static Term>, Vec<_>) = own.into_iter().partition(|t| t.role == Role::EveryUnit);
+            if !rare.is_empty() {
+                return rare;
+            }
+            let rest: Vec<&'static Term> = state.named.iter().copied().filter(|t| !usual.contains(t)).collect();
             let smaller = self.fitted(&state.model, &rest);
             let (_, ci95) = held_out_gain(&smaller, &state.model, group, self.folds);
-            if ci95[0] > CARRIES { Vec::new() } else { own }
+            if ci95[0] > CARRIES { Vec::new() } else { usual }
         };
         above.iter().flat_map(|(group, _)| doubtful(*group)).collect()
     }
 
     fn concluded(self, state: State) -> Result<Selection, Stopped> {
-        let State { named, model } = state;
-        let mut kept: Vec<Standing> = named.iter().map(|t| self.within(&model, t)).collect();
+        let model = &state.model;
+        let mut kept: Vec<Standing> = state.named.iter().map(|t| self.within(model, t)).collect();
         order::sort_by_key(&mut kept, |s| -s.criterion);
         let (findings, kept): (Vec<Standing>, Vec<Standing>) =
             kept.into_iter().partition(|s| s.term.role == Role::Finding);
-        let mut others: Vec<Standing> = self.others.clone();
-        others.iter_mut().for_each(|s| s.withdrawn = self.banned.contains(&s.term));
-        others.retain(|s| s.term.role != Role::Finding);
+        let rest = self.rest(&state).filter(|t| t.role != Role::Finding);
+        let mut others: Vec<Standing> =
+            rest.map(|t| Standing { withdrawn: self.banned.contains(&t), ..self.with(model, t) }).collect();
         order::sort_by_key(&mut others, |s| s.p_value);
-        let mut out = Vec::new();
+        let mut named = Vec::new();
         for standing in kept {
             self.control.go_on()?;
-            out.push(Named { rivals: self.rivals(&model, &standing, &others), standing });
+            named.push(Named { rivals: self.rivals(model, &standing, &others), standing });
         }
         let drifting = findings.iter().map(|s| s.term.sensor).collect();
-        Ok(Selection { base: self.base, chosen: model, named: out, others, drifting })
+        Ok(Selection { base: self.base, chosen: state.model, named, others, drifting })
+    }
+
+    /// What is not in a model.
+    fn rest<'s>(&'s self, state: &'s State) -> impl Iterator<Item = &'static Term> + 's {
+        self.library.iter().copied().filter(|t| !state.named.contains(t))
     }
 
     /// Judges a term as an addition to `model`.
