@@ -32,9 +32,9 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
             let part = match names.is_empty() {
                 true => "Nothing in the library accounts for the mismatch".to_owned(),
                 false => format!(
-                    "{} {} named and hold on poses that were held out ({}), but something else is left out",
+                    "{} {} on poses that were held out ({}), but something else is left out",
                     join(&names),
-                    is_are(&names),
+                    if names.len() == 1 { "is named and holds" } else { "are named and hold" },
                     join(&judging(account).map(improvement).collect::<Vec<_>>())
                 ),
             };
@@ -186,10 +186,6 @@ fn name(named: &NamedTerm) -> String {
 /// "misalignment of the gyro".
 fn spoken(id: &str, sensor: Sense) -> String {
     format!("{id} of the {}", sensor.name())
-}
-
-fn is_are(names: &[String]) -> &'static str {
-    if names.len() == 1 { "is" } else { "are" }
 }
 
 /// "a, b and c".
