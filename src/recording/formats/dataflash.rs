@@ -197,7 +197,8 @@ impl Log for DataFlash {
     fn open(self: Box<Self>, part: usize, choice: &Choice) -> Result<Box<dyn Reader>> {
         let wanted = self.kinds[part];
         let message = self.messages[&wanted.0].clone();
-        let walk = Walk::new(&self.input, self.messages);
+        // Descriptions are learnt as they come, as when the messages were counted.
+        let walk = Walk::new(&self.input, BTreeMap::new());
         Ok(Box::new(Rows { walk, message, wanted, choice: choice.clone() }))
     }
 }
