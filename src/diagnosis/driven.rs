@@ -4,6 +4,7 @@
 //! `verdict`, over the laws in `physics`.
 
 pub mod base;
+pub mod free_body;
 pub mod identification;
 pub mod intake;
 pub mod selection;
@@ -64,17 +65,16 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: 
         let hint = "check that input and output are the right columns and that the input moves the output";
         Error::new(attempt(), cause, hint)
     })?;
+    let asked = Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns };
+    if free_body::is_free(&course.data, &base)
+        && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.own_test, course.notes.clone())
+    {
+        return Ok(answer);
+    }
     let selection = course.select(base, &scales, control).map_err(|s| s.during(attempt(), "start it again"))?;
     let conclusion = course.conclude(&selection, &scales);
     let Course { data, notes, .. } = course;
-    Ok(answer::answer(
-        &Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() },
-        &data,
-        &scales,
-        &selection,
-        &conclusion,
-        notes,
-    ))
+    Ok(answer::answer(&asked, &data, &scales, &selection, &conclusion, notes))
 }
 
 /// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of it.

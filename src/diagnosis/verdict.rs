@@ -229,6 +229,13 @@ pub struct RecordingScore {
     /// With the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rmse_after: Option<f64>,
+    /// Of a body without a spring, whose errors above are of windows restarted every second: root mean square of the difference
+    /// between the input and the input that its motion takes, over that of the input, below a twenty-fifth of the sampling rate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_error_before: Option<f64>,
+    /// The same with the named effects; absent where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_error_after: Option<f64>,
 }
 
 /// Mean log-likelihood per sample on the test part.

@@ -5,7 +5,7 @@ pub mod conclude;
 pub mod detail;
 mod detectable;
 pub mod dropped;
-mod effects;
+pub mod effects;
 pub mod findings;
 pub mod form;
 mod isolation;

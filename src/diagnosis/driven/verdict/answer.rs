@@ -273,7 +273,15 @@ fn recording_scores(
             Role::Test => within(&c.base.held_out, &piece.range).zip(within(&c.model.held_out, &piece.range)),
         }?;
         let rmse_after = (!c.named.is_empty()).then_some(rmse_after);
-        Some(RecordingScore { file: piece.file.clone(), role: piece.role, samples, rmse_before, rmse_after })
+        Some(RecordingScore {
+            file: piece.file.clone(),
+            role: piece.role,
+            samples,
+            rmse_before,
+            rmse_after,
+            force_error_before: None,
+            force_error_after: None,
+        })
     };
     pieces.iter().filter_map(score).collect()
 }

@@ -17,6 +17,9 @@ use crate::physics::scales::{Coordinate, Scales};
 
 use super::conclude::Conclusion;
 
+/// Unit of a parameter that is a force on the mass.
+const FORCE: &str = "y/s^2";
+
 /// Names of the columns and their units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channels {
@@ -107,7 +110,8 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
     if let Some(noise) = term.noise() {
         return vec![strength(data, c, index, noise, reach, channels)];
     }
-    term.candidate()
+    let all: Vec<Estimate> = term
+        .candidate()
         .parameters
         .iter()
         .enumerate()
@@ -118,7 +122,28 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
             let ci95 = interval_about(value, coordinates[j], reach);
             Estimate { name: parameter.name.to_owned(), value, unit: unit(parameter.unit, channels), ci95 }
         })
-        .collect()
+        .collect();
+    let forces: Vec<Estimate> = term
+        .candidate()
+        .parameters
+        .iter()
+        .zip(&all)
+        .filter(|(p, _)| p.unit == FORCE && data.input.is_some())
+        .map(|(_, e)| in_input(e, c, channels))
+        .collect();
+    all.into_iter().chain(forces).collect()
+}
+
+/// A force in the unit of the input: over the gain, whose own uncertainty counts as independent.
+fn in_input(force: &Estimate, c: &Conclusion, channels: &Channels) -> Estimate {
+    let fit = &c.model.fit;
+    let gain = fit.point[GAIN].abs();
+    let place = fit.free.iter().position(|f| *f == GAIN);
+    let of_gain = place.map_or(0.0, |k| interval::reach() * (c.spread.deviation[k] * fit.slopes[k] / gain).abs());
+    let value = force.value / gain;
+    let side = |end: f64| ((end - force.value) / gain).hypot(value * of_gain.min(1e3));
+    let ci95 = [value - side(force.ci95[0]), value + side(force.ci95[1])];
+    Estimate { name: format!("{}/g", force.name), value, unit: channels.input_unit.clone(), ci95 }
 }
 
 /// The strength of a noise term in the recording's unit. The filter knows it relative to the readout noise; where readout

@@ -1,0 +1,279 @@
+//! What may be said of a body without a spring: named laws in both units, the errors of force and of restarted windows.
+
+use std::ops::Range;
+
+use crate::diagnosis::answer::{self, Answer, Places};
+use crate::diagnosis::candidate::Kind;
+use crate::diagnosis::detection::structure;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::prepare::Notes;
+use crate::diagnosis::driven::intake::several::Piece;
+use crate::diagnosis::driven::selection::held_out::{Comparison, HeldOut, compare, ratio_interval};
+use crate::diagnosis::driven::verdict::answer::Asked;
+use crate::diagnosis::driven::verdict::conclude::WHITE;
+use crate::diagnosis::driven::verdict::detail::{Account, Detail, Shown};
+use crate::diagnosis::driven::verdict::effects::{Channels, unit, unit_of};
+use crate::diagnosis::remainder::{Remainder, Size, Test};
+use crate::diagnosis::ruling::{self, rule};
+use crate::diagnosis::standing::{Gain, Note, Ranked};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, RecordingScore, Score, Source};
+use crate::number::short;
+use crate::numerics::moments::{mean_sd, rms};
+use crate::physics::coulomb_friction::Sides;
+
+use super::motion::{MotionAndForce, Part};
+use super::regression::Regression;
+use super::selection::{Law, Selection, last, search};
+use super::windows;
+
+/// A remainder of this fraction of the variance, when it can be predicted, says that something is missing.
+const FAINT: f64 = 0.05;
+/// One sample in so many is looked at for structure: what has gone through the low-pass of the force is white from there on.
+const EVERY: usize = 12;
+/// Own past that is looked at, in those samples.
+const LAGS: usize = 12;
+/// Samples of the figure that shows both models.
+const SHOWN: usize = 1000;
+
+/// Both models, fitted for the last time.
+struct Models<'a> {
+    data: &'a Data,
+    motion: &'a MotionAndForce,
+    base: Regression,
+    model: Regression,
+    selection: Selection,
+}
+
+/// The answer; `None` where the force cannot be fitted at all.
+pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) -> Option<Answer> {
+    let motion = MotionAndForce::of(data, asked.pieces)?;
+    let selection = if notes.broken { None } else { Some(search(data, &motion)?) };
+    let selection = selection.unwrap_or(Selection { chosen: Vec::new(), alone: Vec::new() });
+    let fitted: Vec<Range<usize>> =
+        if own_test { data.train.iter().chain(&data.validation).cloned().collect() } else { data.train.clone() };
+    let base = last(&motion, &[], &fitted)?;
+    let model = last(&motion, &selection.chosen, &fitted)?;
+    let models = Models { data, motion: &motion, base, model, selection };
+    let said = "no spring shows: fewer than five turns of any resonance fit into the recording, so that the body is taken to be free \
+                (ω₀ = 0), its laws are found in the force that its motion takes, and simulations begin anew every second from the \
+                measured state";
+    notes.findings.push(said.to_owned());
+    Some(models.answer(asked, &fitted, notes))
+}
+
+impl Models<'_> {
+    fn answer(&self, asked: &Asked<'_>, fitted: &[Range<usize>], notes: Notes) -> Answer {
+        let Asked { recording, pieces, columns, .. } = *asked;
+        let output_unit = unit_of(&columns.output, "output unit");
+        let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(i, "input unit"));
+        let channels = Channels { output: columns.output.clone(), output_unit: output_unit.clone(), input_unit };
+        let [before, after] = [&self.base, &self.model].map(|m| windows::errors(self.data, pieces, self.motion, m));
+        let [held_before, held_after] = [&self.base, &self.model].map(|m| m.held_out(self.motion, &self.data.test));
+        let (share, p_value) = self.predictable(fitted);
+        let test = Test { p_value, size: Size::of(share, WHITE, FAINT) };
+        let remainder = Remainder::of([test]);
+        let named = !self.selection.chosen.is_empty();
+        let window_ratio = ratio(&before, &after, &self.data.test);
+        let outcome = rule(&ruling::Evidence {
+            named: self.selection.chosen.len(),
+            remainder: remainder.size,
+            removed: 1.0 - held_after.free() / held_before.free().max(1e-300),
+            held_out_ratio: ratio_interval(&held_before, &held_after)[0].max(window_ratio),
+            ..ruling::Evidence::default()
+        });
+        let fit = self.fit(pieces, fitted, [&before, &after], [&held_before, &held_after], &output_unit);
+        let hull = self.data.hull.clone();
+        let cut = |values: &[f64]| values[hull.clone()].to_vec();
+        let place = format!(
+            "the force that the motion takes differs from the input by {} % of it",
+            short(100.0 * self.base.force_error(self.motion, &hull))
+        );
+        let ranking = self.ranking(&channels);
+        let detail = Detail {
+            output: columns.output.clone(),
+            unit: output_unit,
+            rate_hz: self.data.rate_hz,
+            shown: self.shown(&before, &after),
+            state: cut(&self.motion.x),
+            before: cut(&before),
+            after: cut(&after),
+            innovations: cut(&after),
+            from: hull.start,
+            named,
+            candidates: ranking.iter().map(|r| (r.id.to_owned(), r.gain, r.named)).collect(),
+            account: Account {
+                place,
+                doubts: notes.doubts,
+                has_input: true,
+                predictable: share,
+                is_structured: share >= WHITE,
+                detectable_share: 1.0,
+                series: None,
+            },
+            ..Detail::default()
+        };
+        Answer {
+            kind: Kind::Driven,
+            outcome,
+            recording: Source::of(recording),
+            effects: self.selection.chosen.iter().map(|law| self.effect(*law, fitted, &channels)).collect(),
+            places: Places::default(),
+            fit,
+            residual_after: remainder.whiteness(),
+            findings: notes.findings,
+            ranking,
+            repair: None,
+            detail: answer::Detail::Driven(Box::new(detail)),
+        }
+    }
+
+    /// Fraction of the variance of what is left of the force that its past, the motion and the input predict, and the probability
+    /// of as much by chance.
+    fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
+        let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();
+        let left: Vec<f64> = rows.iter().map(|k| self.model.left(self.motion, *k)).collect();
+        let of = |f: &dyn Fn(usize) -> f64| rows.iter().map(|k| f(*k)).collect::<Vec<f64>>();
+        let (x, v) = (&self.motion.x, &self.motion.v);
+        let regressors = [
+            of(&|k| v[k]),
+            of(&|k| v[k].signum()),
+            of(&|k| v[k].abs()),
+            of(&|k| v[k].abs() * v[k]),
+            of(&|k| v[k].powi(3)),
+            of(&|k| x[k]),
+            of(&|k| x[k] * x[k]),
+            of(&|k| self.motion.force[k]),
+            of(&|k| self.motion.part(Part::Acceleration)[k]),
+        ];
+        let found = structure(&left, LAGS, &regressors);
+        (found.share, found.p_value)
+    }
+
+    /// One named law with its parameters, those that are forces also in the unit of the input.
+    fn effect(&self, law: Law, fitted: &[Range<usize>], channels: &Channels) -> Effect {
+        let words = law.candidate();
+        let model = &self.model;
+        let estimate = |name: &str, (value, ci95): (f64, [f64; 2]), pattern: &str| Estimate {
+            name: name.to_owned(),
+            value,
+            unit: unit(pattern, channels),
+            ci95,
+        };
+        let acceleration = |name: &str, part, pattern| estimate(name, model.as_acceleration(part), pattern);
+        let input = |name: &str, part| estimate(name, model.in_input(part), "u");
+        let mut parameters = match law {
+            Law::Friction(_) => vec![
+                acceleration("f_c", Part::Direction, "y/s^2"),
+                input("f_c/g", Part::Direction),
+                acceleration("f_0", Part::Constant, "y/s^2"),
+                input("f_0/g", Part::Constant),
+            ],
+            Law::Drag => vec![acceleration("c2", Part::SquaredVelocity, "1/y")],
+            Law::Drive => vec![estimate("kappa", model.in_input(Part::SquaredInput), "1/u")],
+        };
+        let (mut statement, mut equation) = (words.statement, words.equation);
+        if law == Law::Friction(Sides::Apart) {
+            parameters.push(acceleration("c_d", Part::Speed, "1/s"));
+            statement = "Dry friction opposes motion, and friction differs in both directions.";
+        }
+        if let Law::Friction(sides) = law {
+            equation = match sides {
+                Sides::Alike => "x″ + cx′ + f_c sgn x′ + f_0 = g·u",
+                Sides::Apart => "x″ + cx′ + f_c sgn x′ + c_d|x′| + f_0 = g·u",
+            };
+        }
+        let comparison = self.without(law, fitted);
+        Effect {
+            id: words.id.to_owned(),
+            statement: statement.to_owned(),
+            equation: equation.to_owned(),
+            parameters,
+            channels: vec![channels.output.clone()],
+            evidence: Evidence { held_out_gain: comparison.gain, p_value: comparison.p_value },
+            confusable_with: Vec::new(),
+        }
+    }
+
+    /// The model against the one without a law, on what judges.
+    fn without(&self, law: Law, fitted: &[Range<usize>]) -> Comparison {
+        let others: Vec<Law> = self.selection.chosen.iter().copied().filter(|l| *l != law).collect();
+        let judged = |m: &Regression| m.held_out(self.motion, &self.data.test);
+        let poorer = last(self.motion, &others, fitted).map_or_else(HeldOut::default, |m| judged(&m));
+        compare(&poorer, &judged(&self.model))
+    }
+
+    fn ranking(&self, channels: &Channels) -> Vec<Ranked> {
+        let named = |id: &str| self.selection.chosen.iter().any(|law| law.candidate().id == id);
+        let of = |t: &super::selection::Trial| Ranked {
+            id: t.law.candidate().id,
+            channels: vec![channels.output.clone()],
+            gain: Gain::held_out(t.comparison.gain, t.comparison.ci95),
+            p_value: t.comparison.p_value,
+            named: named(t.law.candidate().id),
+            note: if named(t.law.candidate().id) { Note::BesideNamed } else { Note::Alone },
+        };
+        self.selection.alone.iter().map(of).collect()
+    }
+
+    fn fit(
+        &self,
+        pieces: &[Piece],
+        fitted: &[Range<usize>],
+        [before, after]: [&[f64]; 2],
+        [held_before, held_after]: [&HeldOut; 2],
+        unit: &str,
+    ) -> Fit {
+        let named = !self.selection.chosen.is_empty();
+        let over = |errors: &[f64], ranges: &[Range<usize>]| rms(ranges.iter().cloned().flatten().map(|k| errors[k]));
+        let score = |ranges: &[Range<usize>], ratio_ci95| Score {
+            rmse_before: over(before, ranges),
+            rmse_after: over(after, ranges),
+            ratio_ci95,
+        };
+        let recording = |piece: &Piece| {
+            let range = std::slice::from_ref(&piece.range);
+            let force = |model: &Regression| model.force_error(self.motion, &piece.range);
+            RecordingScore {
+                file: piece.file.clone(),
+                role: piece.role,
+                samples: piece.range.len(),
+                rmse_before: over(before, range),
+                rmse_after: named.then(|| over(after, range)),
+                force_error_before: Some(force(&self.base)),
+                force_error_after: named.then(|| force(&self.model)),
+            }
+        };
+        let noise = self.data.reading.iter().zip(&self.motion.x).map(|(y, x)| y - x);
+        Fit {
+            unit: unit.to_owned(),
+            noise_floor: mean_sd(&noise.collect::<Vec<f64>>()).1,
+            train: score(fitted, None),
+            test: score(&self.data.test, Some(ratio_interval(held_before, held_after))),
+            test_ranges: Vec::new(),
+            recordings: pieces.iter().map(recording).collect(),
+            log_score: None,
+            one_step_rmse: None,
+        }
+    }
+
+    /// Reading and both models where the base errs most among what judges.
+    fn shown(&self, before: &[f64], after: &[f64]) -> Shown {
+        let starts = self.data.test.iter().flat_map(|r| r.clone().step_by(SHOWN).map(|a| a..(a + SHOWN).min(r.end)));
+        let power = |r: &Range<usize>| before[r.clone()].iter().map(|e| e * e).sum::<f64>();
+        let Some(range) = starts.max_by(|a, b| power(a).total_cmp(&power(b))) else { return Shown::default() };
+        let less = |errors: &[f64]| range.clone().map(|k| self.data.reading[k] - errors[k]).collect();
+        Shown {
+            from: range.start,
+            held_out: vec![range.clone()],
+            reading: self.data.reading[range.clone()].to_vec(),
+            base: less(before),
+            repaired: less(after),
+        }
+    }
+}
+
+/// Root-mean-square error of restarted windows with the laws over that without, on what judges.
+fn ratio(before: &[f64], after: &[f64], ranges: &[Range<usize>]) -> f64 {
+    let over = |errors: &[f64]| rms(ranges.iter().cloned().flatten().map(|k| errors[k]));
+    over(after) / over(before).max(1e-300)
+}

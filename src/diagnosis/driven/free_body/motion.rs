@@ -1,0 +1,125 @@
+//! The motion of a body without a spring and the force that it takes, both below a twenty-fifth of the sampling rate: what the
+//! equation of motion is compared on (filtered inverse dynamics; Gautier, Janot & Vandanjon, IEEE Trans. Control Syst. Technol. 21,
+//! 2013).
+
+use std::ops::Range;
+
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::several::Piece;
+use crate::numerics::butterworth::zero_phase;
+
+/// Corner of the low-pass that the position goes through before it is differentiated, over the sampling rate.
+const POSITION: f64 = 0.1;
+/// Corner of the low-pass that both sides of the equation of motion go through, over the sampling rate.
+const FORCE: f64 = 0.04;
+/// Samples left out at either end of a recording.
+pub const CUT: usize = 50;
+
+/// One part of the force that a body takes, as a function of its motion and of the input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// x″.
+    Acceleration,
+    /// x′.
+    Velocity,
+    /// 1.
+    Constant,
+    /// sgn x′.
+    Direction,
+    /// |x′|: what a drag that differs in both directions adds.
+    Speed,
+    /// |x′|x′.
+    SquaredVelocity,
+    /// −u².
+    SquaredInput,
+}
+
+impl Part {
+    /// At a velocity, an acceleration and an input.
+    pub fn at(self, v: f64, a: f64, u: f64) -> f64 {
+        match self {
+            Self::Acceleration => a,
+            Self::Velocity => v,
+            Self::Constant => 1.0,
+            Self::Direction if v == 0.0 => 0.0,
+            Self::Direction => v.signum(),
+            Self::Speed => v.abs(),
+            Self::SquaredVelocity => v.abs() * v,
+            Self::SquaredInput => -u * u,
+        }
+    }
+}
+
+/// All parts that are looked at.
+pub const PARTS: [Part; 7] = [
+    Part::Acceleration,
+    Part::Velocity,
+    Part::Constant,
+    Part::Direction,
+    Part::Speed,
+    Part::SquaredVelocity,
+    Part::SquaredInput,
+];
+
+/// Motion and force, sample by sample of the data.
+#[derive(Debug, Clone)]
+pub struct MotionAndForce {
+    /// Position without what lies above its low-pass.
+    pub x: Vec<f64>,
+    /// Its velocity.
+    pub v: Vec<f64>,
+    /// The input, filtered.
+    pub force: Vec<f64>,
+    /// The parts, filtered, as [`PARTS`].
+    parts: Vec<Vec<f64>>,
+    /// Samples that count, per recording.
+    pub counting: Vec<Range<usize>>,
+}
+
+impl MotionAndForce {
+    /// Of every recording; `None` without an input.
+    pub fn of(data: &Data, pieces: &[Piece]) -> Option<Self> {
+        let (input, n) = (data.input.as_ref()?.samples(), data.reading.len());
+        let zeros = || vec![0.0; n];
+        let mut all =
+            Self { x: zeros(), v: zeros(), force: zeros(), parts: vec![zeros(); PARTS.len()], counting: Vec::new() };
+        for range in pieces.iter().map(|p| p.range.clone()) {
+            let smooth = |values: &[f64]| zero_phase(values, FORCE * data.rate_hz, data.rate_hz);
+            let x = zero_phase(&data.reading[range.clone()], POSITION * data.rate_hz, data.rate_hz);
+            let v = slope(&x, data.rate_hz);
+            let (a, u) = (slope(&v, data.rate_hz), &input[range.clone()]);
+            for (part, out) in PARTS.iter().zip(&mut all.parts) {
+                let values: Vec<f64> = (0..range.len()).map(|k| part.at(v[k], a[k], u[k])).collect();
+                out[range.clone()].copy_from_slice(&smooth(&values));
+            }
+            all.force[range.clone()].copy_from_slice(&smooth(u));
+            all.x[range.clone()].copy_from_slice(&x);
+            all.v[range.clone()].copy_from_slice(&v);
+            if range.len() > 2 * CUT {
+                all.counting.push(range.start + CUT..range.end - CUT);
+            }
+        }
+        Some(all)
+    }
+
+    /// One part, filtered.
+    pub fn part(&self, part: Part) -> &[f64] {
+        PARTS.iter().position(|p| *p == part).map_or(&[], |i| &self.parts[i])
+    }
+
+    /// What of these ranges counts.
+    pub fn counted(&self, ranges: &[Range<usize>]) -> Vec<Range<usize>> {
+        let pairs =
+            ranges.iter().flat_map(|r| self.counting.iter().map(move |c| r.start.max(c.start)..r.end.min(c.end)));
+        pairs.filter(|r| r.start < r.end).collect()
+    }
+}
+
+/// Central differences; zero at either end.
+fn slope(values: &[f64], rate_hz: f64) -> Vec<f64> {
+    let mut out = vec![0.0; values.len()];
+    for k in 1..values.len().saturating_sub(1) {
+        out[k] = 0.5 * rate_hz * (values[k + 1] - values[k - 1]);
+    }
+    out
+}
