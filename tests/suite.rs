@@ -5,6 +5,7 @@ mod suite {
     pub mod allan;
     pub mod architecture;
     pub mod bench;
+    pub mod benchmarks;
     pub mod cli;
     pub mod clock;
     pub mod closed_form;
@@ -106,6 +107,8 @@ fn main() {
         suite::diagnosis_driven::tests(),
         // several recordings: fitted together, judged by others, refused where they do not belong together.
         suite::several_recordings::tests(),
+        // benchmarks: public ones, and a body without a spring.
+        suite::benchmarks::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.

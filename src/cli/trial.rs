@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::say::{remark, say, sayln};
 use crate::control::Control;
+use crate::diagnosis::recordings::Recordings;
 use crate::diagnosis::verdict::Verdict;
 use crate::diagnosis::{self, model};
 use crate::document::to_json;
@@ -155,7 +156,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         sayln!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256)?;
         say(format_args!("{}", report::terminal(&outcome)))?;
         if !real.is_empty() {
-            say(format_args!("\n{}", report::recordings(&real)))?;
+            say(format_args!("\n{}\n{}", report::recordings(&real), report::scores(&real)))?;
         }
         if let (Some(folder), Ok(())) = (&arguments.out, &written) {
             sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
@@ -302,7 +303,9 @@ fn tool(control: &Control) -> impl Fn(&Files) -> Result<Verdict> + Sync {
     let control = control.without_stages();
     move |files| {
         let model = model::read(&files.model)?;
-        let recording = model::read_recording(&files.recording, &model)?;
-        Ok(worded(diagnosis::diagnose(&recording, &model, &control)?).verdict)
+        let train = [model::read_recording(&files.recording, &model)?];
+        let test: Result<Vec<_>> = files.judging.iter().map(|path| model::read_recording(path, &model)).collect();
+        let recordings = Recordings { train: &train, test: &test? };
+        Ok(worded(diagnosis::diagnose_all(recordings, &model, &control)?).verdict)
     }
 }

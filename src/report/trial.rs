@@ -79,6 +79,21 @@ pub fn recordings(found: &[Found]) -> Table {
     table
 }
 
+/// Errors on samples that were not fitted beside the best published ones.
+pub fn scores(found: &[Found]) -> Table {
+    let headings = ["recording", "judged on", "unit", "base model", "with the named physics", "published", "by"];
+    let mut table = Table::new(&headings);
+    let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| significant(v, 3));
+    for real in found {
+        for s in &real.scores {
+            let cells = [number(s.before), number(s.after), number(s.published)];
+            let words = [real.name.clone(), s.on.clone(), s.unit.clone()];
+            table.row(words.into_iter().chain(cells).chain([s.by.clone()]));
+        }
+    }
+    table
+}
+
 fn limit_words(limit: &Limit) -> String {
     let numbers = |v: f64| significant(v, 2);
     match limit.effect_over_noise.zip(limit.ci95) {
@@ -217,6 +232,12 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
     if !real.is_empty() {
         page.section("Real recordings");
         page.table(&recordings(real));
+        if real.iter().any(|r| !r.scores.is_empty()) {
+            page.paragraph(
+                "Errors of free simulation on the official test data of public benchmarks, none of which was fitted, beside the best                  published (collected in Champneys, Beintema, Tóth, Schoukens & Rogers, arXiv 2405.10779, unless said otherwise).",
+            );
+            page.table(&scores(real));
+        }
     }
     page.section("Power against size");
     let (power, limits) = (figures::power(outcome), figures::limits(outcome));
@@ -281,7 +302,7 @@ pub fn summary(plan: &Plan, outcome: &Outcome, command: &str, real: &[Found]) ->
         if real.is_empty() {
             String::new()
         } else {
-            format!("## Real recordings\n\n{}\n", recordings(real).to_markdown())
+            format!("## Real recordings\n\n{}\n{}\n", recordings(real).to_markdown(), scores(real).to_markdown())
         },
         effects(outcome).to_markdown(),
         unknown(outcome).to_markdown(),

@@ -117,14 +117,19 @@ pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said
     Ok(said(&case.write(folder.path())?, subject))
 }
 
-/// What a subject says of two files, and how long it takes.
-pub(super) fn said(files: &Files, subject: &Subject<'_>) -> Said {
+/// What a subject says of a case's files, and how long it takes.
+fn said(files: &Files, subject: &Subject<'_>) -> Said {
+    asked(files, subject).0
+}
+
+/// The same, and the verdict itself where there is one.
+pub(super) fn asked(files: &Files, subject: &Subject<'_>) -> (Said, Option<Verdict>) {
     let start = Instant::now();
     let verdict = subject(files);
     let seconds = start.elapsed().as_secs_f64();
     match verdict {
-        Ok(verdict) => Said::from_verdict(&verdict, seconds),
-        Err(error) => Said::from_error(&error, seconds),
+        Ok(verdict) => (Said::from_verdict(&verdict, seconds), Some(verdict)),
+        Err(error) => (Said::from_error(&error, seconds), None),
     }
 }
 

@@ -143,6 +143,8 @@ pub struct Files {
     pub recording: PathBuf,
     /// model.toml.
     pub model: PathBuf,
+    /// Recordings of the same sensor that only judge.
+    pub judging: Vec<PathBuf>,
 }
 
 fn table(headings: &[&str], columns: &[&[f64]]) -> String {
@@ -253,7 +255,8 @@ impl Case {
     /// When the folder cannot be written.
     pub fn write(&self, folder: &Path) -> Result<Files> {
         let [recording, model] = self.texts();
-        let files = Files { recording: folder.join("recording.csv"), model: folder.join("model.toml") };
+        let files =
+            Files { recording: folder.join("recording.csv"), model: folder.join("model.toml"), judging: Vec::new() };
         // They serve one verdict and go with their folder: nobody meets half of one after a crash.
         for (path, text) in [(&files.recording, recording), (&files.model, model)] {
             std::fs::write(path, text).map_err(|e| Error::io("write", path, &e))?;

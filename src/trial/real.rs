@@ -11,6 +11,7 @@ use super::blind::{self, Subject};
 use super::case::Files;
 use super::said::Said;
 use super::scratch::Scratch;
+use crate::diagnosis::verdict::Verdict;
 use crate::document::read_toml;
 use crate::error::{Error, Result};
 
@@ -32,6 +33,9 @@ pub struct Real {
     pub file: PathBuf,
     /// Base model, relative to the recipe.
     pub model: PathBuf,
+    /// Recordings of the same sensor that only judge.
+    #[serde(default)]
+    pub test: Vec<PathBuf>,
     /// Data rows used, half-open; absent means all.
     pub rows: Option<[usize; 2]>,
     /// What is left out of the base model, as far as another source knows.
@@ -41,6 +45,69 @@ pub struct Real {
     /// Numbers known from another source.
     #[serde(default)]
     pub numbers: Vec<Known>,
+    /// Errors that are compared with published ones.
+    #[serde(default)]
+    pub scores: Vec<Score>,
+}
+
+/// An error on samples that were not fitted, and what others reached there.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Score {
+    /// For people: what judges, and by what.
+    pub on: String,
+    /// A judging recording, as under `test`; absent means samples that the model file names.
+    pub file: Option<PathBuf>,
+    /// One of several judging ranges of the model file; absent means all that judge.
+    pub range: Option<[usize; 2]>,
+    /// Whether the relative error of the force is meant, not that of free simulation.
+    #[serde(default)]
+    pub force: bool,
+    /// What the error is multiplied by.
+    pub factor: f64,
+    /// Its unit then.
+    pub unit: String,
+    /// The best published, in that unit; absent where none is comparable.
+    pub published: Option<f64>,
+    /// By whom, or why there is none.
+    pub by: String,
+}
+
+/// An error found beside a published one, in the unit of the latter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scored {
+    /// For people.
+    pub on: String,
+    /// Unit.
+    pub unit: String,
+    /// Of the base model.
+    pub before: Option<f64>,
+    /// With the named physics.
+    pub after: Option<f64>,
+    /// The best published.
+    pub published: Option<f64>,
+    /// By whom.
+    pub by: String,
+}
+
+impl Score {
+    fn of(&self, verdict: &Verdict) -> Scored {
+        let fit = &verdict.fit;
+        let entry = self.file.as_ref().map(|file| fit.recordings.iter().find(|r| Path::new(&r.file).ends_with(file)));
+        let pair = match (entry, self.range) {
+            (Some(Some(r)), _) if self.force => (r.force_error_before, r.force_error_after),
+            (Some(Some(r)), _) => (Some(r.rmse_before), r.rmse_after),
+            (Some(None), _) => (None, None),
+            (None, Some([from, to])) => {
+                let found = fit.test_ranges.iter().find(|r| [r.from, r.to] == [from, to]);
+                (found.map(|r| r.rmse_before), found.map(|r| r.rmse_after))
+            }
+            (None, None) => (Some(fit.test.rmse_before), Some(fit.test.rmse_after)),
+        };
+        let [before, after] = [pair.0, pair.1].map(|error| error.map(|e| e * self.factor));
+        let (on, unit, by) = (self.on.clone(), self.unit.clone(), self.by.clone());
+        Scored { on, unit, before, after, published: self.published, by }
+    }
 }
 
 /// A number known from another source.
@@ -74,6 +141,8 @@ pub struct Found {
     pub more: Vec<String>,
     /// "beta 7.3e5, found 7.21e5 [7.1e5, 7.4e5]" for each known number.
     pub numbers: Vec<String>,
+    /// Errors beside published ones.
+    pub scores: Vec<Scored>,
 }
 
 /// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` beside the working directory.
@@ -116,13 +185,16 @@ pub fn run(recipe: &Recipe, data: &Path, subject: &Subject<'_>, scratch: &Scratc
             cut(&recording, rows, &part)?;
             recording = part;
         }
-        let files = Files { recording, model: real.model.clone() };
-        found.push(compare(real, blind::said(&files, subject)));
+        let judging = real.test.iter().map(|file| data.join(file)).collect();
+        let files = Files { recording, model: real.model.clone(), judging };
+        let (said, verdict) = blind::asked(&files, subject);
+        let scores = verdict.map_or_else(Vec::new, |verdict| real.scores.iter().map(|s| s.of(&verdict)).collect());
+        found.push(compare(real, said, scores));
     }
     Ok(found)
 }
 
-fn compare(real: &Real, said: Said) -> Found {
+fn compare(real: &Real, said: Said, scores: Vec<Scored>) -> Found {
     let (named, more) = said.ids().into_iter().partition(|id| real.truth.contains(id));
     let numbers = real
         .numbers
@@ -149,5 +221,6 @@ fn compare(real: &Real, said: Said) -> Found {
         named,
         more,
         numbers,
+        scores,
     }
 }

@@ -93,6 +93,17 @@ pub fn fit_table(verdict: &Verdict) -> Table {
         let name = format!("held-out samples {} to {}", r.from, r.to);
         table.row([name, significant(r.rmse_before, 3), after(r.rmse_after)]);
     }
+    let several = fit.recordings.len() > 1 || fit.recordings.iter().any(|r| r.force_error_before.is_some());
+    for r in fit.recordings.iter().filter(|_| several) {
+        let path = std::path::Path::new(&r.file).file_name();
+        let file = path.map_or(r.file.clone(), |f| f.to_string_lossy().into_owned());
+        let role = if r.role == Role::Test { "only judging" } else { "fitted" };
+        table.row([format!("{file}, {role}"), significant(r.rmse_before, 3), after(r.rmse_after)]);
+        if let Some(before) = r.force_error_before {
+            let name = format!("{file}, {role}: error of the force over the force");
+            table.row([name, significant(before, 3), after(r.force_error_after)]);
+        }
+    }
     if let Some([before, after]) = fit.one_step_rmse {
         table.row(["held-out data, one step ahead".to_owned(), significant(before, 3), significant(after, 3)]);
     }
