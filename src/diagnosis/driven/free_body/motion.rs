@@ -115,11 +115,30 @@ impl MotionAndForce {
     }
 }
 
-/// Central differences; zero at either end.
+/// Central differences; at either end those of a parabola through the last three values.
 fn slope(values: &[f64], rate_hz: f64) -> Vec<f64> {
     let mut out = vec![0.0; values.len()];
     for k in 1..values.len().saturating_sub(1) {
         out[k] = 0.5 * rate_hz * (values[k + 1] - values[k - 1]);
     }
+    if let [a, b, c, ..] = values {
+        out[0] = 0.5 * rate_hz * (4.0 * b - 3.0 * a - c);
+    }
+    if let ([.., c, b, a], Some(last)) = (values, out.last_mut()) {
+        *last = 0.5 * rate_hz * (3.0 * a - 4.0 * b + c);
+    }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Differences of this order are exact on a parabola: of 3 + 2t − t², 2 − 2t.
+    #[test]
+    fn a_parabola_has_its_slope_everywhere() {
+        let t = |k: usize| k as f64 / 50.0;
+        let values: Vec<f64> = (0..40).map(|k| 3.0 + 2.0 * t(k) - t(k) * t(k)).collect();
+        assert!(slope(&values, 50.0).iter().enumerate().all(|(k, s)| (s - (2.0 - 2.0 * t(k))).abs() < 1e-9));
+    }
 }
