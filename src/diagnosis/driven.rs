@@ -65,7 +65,8 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: 
         let hint = "check that input and output are the right columns and that the input moves the output";
         Error::new(attempt(), cause, hint)
     })?;
-    let asked = Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
+    let asked =
+        Asked { recording, pieces: &pieces, judging: &judging, columns: &model.columns, unit: model.unit.as_deref() };
     if free_body::is_free(&course.data, &base)
         && let Some(answer) = free_body::conclusion::answer(&asked, &course.data, course.own_test, course.notes.clone())
     {

@@ -21,7 +21,7 @@ use std::collections::HashSet;
 use crate::diagnosis::answer::Detail;
 use crate::diagnosis::repair::{Cost, Repair, Row};
 use crate::diagnosis::standing::{Note, Ranked};
-use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Role, Verdict, named};
+use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
 
 use super::figure::Figure;
 use super::html::Page;

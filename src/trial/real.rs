@@ -100,9 +100,9 @@ impl Score {
             (Some(None), _) => (None, None),
             (None, Some([from, to])) => {
                 let found = fit.test_ranges.iter().find(|r| [r.from, r.to] == [from, to]);
-                (found.map(|r| r.rmse_before), found.map(|r| r.rmse_after))
+                (found.map(|r| r.rmse_before), found.and_then(|r| r.rmse_after))
             }
-            (None, None) => (Some(fit.test.rmse_before), Some(fit.test.rmse_after)),
+            (None, None) => (Some(fit.test.rmse_before), fit.test.rmse_after),
         };
         let [before, after] = [pair.0, pair.1].map(|error| error.map(|e| e * self.factor));
         let (on, unit, by) = (self.on.clone(), self.unit.clone(), self.by.clone());

@@ -64,7 +64,7 @@ pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) 
 impl Models<'_> {
     fn answer(&self, asked: &Asked<'_>, fitted: &[Range<usize>], notes: Notes) -> Answer {
         let Asked { recording, pieces, columns, .. } = *asked;
-        let output_unit = unit_of(&columns.output, "output unit");
+        let output_unit = asked.unit.map_or_else(|| unit_of(&columns.output, "output unit"), str::to_owned);
         let input_unit = columns.input.as_deref().map_or_else(String::new, |i| unit_of(i, "input unit"));
         let channels = Channels { output: columns.output.clone(), output_unit: output_unit.clone(), input_unit };
         let [before, after] = [&self.base, &self.model].map(|m| windows::errors(self.data, pieces, self.motion, m));
@@ -108,7 +108,7 @@ impl Models<'_> {
                 predictable: share,
                 is_structured: share >= WHITE,
                 detectable_share: 1.0,
-                series: None,
+                ..Account::default()
             },
             ..Detail::default()
         };
@@ -116,6 +116,7 @@ impl Models<'_> {
             kind: Kind::Driven,
             outcome,
             recording: Source::of(recording),
+            base: Vec::new(),
             effects: self.selection.chosen.iter().map(|law| self.effect(*law, fitted, &channels)).collect(),
             places: Places::default(),
             fit,
@@ -190,6 +191,7 @@ impl Models<'_> {
             parameters,
             channels: vec![channels.output.clone()],
             evidence: Evidence { held_out_gain: comparison.gain, p_value: comparison.p_value },
+            form: None,
             confusable_with: Vec::new(),
         }
     }
@@ -227,7 +229,7 @@ impl Models<'_> {
         let over = |errors: &[f64], ranges: &[Range<usize>]| rms(ranges.iter().cloned().flatten().map(|k| errors[k]));
         let score = |ranges: &[Range<usize>], ratio_ci95| Score {
             rmse_before: over(before, ranges),
-            rmse_after: over(after, ranges),
+            rmse_after: named.then(|| over(after, ranges)),
             ratio_ci95,
         };
         let recording = |piece: &Piece| {
@@ -248,11 +250,12 @@ impl Models<'_> {
             unit: unit.to_owned(),
             noise_floor: mean_sd(&noise.collect::<Vec<f64>>()).1,
             train: score(fitted, None),
-            test: score(&self.data.test, Some(ratio_interval(held_before, held_after))),
+            test: score(&self.data.test, named.then(|| ratio_interval(held_before, held_after))),
             test_ranges: Vec::new(),
             recordings: pieces.iter().map(recording).collect(),
             log_score: None,
             one_step_rmse: None,
+            noise: None,
         }
     }
 

@@ -29,6 +29,9 @@ const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
 const FAR_FROM_DONE: f64 = 0.15;
 
+/// Searches that follow the first one, each without the laws that ended at a bound.
+const WITHDRAWALS: usize = 2;
+
 /// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
 /// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
 ///
@@ -46,15 +49,20 @@ pub fn search(
     let tried = candidates.len();
     let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
     let reach = Reach::of(data, &base.fit);
-    let mut way = steps.first_way(&base, candidates, &reach)?;
-    let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
-    if way.chosen.fit.shape.is_noisy() && way.left > DONE && !nearly_done && !way.cut_short {
-        let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
-        let other = steps.forward(base.clone(), &physics)?;
-        let other = if other.cut_short { other } else { steps.forward(other.chosen, candidates)? };
-        if other.left < way.left && other.chosen.score() > way.chosen.score() {
-            way = other;
+    let mut way = steps.best_way(candidates, &reach)?;
+    // What fits best at the end of its plausible range is not what its name says: the others answer without it.
+    let mut open = candidates.to_vec();
+    for _ in 0..WITHDRAWALS {
+        let (fit, before) = (&way.chosen.fit, open.len());
+        open.retain(|term| !fit.shape.terms.iter().enumerate().any(|(i, t)| t == term && fit.term_at_bound(i, scales)));
+        if open.len() == before || way.cut_short {
+            break;
         }
+        let other = steps.best_way(&open, &reach)?;
+        if other.chosen.fit.shape.terms.is_empty() {
+            break;
+        }
+        way = other;
     }
     let Way { mut chosen, left: mut rest, cut_short } = way;
     let mut look = Look {
@@ -117,6 +125,21 @@ struct Way {
 }
 
 impl Stepwise<'_> {
+    /// The way that these candidates lead, with a second one where noise terms end it with structure left.
+    fn best_way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
+        let base = self.base;
+        let way = self.first_way(base, candidates, reach)?;
+        let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
+        if !way.chosen.fit.shape.is_noisy() || way.left <= DONE || nearly_done || way.cut_short {
+            return Ok(way);
+        }
+        let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
+        let other = self.forward(base.clone(), &physics)?;
+        let other = if other.cut_short { other } else { self.forward(other.chosen, candidates)? };
+        let better = other.left < way.left && other.chosen.score() > way.chosen.score();
+        Ok(if better { other } else { way })
+    }
+
     /// The way from the base model. Where the input tells nothing linear apart, a linear law takes up whatever is left, and so
     /// beside others it says nothing: then the way without any is tried as well.
     fn first_way(&mut self, base: &Judged, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
