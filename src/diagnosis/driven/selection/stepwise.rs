@@ -29,9 +29,6 @@ const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
 const FAR_FROM_DONE: f64 = 0.15;
 
-/// Searches that follow the first one, each without the laws that ended at a bound.
-const WITHDRAWALS: usize = 2;
-
 /// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
 /// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
 ///
@@ -49,21 +46,7 @@ pub fn search(
     let tried = candidates.len();
     let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
     let reach = Reach::of(data, &base.fit);
-    let mut way = steps.best_way(candidates, &reach)?;
-    // What fits best at the end of its plausible range is not what its name says: the others answer without it.
-    let mut open = candidates.to_vec();
-    for _ in 0..WITHDRAWALS {
-        let (fit, before) = (&way.chosen.fit, open.len());
-        open.retain(|term| !fit.shape.terms.iter().enumerate().any(|(i, t)| t == term && fit.term_at_bound(i, scales)));
-        if open.len() == before || way.cut_short {
-            break;
-        }
-        let other = steps.best_way(&open, &reach)?;
-        if other.chosen.fit.shape.terms.is_empty() {
-            break;
-        }
-        way = other;
-    }
+    let way = steps.best_way(candidates, &reach)?;
     let Way { mut chosen, left: mut rest, cut_short } = way;
     let mut look = Look {
         data,
@@ -191,6 +174,8 @@ impl Stepwise<'_> {
         let earning: Vec<(&Judged, f64)> = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
+            // At the end of its plausible range a law is not what its name says: the others answer without it.
+            .filter(|j| !j.fit.at_bound(self.scales))
             .take(3)
             .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))
             .filter(|(j, gain)| *gain > left(data, &j.fit).share * rest)
