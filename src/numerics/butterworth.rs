@@ -7,11 +7,14 @@ use std::f64::consts::PI;
 /// Qualities of the two second-order sections: 1/(2 cos(π/8)), 1/(2 cos(3π/8)).
 const QUALITIES: [f64; 2] = [0.541_196_100_146_197, 1.306_562_964_876_376_4];
 
+/// Length of the lead-in times the corner frequency: the slower section forgets its beginning by e⁻¹⁹ over it.
+const LEAD: f64 = 8.0;
+
 /// A sequence through the low-pass in both directions: amplitudes fall to one half at the corner. Beyond its ends the sequence is
 /// taken to go on turned about them, and its first and last values lead the filter in.
 pub fn zero_phase(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Vec::new() };
-    let lead = ((3.0 * rate_hz / corner_hz) as usize).min(values.len() - 1);
+    let lead = ((LEAD * rate_hz / corner_hz) as usize).min(values.len() - 1);
     let before = (1..=lead).rev().map(|k| 2.0 * first - values[k]);
     let after = (1..=lead).map(|k| 2.0 * last - values[values.len() - 1 - k]);
     let mut all: Vec<f64> = before.chain(values.iter().copied()).chain(after).collect();

@@ -53,12 +53,22 @@ struct Force {
     explained: f64,
 }
 
+/// Cycles within which a periodic response repeats, samples compared with later ones, and the root-mean-square difference, over
+/// the size of the motion, below which they are the same.
+const LONGEST: f64 = 12.0;
+const COMPARED: usize = 2048;
+const REPEATED: f64 = 0.1;
+
 /// Whether the response is chaotic within this recording; `None` where it is not, or where no force of third degree describes
 /// it.
 pub fn chaos(data: &Data) -> Option<Chaos> {
     let y = &data.reading[data.hull.clone()];
     let (centre, size) = mean_sd(y);
     let cycle = cycle(y, centre)?;
+    // What repeats is not chaotic, and its few harmonics do not determine a force.
+    if repeats(y, size, cycle) {
+        return None;
+    }
     let force = force(data, cycle)?;
     if force.explained < BELIEVED {
         return None;
@@ -123,6 +133,16 @@ fn cycle(y: &[f64], centre: f64) -> Option<f64> {
         }
     }
     (count >= 8).then(|| y.len() as f64 / count as f64)
+}
+
+/// Whether the reading comes back to itself after some time of up to `LONGEST` cycles.
+fn repeats(y: &[f64], size: f64, cycle: f64) -> bool {
+    let longest = ((LONGEST * cycle) as usize).min(y.len() / 2);
+    let every = ((y.len() - longest) / COMPARED).max(1);
+    (((0.5 * cycle) as usize).max(1)..longest).any(|lag| {
+        let moved: Vec<f64> = (0..y.len() - lag).step_by(every).map(|k| (y[k + lag] - y[k]).powi(2)).collect();
+        moved.iter().sum::<f64>() < (REPEATED * size).powi(2) * moved.len() as f64
+    })
 }
 
 /// The force by the weak form, weights a cycle long.
