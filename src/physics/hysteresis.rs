@@ -43,7 +43,8 @@ impl Law for Hysteresis {
         vec![
             // A negative one would feed the motion instead of damping it.
             Coordinate::Bounded(0.1 * s.omega_rad_s.powi(2), 0.0, 1e3 * s.omega_rad_s.powi(2)),
-            Coordinate::Log(1e-3 / s.output, 1e2 / s.output),
+            // With less the loop is a line: what bends without one is a spring.
+            Coordinate::Log(0.05 / s.output, 1e2 / s.output),
             Coordinate::Linear(0.3 / s.output),
             Coordinate::Linear(0.1 * s.output),
         ]
