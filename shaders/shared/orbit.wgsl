@@ -47,7 +47,7 @@ fn oscillator_of(point: u32) -> Oscillator {
 }
 
 fn rate(o: Oscillator, x: f32, v: f32, force: f32) -> f32 {
-    return cubic_acceleration(o.cubic, x, force - o.damping * v - o.stiffness * x);
+    return force - o.damping * v - cubic_pull(o.stiffness, o.cubic, x);
 }
 
 // Sum of eight 16-bit halves of one Philox block, centred and scaled to unit variance, times sigma.

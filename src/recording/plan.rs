@@ -93,7 +93,16 @@ pub fn open(path: &Path, request: &Request) -> Result<Rows> {
         ));
     }
     let (topic, time) = (request.topic.as_deref(), request.time.as_deref());
-    Rows::open_wanted(path, &Wanted { topic, time, columns: &columns })
+    let rows = Rows::open_wanted(path, &Wanted { topic, time, columns: &columns })?;
+    if rows.names().iter().all(|name| Some(name.as_str()) == rows.time()) {
+        let cause = "it has no column of numbers beside the clock".to_owned();
+        return Err(refuse(
+            path,
+            cause,
+            "give a file with a column of readings; a column whose first cell is text is taken for text",
+        ));
+    }
+    Ok(rows)
 }
 
 /// Looks through a file. `values` asks for rows that repeat where no clock tells.

@@ -7,6 +7,7 @@ mod driven;
 mod exhibit;
 mod fit;
 mod form;
+mod numbers;
 mod profile;
 mod rest;
 mod standing;
@@ -21,13 +22,14 @@ use std::collections::HashSet;
 use crate::diagnosis::answer::Detail;
 use crate::diagnosis::repair::{Cost, Repair, Row};
 use crate::diagnosis::standing::{Note, Ranked};
-use crate::diagnosis::verdict::{Detectable, Effect, Estimate, Outcome, Verdict, named};
+use crate::diagnosis::verdict::{Detectable, Effect, Outcome, Verdict, named};
 
 use super::figure::Figure;
 use super::html::Page;
 use super::table::Table;
-use crate::number::{duration, rounded, significant, with_uncertainty};
+use crate::number::{duration, rounded, significant};
 use fit::{base_table, base_words, fit_table, sure};
+use numbers::{estimate, formula};
 
 /// The figures of any kind of diagnosis, no two of one file name.
 pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
@@ -248,25 +250,6 @@ fn cost(costs: &[Cost], repair: Option<&Repair>, named: bool) -> Option<String> 
         (None, [only, ..]) => Some(format!("position error {}: {} {}{taken}", only.under, metres(only), only.of)),
         _ => None,
     }
-}
-
-fn chance(p: f64) -> String {
-    if p < 1e-6 { "below one in a million".into() } else { significant(p, 2) }
-}
-
-/// Value and half the width of its interval, both rounded to what they are worth.
-fn estimate(e: &Estimate) -> String {
-    let (below, above) = (e.value - e.ci95[0], e.ci95[1] - e.value);
-    if below > 0.0 && above > 0.0 && (below / above).max(above / below) < 1.5 {
-        with_uncertainty(e.value, 0.5 * (below + above))
-    } else {
-        format!("{} ({} to {})", significant(e.value, 3), significant(e.ci95[0], 3), significant(e.ci95[1], 3))
-    }
-}
-
-/// A unit as it is set in print.
-fn formula(unit: &str) -> String {
-    unit.replace("^2", "²").replace("^3", "³").replace("sqrt(s)", "√s")
 }
 
 fn effects_table(effects: &[Effect]) -> Table {

@@ -92,7 +92,7 @@ fn refused() -> Result<(), Failed> {
         ),
         ("one column in two roles", good.clone(), MODEL.replace("\"y\"", "\"u\""), "two roles"),
         ("an unknown column", good.clone(), MODEL.replace("\"y\"", "\"yy\""), "yy"),
-        ("no clock", good.clone(), MODEL.replace("rate_hz = 500.0\n", ""), "rate"),
+        ("no clock", good.replacen("t,", "first,", 1), MODEL.replace("rate_hz = 500.0\n", ""), "rate"),
         (
             "a clock that contradicts the rate",
             good.clone(),

@@ -10,7 +10,7 @@ use super::lanes::LANES;
 use super::poincare::{Block, lose, noise, step};
 use crate::kernel::orbit::{ALIGN_PERIODS, Plan};
 use crate::numerics::elementary::Real;
-use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
+use crate::physics::cubic_stiffness::{pull, tangent_stiffness};
 
 /// Exponents of the block's lanes, 1/s, and the block carried to the end of the averaging.
 #[inline(always)]
@@ -50,7 +50,7 @@ fn both<T: Real>(block: &mut Block<T>, tangent: &mut ([T; LANES], [T; LANES]), c
     for l in 0..LANES {
         let (d, k, b, h) = (block.damping[l], block.stiffness[l], block.cubic[l], block.h[l]);
         let force = |c: T| block.amplitude[l] * c + noise[l];
-        let rate = |x: T, v: T, f: T| acceleration::<T, false>(b, x, f - d * v - k * x);
+        let rate = |x: T, v: T, f: T| f - d * v - pull(k, b, x);
         let bend = |x: T, tx: T, tv: T| T::of(0.0) - d * tv - (k + tangent_stiffness(b, x)) * tx;
         let (x, v, tx, tv) = (block.x[l], block.v[l], tangent.0[l], tangent.1[l]);
         let hh = half * h;

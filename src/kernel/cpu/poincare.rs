@@ -5,7 +5,7 @@
 use super::lanes::LANES;
 use crate::kernel::orbit::{LOST_M, Plan, Point};
 use crate::numerics::elementary::Real;
-use crate::physics::cubic_stiffness::acceleration;
+use crate::physics::cubic_stiffness::pull;
 use crate::rng::{Stream, philox4x32_10};
 
 /// Parameters and state of one block of lanes.
@@ -72,7 +72,7 @@ pub(super) fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LA
     for l in 0..LANES {
         let (d, k, b, h) = (block.damping[l], block.stiffness[l], block.cubic[l], block.h[l]);
         let force = |c: T| block.amplitude[l] * c + noise[l];
-        let rate = |x: T, v: T, f: T| acceleration::<T, false>(b, x, f - d * v - k * x);
+        let rate = |x: T, v: T, f: T| f - d * v - pull(k, b, x);
         let (x, v, hh) = (block.x[l], block.v[l], half * h);
         let a1 = rate(x, v, force(cosine[0]));
         let (x2, v2) = (x + hh * v, v + hh * a1);

@@ -4,7 +4,7 @@ use crate::diagnosis::verdict::{Estimate, Role, Verdict};
 use crate::number::significant;
 use crate::report::table::Table;
 
-use super::{chance, estimate, formula};
+use super::numbers::{chance, estimate, formula};
 
 /// What held-out data say; noise that no simulation foretells shows in the likelihood alone.
 pub fn sure(verdict: &Verdict) -> String {
