@@ -250,7 +250,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let digits = format!("{}", state >> (state % 50));
             let at = (state >> 20) as usize % (digits.len() + 1);
-            let text = format!("{}{}.{}", if state % 3 == 0 { "-" } else { "" }, &digits[..at], &digits[at..]);
+            let text = format!("{}{}.{}", if state.is_multiple_of(3) { "-" } else { "" }, &digits[..at], &digits[at..]);
             let library = text.parse::<f64>().expect("a number");
             assert!(plain(text.as_bytes()).is_none_or(|v| v.to_bits() == library.to_bits()), "{text}");
         }

@@ -61,7 +61,7 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
     let own = blocks::channel(channel, &channel.values, together);
     let environment = blocks::means(&column.values, together);
     let (_, unit) = mean_sd(&environment);
-    if !(unit > 0.0) {
+    if unit.is_nan() || unit <= 0.0 {
         return None;
     }
     let range = environment.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(*v), h.max(*v)]);

@@ -246,7 +246,7 @@ struct Rows {
 impl Rows {
     fn load(&mut self, (at, metadata, body): (u64, u64, u64)) -> Result<()> {
         let fail = |words: &str| -> Error { self.input.fail(format!("the batch at byte {at}: {words}"), DAMAGED) };
-        if metadata > LONGEST_METADATA || metadata < 8 {
+        if !(8..=LONGEST_METADATA).contains(&metadata) {
             return Err(fail("expected its metadata, found none"));
         }
         let bytes = self.input.bytes_at(at, metadata, "a batch")?;
@@ -276,7 +276,7 @@ impl Rows {
             if codec == Codec::None || length == 0 {
                 return Ok(Buffer::InFile { at, length });
             }
-            if length < 8 || length > LARGEST_BYTES {
+            if !(8..=LARGEST_BYTES).contains(&length) {
                 return Err(fail("expected the size of a column, found none"));
             }
             let data = self.input.bytes_at(at, length, "a column")?;

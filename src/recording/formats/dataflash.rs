@@ -139,13 +139,16 @@ struct Walk {
     held: usize,
 }
 
+/// A message: its type, the number of its sensor, and all its bytes.
+type Found<'a> = (u8, Option<u8>, &'a [u8]);
+
 impl Walk {
     fn new(input: &Input, messages: BTreeMap<u8, Message>) -> Self {
         Self { feed: Feed::new(input, 0), messages, strays: Strays::default(), cut: None, held: 0 }
     }
 
     /// The next message but FMT: its type, the number of its sensor, and all its bytes.
-    fn next(&mut self) -> Result<Option<(u8, Option<u8>, &[u8])>> {
+    fn next(&mut self) -> Result<Option<Found<'_>>> {
         loop {
             self.feed.pass(std::mem::take(&mut self.held));
             let ahead = self.feed.ahead(FORMAT_BYTES.max(256))?;

@@ -120,12 +120,10 @@ impl Known {
                     self.channels.push((id, schema, topic, encoding));
                 }
             }
-            STATISTICS => {
-                // Messages, schemas, channels, attachments, metadata, chunks, first and last time.
-                if bytes.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8 + 4).is_some() {
-                    while let (Some(id), Some(count)) = (bytes.u16(), bytes.u64()) {
-                        self.counts.insert(id, count);
-                    }
+            // Messages, schemas, channels, attachments, metadata, chunks, first and last time.
+            STATISTICS if bytes.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8 + 4).is_some() => {
+                while let (Some(id), Some(count)) = (bytes.u16(), bytes.u64()) {
+                    self.counts.insert(id, count);
                 }
             }
             _ => {}

@@ -84,15 +84,15 @@ impl Driven {
         };
         for law in &o.laws {
             match *law {
-                Law::OddSpring { size, p } if p == 3.0 => add("cubic-stiffness", "beta", size / (y * y)),
+                Law::OddSpring { size, p: 3.0 } => add("cubic-stiffness", "beta", size / (y * y)),
                 Law::EvenSpring { size } => add("quadratic-stiffness", "alpha", size / y),
-                Law::Drag { size, p } if p == 2.0 => add("quadratic-damping", "c2", size / y.abs()),
+                Law::Drag { size, p: 2.0 } => add("quadratic-damping", "c2", size / y.abs()),
                 Law::Squeeze { size } => add("squeeze-film-damping", "c", size / (y * y)),
-                Law::Friction { size, lean } if lean == 0.0 => add("coulomb-friction", "f_c", size * y.abs()),
-                Law::BoucWen { size, b, g, n } if n == 1.0 => {
+                Law::Friction { size, lean: 0.0 } => add("coulomb-friction", "f_c", size * y.abs()),
+                Law::BoucWen { size, b, g, n: 1.0 } => {
                     add("hysteresis", "k_h", size);
-                    add("hysteresis", "z_y", y.abs() / (b + g));
-                    add("hysteresis", "s", b / (b + g));
+                    add("hysteresis", "beta", b / y.abs());
+                    add("hysteresis", "gamma", g / y.abs());
                 }
                 Law::SpringDrift { size, course: Course::Linear } => add("stiffness-drift", "kappa", size / length_s),
                 Law::Absorber { size, omega, zeta } => {
@@ -106,7 +106,7 @@ impl Driven {
                     add("parasitic-mode", "zeta2", zeta);
                 }
                 Law::DriveSquare { size } => add("drive-nonlinearity", "kappa", size / u),
-                Law::Stop { size, gap, p, .. } if p == 1.0 => {
+                Law::Stop { size, gap, p: 1.0, .. } => {
                     add("end-stop", "k_c", size);
                     add("end-stop", "gap", gap * y.abs());
                 }

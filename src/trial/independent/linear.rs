@@ -86,11 +86,10 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         b[i] *= scale[i];
     }
     for k in 0..n {
+        let pivot = a[k].clone();
         for i in k + 1..n {
-            let f = a[i][k] / a[k][k];
-            for j in k..n {
-                a[i][j] -= f * a[k][j];
-            }
+            let f = a[i][k] / pivot[k];
+            a[i].iter_mut().zip(&pivot).skip(k).for_each(|(to, from)| *to -= f * from);
             b[i] -= f * b[k];
         }
     }

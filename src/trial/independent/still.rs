@@ -222,18 +222,18 @@ impl Still {
                     continue;
                 }
                 match *process {
-                    Process::Flicker { alpha, .. } if alpha == 1.0 => add("flicker-noise", "B", size.abs()),
+                    Process::Flicker { alpha: 1.0, .. } => add("flicker-noise", "B", size.abs()),
                     Process::Walk { .. } => add("random-walk", "K", size.abs()),
                     Process::GaussMarkov { tau, .. } => {
                         add("gauss-markov", "sigma", size.abs());
                         add("gauss-markov", "T", tau);
                     }
-                    Process::Drift { p, .. } if p == 1.0 => add("rate-ramp", "rate", size / length_s),
+                    Process::Drift { p: 1.0, .. } => add("rate-ramp", "rate", size / length_s),
                     Process::WarmUp { tau, .. } => {
                         add("warm-up", "amplitude", size);
                         add("warm-up", "T", tau);
                     }
-                    Process::Sine { hz, chirp, .. } if chirp == 0.0 => {
+                    Process::Sine { hz, chirp: 0.0, .. } => {
                         add("sinusoid", "amplitude", size.abs());
                         add("sinusoid", "frequency", hz);
                     }

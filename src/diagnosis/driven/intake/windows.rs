@@ -119,7 +119,7 @@ mod tests {
     fn windows_begin_at_edges_and_states_are_those_of_a_cubic() {
         let y: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k * k) - 1e-4 * f64::from(k * k * k)).collect();
         let c = Course { reading: &y, rate_hz: 2.0, length: 30, cycle: 60.0 };
-        let windows = Windows::over(&c, &[&[20..60][..]], Force::default());
+        let windows = Windows::over(&c, &[std::slice::from_ref(&(20..60))], Force::default());
         assert_eq!(windows.starts, [0, 20, 40, 60, 80]);
         assert_eq!(windows.parts(&(10..70)), [10..20, 20..40, 40..60, 60..70]);
         for k in [0, 3, 50, 99] {
