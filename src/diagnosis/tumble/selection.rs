@@ -234,7 +234,8 @@ impl Search<'_> {
             self.control.go_on()?;
             named.push(Named { rivals: self.rivals(model, &standing, &others), standing });
         }
-        let drifting = findings.iter().map(|s| s.term.sensor).collect();
+        let drifts = |sensor: &Sense| findings.iter().any(|s| s.term.sensor == *sensor);
+        let drifting = [Sense::Accelerometer, Sense::Gyro].into_iter().filter(drifts).collect();
         Ok(Selection { base: self.base, chosen: state.model, named, others, drifting })
     }
 

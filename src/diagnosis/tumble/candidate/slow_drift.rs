@@ -1,9 +1,14 @@
 //! The slow drift of offsets where nothing recorded accounts for it: fitted so that it does not bend a calibration, told as
 //! a finding, and never a name: 1/f noise, a battery and warmth look alike in poses.
+//!
+//! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one takes up; all three at once are nine
+//! parameters of a sensor, too many for the poses that remain when a fold is held out.
+
+use std::ops::Range;
 
 use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
-use crate::diagnosis::tumble::calibration::{accelerometer, gyro};
+use crate::diagnosis::tumble::calibration::{DRIFT_TERMS, accelerometer, gyro};
 use crate::diagnosis::tumble::group::Group;
 use crate::sensor::Sense;
 
@@ -21,22 +26,40 @@ const CANDIDATE: Candidate = Candidate {
 };
 
 pub(super) const TERMS: &[Term] = &[
-    Term {
-        candidate: &CANDIDATE,
-        sensor: Sense::Accelerometer,
-        parameters: &[accelerometer::DRIFT],
-        judged: Group::Gravity,
-        stated: Stated::AsFitted,
-        seen: Seen::InEveryParameter,
-        role: Role::Finding,
-    },
-    Term {
-        candidate: &CANDIDATE,
-        sensor: Sense::Gyro,
-        parameters: &[gyro::DRIFT],
-        judged: Group::Still,
-        stated: Stated::AsFitted,
-        seen: Seen::InEveryParameter,
-        role: Role::Finding,
-    },
+    term(Sense::Accelerometer, &ACCELEROMETER[0]),
+    term(Sense::Accelerometer, &ACCELEROMETER[1]),
+    term(Sense::Accelerometer, &ACCELEROMETER[2]),
+    term(Sense::Gyro, &GYRO[0]),
+    term(Sense::Gyro, &GYRO[1]),
+    term(Sense::Gyro, &GYRO[2]),
 ];
+
+/// One cosine of all three axes: its parameters.
+type Cosine = [Range<usize>; 3];
+
+const ACCELEROMETER: &[Cosine; DRIFT_TERMS] = &cosines(accelerometer::DRIFT.start);
+const GYRO: &[Cosine; DRIFT_TERMS] = &cosines(gyro::DRIFT.start);
+
+/// The cosines of x stand first, then those of y and z.
+const fn cosines(first: usize) -> [Cosine; DRIFT_TERMS] {
+    [axes(first), axes(first + 1), axes(first + 2)]
+}
+
+const fn axes(x: usize) -> Cosine {
+    [x..x + 1, x + DRIFT_TERMS..x + DRIFT_TERMS + 1, x + 2 * DRIFT_TERMS..x + 2 * DRIFT_TERMS + 1]
+}
+
+const fn term(sensor: Sense, parameters: &'static Cosine) -> Term {
+    Term {
+        candidate: &CANDIDATE,
+        sensor,
+        parameters,
+        judged: match sensor {
+            Sense::Accelerometer => Group::Gravity,
+            Sense::Gyro => Group::Still,
+        },
+        stated: Stated::AsFitted,
+        seen: Seen::InEveryParameter,
+        role: Role::Finding,
+    }
+}
