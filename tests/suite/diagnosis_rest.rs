@@ -139,7 +139,7 @@ fn levels() -> Result<(), Failed> {
 
 fn band_limit() -> Result<(), Failed> {
     let filtered = |v: &Verdict| v.findings.iter().any(|f| f.contains("filter"));
-    let mut named_alone = 0;
+    let (mut named_alone, mut others) = (0, Vec::new());
     for seed in 0..10 {
         let mut rng = Philox::new(6, seed, Stream::Host);
         let alone = judged(vec![smoothed(&white(6001, &mut rng))], None)?;
@@ -149,17 +149,20 @@ fn band_limit() -> Result<(), Failed> {
         let both = judged(vec![smoothed(&with_walk)], None)?;
         let ids: Vec<&str> = both.effects.iter().map(|e| e.id.as_str()).collect();
         named_alone += usize::from(ids == ["random-walk"]);
+        if ids != ["random-walk"] {
+            others.push(format!("{seed}: {}", both.sentence));
+        }
         let walk = |e: &Effect| e.id == "random-walk" || e.confusable_with.iter().any(|c| c == "random-walk");
         check(both.effects.iter().any(walk) && filtered(&both), format!("{seed}: {}", both.sentence))?;
         let open = judged(vec![white(6000, &mut rng)], None)?;
         check(!filtered(&open), format!("{seed}: a filter where there is none"))?;
     }
     // 95 % of ten, less one and a half standard errors.
-    check(named_alone >= 8, format!("{named_alone} of 10 walks named alone"))
+    check(named_alone >= 8, format!("{named_alone} of 10 walks named alone\n{}", others.join("\n")))
 }
 
 fn channel_by_channel() -> Result<(), Failed> {
-    let mut right = 0;
+    let (mut right, mut others) = (0, Vec::new());
     for seed in 0..10 {
         let mut rng = Philox::new(7, seed, Stream::Host);
         let drift = sized(walk(6000, &mut rng), 2.0);
@@ -169,14 +172,16 @@ fn channel_by_channel() -> Result<(), Failed> {
             white(6000, &mut rng).iter().enumerate().map(|(i, v)| if i > 4000 { 3.0 * v } else { *v }).collect();
         let verdict = judged(vec![drifting, swelling], None)?;
         let named = verdict.effects.iter().map(|e| (e.id.as_str(), e.channels[0].as_str()));
-        right += usize::from(
-            verdict.verdict == Outcome::Unexplained
-                && named.eq([("random-walk", "c0")])
-                && verdict.location.summary.contains("c1: its noise is not steady"),
-        );
+        let is_right = verdict.verdict == Outcome::Unexplained
+            && named.eq([("random-walk", "c0")])
+            && verdict.location.summary.contains("c1: its noise is not steady");
+        right += usize::from(is_right);
+        if !is_right {
+            others.push(format!("{seed}: {} {}", verdict.sentence, verdict.location.summary));
+        }
     }
     // 95 % of ten, less one and a half standard errors.
-    check(right >= 8, format!("{right} of 10"))
+    check(right >= 8, format!("{right} of 10\n{}", others.join("\n")))
 }
 
 fn coarse() -> Result<(), Failed> {
@@ -261,7 +266,7 @@ fn noisy() -> Result<(), Failed> {
 /// A walk beside a knock, and as a control the knock alone: neither hides the other, and neither is taken for the other.
 fn knocked() -> Result<(), Failed> {
     const COUNT: usize = 10_000;
-    let mut right = 0;
+    let (mut right, mut others) = (0, Vec::new());
     for seed in 0..20u64 {
         let mut rng = Philox::new(12, seed, Stream::Host);
         let place = 2000 + 300 * seed as usize;
@@ -276,9 +281,13 @@ fn knocked() -> Result<(), Failed> {
         let (alone, both) = (judged(vec![alone], None)?, judged(vec![both], None)?);
         let told = |v: &Verdict| v.verdict == Outcome::Unexplained && v.sentence.contains("knock");
         let walks = both.effects.iter().map(|e| e.id.as_str()).eq(["random-walk"]);
-        right += usize::from(told(&alone) && alone.effects.is_empty() && told(&both) && walks);
+        let is_right = told(&alone) && alone.effects.is_empty() && told(&both) && walks;
+        right += usize::from(is_right);
+        if !is_right {
+            others.push(format!("{seed}: alone: {} both: {}", alone.sentence, both.sentence));
+        }
     }
-    check(right >= 18, format!("{right} of 20"))
+    check(right >= 18, format!("{right} of 20\n{}", others.join("\n")))
 }
 
 /// Faint foreign drift that has the spectrum of a walk, of a louder level or of a common cause.
@@ -413,7 +422,9 @@ fn sense_hat(folder: &std::path::Path) -> Result<(), Failed> {
     // two are steady within 20 %. Their spectrum falls towards slow frequencies, as no law of the library does: squared cosine
     // coefficients of gx, means over bands half as wide again as they begin, in 10⁻⁸ (rad/s)²: 3.2 from 14 mHz, 10 from
     // 3.8 mHz, 26 from 1.0 mHz, 42 from 0.43 mHz (so far nearly 1/f), but 6.3 from 0.049 mHz and 2.9 from 0.012 mHz.
-    check(still.location.summary.contains("gy_rad_s: its noise is not steady"), still.location.summary.clone())?;
+    // Neighbouring stretches of gy differ by less than fourfold: uneven noise, which is said and is no mismatch.
+    let is_uneven = still.findings.iter().any(|f| f.contains("gy_rad_s") && f.contains("uneven"));
+    check(is_uneven, format!("{:?}", still.findings))?;
     check(still.location.summary.contains("gx_rad_s: below"), still.location.summary.clone())?;
     check(still.effects.iter().all(|e| e.channels == ["gz_rad_s"]), still.sentence.clone())?;
 

@@ -14,9 +14,10 @@ use super::profile::{Profiled, profile};
 use super::spectrum::{self, Law, Part};
 use super::standing::CLOSE;
 
-/// A law holds where the 95 % interval of its exponent lies within this part of it. A law further off is then taken for it
-/// once in forty times at most, whatever the strength of its drift.
+/// An exponent nearer to a law's than this part of it makes no difference that matters.
 const NEAR: f64 = 0.2;
+/// Twice the log-likelihood by which a free exponent leaves the 95 % interval of a whole one, so that this one is in doubt.
+const DOUBTED: f64 = 3.84;
 /// Twice the log-likelihood that a free exponent must gain over a whole one to refute it: one in a thousand by chance.
 const REFUTED: f64 = 10.8;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
@@ -77,15 +78,16 @@ pub(super) fn judge(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     refuted.or_else(|| both.into_iter().flatten().next())
 }
 
-/// What is said of one whole exponent.
+/// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which of the whole ones fits
+/// is settled before (`laws`).
 fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
-    let within = free.ci95[0] >= law * (1.0 - NEAR) && free.ci95[1] <= law * (1.0 + NEAR);
-    if within {
-        None
-    } else if gain > REFUTED {
+    let is_material = (free.value - law).abs() > NEAR * law;
+    if is_material && gain > REFUTED {
         Some(Ruling::Refuted)
-    } else {
+    } else if is_material && gain > DOUBTED {
         Some(Ruling::Open)
+    } else {
+        None
     }
 }
 

@@ -16,6 +16,9 @@ const FEW: usize = 12;
 /// With more of them, one is bad if it is so many times as far off as the [`FEW`]th: 12/8³ is the chance of it in noise with
 /// tails as heavy as Student's with three degrees of freedom.
 const BEYOND_TAIL: f64 = 8.0;
+/// Robust standard deviations beyond which a tail shows, before its readings are far off: one in [`RARE`] of normal noise.
+const OUTLYING: f64 = 4.0;
+const RARE: f64 = 15_787.0;
 /// Far readings no further apart than this belong together.
 const CLOSE: usize = 8;
 /// A knock that would come by chance, among far readings placed at random, more often than this is none.
@@ -130,8 +133,17 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     }
     let mut alone: Vec<usize> = alone.into_iter().flatten().collect();
     alone.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
-    let bad = if alone.len() <= FEW {
+    // The chance of so many between, in normal noise, is below one in a thousand; and a tail has more of them than far ones.
+    let beside_knock = |n: usize| found.knocks.iter().any(|k| k.from <= n + BLOCK && n < k.to + BLOCK);
+    let between = (0..off.len()).filter(|n| (OUTLYING..=FAR).contains(&size(*n)) && !beside_knock(*n)).count();
+    let expected = off.len() as f64 / RARE;
+    let is_tailed = between as f64 > expected + 3.0 * expected.sqrt() + 3.0 && between > alone.len();
+    let bad = if alone.len() <= FEW && !is_tailed {
         alone.len()
+    } else if alone.len() <= FEW {
+        let beyond = alone.iter().take_while(|n| size(**n) > BEYOND_TAIL * FAR).count();
+        found.tail = alone.len() - beyond;
+        beyond
     } else {
         // In a tail, half as far off again is three times as rare or more; spikes lie far out and few on the way there.
         let beyond = alone.iter().filter(|n| size(**n) > 1.5 * FAR).count();
