@@ -175,7 +175,10 @@ fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: 
     let (from, to) = (first.saturating_sub(CLOSE + length / 4), (last + 1 + CLOSE + 2 * length).min(count));
     let before = side(from.saturating_sub(BLOCK / 2), from);
     let after = side(to, to + BLOCK / 2);
-    let steps = before.zip(after).is_some_and(|(b, a)| (a - b).abs() > 2.0 * spread);
+    // A level that wanders as far over such a length anyway shows no step.
+    let wander = median(level.iter().zip(&level[to - from..]).map(|(a, b)| (a - b).abs()).collect()).unwrap_or(0.0);
+    let limit = (2.0 * spread).max(6.0 * wander);
+    let steps = before.zip(after).is_some_and(|(b, a)| (a - b).abs() > limit);
     // A stretch that is no short part of the recording is a state of it, not a knock.
     if steps || to - from > count / 20 {
         return None;

@@ -233,7 +233,8 @@ struct Stretches {
     abrupt: bool,
 }
 
-/// Neighbouring stretches whose power differs by this factor: no noise grows so fast.
+/// Stretches whose power differs by this factor, next to one another or on either side of one in which it changes: no noise
+/// grows so fast.
 const ABRUPT: f64 = 4.0;
 
 fn stretches(channel: &Channel, squares: &Squares, tolerance: f64) -> Stretches {
@@ -252,7 +253,8 @@ fn stretches(channel: &Channel, squares: &Squares, tolerance: f64) -> Stretches 
         let means: Vec<(f64, f64)> = edges.windows(2).map(mean).collect();
         let p_values: Vec<f64> = means.iter().map(|(mean, n)| off(*mean, *n, tolerance)).collect();
         let differs = |a: f64, b: f64| a > ABRUPT * b || b > ABRUPT * a;
-        out.abrupt |= parts > 4 && means.windows(2).any(|w| differs(w[0].0, w[1].0));
+        out.abrupt |= parts > 4
+            && means.windows(3).any(|w| differs(w[0].0, w[1].0) || differs(w[0].0, w[2].0) || differs(w[1].0, w[2].0));
         let silent = out.shown.is_empty();
         if silent {
             out.shown = named(&p_values, |i| Stretch {

@@ -50,7 +50,11 @@ pub(super) fn is_one_pole(fitted: &Fitted, memory: f64) -> bool {
 
 /// The filter that describes best what the model so far leaves.
 fn best(to: &Offer<'_>) -> Option<Filter> {
-    let laws: Vec<Law> = to.current.laws();
+    let mut laws: Vec<Law> = to.current.laws();
+    // A drift that the model does not hold yet must not bend the filter.
+    if !laws.contains(&Law::Walk) {
+        laws.push(Law::Walk);
+    }
     let promised = &to.channel.promised;
     let merit = |filter: &Filter| {
         let with: Vec<Law> = laws.iter().copied().chain([Law::Filtered(*filter)]).collect();
