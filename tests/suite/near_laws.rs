@@ -60,7 +60,9 @@ fn recording(force: Force, seed: u64, late_samples: f64) -> String {
 }
 
 /// Verdict, names and the departure of each effect's form.
-fn diagnosed(csv: &str) -> Result<(String, Vec<String>, Vec<[f64; 3]>), Failed> {
+type Said = (String, Vec<String>, Vec<[f64; 3]>);
+
+fn diagnosed(csv: &str) -> Result<Said, Failed> {
     let bench = Bench::new()?;
     let file = bench.file("log.csv", csv)?;
     let columns = "[columns]\ninput = \"u\"\noutput = \"y\"\n";
