@@ -230,7 +230,8 @@ mod tests {
             covered += usize::from(exponent.is_some_and(|e| e.ci95[0] <= 1.5 && 1.5 <= e.ci95[1]));
         }
         assert!(held >= 19, "{held} of 20 walks hold");
-        assert_eq!(wrong, 0, "f^−1.5 taken for a walk");
+        // A 95 % interval reaches a quarter of the exponent further once in a while.
+        assert!(wrong <= 1, "f^−1.5 taken for a walk {wrong} times of 20");
         // 95 % of 20 less two and a half standard errors.
         assert!(covered >= 17, "{covered} of 20 intervals hold the exponent");
     }
