@@ -304,7 +304,7 @@ impl Text {
             && line[here.end..] == before[there.end..]
     }
 
-    /// Writes the row at hand into `values`, as long as [`Rows::names`]; a missing cell is NaN.
+    /// Writes the row at hand into `values`, as long as the names; a missing cell is NaN.
     ///
     /// # Errors
     /// A cell that is no number, with its line and column.
