@@ -6,6 +6,8 @@
 //! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until a batch ends or is
 //! asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen reports of a million members.
 
+mod needed;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -18,17 +20,15 @@ use crate::error::{Error, Result};
 use crate::kernel::force;
 use crate::kernel::job::Job;
 use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
-use crate::kernel::member::{COLUMNS, Column, column, flicker_amplitudes};
+use crate::kernel::member::{COLUMNS, Column, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
-use crate::physics::coefficients::{self, StudyLaw, laws};
+use crate::physics::coefficients;
+use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
-use crate::sensor::{Sense, SensorTerm};
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Histogram, Machine, Moments};
 
-/// Members of the whole job that are asked which parts of the kernel it needs.
-const ASKED: u64 = 256;
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
 /// Substeps tabulated at a time; the entry before the first holds where it begins.
@@ -157,7 +157,7 @@ impl Plan {
             |number: Number| parallel::map_chunks(&drawn, 4096, |_, d| d.iter().map(|d| number.of(d) as f32).collect());
         let pad = (stride - members) as usize;
         let mut columns: Vec<f32> = Vec::with_capacity(COLUMNS * stride as usize);
-        let laws = acting(job, &drawn)?;
+        let laws = needed::acting(job, &drawn)?;
         let coefficients = laws.iter().flat_map(|law| law.places());
         let numbers: Vec<Number> = (0..COLUMNS).map(Number::Value).chain(coefficients.map(Number::Law)).collect();
         for number in numbers {
@@ -166,7 +166,7 @@ impl Plan {
         }
         let turns: Vec<u32> =
             (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
-        let constants = constants(job, &drawn)?;
+        let constants = needed::constants(job, &drawn)?;
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
         let sample_s = job.clock.sample_s();
@@ -362,41 +362,4 @@ fn finish(p: &layout::Partial) -> Moments {
         min: f64::from(p.least),
         max: f64::from(p.greatest),
     }
-}
-
-/// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the job are asked beside
-/// those of the batch, so that every batch of a job runs the same kernel: two compilations may round differently.
-fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
-    let drawn = asked(job, batch)?;
-    let any = |c: usize| drawn.iter().any(|d| d.values[c] != 0.0);
-    let has = |term: SensorTerm| drawn.iter().any(|d| d.has(term));
-    let some = |wanted: &dyn Fn(SensorTerm) -> bool| SensorTerm::ALL.into_iter().any(|t| wanted(t) && has(t));
-    let flag = |on: bool| f64::from(u8::from(on));
-    let reading = |t: SensorTerm| matches!(t.law(), ErrorLaw::Proportional(_));
-    let mut constants = vec![
-        ("INTEGRATOR".to_owned(), job.integrator.method().code() as f64),
-        ("SUBSTEPS".to_owned(), job.steps_per_sample() as f64),
-        ("HAS_FORCE".to_owned(), flag(any(column::FORCE))),
-        ("HAS_SINE".to_owned(), flag(any(column::SINE))),
-        ("HAS_GYRO".to_owned(), flag(some(&|t| t.sense() == Sense::Gyro))),
-        ("HAS_READING".to_owned(), flag(some(&reading))),
-        ("HAS_STILL".to_owned(), flag(job.clock.still_samples > 0)),
-    ];
-    constants.extend(SensorTerm::ALL.map(|term| (source::terms::switch(term), flag(has(term)))));
-    Ok(constants)
-}
-
-/// The laws that some member follows, by the same members.
-fn acting(job: &Job, batch: &[Column]) -> Result<Vec<StudyLaw>> {
-    let drawn = asked(job, batch)?;
-    let acts = |law: &&StudyLaw| drawn.iter().any(|d| d.laws[law.first] != 0.0);
-    Ok(laws().iter().filter(acts).copied().collect())
-}
-
-/// The members of a batch and some from all over the job.
-fn asked(job: &Job, batch: &[Column]) -> Result<Vec<Column>> {
-    let asked = job.members.min(ASKED);
-    let mut drawn = (0..asked).map(|i| column(job, i * (job.members / asked))).collect::<Result<Vec<Column>>>()?;
-    drawn.extend_from_slice(batch);
-    Ok(drawn)
 }

@@ -1,0 +1,184 @@
+//! Findings as sentences.
+
+use std::fmt;
+
+use super::{ClockBy, Finding, Uneven};
+use crate::number::{rounded, significant};
+use crate::recording::dropped::{Dropped, Reason};
+use crate::recording::time_unit::{Basis, TimeUnit};
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoHeader => write!(f, "the file has no header; its columns are called 1, 2, 3, … here"),
+            Self::TrajectoryRecognised { kind } => write!(
+                f,
+                "the file has no header; by its numbers it is a {} trajectory, whose columns are {}",
+                kind.name(),
+                kind.columns().join(" ")
+            ),
+            Self::UnitsRow { line } => write!(f, "line {line} holds the units of the columns"),
+            Self::ClockFound { heading, by } => match by {
+                ClockBy::Format => write!(f, "the clock is `{heading}`, which the format says"),
+                ClockBy::Heading => write!(
+                    f,
+                    "the clock is the column `{heading}`, by its heading and as its numbers rise; to choose another one or a \
+                     rate: --time, --rate-hz"
+                ),
+                ClockBy::Numbers => write!(
+                    f,
+                    "the clock is taken to be the column `{heading}`, whose numbers alone rise in even steps; to choose \
+                     another one or a rate: --time, --rate-hz"
+                ),
+            },
+            Self::PartChosen { name, others } => {
+                write!(f, "`{name}` was read, and {} of the file left out", count(*others, "other part"))
+            }
+            Self::SkippedBytes { bytes, first } => {
+                write!(f, "{bytes} bytes that are no part of any message were passed over, the first at byte {first}")
+            }
+            Self::UnitAssumed { columns, unit, option } => write!(
+                f,
+                "the unit of {} is not stated: taken as {unit}; if it is another one, name the columns and give {option}",
+                columns.join(", ")
+            ),
+            Self::SkippedLines { lines, first_line } => {
+                write!(
+                    f,
+                    "{lines} blank or comment lines between the rows were skipped, the first is line {first_line}"
+                )
+            }
+            Self::Dropped(dropped) => drop_sentence(f, dropped),
+            Self::TimeUnit { heading, unit, basis, rate_hz } => {
+                let why = match basis {
+                    _ if *unit == TimeUnit::Second => "the usual unit",
+                    Basis::Heading | Basis::Default => "the usual unit",
+                    Basis::Rate => "which agrees with the rate given",
+                    Basis::Epoch => "counted from 1970",
+                    Basis::Magnitude => "which gives the most plausible rate",
+                };
+                let (unit, rate) = (unit.name(), rounded(*rate_hz, 6));
+                write!(
+                    f,
+                    "the heading `{heading}` names no unit of time: its stamps are taken to be in {unit}, {why} ({rate} Hz); \
+                     if they are not, name the unit in the heading, e.g. `t_{unit}`"
+                )
+            }
+            Self::CoarseStamps { step_s, rate_hz } => write!(
+                f,
+                "the time stamps are rounded to steps of {} s: every row is used as a sample, and the rate of {} Hz is that \
+                 of the whole recording",
+                significant(*step_s, 3),
+                rounded(*rate_hz, 6)
+            ),
+            Self::ClockWrapped { times, modulus, unit, first_row } => write!(
+                f,
+                "the clock starts again after {modulus} {}, {times} {}, first in row {first_row}: a counter that overflowed; \
+                 the times were made continuous",
+                unit.name(),
+                if *times == 1 { "time" } else { "times" }
+            ),
+            Self::RateVaries { from_hz, to_hz, mean_hz } => write!(
+                f,
+                "the sampling rate varies between {} and {} Hz over the recording; the mean, {} Hz, is used, so times and \
+                 frequencies are off by up to {} %",
+                rounded(*from_hz, 6),
+                rounded(*to_hz, 6),
+                rounded(*mean_hz, 6),
+                significant(100.0 * ((to_hz / mean_hz - 1.0).max(1.0 - from_hz / mean_hz)), 2)
+            ),
+            Self::UnevenClock { share, rate_hz, treatment } => {
+                let (share, rate) = (100.0 * share, rounded(*rate_hz, 6));
+                write!(f, "the clock is uneven ({share:.1} % of the steps are off by more than a quarter)")?;
+                match treatment {
+                    Uneven::Resampled => write!(
+                        f,
+                        ": resampled to {rate} Hz by polynomials through six rows, which changes what lies near half that \
+                         rate"
+                    ),
+                    Uneven::SamplesEven => write!(f, ", but the samples are even: taken as {rate} Hz throughout"),
+                    Uneven::TakenAsEven => write!(f, ": the rows are taken as even samples at {rate} Hz"),
+                }
+            }
+            Self::GapsFilled { samples, gaps } => {
+                write!(
+                    f,
+                    "{} in {} filled by straight lines",
+                    count(*samples, "missing sample"),
+                    if *gaps == 1 { "a short gap was".into() } else { format!("{gaps} short gaps were") }
+                )
+            }
+            Self::LongGaps { gaps, first_s, after_s, rows, of, from_s } => write!(
+                f,
+                "{}, the first of {first_s:.3} s after t = {after_s:.3} s; only the longest part is used, {rows} of {of} rows from \
+                 t = {from_s:.3} s",
+                count(*gaps, "long gap")
+            ),
+            Self::Breaks { gaps } => write!(f, "{}: no averaging time reaches across one", count(*gaps, "long gap")),
+            Self::Cut { from_row, to_row, of } => write!(
+                f,
+                "rows {from_row} to {to_row} (exclusive) of {of} were used, as asked; rows, samples and times count from there"
+            ),
+            Self::RepeatedRows { rows, first_row, lost } => {
+                write!(
+                    f,
+                    "{rows} rows, the first is row {first_row}, repeat the row before them exactly in every column: "
+                )?;
+                match lost {
+                    true => write!(f, "taken for lost samples and filled by straight lines"),
+                    false => write!(f, "taken for samples written twice and dropped"),
+                }
+            }
+            Self::MissingReadings { column, readings, longest } => write!(
+                f,
+                "`{column}`: {readings} missing values were filled by straight lines, at most {longest} in a row"
+            ),
+            Self::Constant { column, value } => write!(f, "`{column}` is constant ({value}): a dead channel?"),
+            Self::BeyondDouble { column, first_row } => write!(
+                f,
+                "`{column}` holds whole numbers beyond 2^53, first in row {first_row}: double precision cannot tell \
+                 neighbouring ones apart; subtract a constant before they are logged"
+            ),
+            Self::Clipped { column, value, highest, rows } => write!(
+                f,
+                "`{column}` stays at {value} in {rows} rows and never goes {}: clipped?",
+                if *highest { "above" } else { "below" }
+            ),
+            Self::Stuck { column, first_row, rows } => {
+                write!(f, "`{column}` does not change for {rows} rows from row {first_row}: stuck?")
+            }
+            Self::Leap { column, near_row, ratio } => write!(
+                f,
+                "`{column}` leaps near row {near_row} by {ratio:.0} times its usual change: a stray reading or a knock? It \
+                 makes the noise look larger"
+            ),
+        }
+    }
+}
+
+fn drop_sentence(f: &mut fmt::Formatter<'_>, dropped: &Dropped) -> fmt::Result {
+    let Dropped { reason, rows, first_row } = *dropped;
+    let counted = count(rows, "row");
+    let were = if rows == 1 { "was" } else { "were" };
+    match reason {
+        Reason::CutShort => return write!(f, "the last row ({first_row}) is cut short; it was left out"),
+        Reason::SameStamp => write!(f, "{counted} {were} dropped because they repeat the time stamp before them"),
+        Reason::WrittenTwice => write!(
+            f,
+            "{counted} {were} dropped because they repeat the time stamp and the readings before them: written twice"
+        ),
+        Reason::NoStamp => write!(f, "{counted} {were} dropped for want of a time stamp"),
+        Reason::StoppedClock => write!(f, "{counted} {were} dropped because the clock stands still there"),
+        Reason::MissingReading => write!(f, "{counted} {were} not used because a reading is missing"),
+        Reason::HoldsPlace => write!(f, "{counted} {were} not used: repeated in place of lost samples"),
+        Reason::OutsideRows | Reason::OutsideSeconds | Reason::OutsideSplit | Reason::BeyondGap => {
+            write!(f, "{counted} {were} not used: {}", reason.words())
+        }
+    }?;
+    write!(f, "; the first is row {first_row}")
+}
+
+/// "1 row", "2 rows".
+fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
