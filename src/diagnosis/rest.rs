@@ -22,6 +22,7 @@ mod findings;
 mod followed;
 mod jump;
 mod laws;
+mod level;
 mod location;
 mod place;
 mod plausible;

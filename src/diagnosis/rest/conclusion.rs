@@ -9,6 +9,7 @@ use super::detail::{self, ChannelDetail, Detail};
 use super::effects::{self, Found};
 use super::findings;
 use super::jump;
+use super::level::{self, Levels};
 use super::residual::{Residual, TOLERANCE, residual};
 use super::selection::Selection;
 use super::spectrum::{self, Law, Part};
@@ -41,6 +42,7 @@ pub(super) fn conclude(material: Material<'_>) -> Answer {
     let mut draft = Draft::of(material);
     draft.find_effects();
     draft.test_residuals();
+    draft.drop_passing_levels();
     draft.drop_stand_ins();
     draft.mention();
     draft.answer()
@@ -168,6 +170,32 @@ impl<'a> Draft<'a> {
 
     fn all_fit(&self) -> bool {
         (0..self.channels.len()).all(|i| self.fits(i))
+    }
+
+    /// A white level that departs from the promise only for a while, or only in a band, is none that the sensor has. Where
+    /// it departs for a while the promise is still not kept: that mismatch has no name here.
+    fn drop_passing_levels(&mut self) {
+        let Some(noise) = &self.model.noise else { return };
+        let levels = |i: usize| Levels {
+            fitted: self.finals[i].white().0,
+            promised: describe::white_of_density(&self.channels[i], noise.density),
+        };
+        let passes = |e: &Found| {
+            let place =
+                |i: &usize| !level::holds(levels(*i), &self.channels[*i], &self.finals[*i], &self.residuals[*i]);
+            e.cause == Cause::WhiteNoise && e.channels.iter().any(place)
+        };
+        let (passing, kept): (Vec<Found>, Vec<Found>) =
+            std::mem::take(&mut self.effects).into_iter().partition(|e| passes(e));
+        let unsteady = |i: &usize| !level::holds_in_time(levels(*i), &self.residuals[*i]);
+        let failing: Vec<(usize, f64)> = passing
+            .iter()
+            .flat_map(|e| e.channels.iter().filter(|i| unsteady(i)).map(|i| (*i, e.evidence.p_value)))
+            .collect();
+        self.effects = kept;
+        for (i, p_value) in failing {
+            self.residuals[i].p_value = self.residuals[i].p_value.min(p_value);
+        }
     }
 
     /// What explains a drift by half while something foreign remains is a stand-in, in the channels where it remains. What

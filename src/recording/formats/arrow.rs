@@ -4,6 +4,7 @@
 mod flat;
 
 use crate::error::{Error, Result};
+use crate::recording::clock::stamp::Stamp;
 use crate::recording::decompress::{Codec, LARGEST_BYTES, decompress};
 use crate::recording::element::{Element, Kind};
 use crate::recording::input::Input;
@@ -312,9 +313,16 @@ impl Reader for Rows {
             let is_there = |i: usize| missing.as_ref().is_none_or(|m| is_set(m, i));
             let Some(element) = column.element else {
                 let bits = bits(data)?;
-                if let Some(target) = target {
-                    let value = |i| if is_there(i) { f64::from(u8::from(is_set(&bits, i))) } else { f64::NAN };
-                    block.columns[*target].extend((0..count).map(value));
+                let value = |i| is_there(i).then(|| is_set(&bits, i));
+                match target {
+                    Some(target) => {
+                        let number = |i| value(i).map_or(f64::NAN, |set| f64::from(u8::from(set)));
+                        block.columns[*target].extend((0..count).map(number));
+                    }
+                    None => {
+                        let stamp = |i| value(i).map_or(Stamp::MISSING, |set| Stamp::of_integer(i64::from(set)));
+                        block.stamps.extend((0..count).map(stamp));
+                    }
                 }
                 continue;
             };
@@ -335,7 +343,6 @@ impl Reader for Rows {
                     block.rounded[*target] = numbers.clone().position(|(i, n)| is_there(i) && element.is_rounded(n));
                 }
                 None => {
-                    use crate::recording::clock::stamp::Stamp;
                     let stamp = |(i, n): (usize, &[u8])| if is_there(i) { element.stamp(n) } else { Stamp::MISSING };
                     block.stamps.extend(numbers.map(stamp));
                 }
