@@ -187,8 +187,6 @@ fn foreign() -> Result<(), Failed> {
             named.push(format!("{effect:?}: {:?} {:?}", v.verdict, ids(v)));
         }
     }
-    // The fractional damper's resonance is given a second mode, under `unexplained`: a fault that is known and open.
-    named.retain(|said| !said.starts_with("FractionalDamper: Unexplained"));
     check(named.is_empty(), named.join("; "))
 }
 

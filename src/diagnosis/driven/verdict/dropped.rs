@@ -11,6 +11,8 @@ pub enum Dropped {
     MayBeNothing,
     /// It makes the prediction of the test samples worse.
     Worsens,
+    /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its own.
+    NoSecondResonance,
     /// It follows the rounding of the readings.
     FollowsRounding,
     /// It is smaller than what is still unexplained.

@@ -23,6 +23,7 @@ pub fn dropped(reason: Dropped) -> String {
         }
         Dropped::Twin => "only together with another that it can be mistaken for".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
+        Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
         Dropped::StandIn => "a stand-in: does not bring the residual to the noise".into(),
     }
 }

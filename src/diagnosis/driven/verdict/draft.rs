@@ -1,0 +1,141 @@
+//! A conclusion in the making: models, what is left of them, and the terms that still have a name. Not for what speaks against a
+//! term (`objection`, `standing`, `unexplained`).
+
+use crate::diagnosis::detection::Structure;
+use crate::diagnosis::driven::identification::fit::{Fit, fit};
+use crate::diagnosis::driven::identification::local_minima::deepest;
+use crate::diagnosis::driven::identification::step_length::enough;
+use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::intake::work::{Budget, Stage};
+use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
+use crate::diagnosis::driven::selection::judged::{Departing, Judged, Rival, Selection};
+use crate::diagnosis::driven::selection::residual_structure::left_evenly;
+use crate::diagnosis::driven::selection::term_worth::{Named, weighed};
+use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
+use crate::diagnosis::remainder::Remainder;
+use crate::diagnosis::ruling::Evidence;
+use crate::parallel;
+use crate::physics::library::Term;
+use crate::physics::scales::Scales;
+
+/// A conclusion in the making.
+pub(super) struct Draft<'a> {
+    pub(super) data: &'a Data,
+    pub(super) selection: &'a Selection,
+    pub(super) scales: Scales,
+    pub(super) budget: Budget,
+    pub(super) base: Judged,
+    pub(super) model: Judged,
+    /// The model with the form of one law free, where that law departs from its stated form.
+    pub(super) departing: Option<Departing>,
+    /// What is left of the model; of the one with a free form, where there is one.
+    pub(super) after: Structure,
+    pub(super) rivals: Vec<Vec<Rival>>,
+    pub(super) named: Vec<Named>,
+    pub(super) dropped: Vec<(Term, Dropped)>,
+    pub(super) left_out: Vec<LeftOut>,
+}
+
+impl<'a> Draft<'a> {
+    /// Base and final model, as finely integrated as their numbers need, and judged.
+    pub(super) fn fitted(data: &'a Data, selection: &'a Selection, scales: &Scales) -> Self {
+        let budget = data.work.budget(Stage::Conclusion, data.hull.len());
+        let refit =
+            |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
+        let (base, model) =
+            parallel::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
+        let model = deepest(data, model, scales);
+        let fineness = enough(data, &model, scales);
+        let scales = Scales { fineness, ..scales.clone() };
+        let model =
+            if model.steps == model.shape.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
+        let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, &scales, &data.test), fit };
+        let (base, model) = parallel::join(|| judge(base), || judge(model));
+        let (after, rivals) = (left_evenly(data, &model.fit), selection.rivals.clone());
+        let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
+        let departing = None;
+        Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
+    }
+
+    /// Fits the model with a free form like the others. What it leaves is what is left: the stated form would leave its own
+    /// inexactness besides.
+    pub(super) fn free(&mut self, selection: &Selection) {
+        let Some(found) = &selection.departing else { return };
+        let old = &found.judged.fit;
+        let fit = fit(self.data, &old.shape, &old.point, &self.scales, 20).unwrap_or_else(|| old.clone());
+        self.after = left_evenly(self.data, &fit);
+        let held_out = held_out(self.data, &fit, &self.scales, &self.data.test);
+        self.departing = Some(Departing { judged: Judged { fit, held_out }, index: found.index });
+    }
+
+    /// Whether the law whose form is free is named.
+    pub(super) fn names(&self, departing: &Departing) -> bool {
+        let id = departing.judged.fit.shape.terms[departing.index].id();
+        self.named.iter().any(|n| self.term(n.index).id() == id)
+    }
+
+    /// Share of the innovations' variance that can still be foreseen beyond chance, at this level.
+    pub(super) fn structured(&self, level: f64) -> f64 {
+        if self.after.p_value < level { self.after.share } else { 0.0 }
+    }
+
+    /// One term of the model.
+    pub(super) fn term(&self, index: usize) -> Term {
+        self.model.fit.shape.terms[index]
+    }
+
+    /// Whether it is a noise term.
+    pub(super) fn is_noise(&self, named: &Named) -> bool {
+        self.term(named.index).noise().is_some()
+    }
+
+    /// Takes a term's name, and says why.
+    pub(super) fn drop_term(&mut self, index: usize, reason: Dropped) {
+        let term = self.term(index);
+        self.dropped.push((term, reason));
+    }
+
+    /// Weighs every term of the model.
+    pub(super) fn weigh(&mut self) {
+        self.named = weighed(self.data, self.selection, &self.model, &self.scales, &self.rivals, &self.base);
+    }
+
+    /// How many times the final model's variance the terms removed.
+    pub(super) fn removed(&self) -> f64 {
+        self.base.fit.variance / self.model.fit.variance.max(1e-300) - 1.0
+    }
+
+    /// Named terms in whose place another does as well, in this recording or in any with this input.
+    fn tied(&self) -> usize {
+        let class = self.selection.reach.class(&self.model.fit.shape.terms);
+        let in_class = |n: &Named| class.contains(&self.term(n.index).id());
+        self.named.iter().filter(|n| !n.rivals.is_empty() || in_class(n)).count()
+    }
+
+    /// Whether the recording is long enough for the base model, where anything is named beside it.
+    fn is_base_determined(&self) -> bool {
+        self.selection.reach.few_cycles.is_none() || self.named.is_empty()
+    }
+
+    /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the final model.
+    pub(super) fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
+        let (model, base) = (&self.model, &self.base);
+        Evidence {
+            named: self.named.len() + usize::from(rounded),
+            departs: self.departing.is_some(),
+            tied: self.tied(),
+            stand_ins,
+            // A base model whose error goes only with terms that earn no name is not adequate.
+            nameless: self.removed(),
+            remainder: remainder.size,
+            // By what has a name: what is carried without one does not explain.
+            removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
+            search_complete: !self.selection.cut_short,
+            has_power: self.after.detectable_share < 1.0,
+            predicts_worse: model.held_out.free() > base.held_out.free()
+                && self.named.iter().any(|n| !self.is_noise(n)),
+            held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],
+            base_determined: self.is_base_determined(),
+        }
+    }
+}

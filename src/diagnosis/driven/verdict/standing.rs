@@ -1,0 +1,74 @@
+//! Which terms keep a name beside what is left and beside each other.
+
+use crate::diagnosis::driven::selection::earned::SMALLEST_GAIN;
+use crate::diagnosis::driven::selection::rivals::alike;
+use crate::diagnosis::driven::selection::series::{Series, series};
+use crate::diagnosis::driven::selection::term_worth::Named;
+use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::physics::library::Term;
+
+use super::draft::Draft;
+
+/// With a remainder as structured as this, a term must stand far above it.
+const COLOURED: f64 = 0.15;
+/// How far.
+pub(super) const FAR_ABOVE: f64 = 30.0;
+/// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
+/// it does, and a tenth of a percent in power of it is no other effect.
+const LEAST_PART: f64 = 1e-3;
+/// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
+const LEAST_PART_OF_NOISE: f64 = 1e-5;
+
+impl Draft<'_> {
+    /// What is known of rounded readings does not bear out what only follows the rounding.
+    pub(super) fn drop_what_follows_rounding(&mut self) {
+        let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
+        let holds = |n: &Named| n.rounded_lead.is_none_or(|lead| lead > bar);
+        let (holding, following): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
+        self.named = holding;
+        for n in following {
+            self.drop_term(n.index, Dropped::FollowsRounding);
+        }
+    }
+
+    /// What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
+    /// the others, but is not named. How much of the variance these laws carry together.
+    pub(super) fn carry_what_is_small(&mut self, share: f64) -> f64 {
+        let need = SMALLEST_GAIN.max(if share <= COLOURED { share } else { FAR_ABOVE * share });
+        let removed = self.removed();
+        let holds = |n: &Named| {
+            if self.is_noise(n) {
+                // Noise follows whatever is left: beside it, what is left must be next to nothing.
+                return n.growth >= need.max(FAR_ABOVE * share).max(removed * LEAST_PART_OF_NOISE);
+            }
+            n.growth >= need.max(removed * LEAST_PART)
+        };
+        let (named, carried): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
+        self.named = named;
+        for n in &carried {
+            let reason = if n.growth < need { Dropped::SmallerThanTheRest } else { Dropped::WithinInexactness };
+            self.drop_term(n.index, reason);
+        }
+        carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
+    }
+
+    /// Two terms that can be mistaken for each other, neither above the noise, are one thing that the library does not hold.
+    pub(super) fn drop_twins(&mut self) -> bool {
+        let faint: Vec<usize> = self.named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
+        let has_twin = |i: usize| faint.iter().any(|j| i != *j && alike(&self.term(i), &self.term(*j)));
+        let twins: Vec<usize> = faint.iter().copied().filter(|i| has_twin(*i)).collect();
+        twins.iter().for_each(|i| self.drop_term(*i, Dropped::Twin));
+        self.named.retain(|n| !twins.contains(&n.index));
+        !twins.is_empty()
+    }
+
+    /// Nothing of a series has a name.
+    pub(super) fn drop_series(&mut self) -> Option<Series> {
+        let terms: Vec<Term> = self.named.iter().map(|n| self.term(n.index)).collect();
+        let found = series(&terms)?;
+        for n in std::mem::take(&mut self.named) {
+            self.drop_term(n.index, Dropped::Series(found));
+        }
+        Some(found)
+    }
+}

@@ -1,0 +1,79 @@
+//! What keeps a name where the named terms do not account for the mismatch, and the model that such a verdict quotes.
+
+use crate::diagnosis::driven::selection::earned::without;
+use crate::diagnosis::driven::selection::held_out::held_out;
+use crate::diagnosis::driven::selection::judged::Judged;
+use crate::diagnosis::driven::selection::residual_structure::left_evenly;
+use crate::diagnosis::driven::selection::term_worth::Named;
+use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::physics::library::Term;
+
+use super::draft::Draft;
+use super::second_resonance::is_resolved;
+use super::standing::FAR_ABOVE;
+
+impl Draft<'_> {
+    /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In that model each must still be
+    /// what its name says.
+    pub(super) fn settle_unexplained(&mut self, share: f64, tolerated: f64) {
+        self.drop_stand_ins(share, tolerated);
+        self.keep_what_is_named();
+        while let Some((index, reason)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
+            self.drop_term(index, reason);
+            self.named.retain(|n| n.index != index);
+            self.keep_what_is_named();
+        }
+    }
+
+    /// Why a term cannot be told from what the library lacks, if it cannot: beside a misfit of the linear dynamics a mode takes up
+    /// whatever is broad, and only a peak of its own is evidence of a resonance.
+    fn stands_in(&self, named: &Named) -> Option<Dropped> {
+        let is_mode = matches!(self.term(named.index), Term::ParasiticMode(_));
+        let blurred = is_mode && !is_resolved(&self.model.fit, named.index);
+        self.misnamed(named).or(blurred.then_some(Dropped::NoSecondResonance))
+    }
+
+    /// The model of a verdict that explains nothing holds what it names and nothing else; and predicts no worse than the base.
+    fn keep_what_is_named(&mut self) {
+        let terms = self.model.fit.shape.terms.len();
+        let named = |draft: &Self, index: usize| draft.named.iter().any(|n| n.index == index);
+        for index in (0..terms).rev() {
+            if named(self, index) {
+                continue;
+            }
+            let poorer =
+                if self.named.is_empty() { None } else { without(self.data, &self.model, index, &self.scales) };
+            let Some(poorer) = poorer else {
+                self.named.clear();
+                break;
+            };
+            let held_out = held_out(self.data, &poorer.fit, &self.scales, &self.data.test);
+            self.model = Judged { held_out, fit: poorer.fit };
+            self.named.iter_mut().filter(|n| n.index > index).for_each(|n| n.index -= 1);
+        }
+        if self.named.is_empty() || self.model.held_out.free() > self.base.held_out.free() {
+            self.named.clear();
+            self.departing = None;
+            self.model = self.base.clone();
+        }
+        if self.departing.is_none() && self.model.fit.shape.terms.len() < terms {
+            self.after = left_evenly(self.data, &self.model.fit);
+        }
+    }
+
+    /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by itself.
+    fn drop_stand_ins(&mut self, share: f64, tolerated: f64) {
+        let bar = FAR_ABOVE * share.max(tolerated);
+        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
+        let noisy = self.model.fit.shape.is_noisy();
+        let towers = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
+        let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(towers);
+        for n in others {
+            self.drop_term(n.index, Dropped::StandIn);
+        }
+        self.named = towering;
+        if self.named.iter().all(|n| self.is_noise(n)) {
+            self.named.clear();
+        }
+    }
+}
