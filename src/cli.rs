@@ -17,7 +17,9 @@ pub mod inspect;
 pub mod map;
 pub mod paper;
 pub mod say;
+pub mod shell;
 pub mod study;
+pub mod template;
 pub mod trial;
 pub mod validate;
 
@@ -35,6 +37,7 @@ pub struct Arguments {
 
 const EXAMPLES: &str = "Examples:
   proofmass                                         the default study: how far a MEMS accelerometer drifts
+  proofmass template study > study.toml             a file to begin from
   proofmass study study.toml --members 100000       your own sensor
   proofmass inspect flight.ulg                      what a recording holds, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
@@ -66,6 +69,12 @@ pub enum Command {
     Adapters(adapters::Arguments),
     /// Measure speed on this machine
     Bench(bench::Arguments),
+    /// Print a complete, commented file to begin from
+    Template(template::Arguments),
+    /// Print completions for a shell
+    Completions(shell::Completions),
+    /// Print the manual page
+    Man(shell::Man),
 }
 
 /// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are answered and end the process.
@@ -127,5 +136,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Validate(a)) => validate::run(a, json),
         Some(Command::Adapters(a)) => adapters::run(a, json),
         Some(Command::Bench(a)) => bench::run(a, json),
+        Some(Command::Template(a)) => template::run(a, json),
+        Some(Command::Completions(a)) => shell::completions(a),
+        Some(Command::Man(a)) => shell::man(a),
     }
 }

@@ -44,6 +44,18 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     parse_toml(&name, &text)
 }
 
+/// A TOML document that was changed after it was read; `name` stands in messages for where it came from.
+///
+/// # Errors
+/// As [`parse_toml`], without a place.
+pub fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result<T> {
+    let fail = |error: toml::de::Error| {
+        let message = error.message();
+        Error::new(format!("could not read {name}"), plain(message), hint(message))
+    };
+    toml::Value::Table(table).try_into().map_err(fail)
+}
+
 /// Opens a file, `what` for people.
 ///
 /// # Errors
@@ -123,7 +135,7 @@ fn hint(message: &str) -> String {
         };
     }
     match message {
-        m if m.starts_with("missing field") => "add that key; README.md has an example of every file",
+        m if m.starts_with("missing field") => "add that key; `proofmass template` prints an example of every file",
         m if m.starts_with("duplicate key") => "keep one of the two",
         m if m.contains("map, expected a sequence") => {
             "a section that may come several times has two brackets, [[so]]; a list has one, [1.0, 2.0]"
@@ -131,8 +143,10 @@ fn hint(message: &str) -> String {
         m if m.contains("drawn number") || m.contains("{ mean") => {
             "e.g. bias_mg = 0.5, bias_mg = { mean = 0.0, sd = 1.0 } or bias_mg = { min = -1.0, max = 1.0 }"
         }
-        m if m.starts_with("invalid") => "numbers stand without quotes, words with them; see the example in README.md",
-        _ => "see the example in README.md; numbers need a digit on both sides of the point",
+        m if m.starts_with("invalid") => {
+            "numbers stand without quotes, words with them; `proofmass template` prints an example"
+        }
+        _ => "`proofmass template` prints an example; numbers need a digit on both sides of the point",
     }
     .into()
 }

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod draw;
 pub mod file;
+pub mod overrides;
 pub mod section;
 pub mod tolerances;
 
@@ -15,7 +16,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::document::{hexadecimal, parse_toml, read_toml};
+use crate::document::{from_table, hexadecimal, parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::excitation;
 use crate::excitation::plan::Plan;
@@ -24,6 +25,7 @@ use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
+pub use overrides::{Assignment, Overrides};
 use section::Section;
 use tolerances::Tolerances;
 
@@ -58,31 +60,22 @@ pub struct Study {
     pub reads: Vec<PathBuf>,
 }
 
-/// What the command line changes in a study.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Overrides {
-    /// Members.
-    pub members: Option<u64>,
-    /// Seed.
-    pub seed: Option<u64>,
-}
-
 /// Reads and checks study.toml.
 ///
 /// # Errors
 /// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense alone or beside the
 /// others, a replay that cannot be read.
-pub fn read(path: &Path, overrides: Overrides) -> Result<Study> {
+pub fn read(path: &Path, overrides: &Overrides) -> Result<Study> {
     let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-    Study::new(&path.display().to_string(), read_toml(path)?, overrides, folder)
+    Study::from_text(&path.display().to_string(), &read_text(path)?, overrides, folder)
 }
 
 /// The default study.
 ///
 /// # Errors
 /// None, unless the embedded file is broken, which a test excludes.
-pub fn read_default(overrides: Overrides) -> Result<Study> {
-    Study::new("the default study", parse_toml("the default study", DEFAULT)?, overrides, PathBuf::new())
+pub fn read_default(overrides: &Overrides) -> Result<Study> {
+    Study::from_text("the default study", DEFAULT, overrides, PathBuf::new())
 }
 
 /// A study from text, with paths relative to `folder`.
@@ -90,11 +83,23 @@ pub fn read_default(overrides: Overrides) -> Result<Study> {
 /// # Errors
 /// As [`read`].
 pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
-    Study::new(name, parse_toml(name, text)?, Overrides::default(), folder.into())
+    Study::from_text(name, text, &Overrides::default(), folder.into())
 }
 
 impl Study {
-    fn new(source: &str, mut file: file::File, overrides: Overrides, folder: PathBuf) -> Result<Self> {
+    fn from_text(source: &str, text: &str, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
+        // As written first, so that its own mistakes are placed by line.
+        let file: file::File = parse_toml(source, text)?;
+        if overrides.set.is_empty() {
+            return Self::new(source, file, overrides, folder);
+        }
+        let mut document: toml::Table = parse_toml(source, text)?;
+        overrides.apply(&mut document)?;
+        let source = format!("{source} {}", overrides.words());
+        Self::new(&source, from_table(&source, document)?, overrides, folder)
+    }
+
+    fn new(source: &str, mut file: file::File, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         file.members = overrides.members.or(file.members);
         let seed = overrides.seed.or(file.seed).unwrap_or(1);
         let members = check::members(source, &file)?;

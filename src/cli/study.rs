@@ -11,10 +11,16 @@ use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::study as page;
-use crate::study::{self, Overrides, Study};
+use crate::study::{self, Assignment, Overrides, Study};
+
+const EXAMPLES: &str = "Examples:
+  proofmass study study.toml --members 100000
+  proofmass study study.toml --set gyro.bias_deg_h=4 --set 'accelerometer.bias_mg={ mean = 0.0, sd = 2.0 }'
+  proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro";
 
 /// Arguments of `study`.
 #[derive(Debug, Default, clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The study (study.toml); without one, the default study
     pub study: Option<PathBuf>,
@@ -27,6 +33,9 @@ pub struct Arguments {
     /// Seed, instead of the study's own
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Assignment>,
     /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -43,10 +52,10 @@ pub struct Arguments {
 /// # Errors
 /// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let overrides = Overrides { members: arguments.members, seed: arguments.seed };
+    let overrides = Overrides { members: arguments.members, seed: arguments.seed, set: arguments.set.clone() };
     let study = match &arguments.study {
-        Some(path) => study::read(path, overrides)?,
-        None => study::read_default(overrides)?,
+        Some(path) => study::read(path, &overrides)?,
+        None => study::read_default(&overrides)?,
     };
     let path = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
     let mut keeper = match arguments.resume {

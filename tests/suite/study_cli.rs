@@ -15,6 +15,7 @@ pub fn tests() -> Vec<Trial> {
     let mut all = vec![
         test("study command: --json is the contract's document", document),
         test("study command: same seed, same answer; another seed, another", seeds),
+        test("study command: --set changes a key, also in a draw, as the file would", set),
         test("study command: a folder that cannot be written is refused before the work", unwritable),
         test("study command: --resume without an interrupted run is refused", nothing_to_resume),
     ];
@@ -70,6 +71,36 @@ fn document() -> Result<(), Failed> {
     let page = std::fs::read_to_string(folder.path().join("out/report.html"))?;
     check(page.contains("<svg"), "no figure in report.html")?;
     check(!page.contains("src=\"http") && !page.contains("<script"), "the report loads something from outside")
+}
+
+/// A key that is set gives the numbers of a file that holds it; one that is not there names the nearest.
+fn set() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let wider = SMALL.replace("sd = 1.0 }", "sd = 3.0 }");
+    check(wider != SMALL, "the study has no such draw")?;
+    let written = timeless(json(&mut study(folder.path(), &wider)?)?);
+    let set = |arguments: &[&str]| -> Result<Command, Failed> {
+        let mut command = study(folder.path(), SMALL)?;
+        command.args(arguments);
+        Ok(command)
+    };
+    let by_path = timeless(json(&mut set(&["--set", "accelerometer.bias_mg.sd=3.0"])?)?);
+    check(by_path == written, "the path into a draw")?;
+    let whole = timeless(json(&mut set(&["--set", "accelerometer.bias_mg={ mean = 0.0, sd = 3.0 }"])?)?);
+    check(whole == written, "the whole draw")?;
+    let unchanged = timeless(json(&mut set(&[])?)?);
+    check(unchanged != written, "the setting makes no difference (control)")?;
+    for (wrong, word) in [
+        ("accelerometer.bias_mgg=1", "did you mean `bias_mg`?"),
+        ("accelerometer.bias_mg", "need KEY=VALUE"),
+        ("name=mine", "need quotes"),
+        ("name.of=1", "not a section"),
+    ] {
+        let output = set(&["--set", wrong])?.output()?;
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        check(output.status.code() == Some(2) && said.contains(word), format!("{wrong}: {said}"))?;
+    }
+    Ok(())
 }
 
 fn seeds() -> Result<(), Failed> {

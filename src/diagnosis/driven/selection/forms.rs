@@ -173,7 +173,10 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
             *best = Some((found, like.clone()));
         }
     };
-    for index in 0..chosen.fit.shape.terms.len() {
+    // No freedom of one law ends a series that is far from done.
+    let is_series = chosen.fit.shape.terms.len() > MANY && left(data, &chosen.fit).share > UNDONE;
+    let own = if is_series { 0 } else { chosen.fit.shape.terms.len() };
+    for index in 0..own {
         if data.work.is_spent(budget) {
             break;
         }

@@ -24,6 +24,9 @@ const LEAST_OF_REST: f64 = 0.03;
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
+/// Terms with which a model that is far from done is given up: three effects at once are rare, and what four do not describe
+/// is something else.
+const MANY: usize = 4;
 /// Share of the variance that may still be foreseen in a model that is done.
 const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
@@ -146,7 +149,8 @@ impl Stepwise<'_> {
             self.progress.step();
             let Some(best) = best else { break };
             chosen = pruned(data, best, self.scales, self.tried);
-            if chosen.fit.shape.terms.len() >= MOST_TERMS {
+            let terms = chosen.fit.shape.terms.len();
+            if terms >= MOST_TERMS || (terms >= MANY && left(data, &chosen.fit).share > FAR_FROM_DONE) {
                 break;
             }
             if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
