@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::error::{Error, Kind, Result};
 use crate::signal;
@@ -137,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Adapters(a)) => adapters::run(a, json),
         Some(Command::Bench(a)) => bench::run(a, json),
         Some(Command::Template(a)) => template::run(a, json),
-        Some(Command::Completions(a)) => shell::completions(a),
-        Some(Command::Man(a)) => shell::man(a),
+        Some(Command::Completions(a)) => shell::completions(a, Arguments::command()),
+        Some(Command::Man(a)) => shell::man(a, Arguments::command()),
     }
 }

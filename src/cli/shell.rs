@@ -1,9 +1,7 @@
 //! `proofmass completions` and `proofmass man`: what a shell and a manual need, made from the command line itself.
 
-use clap::CommandFactory as _;
 use clap_complete::Shell;
 
-use super::Arguments as All;
 use super::say::say;
 use crate::error::{Error, Result};
 
@@ -21,13 +19,13 @@ pub struct Completions {
 #[command(after_help = "Example:\n  proofmass man | man -l -")]
 pub struct Man {}
 
-/// Prints the completions for a shell.
+/// Prints the completions of a command line for a shell.
 ///
 /// # Errors
 /// Stdout cannot be written.
-pub fn completions(arguments: &Completions) -> Result<()> {
+pub fn completions(arguments: &Completions, mut command: clap::Command) -> Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut All::command(), "proofmass", &mut script);
+    clap_complete::generate(arguments.shell, &mut command, "proofmass", &mut script);
     say(format_args!("{}", String::from_utf8_lossy(&script)))
 }
 
@@ -35,8 +33,7 @@ pub fn completions(arguments: &Completions) -> Result<()> {
 ///
 /// # Errors
 /// Stdout cannot be written.
-pub fn man(_: &Man) -> Result<()> {
-    let mut command = All::command();
+pub fn man(_: &Man, mut command: clap::Command) -> Result<()> {
     command.build();
     let mut page = Vec::new();
     let failed =
