@@ -13,6 +13,8 @@ pub mod bench;
 pub mod candidates;
 mod device;
 pub mod diagnose;
+pub mod export;
+pub mod import;
 pub mod inspect;
 pub mod map;
 pub mod paper;
@@ -41,6 +43,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000       your own sensor
   proofmass inspect flight.ulg                      what a recording holds, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
+  proofmass export sensor.toml --to kalibr          its noise as an estimator or a simulator wants it
   proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
   proofmass validate                                check this build against laws and closed forms";
 
@@ -53,6 +56,10 @@ pub enum Command {
     Inspect(inspect::Arguments),
     /// Estimate noise coefficients from a static log
     Allan(allan::Arguments),
+    /// Write a sensor as the configuration of an estimator or a simulator
+    Export(export::Arguments),
+    /// Read a sensor from such a configuration
+    Import(import::Arguments),
     /// Say what physics a model of a recording leaves out
     Diagnose(diagnose::Arguments),
     /// List the physics that `diagnose` can name
@@ -128,6 +135,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Study(a)) => study::run(a, json),
         Some(Command::Inspect(a)) => inspect::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
+        Some(Command::Export(a)) => export::run(a, json),
+        Some(Command::Import(a)) => import::run(a, json),
         Some(Command::Diagnose(a)) => diagnose::run(a, json),
         Some(Command::Candidates(a)) => candidates::run(a, json),
         Some(Command::Paper(a)) => paper::run(a, json),

@@ -23,7 +23,7 @@
 //! | 6 | `ensemble` `drift` | study × backend → statistics → envelopes, closed forms, error budget |
 //! | 7 | `diagnosis` | what physics was left out |
 //! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
-//! | 9 | `report` | figures, tables, pages |
+//! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |
 //! | 10 | `cli` | the commands |
 //!
 //! Glossary: *member*, one noisy sensor of an ensemble; *step*, one integration step; *sample*, one reading; *tile*,
@@ -42,6 +42,7 @@ pub mod ensemble;
 pub mod error;
 pub mod escape;
 pub mod excitation;
+pub mod export;
 pub mod kernel;
 pub mod map;
 pub mod navigation;

@@ -86,6 +86,16 @@ pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
     Study::from_text(name, text, &Overrides::default(), folder.into())
 }
 
+/// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings per second. Recordings that
+/// the file names are not read.
+///
+/// # Errors
+/// As [`read`], of what concerns the sensor.
+pub fn sensor(name: &str, text: &str) -> Result<(Tolerances, f64)> {
+    let file: file::File = parse_toml(name, text)?;
+    Ok((check::tolerances(name, &file)?, check::rate_hz(name, &file)?))
+}
+
 impl Study {
     fn from_text(source: &str, text: &str, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         // As written first, so that its own mistakes are placed by line.

@@ -18,6 +18,7 @@ mod suite {
     pub mod diagnosis_tumble;
     pub mod driven_bad_input;
     pub mod dynamics;
+    pub mod export;
     pub mod formats;
     pub mod fuzz;
     pub mod hostile_names;
@@ -128,6 +129,8 @@ fn main() {
         suite::device_faults::tests(),
         // formats: one log gives one answer in every format; what is damaged ends in words.
         suite::formats::tests(),
+        // export: what other tools make of an exported file is the study's noise.
+        suite::export::tests(),
         // fuzz: any bytes are read as they are or refused in words, and what is written can be read.
         suite::fuzz::tests(),
         // kills: a run that is killed or stopped goes on, and ends with the same bits.

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::say::{remark, sayln};
+use super::say::{remark, say, sayln};
 use crate::error::{Error, Result};
+use crate::export::imu::Imu;
+use crate::export::{self, Target};
 use crate::output::{self, Folder};
 use crate::recording::finding::Finding;
 use crate::recording::noise::{self, Noise};
@@ -51,6 +53,10 @@ pub struct Arguments {
     /// Folder for report.html, sensor.toml and, where a scale is given, a study.toml that runs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write the sensor as this tool's configuration too: into DIR, or without --out to stdout and nothing else; see
+    /// `proofmass export --list`
+    #[arg(long, value_name = "TARGET")]
+    to: Option<String>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     force: bool,
@@ -76,6 +82,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "name a column once, under --columns, --accelerometer or --gyro",
         ));
     }
+    let target = arguments.to.as_deref().map(export::target).transpose()?;
     recording::formats::located(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
     let request = Request {
@@ -99,7 +106,15 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     })?;
     noise.source.findings.extend(known.findings);
     let file = arguments.recording.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let written = folder.map(|folder| write(folder, &arguments.recording, &file, &noise)).transpose();
+    let configuration = target.map(|target| configuration(target, &file, &noise)).transpose()?;
+    if let (Some((_, text)), None) = (&configuration, &folder) {
+        report::notes(&noise).iter().for_each(|note| remark!("{note}"));
+        return match json {
+            true => sayln!("{:#}", serde_json::json!({ "text": text })),
+            false => say(format_args!("{text}")),
+        };
+    }
+    let written = folder.map(|folder| write(folder, &arguments.recording, &file, &noise, configuration)).transpose();
     if json {
         sayln!("{:#}", report::document(&file, &noise))?;
     } else {
@@ -155,7 +170,8 @@ const STUDY: &str = "study.toml";
 impl Arguments {
     fn outputs(&self) -> output::Request {
         let scaled = !self.accelerometer.is_empty() || !self.gyro.is_empty();
-        let files = [REPORT, "sensor.toml"].into_iter().chain(scaled.then_some(STUDY));
+        let target = self.to.as_deref().and_then(|to| export::target(to).ok());
+        let files = [REPORT, "sensor.toml"].into_iter().chain(scaled.then_some(STUDY)).chain(target.map(|t| t.file));
         output::Request {
             command: "allan",
             inputs: vec![self.recording.clone()],
@@ -166,12 +182,30 @@ impl Arguments {
     }
 }
 
+/// The sensor of the first accelerometer and gyro as a tool's configuration: its file's name and text.
+fn configuration(target: &Target, file: &str, noise: &Noise) -> Result<(String, String)> {
+    let fragments = report::fragments(file, noise);
+    let sensor = fragments.first().map_or("", |fragment| fragment.toml.as_str());
+    let imu = Imu::parse(file, sensor).map_err(|error| {
+        let hint = "name the columns and their scales with --accelerometer and --gyro; see `proofmass allan --help`";
+        Error::new(format!("could not export the noise of {file}"), error.cause, hint)
+    })?;
+    Ok((target.file.to_owned(), target.export(&imu)))
+}
+
 /// Writes the results and gives the files' names.
-fn write(mut folder: Folder, recording: &Path, file: &str, noise: &Noise) -> Result<Vec<String>> {
+fn write(
+    mut folder: Folder,
+    recording: &Path,
+    file: &str,
+    noise: &Noise,
+    configuration: Option<(String, String)>,
+) -> Result<Vec<String>> {
     let fragments = report::fragments(file, noise);
     let mut files = vec![(REPORT.to_owned(), report::page(file, noise, &fragments))];
     files.extend(fragments.into_iter().map(|fragment| (fragment.name, fragment.toml)));
     files.extend(report::study(recording, noise).map(|study| (STUDY.to_owned(), study)));
+    files.extend(configuration);
     files.iter().try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
     folder.finish()?;
     Ok(files.into_iter().map(|(name, _)| name).collect())

@@ -158,14 +158,29 @@ pub(super) fn members(name: &str, file: &File) -> Result<u64> {
     }
 }
 
-/// Discrete time: duration, step and sampling rate that fit each other, and report times that fall on samples.
-pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
-    let positive = |key: &str, value: Option<f64>, unit: &str| match value {
+/// Readings per second where neither a rate nor a step is given.
+const USUAL_RATE_HZ: f64 = 100.0;
+
+/// A number that is more than zero, if it is given.
+fn positive(name: &str, key: &str, value: Option<f64>, unit: &str) -> Result<Option<f64>> {
+    match value {
         Some(v) if !(v > 0.0 && v.is_finite()) => {
             Err(refuse(name, format!("`{key}` = {v:?} {unit}: need more than zero"), "give a positive number"))
         }
         v => Ok(v),
-    };
+    }
+}
+
+/// Readings per second, of a file that need not be a whole study.
+pub(super) fn rate_hz(name: &str, file: &File) -> Result<f64> {
+    let step_s = positive(name, "step_s", file.step_s, "s")?;
+    let rate_hz = positive(name, "sensor.sample_rate_hz", file.sensor.sample_rate_hz, "Hz")?;
+    Ok(rate_hz.or(step_s.map(|s| 1.0 / s)).unwrap_or(USUAL_RATE_HZ))
+}
+
+/// Discrete time: duration, step and sampling rate that fit each other, and report times that fall on samples.
+pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
+    let positive = |key: &str, value: Option<f64>, unit: &str| positive(name, key, value, unit);
     let Some(duration_s) = positive("duration_s", file.duration_s, "s")? else {
         return Err(refuse(name, "`duration_s` is missing", "say how long the run is, e.g. duration_s = 60.0"));
     };
@@ -174,7 +189,7 @@ pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     let (step_s, steps_per_sample) = match (step, rate) {
         (Some(step_s), Some(rate_hz)) => (step_s, whole(name, "sample period", "step_s", 1.0 / rate_hz, step_s)?),
         (Some(step_s), None) => (step_s, 1.0),
-        (None, rate_hz) => (1.0 / rate_hz.unwrap_or(100.0), 1.0),
+        (None, rate_hz) => (1.0 / rate_hz.unwrap_or(USUAL_RATE_HZ), 1.0),
     };
     if steps_per_sample > MOST_STEPS_PER_SAMPLE {
         return Err(refuse(

@@ -1,0 +1,190 @@
+//! The part of a sensor that configurations speak of, in SI units: noise by its law, bias, and what else was given.
+
+use crate::error::{Error, Result};
+use crate::sensor::error_law::ErrorLaw;
+use crate::sensor::{Sense, SensorTerm};
+use crate::study;
+use crate::study::tolerances::{Tolerances, keys};
+use crate::units::key::Key;
+
+/// Mean and standard deviation over members.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Value {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation; zero for a fixed number.
+    pub sd: f64,
+}
+
+/// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Errors {
+    /// Its unit, for people.
+    pub unit: &'static str,
+    /// White noise N, unit·√s.
+    pub white: Value,
+    /// Bias instability B, unit.
+    pub flicker: Value,
+    /// Random walk K, unit/√s.
+    pub walk: Value,
+    /// Constant bias, unit.
+    pub bias: Value,
+    /// Step of the reading, unit.
+    pub step: f64,
+    /// Full scale, unit; infinity for none.
+    pub range: f64,
+}
+
+/// Something given that is not among [`Errors`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Other {
+    /// Its key.
+    pub key: &'static Key,
+    /// The term, unless it belongs to the proof mass.
+    pub term: Option<SensorTerm>,
+    /// Mean, in the key's unit.
+    pub mean: f64,
+}
+
+/// An inertial measurement unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imu {
+    /// Name of the file that it came from.
+    pub source: String,
+    /// Readings per second.
+    pub rate_hz: f64,
+    /// Specific force, m/s².
+    pub accelerometer: Errors,
+    /// Angular rate, rad/s.
+    pub gyro: Errors,
+    /// What else was given and is not zero.
+    pub others: Vec<Other>,
+}
+
+impl Errors {
+    /// None at all.
+    pub fn ideal(sense: Sense) -> Self {
+        let unit = if sense == Sense::Accelerometer { "m/s²" } else { "rad/s" };
+        Self { unit, range: f64::INFINITY, ..Self::default() }
+    }
+}
+
+impl Imu {
+    /// A bare one.
+    pub fn new(source: &str, rate_hz: f64) -> Self {
+        let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
+        Self { source: source.into(), rate_hz, accelerometer, gyro, others: Vec::new() }
+    }
+
+    /// The sensor of a study.toml, a sensor.toml or a repaired.toml; recordings that it names are not read.
+    ///
+    /// # Errors
+    /// Text that is no such file, numbers that make no sense, or a file without noise.
+    pub fn parse(source: &str, text: &str) -> Result<Self> {
+        let (numbers, rate_hz) = study::sensor(source, text)?;
+        let mut imu = Self::new(source, rate_hz);
+        for sense in [Sense::Accelerometer, Sense::Gyro] {
+            *imu.errors_mut(sense) = errors(&numbers, sense);
+        }
+        imu.others = others(&numbers);
+        if [imu.accelerometer, imu.gyro].iter().all(|e| [e.white, e.flicker, e.walk, e.bias] == [Value::default(); 4]) {
+            return Err(Error::new(
+                format!("could not export {source}"),
+                "it gives neither noise nor bias of an accelerometer or a gyro",
+                "add e.g. [accelerometer] noise_density_ug_rthz = 60.0; `proofmass allan` estimates it from a log",
+            ));
+        }
+        Ok(imu)
+    }
+
+    fn errors_mut(&mut self, sense: Sense) -> &mut Errors {
+        match sense {
+            Sense::Accelerometer => &mut self.accelerometer,
+            Sense::Gyro => &mut self.gyro,
+        }
+    }
+
+    /// The sensor as a sensor.toml, nine digits each.
+    pub fn sensor_toml(&self, target: &str) -> String {
+        let mut toml = format!(
+            "# Imported from {} ({target}) by proofmass {}. White levels are two-sided random walks (N = n/√2).\n\n\
+             [sensor]\nsample_rate_hz = {:?}\n",
+            crate::escape::line(&self.source),
+            env!("CARGO_PKG_VERSION"),
+            self.rate_hz
+        );
+        for (sense, errors) in [(Sense::Accelerometer, &self.accelerometer), (Sense::Gyro, &self.gyro)] {
+            let lines: String = SensorTerm::ALL
+                .into_iter()
+                .filter(|term| term.sense() == sense)
+                .filter_map(|term| line(term, errors))
+                .collect();
+            if !lines.is_empty() {
+                toml += &format!("\n[{}]\n{lines}", sense.name());
+            }
+        }
+        if self.accelerometer.range.is_finite() {
+            let key = SensorTerm::Range.row().keys[0];
+            let range = digits(self.accelerometer.range / key.factor);
+            toml = toml.replacen("\n[sensor]\n", &format!("\n[sensor]\n{} = {range:?}\n", key.key()), 1);
+        }
+        toml
+    }
+}
+
+/// Nine significant digits: what configurations are written with.
+fn digits(value: f64) -> f64 {
+    crate::number::rounded(value, 9)
+}
+
+fn line(term: SensorTerm, errors: &Errors) -> Option<String> {
+    let key = term.row().keys.iter().find(|key| !key.one_sided)?;
+    let value = match term.law() {
+        ErrorLaw::White(_) => errors.white,
+        ErrorLaw::Flicker(_) => errors.flicker,
+        ErrorLaw::Walk(_) => errors.walk,
+        ErrorLaw::Constant => errors.bias,
+        ErrorLaw::Rounding => Value { mean: errors.step, sd: 0.0 },
+        _ => return None,
+    };
+    let [mean, sd] = [value.mean, value.sd].map(|v| digits(v / key.factor));
+    match (mean, sd) {
+        (0.0, 0.0) => None,
+        (_, 0.0) => Some(format!("{} = {mean:?}\n", key.key())),
+        _ => Some(format!("{} = {{ mean = {mean:?}, sd = {sd:?} }}\n", key.key())),
+    }
+}
+
+fn value(numbers: &Tolerances, term: SensorTerm) -> Option<Value> {
+    let (mean, variance) = numbers.moments(numbers.given(term)?);
+    Some(Value { mean, sd: variance.sqrt() })
+}
+
+fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
+    let mut errors = Errors::ideal(sense);
+    for term in SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense) {
+        let Some(value) = value(numbers, term) else { continue };
+        match term.law() {
+            ErrorLaw::White(_) => errors.white = value,
+            ErrorLaw::Flicker(_) => errors.flicker = value,
+            ErrorLaw::Walk(_) => errors.walk = value,
+            ErrorLaw::Constant => errors.bias = value,
+            ErrorLaw::Rounding => errors.step = value.mean,
+            ErrorLaw::FullScale => errors.range = value.mean,
+            ErrorLaw::Proportional(_) | ErrorLaw::Ramp => {}
+        }
+    }
+    errors
+}
+
+/// What was given beside noise by its law.
+fn others(numbers: &Tolerances) -> Vec<Other> {
+    let noise = |law| matches!(law, ErrorLaw::White(_) | ErrorLaw::Flicker(_) | ErrorLaw::Walk(_));
+    let of_a_sensor = |key: &&Key| ["sensor", "accelerometer", "gyro"].contains(&key.section());
+    let given = keys().filter(of_a_sensor).filter(|key| numbers[key].is_some_and(|n| !n.is_zero()));
+    let other = |key: &'static Key| {
+        let term = SensorTerm::ALL.into_iter().find(|term| term.row().keys.iter().any(|k| k.slot == key.slot));
+        (!term.is_some_and(|t| noise(t.law()))).then(|| Other { key, term, mean: numbers.moments(key).0 / key.factor })
+    };
+    given.filter_map(other).collect()
+}

@@ -1,0 +1,169 @@
+//! A configuration being written: numbers in the tool's syntax, and beside each its unit, convention and source.
+
+use super::drift::Process;
+use super::imu::Imu;
+use crate::number::short;
+use crate::sensor::SensorTerm;
+
+/// How a tool writes numbers and comments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Syntax {
+    /// `key: value`, `# comment`.
+    Yaml,
+    /// `<key>value</key>`, `<!-- comment -->`.
+    Xml,
+    /// `"key": value,`; JSON has no comments, so they stand as values of keys that the tool does not read.
+    Json,
+    /// `key = value`, `# comment`.
+    Python,
+    /// `key = value;`, `% comment`.
+    Matlab,
+    /// `key value`, `# comment`.
+    Parm,
+}
+
+/// One number.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    /// Its key.
+    pub key: &'a str,
+    /// In the tool's unit.
+    pub value: f64,
+    /// The tool's unit.
+    pub unit: &'a str,
+    /// Convention: N or density, per sample or continuous, σ or variance.
+    pub means: &'a str,
+}
+
+/// Continuous-time white noise as N.
+pub const WHITE: &str = "continuous noise density as sigma: the two-sided random-walk coefficient N \
+                         (one-sided datasheet density / sqrt 2), not per sample";
+/// Continuous-time random walk as K.
+pub const WALK: &str = "continuous random walk K of the bias as sigma (IEEE 952), not per sample";
+
+/// A number in nine digits, in a form that every target reads: YAML wants a point and a signed exponent.
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0.0".into();
+    }
+    let text = format!("{value:.8e}");
+    match text.split_once('e') {
+        Some((mantissa, exponent)) if !exponent.starts_with('-') => format!("{mantissa}e+{exponent:0>2}"),
+        Some((mantissa, exponent)) => format!("{mantissa}e-{:0>2}", exponent.trim_start_matches('-')),
+        None => text,
+    }
+}
+
+/// Text that grows.
+#[derive(Debug)]
+pub struct Sheet {
+    syntax: Syntax,
+    documented: &'static str,
+    indent: usize,
+    notes: usize,
+    head: Vec<String>,
+    text: String,
+}
+
+impl Sheet {
+    /// An empty one for a tool, which represents the terms `keeps` beside noise.
+    pub fn new(syntax: Syntax, about: &str, keeps: &[SensorTerm], imu: &Imu) -> Self {
+        let source = std::path::Path::new(&imu.source).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut head = vec![format!(
+            "{}: from {} by proofmass {}, for {} readings per second",
+            about,
+            crate::escape::line(&source),
+            env!("CARGO_PKG_VERSION"),
+            imu.rate_hz
+        )];
+        for (name, errors) in [("accelerometer", &imu.accelerometer), ("gyro", &imu.gyro)] {
+            let drawn =
+                [("white noise", errors.white), ("bias instability", errors.flicker), ("random walk", errors.walk)];
+            for (what, value) in drawn.into_iter().filter(|(_, value)| value.sd > 0.0) {
+                let percent = 100.0 * value.sd / value.mean;
+                head.push(format!("{name} {what} differs between sensors (sd {percent:.0} %); this is the mean"));
+            }
+        }
+        for other in imu.others.iter().filter(|o| !o.term.is_some_and(|t| keeps.contains(&t))) {
+            head.push(format!(
+                "not represented, and nothing stands for it: {} = {} {} ({})",
+                other.key.path,
+                short(other.mean),
+                other.key.unit,
+                other.key.name
+            ));
+        }
+        Self { syntax, documented: "", indent: 0, notes: 0, head, text: String::new() }
+    }
+
+    /// Writes what is to be said of the whole, and where the tool documents its numbers.
+    pub fn head(&mut self, documented: &'static str) {
+        self.documented = documented;
+        for note in std::mem::take(&mut self.head) {
+            self.note(&note);
+        }
+    }
+
+    /// What follows is indented by this many spaces.
+    pub fn indent(&mut self, spaces: usize) {
+        self.indent = spaces;
+    }
+
+    /// A comment.
+    pub fn note(&mut self, note: &str) {
+        self.notes += 1;
+        let line = match self.syntax {
+            Syntax::Yaml | Syntax::Python | Syntax::Parm => format!("# {note}"),
+            Syntax::Matlab => format!("% {note}"),
+            // Two hyphens would end the comment.
+            Syntax::Xml => format!("<!-- {} -->", note.replace("--", "- -")),
+            Syntax::Json => format!("\"// {}\": {},", self.notes, serde_json::Value::from(note)),
+        };
+        self.line(&line);
+    }
+
+    /// A line as it is.
+    pub fn line(&mut self, line: &str) {
+        self.text += &format!("{:1$}{line}\n", "", self.indent);
+    }
+
+    /// A number, with its unit, its convention and its source in a comment above.
+    pub fn field(&mut self, field: Field<'_>) {
+        let Field { key, value, unit, means } = field;
+        self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
+        let value = number(value);
+        let line = match self.syntax {
+            Syntax::Yaml => format!("{key}: {value}"),
+            Syntax::Xml => format!("<{key}>{value}</{key}>"),
+            Syntax::Json => format!("\"{key}\": {value},"),
+            Syntax::Python => format!("{key} = {value}"),
+            Syntax::Matlab => format!("{key} = {value};"),
+            Syntax::Parm => format!("{key} {value}"),
+        };
+        self.line(&line);
+    }
+
+    /// What is to be said of the processes that stand for the accelerometer's and the gyro's moving bias.
+    pub fn remarks(&mut self, accelerometer: &Process, gyro: &Process) {
+        for (name, process) in [("accelerometer", accelerometer), ("gyro", gyro)] {
+            if !process.remark.is_empty() {
+                self.note(&format!("{name}: {}", process.remark));
+            }
+        }
+    }
+
+    /// The text.
+    pub fn finish(self) -> String {
+        self.text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_have_a_point_and_a_signed_exponent() {
+        assert_eq!([number(1.5e-3), number(250.0), number(0.0)], ["1.50000000e-03", "2.50000000e+02", "0.0"]);
+    }
+}
