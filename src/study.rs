@@ -8,6 +8,7 @@ mod compare;
 mod draw;
 pub mod file;
 pub mod overrides;
+mod preset;
 pub mod section;
 pub mod tolerances;
 
@@ -26,6 +27,7 @@ use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
 pub use overrides::{Assignment, Overrides};
+pub use preset::Preset;
 use section::Section;
 use tolerances::Tolerances;
 
@@ -70,12 +72,17 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Study> {
     Study::from_text(&path.display().to_string(), &read_text(path)?, overrides, folder)
 }
 
-/// The default study.
+/// The default study; with a preset, its motion with that grade's sensor, under the grade's name.
 ///
 /// # Errors
-/// None, unless the embedded file is broken, which a test excludes.
+/// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the embedded file is sound.
 pub fn read_default(overrides: &Overrides) -> Result<Study> {
-    Study::from_text("the default study", DEFAULT, overrides, PathBuf::new())
+    let name = "the default study";
+    let Some(preset) = overrides.preset else { return Study::from_text(name, DEFAULT, overrides, PathBuf::new()) };
+    let mut document: toml::Table = parse_toml(name, DEFAULT)?;
+    [Section::Accelerometer, Section::Gyro].iter().for_each(|section| drop(document.remove(section.name())));
+    document.insert("name".into(), preset.name().into());
+    Study::from_document(name, document, overrides, PathBuf::new())
 }
 
 /// A study from text, with paths relative to `folder`.
@@ -100,10 +107,13 @@ impl Study {
     fn from_text(source: &str, text: &str, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         // As written first, so that its own mistakes are placed by line.
         let file: file::File = parse_toml(source, text)?;
-        if overrides.set.is_empty() {
+        if overrides.is_empty() {
             return Self::new(source, file, overrides, folder);
         }
-        let mut document: toml::Table = parse_toml(source, text)?;
+        Self::from_document(source, parse_toml(source, text)?, overrides, folder)
+    }
+
+    fn from_document(source: &str, mut document: toml::Table, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         overrides.apply(&mut document)?;
         let source = format!("{source} {}", overrides.words());
         Self::new(&source, from_table(&source, document)?, overrides, folder)

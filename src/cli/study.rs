@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
 use super::say::{say, sayln};
 use crate::document::to_json;
 use crate::drift::document::Document;
@@ -11,12 +14,13 @@ use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::study as page;
-use crate::study::{self, Assignment, Overrides, Study};
+use crate::study::{self, Assignment, Overrides, Preset, Study};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
   proofmass study study.toml --set gyro.bias_deg_h=4 --set 'accelerometer.bias_mg={ mean = 0.0, sd = 2.0 }'
-  proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro";
+  proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro
+  proofmass study --preset tactical                            the default motion, with a tactical-grade sensor";
 
 /// Arguments of `study`.
 #[derive(Debug, Default, clap::Args)]
@@ -33,6 +37,9 @@ pub struct Arguments {
     /// Seed, instead of the study's own
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// Errors of a typical sensor of a grade, where the study gives none of its own
+    #[arg(long, value_enum, value_name = "GRADE")]
+    pub preset: Option<Preset>,
     /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Assignment>,
@@ -47,12 +54,33 @@ pub struct Arguments {
     pub resume: bool,
 }
 
+impl ValueEnum for Preset {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Consumer => "ICM-20948, a phone's or a drone's part, not calibrated",
+            Self::Industrial => "ADIS16470, MEMS calibrated in the factory",
+            Self::Tactical => "STIM300, the best of MEMS",
+            Self::Navigation => "HG9900, ring lasers",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
+}
+
 /// Runs a study, prints the answer and writes the report.
 ///
 /// # Errors
 /// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let overrides = Overrides { members: arguments.members, seed: arguments.seed, set: arguments.set.clone() };
+    let overrides = Overrides {
+        members: arguments.members,
+        seed: arguments.seed,
+        preset: arguments.preset,
+        set: arguments.set.clone(),
+    };
     let study = match &arguments.study {
         Some(path) => study::read(path, &overrides)?,
         None => study::read_default(&overrides)?,

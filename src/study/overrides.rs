@@ -1,7 +1,9 @@
-//! What the command line changes in a study: members, seed, and any key by its dotted path (`--set KEY=VALUE`).
+//! What the command line changes in a study: members, seed, the sensor's grade under it (`--preset`), and any key by its dotted
+//! path (`--set KEY=VALUE`).
 
 use toml::{Table, Value};
 
+use super::preset::Preset;
 use crate::error::{Error, Result};
 
 /// Changes to a study, made before it is checked.
@@ -11,6 +13,8 @@ pub struct Overrides {
     pub members: Option<u64>,
     /// Seed.
     pub seed: Option<u64>,
+    /// The grade whose errors the sensor has where the study says nothing.
+    pub preset: Option<Preset>,
     /// Keys and their values, in the order given; a later one wins.
     pub set: Vec<Assignment>,
 }
@@ -88,17 +92,28 @@ impl std::str::FromStr for Assignment {
 }
 
 impl Overrides {
-    /// Changes the document by every assignment.
+    /// Whether the document stays as it is.
+    pub(super) fn is_empty(&self) -> bool {
+        self.preset.is_none() && self.set.is_empty()
+    }
+
+    /// Lays the grade under the document, then changes it by every assignment.
     ///
     /// # Errors
     /// A path that leads nowhere.
     pub(super) fn apply(&self, document: &mut Table) -> Result<()> {
+        if let Some(preset) = self.preset {
+            let is_set =
+                |section: &str, key: &str| self.set.iter().any(|a| a.path.starts_with(&[section.into(), key.into()]));
+            preset.lay_under(document, is_set)?;
+        }
         self.set.iter().try_for_each(|assignment| assignment.apply(document))
     }
 
-    /// The assignments as they stand in messages: "with gyro.bias_deg_h = 4".
+    /// The changes as they stand in messages: "with gyro.bias_deg_h = 4".
     pub(super) fn words(&self) -> String {
-        let all: Vec<String> = self.set.iter().map(Assignment::to_string).collect();
+        let preset = self.preset.map(|preset| format!("the {} preset", preset.name()));
+        let all: Vec<String> = preset.into_iter().chain(self.set.iter().map(Assignment::to_string)).collect();
         format!("with {}", all.join(", "))
     }
 }

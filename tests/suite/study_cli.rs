@@ -16,6 +16,7 @@ pub fn tests() -> Vec<Trial> {
         test("study command: --json is the contract's document", document),
         test("study command: same seed, same answer; another seed, another", seeds),
         test("study command: --set changes a key, also in a draw, as the file would", set),
+        test("study command: --preset gives a grade's sensor, under what the study says itself", preset),
         test("study command: a folder that cannot be written is refused before the work", unwritable),
         test("study command: --resume without an interrupted run is refused", nothing_to_resume),
     ];
@@ -101,6 +102,46 @@ fn set() -> Result<(), Failed> {
         check(output.status.code() == Some(2) && said.contains(word), format!("{wrong}: {said}"))?;
     }
     Ok(())
+}
+
+/// A grade under a file gives the numbers of the file with the grade's terms written out; alone it is a study of its own name.
+fn preset() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    // The tactical grade beside the file's own bias and noise: what is left is written here from its datasheet.
+    let written = SMALL.replace("[report]", "scale_factor_ppm = { mean = 0.0, sd = 300.0 }\nbias_instability_ug = 75.3\n\
+        [gyro]\nbias_deg_h = { mean = 0.0, sd = 4.0 }\nangle_random_walk_deg_rth = 0.15\nbias_instability_deg_h = 0.753\n[report]");
+    let by_hand = timeless(json(&mut study(folder.path(), &written)?)?);
+    let under = |grade: &str| -> Result<Value, Failed> {
+        let mut command = study(folder.path(), SMALL)?;
+        Ok(timeless(json(command.args(["--preset", grade]))?))
+    };
+    check(under("tactical")? == by_hand, "the grade is not what its datasheet says")?;
+    check(under("consumer")? != by_hand, "another grade makes no difference (control)")?;
+    let alone = |grade: &str, out: &str| -> Result<Value, Failed> {
+        let mut command = program();
+        command.current_dir(folder.path()).args([
+            "--json",
+            "study",
+            "--members",
+            "256",
+            "--out",
+            out,
+            "--preset",
+            grade,
+        ]);
+        json(&mut command)
+    };
+    let last = |document: &Value| document["position_error_m"]["sd"].as_array().and_then(|all| all.last()?.as_f64());
+    let worst_first: Vec<_> = ["consumer", "industrial", "tactical", "navigation"]
+        .into_iter()
+        .map(|grade| Ok(last(&alone(grade, grade)?)))
+        .collect::<Result<_, Failed>>()?;
+    let [Some(consumer), .., Some(navigation)] = worst_first[..] else { return Err("no position error".into()) };
+    check(navigation < 0.1 * consumer, format!("{worst_first:?}"))?;
+    let mut unknown = study(folder.path(), SMALL)?;
+    let output = unknown.args(["--preset", "tactcal"]).output()?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    check(output.status.code() == Some(2) && said.contains("tactical"), said)
 }
 
 fn seeds() -> Result<(), Failed> {
