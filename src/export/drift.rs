@@ -26,7 +26,7 @@ pub struct Process {
     pub remark: String,
 }
 
-/// Correlation time that makes a Gauss–Markov process a random walk: after 1000 s its Allan deviation is 0.02 % low.
+/// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation is 0.04 % low.
 pub const WALK_S: f64 = 1e6;
 /// Where a substitute for bias instability agrees with it, s.
 const AGREES_S: f64 = 100.0;

@@ -190,7 +190,7 @@ impl Random {
 
 /// Averaging times, s, and Allan variances of several members, averaged; readings of a faster generator are averaged to the
 /// study's rate.
-fn curve(members: usize, samples: usize, mut member: impl FnMut(usize, &mut dyn FnMut(f64))) -> Vec<(f64, f64)> {
+fn curve(members: usize, mut member: impl FnMut(usize, &mut dyn FnMut(f64))) -> Vec<(f64, f64)> {
     let mut sums: Vec<(f64, f64)> = Vec::new();
     for m in 0..members {
         let mut accumulator = Accumulator::new();
@@ -201,7 +201,6 @@ fn curve(members: usize, samples: usize, mut member: impl FnMut(usize, &mut dyn 
         sums.resize(points.len(), (0.0, 0.0));
         sums.iter_mut().zip(points).for_each(|(s, p)| *s = (p.0, s.1 + p.1 / members as f64));
     }
-    debug_assert!(samples > 0);
     sums
 }
 
@@ -209,7 +208,7 @@ fn generated(generator: Generator, seed: u64) -> (usize, Vec<(f64, f64)>) {
     let block = (generator.rate_hz / RATE_HZ).round() as usize;
     let (members, samples) = if block > 1 { (8, SAMPLES / 4) } else { (64, SAMPLES) };
     let mut random = Random(seed);
-    let curve = curve(members, samples, |_, push| {
+    let curve = curve(members, |_, push| {
         let mut bias = 0.0;
         for _ in 0..samples {
             let mut sum = 0.0;
@@ -232,13 +231,13 @@ fn simulated(sensor: &str) -> Result<[Vec<(f64, f64)>; 2], Failed> {
     let head = format!("members = {LANES}\nseed = 9\nduration_s = {:?}\n", SAMPLES as f64 / RATE_HZ);
     let study = study::parse("study.toml", &(head + sensor), Path::new(""))?;
     let job = study.job(Integrator::Ideal, vec![study.clock.samples]);
-    let mut both: [Vec<Vec<f64>>; 2] = std::array::from_fn(|_| vec![Vec::with_capacity(SAMPLES); LANES]);
+    let mut both: [Vec<Vec<f64>>; 2] = std::array::from_fn(|_| vec![Vec::new(); LANES]);
     cpu::readings::<f64>(&job, 0, &Control::silent(), |accelerometer, gyro| {
         for (series, lane) in both.iter_mut().zip([accelerometer, gyro]) {
             series.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(*value));
         }
     })?;
-    Ok(both.map(|series| curve(LANES, SAMPLES, |m, push| series[m].iter().for_each(|v| push(*v)))))
+    Ok(both.map(|series| curve(LANES, |m, push| series[m].iter().for_each(|v| push(*v)))))
 }
 
 /// The generator of a target agrees with `study` where `change` has been made to its text.
