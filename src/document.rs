@@ -100,7 +100,10 @@ pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
-        fail(format!("line {line} holds bytes that are no UTF-8 text"), "save it as UTF-8; is this a text file at all?")
+        fail(
+            format!("line {line} holds bytes that are not UTF-8 text"),
+            "save it as UTF-8; is this a text file at all?",
+        )
     })
 }
 

@@ -85,7 +85,7 @@ pub fn answer(
         return Err(Error::new(
             format!("could not simulate {}", study.name),
             format!(
-                "{} of {} members left the range of numbers: their position error is no number",
+                "{} of {} members diverged: their position error is not finite",
                 statistics.failed, statistics.members
             ),
             "some error, spring or excitation is far too large; check the exponents and units of the study",

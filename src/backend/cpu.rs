@@ -104,7 +104,7 @@ pub fn column(job: &Job, index: u64) -> Result<Column> {
     }
     Err(Error::new(
         format!("could not prepare member {index}"),
-        "its parameters, as the integrator needs them, are beyond the range of numbers",
+        "its parameters, in the integrator's units, overflow",
         "check the exponents of the study and its tolerances: a draw may lie where no sensor does",
     ))
 }

@@ -43,7 +43,7 @@ fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
     let of = match row {
         Row::Before | Row::Own => "with the model as it was",
         Row::After => "with the named physics",
-        Row::Difference => "difference: what leaving it out costs",
+        Row::Difference => "difference: the cost of leaving it out",
     };
     let vibration = &repair.vibration;
     let (under, basis) = match repair.before.proof_mass {

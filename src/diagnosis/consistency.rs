@@ -27,18 +27,21 @@ impl Contradiction {
     /// As a finding; `None` where only a meaningless number was left out.
     pub fn words(self) -> Option<&'static str> {
         match self {
-            Self::AdequateAboveNoise => {
-                Some("the base model's error is several times the noise measured apart from it: not called adequate")
-            }
-            Self::ExplainedAndWorse => Some(
-                "with the named effects the held-out error grows, and what is left is not noise: not called explained",
+            Self::AdequateAboveNoise => Some(
+                "the base model's error is several times the independently measured noise: the verdict is not \
+                      `adequate`",
             ),
-            Self::ExplainedWithoutName => Some("nothing is named: not called explained"),
+            Self::ExplainedAndWorse => Some(
+                "with the named effects the held-out error grows and the residual is not noise: the verdict is not \
+                 `explained`",
+            ),
+            Self::ExplainedWithoutName => Some("no effect is named: the verdict is not `explained`"),
             Self::IntervalMissesValue => Some(
-                "an interval does not hold its own value: the fit is not sure of its numbers, and nothing is called explained",
+                "an interval does not contain its own estimate: the fit is unreliable, so the verdict is not \
+                 `explained`",
             ),
             Self::RepairedWithoutName => None,
-            Self::NotANumber => Some("an error on held-out data is not a number and was left out"),
+            Self::NotANumber => Some("an error on held-out data is not finite and was left out"),
         }
     }
 }

@@ -183,7 +183,7 @@ impl Course {
     fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
         let rare = if self.narrow.windows.is_some() { None } else { folds::for_the_rare(&self.narrow, &base) };
         let Some(Fold { train, validation }) = rare else { return base };
-        let said = "what stands out lies in samples that were to judge: they are fitted, and others judge";
+        let said = "the largest errors fell in validation samples; training and validation samples were exchanged";
         self.notes.findings.push(said.to_owned());
         if self.is_whole() {
             (self.data.train, self.data.validation) = (train.clone(), validation.clone());
@@ -201,7 +201,7 @@ impl Course {
             return None;
         }
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
-        self.notes.findings.push(format!("the input fits best when it goes by {} between samples", how.words()));
+        self.notes.findings.push(format!("the input is best interpolated by {} between samples", how.words()));
         let base = &selection.base.fit;
         let again = fit::fit(&self.narrow, &base.shape, &base.point, scales, 25);
         Some(judged::judge(&self.narrow, again.unwrap_or_else(|| base.clone()), scales))
@@ -209,12 +209,11 @@ impl Course {
 
     fn note_what_was_not_tried(&mut self, selection: &Selection) {
         if selection.cut_short {
-            let said = "the search for terms was cut short when its work was spent, with structure left";
+            let said = "the search for terms stopped at its work limit, with structure left in the residual";
             self.notes.findings.push(said.to_owned());
         }
         if selection.rivals_left_out {
-            let clause =
-                "not every candidate that might do as well as those named was tried, as the work for it was spent";
+            let clause = "not every rival of the identified effects was tried: the work limit was reached";
             self.notes.doubt(clause.to_owned(), "");
         }
     }
@@ -234,7 +233,7 @@ impl Course {
         };
         let left_out = conclusion.left_out.iter();
         let left_out =
-            left_out.map(|what| format!("{}, as the work for the conclusion was spent", findings::left_out(*what)));
+            left_out.map(|what| format!("{}: the work limit of the conclusion was reached", findings::left_out(*what)));
         self.notes.findings.extend(left_out);
         let last = &conclusion.model.fit;
         let (errors, _) = run::trace(&self.data, &last.shape, &last.point, &last.run(&self.data, true));

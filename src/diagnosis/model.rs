@@ -94,7 +94,7 @@ impl Split {
             0usize => Ok(()),
             lost => Err((
                 format!("[split] train and test overlap in {lost} samples"),
-                "what is fitted cannot judge: make the ranges disjoint",
+                "training samples cannot validate: make the ranges disjoint",
             )),
         }
     }

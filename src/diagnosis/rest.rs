@@ -103,8 +103,8 @@ pub fn diagnose(recording: &Recording, model: &model::Static, control: &Control)
     let rate_hz = recording.rate_hz / together as f64;
     if together > 1 {
         findings.push(format!(
-            "{together} neighbouring samples were averaged: nothing faster than {} Hz is judged, and a disturbance faster \
-             than that folds into what is",
+            "{together} neighbouring samples were averaged: nothing faster than {} Hz is tested, and a faster \
+             disturbance aliases into the band",
             short(rate_hz / 2.0)
         ));
     }

@@ -42,7 +42,7 @@ pub(super) fn read(path: &Path, run: &Run<'_>) -> Result<State> {
 
 /// The state in the bytes of such a file; the error is what is wrong with them.
 fn parse(bytes: &[u8], run: &Run<'_>) -> Result<State, String> {
-    let state: State = serde_json::from_slice(bytes).map_err(|e| format!("it is no state of a run: {e}"))?;
+    let state: State = serde_json::from_slice(bytes).map_err(|e| format!("it is not the state of a run: {e}"))?;
     if state.schema != SCHEMA {
         return Err(format!("it is of another version: {:?}, and this one reads {SCHEMA:?}", state.schema));
     }

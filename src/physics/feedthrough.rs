@@ -13,7 +13,7 @@ pub struct Feedthrough;
 pub const CANDIDATE: Candidate = Candidate {
     id: "feedthrough",
     kind: Kind::Driven,
-    statement: "A share of the input reaches the reading without passing the proof mass.",
+    statement: "Part of the input reaches the reading without passing the proof mass.",
     equation: "y = x + d·u",
     parameters: &[Parameter { name: "d", unit: "y/u", range: (-1.0, 1.0) }],
     acts: "readout",

@@ -19,7 +19,7 @@ pub struct Hysteresis;
 pub const CANDIDATE: Candidate = Candidate {
     id: "hysteresis",
     kind: Kind::Driven,
-    statement: "Part of the restoring force remembers the path: it yields and slips back (Bouc–Wen).",
+    statement: "Part of the restoring force depends on the path taken: it yields and recovers (Bouc–Wen).",
     equation: "x″ + 2ζω₀x′ + ω₀²x + k_h z = g·u, z′ = x′ − β|x′|z − γx′|z|",
     parameters: &[
         Parameter { name: "k_h", unit: "1/s^2", range: (0.0, 1.0) },

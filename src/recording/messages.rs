@@ -248,7 +248,7 @@ impl Reader for MessageRows {
             let Some(stamp) = layout.read(self.encoding, &message, &mut values) else {
                 return Err(self.input.fail(
                     format!(
-                        "message {} of the topic has {} bytes, which are no {} in {}",
+                        "message {} of the topic has {} bytes, which is not a {} in {}",
                         self.count,
                         message.len(),
                         self.kind,

@@ -95,7 +95,7 @@ impl Text {
         let mut comment = Vec::new();
         loop {
             if !self.lines.advance()? {
-                return Err(self.fail("its first line is no header", "begin with one line that names the columns"));
+                return Err(self.fail("its first line is not a header", "begin with one line that names the columns"));
             }
             match self.lines.line().trim_ascii() {
                 [] => {}

@@ -181,7 +181,7 @@ impl Unit {
                 Err(fail(format!("a scale of {factor:e}")))
             }
             Some((_, _, si)) => Ok(Self { quantity, si: factor * si, name: text.trim().into() }),
-            None => Err(fail(format!("`{word}` is no unit known here"))),
+            None => Err(fail(format!("`{word}` is not a known unit"))),
         }
     }
 

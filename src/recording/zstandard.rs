@@ -41,7 +41,7 @@ impl<R: Read> Frame<R> {
     fn check(&self) -> io::Result<()> {
         let [stated, found] = [self.decoder.get_checksum_from_data(), self.decoder.get_calculated_checksum()];
         if stated.is_some() && stated != found {
-            return Err(io::Error::other("damaged Zstandard data: its checksum is another one"));
+            return Err(io::Error::other("damaged Zstandard data: its checksum does not match"));
         }
         Ok(())
     }

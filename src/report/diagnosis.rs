@@ -92,7 +92,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         page.paragraph(&format!("{}. The same numbers stand in verdict.json.", calibration::MEANING));
         page.preformatted(&calibration::text(found));
     }
-    page.section("What fits better, and what does not");
+    page.section("Candidates");
     let (passed_over, tried): (Vec<&Ranked>, Vec<&Ranked>) =
         diagnosis.ranking.iter().partition(|r| r.note == Note::Screened);
     if !tried.is_empty() {
@@ -107,7 +107,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
         page.paragraph(&format!("Not fitted in full, screened out by the linear step: {}.", ids.join(", ")));
     }
     if !verdict.detectable.is_empty() {
-        page.section("What this recording could have shown");
+        page.section("Detection limits of this recording");
         page.paragraph(&detectable_words(diagnosis));
         page.table(&detectable_table(&verdict.detectable));
     }
@@ -126,7 +126,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     page.paragraph(&verdict.location.summary);
     figures(&mut page, exhibits, Part::Isolation);
     if exhibits.iter().any(|e| e.part == Part::Identification) {
-        page.section("How sure the numbers are");
+        page.section("Confidence in the parameters");
         figures(&mut page, exhibits, Part::Identification);
     }
     if !costs.is_empty() {
@@ -160,10 +160,10 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
 
 fn headline(verdict: &Verdict) -> &'static str {
     match verdict.verdict {
-        Outcome::Unexplained if !verdict.effects.is_empty() => "More is left out than can be named",
+        Outcome::Unexplained if !verdict.effects.is_empty() => "Not all missing physics could be identified",
         Outcome::Adequate => "Nothing is missing",
-        Outcome::Explained => "Physics was left out, and named",
-        Outcome::Unexplained => "Something unknown is left out",
+        Outcome::Explained => "Missing physics identified",
+        Outcome::Unexplained => "Unknown physics is missing",
         Outcome::Undecidable => "This recording cannot decide",
     }
 }
@@ -172,9 +172,9 @@ fn nothing_named(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Adequate => "Nothing that this recording could show.",
         Outcome::Explained | Outcome::Unexplained => {
-            "Nothing in the library accounts for the mismatch, so nothing is named."
+            "No candidate in the library explains the mismatch, so none is named."
         }
-        Outcome::Undecidable => "Nothing is named, because this recording cannot tell the candidates apart.",
+        Outcome::Undecidable => "None is named, because this recording cannot tell the candidates apart.",
     }
 }
 
@@ -234,7 +234,8 @@ fn cost(costs: &[Cost], repair: Option<&Repair>, named: bool) -> Option<String> 
     match (costs.iter().find(|c| c.row == Row::Difference), costs) {
         // A driven base model counts its mismatch as noise: what it would drift by is no drift of the sensor.
         (Some(difference), [_, after, ..]) if !taken.is_empty() => Some(format!(
-            "leaving it out errs by {}, under {}; with the named physics the position error is {}{taken}",
+            "the error from leaving it out is {}, under {}; with the identified physics the position error is \
+             {}{taken}",
             metres(difference),
             difference.under,
             metres(after)
@@ -290,15 +291,15 @@ fn ranking_table(ranking: &[&Ranked]) -> Table {
 fn detectable_words(diagnosis: &Diagnosis) -> String {
     let Detail::Driven(detail) = &diagnosis.detail else { return String::new() };
     let mut words = format!(
-        "Nothing is named; this is what would have been, nine times in ten: whatever leaves {} × the noise after the base \
-         model has been fitted to it. The table says how strong each candidate must be for that, what it then does to the \
-         reading, and how much of it a refitted resonance, damping and gain would hide. Linearised around the base model; \
-         `proofmass trial --like` checks it by planting each candidate.",
+        "No effect was identified. An effect would have been identified in nine cases of ten if it leaves {} × the \
+         noise after the base model is refitted. For each candidate the table states how strong it must be for \
+         that, how it changes the reading, and how much of it a refit of resonance, damping and gain hides. \
+         Linearised around the base model; `proofmass trial --like` checks it by planting each candidate.",
         significant(detail.least_over_noise, 2)
     );
     if !detail.alike.is_empty() {
         let pairs: Vec<String> = detail.alike.iter().map(|[a, b]| format!("{a} and {b}")).collect();
-        words += &format!(" Not told apart in this recording, were one of them there: {}.", pairs.join("; "));
+        words += &format!(" Indistinguishable in this recording if one of them were present: {}.", pairs.join("; "));
     }
     words
 }
@@ -309,7 +310,7 @@ fn detectable_table(all: &[Detectable]) -> Table {
         "strength",
         "would be named from",
         "unit",
-        "moves the reading by, × noise",
+        "change of the reading, × noise",
         "of it hidden, %",
     ]);
     for d in all {

@@ -45,16 +45,23 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     page.paragraph(&blame(drift));
     let (shares, alone) = (share::shares(drift).draw(), share::alone(drift).draw());
     page.figure_row(&[
-        (&shares, "Share of the position variance that each source owns. What is worth improving depends on how long one navigates without aiding."),
-        (&alone, "Standard deviation of the position error that each source makes alone."),
+        (
+            &shares,
+            "Fraction of the position variance due to each source. Which source is worth improving depends on \
+                   how long one navigates without aiding.",
+        ),
+        (&alone, "Standard deviation of the position error from each source alone."),
     ]);
-    page.paragraph("Share of the position variance at the report times, and the standard deviation each source makes alone at the last:");
+    page.paragraph(
+        "Fraction of the position variance at the report times, and the standard deviation from each \
+                    source alone at the last one:",
+    );
     page.table(&budget_table(drift));
     page.section("How the envelope grows");
     page.paragraph(
-        "The variance of position fitted as a sum of squares of four powers of time, beside what the closed forms of the \
-         sources give. Neighbouring powers imitate each other and bias instability is no single power, so the fit describes \
-         the envelope; the error budget above says whose it is.",
+        "Position variance fitted as a sum of squares of four powers of time, beside the closed forms of the \
+         sources. Neighbouring powers resemble each other and bias instability is not a single power, so the fit \
+         describes the envelope; the error budget above attributes it.",
     );
     page.table(&growth_table(study, drift));
     windows::section(&mut page, study, &drift.compared);
@@ -81,13 +88,13 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
     let (of_mean, of_sd) = doubts(sd, last.count);
     let count = match drift.statistics.failed {
         0 => study.members.to_string(),
-        lost => format!("{} (of {}: {lost} left the range of numbers)", study.members - lost, study.members),
+        lost => format!("{} (of {}: {lost} diverged)", study.members - lost, study.members),
     };
     // Where all members share the error, its mean and not its spread is the answer.
     if mean.abs() > sd {
         let alone = |share: &Share| share.mean_m.last().map_or(0.0, |m| m.abs());
         let culprit = shares.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
-        let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is the work of the {}.", s.source.name()));
+        let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is due to the {}.", s.source.name()));
         return format!(
             "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{culprit}",
             worth(mean, of_mean),
@@ -96,12 +103,12 @@ pub fn lede(study: &Study, drift: &Drift) -> String {
         );
     }
     if sd == 0.0 {
-        return format!("{after} exact: the study gives it no error.");
+        return format!("{after} exact: the study contains no error.");
     }
     let k = drift.budget.time_s.len().saturating_sub(1);
     let culprit = shares.first().map_or(String::new(), |share| {
         let percent = significant(100.0 * drift.budget.fraction(share, k), 2);
-        format!(" The {} owns {percent} % of that variance.", share.source.name())
+        format!(" The {} accounts for {percent} % of that variance.", share.source.name())
     });
     format!(
         "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
@@ -221,8 +228,8 @@ fn blame(drift: &Drift) -> String {
         }
     }
     format!(
-        "The largest share of the position variance belongs {}. Made with {} members and common random numbers, each \
-         source alone; rounding and saturation, which mean nothing alone, by switching them off.",
+        "The largest fraction of the position variance is due {}. Computed with {} members and common random \
+         numbers, each source alone; rounding and saturation, which have no meaning alone, by switching them off.",
         phrases.join(", "),
         drift.budget.members
     )
@@ -233,8 +240,8 @@ fn start(study: &Study) -> String {
     match study.alignment {
         Alignment::Ideal => "Ideal start: level, with the biases as given.".into(),
         Alignment::Still { .. } => format!(
-            "Still start of {} s: the mean error of the gyro is taken for its bias and subtracted, that of the accelerometer \
-             for tilt, whose share of gravity hides it (tilt starts wrong by −mean/g). Times count from its end.",
+            "Still start of {} s: the mean gyro error is taken as its bias and subtracted; the mean accelerometer \
+             error is taken as tilt, so that the initial tilt is wrong by −mean/g. Times count from its end.",
             plain(study.still_s())
         ),
     }

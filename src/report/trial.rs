@@ -35,7 +35,7 @@ pub fn headline(outcome: &Outcome) -> Table {
         ("false alarms where nothing was planted", with_interval(&outcome.false_alarm_rate), "≤ 1 %"),
         ("unknown physics called unexplained", with_interval(&outcome.flagged), "≥ 90 %"),
         ("unknown physics given a false name", percent(outcome.unknown_named), "0 %"),
-        ("95 % intervals that hold the truth", with_interval(&outcome.coverage), "92–98 %"),
+        ("95 % intervals that cover the truth", with_interval(&outcome.coverage), "92–98 %"),
         ("removable error on unseen data removed (median)", percent(outcome.held_out_gain), ""),
         ("confidently wrong, of all cases", percent(outcome.confidently_wrong), ""),
     ];
@@ -244,13 +244,13 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
     page.figure_row(&[
         (
             &power,
-            "Share noticed and share named against the visible size, all effects planted alone. Bars: exact 95 %; bands: all \
-             curves within 95 %.",
+            "Fraction detected and fraction named against the visible size, all effects planted alone. Bars: exact \
+             95 %; bands: all curves within 95 %.",
         ),
         (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect, with its 95 % interval; those that reach beyond \
           20 are cut there."),
     ]);
-    page.section("What was taken for what");
+    page.section("Confusion matrix");
     page.table(&effects(outcome));
     page.paragraph(
         "As matrices: rows planted alone, columns named, by the number of the row; a tie counts in both columns.",
@@ -264,7 +264,7 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
     }
     page.section("What no candidate describes");
     page.table(&unknown(outcome));
-    page.section("Do the intervals hold the truth?");
+    page.section("Interval coverage");
     page.table(&intervals(outcome));
     page.section("Every case");
     page.paragraph("Reproduce one with: proofmass trial --seed S --cases N --case NUMBER --out DIR.");

@@ -176,7 +176,7 @@ fn bad_input() -> Result<(), Failed> {
         MODEL,
         "missing values",
     )?;
-    survived("gravity of no place on earth", &good, &MODEL.replace("9.81", "9.5"), "nowhere on earth")?;
+    survived("gravity of no place on earth", &good, &MODEL.replace("9.81", "9.5"), "nowhere on Earth")?;
     survived("no poses given", &good, MODEL, "still stretches")?;
     survived("a clipped rail", &with(&|_, r| r[2] = r[2].min(3000.0)), MODEL, "az")
 }

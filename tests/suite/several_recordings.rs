@@ -109,7 +109,7 @@ fn refused() -> Result<(), Failed> {
     let still = bench.file("still.toml", "kind = \"static\"\nrate_hz = 1000.0\n[columns]\nchannels = [\"y\"]\n")?;
     let of = |train: &[&PathBuf], model, test: &[&PathBuf]| diagnose(train, model, test);
     of(&[&fast, &slow], &clock, &[])?.refuses("two rates", "500 Hz")?;
-    of(&[&first], &model, &[&short])?.refuses("a short judge", "too few to judge")?;
+    of(&[&first], &model, &[&short])?.refuses("a short judge", "too few for validation")?;
     of(&[&first, &other], &model, &[])?.refuses("another column", "other.csv")?;
     of(&[&first, &first], &split, &[])?.refuses("a split", "[split]")?;
     of(&[&first], &still, &[&first])?.refuses("at rest", "2 recordings")

@@ -122,10 +122,7 @@ fn planted() -> Result<(), Failed> {
         check(row.as_object().is_some_and(|o| o.len() == 8), format!("a field too many or too few: {row}"))?;
     }
     check(told.get("windows_undisturbed").is_none(), "noise alone counts as disturbed")?;
-    check(
-        page.contains("Predicted, and what the sensor then did") && page.contains("log.csv"),
-        "no section in the page",
-    )?;
+    check(page.contains("Predicted and recorded drift") && page.contains("log.csv"), "no section in the page")?;
     // Control: with half the noise the same windows do not lie inside.
     let (told, _) = document(Some(&log), &study(PLANTED.map(|n| 0.5 * n), 5.0, BOTH))?;
     for row in rows(&told, "windows")? {

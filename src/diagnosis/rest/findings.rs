@@ -7,8 +7,8 @@ use super::telegraph::REPLICAS;
 /// Where what is left is no noise as modelled, yet near enough to it.
 pub(super) fn within_tolerance() -> String {
     format!(
-        "what is left differs from noise as modelled by more than chance, but by less than the {:.0} % of its power that \
-         count as a mismatch here",
+        "the residual differs significantly from the noise model, but by less than the {:.0} % of its power that \
+         counts as a mismatch here",
         100.0 * TOLERANCE
     )
 }

@@ -28,11 +28,11 @@ pub fn gravity(gravity_m_s2: f64, findings: &mut Vec<String>) -> Result<()> {
         return Err(Error::new(
             "could not use the model",
             format!("gravity_m_s2 = {gravity_m_s2}; need m/s², between 1 and 30"),
-            "on earth it is 9.78 at the equator to 9.83 at the poles; a wrong unit is off by a factor of 9.8 or 1000",
+            "on Earth it is 9.78 at the equator to 9.83 at the poles; a wrong unit is off by a factor of 9.8 or 1000",
         ));
     }
     if !(9.76..=9.84).contains(&gravity_m_s2) {
-        findings.push(format!("gravity_m_s2 = {gravity_m_s2} is found nowhere on earth; all scales follow it"));
+        findings.push(format!("gravity_m_s2 = {gravity_m_s2} occurs nowhere on Earth; all scale factors depend on it"));
     }
     Ok(())
 }
@@ -91,8 +91,10 @@ pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -
         ));
     }
     if count > 0 {
-        findings
-            .push(format!("{count} of the {} poses given are not still throughout; they count for less", moved.len()));
+        findings.push(format!(
+            "{count} of the {} poses given are not still throughout; they get a lower weight",
+            moved.len()
+        ));
     }
     Ok(())
 }
@@ -193,7 +195,7 @@ pub fn folds(observed: &Observed<'_>, split: &Split, findings: &mut Vec<String>)
             return Err(Error::new(
                 "could not use the model's split",
                 format!("train rows {from} to {to} overlap the test rows"),
-                "a row may be fitted or judge, not both",
+                "a row may train or validate, not both",
             ));
         }
     }
@@ -207,7 +209,7 @@ pub fn folds(observed: &Observed<'_>, split: &Split, findings: &mut Vec<String>)
         return Err(Error::new(
             "could not use the model's split",
             format!("{tested} poses lie in the test rows and {} outside", folds.len() - tested),
-            "at least 3 poses must judge and 8 be fitted; without [split] poses are held out in turn",
+            "need at least 3 poses to validate and 8 to fit; without [split], poses are held out in turn",
         ));
     }
     findings.push(format!("{tested} of {} poses were held out as the model's split says", folds.len()));

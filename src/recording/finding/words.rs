@@ -35,7 +35,7 @@ impl fmt::Display for Finding {
                 write!(f, "`{name}` was read, and {} of the file left out", count(*others, "other part"))
             }
             Self::SkippedBytes { bytes, first } => {
-                write!(f, "{bytes} bytes that are no part of any message were passed over, the first at byte {first}")
+                write!(f, "{bytes} bytes that belong to no message were skipped, the first at byte {first}")
             }
             Self::UnitAssumed { columns, unit, option } => write!(
                 f,
@@ -167,7 +167,7 @@ fn drop_sentence(f: &mut fmt::Formatter<'_>, dropped: &Dropped) -> fmt::Result {
             f,
             "{counted} {were} dropped because they repeat the time stamp and the readings before them: written twice"
         ),
-        Reason::NoStamp => write!(f, "{counted} {were} dropped for want of a time stamp"),
+        Reason::NoStamp => write!(f, "{counted} {were} dropped because they have no time stamp"),
         Reason::StoppedClock => write!(f, "{counted} {were} dropped because the clock stands still there"),
         Reason::MissingReading => write!(f, "{counted} {were} not used because a reading is missing"),
         Reason::HoldsPlace => write!(f, "{counted} {were} not used: repeated in place of lost samples"),

@@ -74,7 +74,7 @@ pub fn describe(head: &[u8]) -> Result<(Header, usize), String> {
         .filter(|n| !n.is_empty())
         .map(|n| n.trim_end_matches('L').parse::<u64>())
         .collect();
-    let shape = numbers.map_err(|_| format!("its shape `{}` is none", short(shape)))?;
+    let shape = numbers.map_err(|_| format!("its shape `{}` is invalid", short(shape)))?;
     Ok((Header { descr: descr.to_owned(), fortran: fortran == "True", shape }, data))
 }
 
@@ -137,7 +137,7 @@ impl Header {
         };
         let shape = Shape { rows, columns, in_columns: self.fortran };
         Array::plain(name, element, shape, place)
-            .ok_or_else(|| format!("an array of {rows} times {columns} is no table"))
+            .ok_or_else(|| format!("an array of {rows} × {columns} is not a table"))
     }
 
     /// Records: a name, a type and maybe a length for each field.
@@ -150,7 +150,7 @@ impl Header {
         {
             let mut parts = record.split(',').map(|p| p.trim().trim_matches(['\'', '"']));
             let (Some(name), Some(kind)) = (parts.next(), parts.next()) else {
-                return Err(format!("the record `{}` is none", short(record)));
+                return Err(format!("the record `{}` is invalid", short(record)));
             };
             let element = element(kind)?;
             fields.push(Field { name: name.to_owned(), element, offset });

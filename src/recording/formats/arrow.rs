@@ -63,7 +63,11 @@ pub fn open(input: &Input) -> Result<Box<dyn Log>> {
     let root = Table::root(&footer).ok_or_else(damaged)?;
     let schema = root.table(1).ok_or_else(damaged)?;
     if schema.i16(0) != 0 {
-        return Err(input.fail("its numbers begin with the highest byte", "write the file again on a usual machine"));
+        return Err(input.fail(
+            "its numbers begin with the highest byte",
+            "write the file again on a little-endian \
+                                                                          machine",
+        ));
     }
     let mut layout = Layout::default();
     for field in schema.tables(1) {

@@ -138,7 +138,7 @@ impl Scan {
         match first >> 16 {
             0 => Ok((first, u64::from(number(&second, self.big_endian)), None)),
             bytes @ 1..=4 => Ok((first & 0xffff, u64::from(bytes), Some(second))),
-            _ => Err(wrong("a tag that is none")),
+            _ => Err(wrong("an invalid tag")),
         }
     }
 
@@ -180,7 +180,7 @@ impl Scan {
                 for name in names.chunks_exact(length.max(1)) {
                     let (kind, bytes, _) = self.tag()?;
                     if kind != MATRIX {
-                        return Err(wrong("a field that is no matrix"));
+                        return Err(wrong("a field that is not a matrix"));
                     }
                     let name = crate::recording::bytes::until_zero(name);
                     self.matrix(bytes, &[&path[..], &[name]].concat(), outer, found)?;

@@ -45,9 +45,9 @@ pub(super) fn curve_caption(channel: &Channel) -> String {
         .collect();
     match (drawn.is_empty(), channel.fit.is_some()) {
         (_, false) => "Dots: overlapping Allan deviation with 95 % intervals. Too short for a fit.".into(),
-        (true, _) => "Dots: overlapping Allan deviation with 95 % intervals. No single term rules anywhere.".into(),
+        (true, _) => "Dots: overlapping Allan deviation with 95 % intervals. No single term dominates anywhere.".into(),
         (false, _) => format!(
-            "Dots: overlapping Allan deviation with 95 % intervals. Dashed: the terms that the data support and that rule \
+            "Dots: overlapping Allan deviation with 95 % intervals. Dashed: the supported terms that dominate \
              somewhere on the curve ({}).",
             drawn.join("; ")
         ),

@@ -106,7 +106,10 @@ pub(super) fn lede(noise: &Noise) -> String {
     let judged = match bad.len() {
         0 => "The five laws of IEEE 952 describe every channel's curve.".to_owned(),
         _ => {
-            format!("The five laws of IEEE 952 do not describe {}: something else moves it; see there.", bad.join(", "))
+            format!(
+                "The five laws of IEEE 952 do not describe {}: something else acts on it; see there.",
+                bad.join(", ")
+            )
         }
     };
     format!("{length} at rest, {} channels. {judged}", noise.channels.len())
@@ -127,9 +130,9 @@ pub(super) fn verdict(channel: &Channel) -> String {
         )
     } else {
         format!(
-            "No sum of the five laws describes this curve within chance (p < {}): it strays from the best one by about {} %, \
-             most at τ = {}, where it lies at {} times the fit. The intervals allow for that. Vibration, temperature and \
-             motion do this; `proofmass diagnose` with kind = \"static\" names which.",
+            "No sum of the five laws fits this curve (p < {}): it departs from the best one by about {} %, most at \
+             τ = {}, where it is {} times the fit. The intervals allow for that. Vibration, temperature and motion \
+             do this; `proofmass diagnose` with kind = \"static\" identifies which.",
             significant(crate::numerics::allan::fit::BAD, 1),
             significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
@@ -171,8 +174,8 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
             .map(|l| format!("{} Hz (× {})", significant(l.frequency_hz, 4), significant(l.excess, 2)))
             .collect();
         out.push(format!(
-            "Spectral lines stand out of their neighbourhood at {}: vibration or pickup. What \
-             they add to the Allan curve was taken out before the fit.",
+            "Spectral lines at {}: vibration or pickup. Their contribution to the Allan curve was removed before \
+             the fit.",
             lines.join(", ")
         ));
     }
@@ -193,9 +196,7 @@ fn of_term(channel: &Channel, term: Term) -> String {
     let name = name(term);
     let text = coefficient(channel, term);
     if supported && term == Term::Quantisation && !channel.lines.is_empty() {
-        return format!(
-            "{name}: Q = {text} {unit}; what is left of a vibration has the same slope, so read it as a limit."
-        );
+        return format!("{name}: Q = {text} {unit}; a residual vibration has the same slope, so read it as a limit.");
     }
     if supported {
         return format!("{name}: {} = {text} {unit}.", term.symbol());

@@ -59,11 +59,12 @@ fn zoom(detail: &Detail) -> Exhibit {
         name: "held-out-zoom".into(),
         figure: chart.draw(),
         caption: if detail.named {
-            "Free simulation: no reading corrects either model. Where the dashed line leaves the dots is what was left out; \
-             the orange line has it."
+            "Free simulation: no reading corrects either model. Where the dashed line departs from the dots, \
+             physics is missing; the orange line includes it."
                 .into()
         } else {
-            "Free simulation: no reading corrects the model. Nothing is named, so there is only the base model to draw."
+            "Free simulation: no reading corrects the model. No effect was identified, so only the base model is \
+             drawn."
                 .into()
         },
     }
@@ -96,7 +97,7 @@ fn zoomed_errors(detail: &Detail) -> Exhibit {
         part: Part::Opening,
         name: "held-out-error".into(),
         figure: chart.draw(),
-        caption: "The same samples, recording less simulation: what is left should look like noise.".into(),
+        caption: "The same samples, recording minus simulation: the residual should look like noise.".into(),
     }
 }
 
@@ -126,8 +127,8 @@ fn errors(detail: &Detail) -> Exhibit {
         part: Part::Isolation,
         name: "error-over-time".into(),
         figure: chart.draw(),
-        caption: "Root-mean-square error in short blocks of the fitted stretch. The one-step error is what noise leaves when \
-                  each reading may correct the next."
+        caption: "Root-mean-square error in short blocks of the fitted data. The one-step error is the error when \
+                  each reading may correct the next prediction."
             .into(),
     }
 }
@@ -151,8 +152,8 @@ fn spectra(detail: &Detail) -> Exhibit {
         part: Part::Isolation,
         name: "error-over-frequency".into(),
         figure: chart.draw(),
-        caption: "What is wrong at which frequency. An error shaped like the resonance entered before the proof mass; a flat \
-                  one at the readout."
+        caption: "Residual by frequency. An error shaped like the resonance entered before the proof mass; a flat \
+                  one entered at the readout."
             .into(),
     }
 }
@@ -182,8 +183,8 @@ fn states(detail: &Detail) -> Exhibit {
         part: Part::Isolation,
         name: "error-over-state".into(),
         figure: chart.draw(),
-        caption: "The size of the error by displacement, in cells of equally many samples. A readout that clips or a stop shows \
-                  at the ends only; noise is the same everywhere."
+        caption: "Size of the residual by displacement, in bins of equal sample count. A clipping readout or an end \
+                  stop shows only at the ends; noise is the same everywhere."
             .into(),
     }
 }
@@ -219,9 +220,9 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
             name: name.into(),
             figure: chart.draw(),
             caption: format!(
-                "Mean force that the model lacks where the mass is at this displacement and velocity. Full colour: more than \
-                 noise ({found} of {judged} cells; at most one in twenty of them by chance); pale: may be noise; empty: seldom \
-                 visited. Bands upright are a spring's, level ones a damper's."
+                "Mean force missing from the model at each displacement and velocity. Full colour: significant \
+                 ({found} of {judged} cells, false discovery rate 5 %); pale: may be noise; empty: rarely visited. \
+                 Vertical bands indicate a spring, horizontal ones a damper."
             ),
         }
     };
@@ -239,7 +240,7 @@ fn candidates(detail: &Detail) -> Exhibit {
     let place = |i: usize| (shown.len() - i) as f64;
     let clip = |v: f64| v.clamp(-0.2, 1.0);
     let mut chart = Chart::new(
-        "Share of the held-out one-step error that each candidate removes",
+        "Fraction of the held-out one-step error that each candidate removes",
         Axis::linear("gain on validation samples").within(-0.2, 1.35),
         Axis::linear("best first").unmarked().within(0.3, shown.len() as f64 + 0.7),
     );
@@ -268,9 +269,9 @@ fn candidates(detail: &Detail) -> Exhibit {
         part: Part::Identification,
         name: "candidates".into(),
         figure: chart.draw(),
-        caption: "Named effects by what they add to each other, the rest by what they would do alone on the base model, with \
-                  95 % intervals from the scatter between blocks. A high bar alone does not name: what is named must also \
-                  leave nothing that can be foreseen, and no rival that does as well."
+        caption: "Identified effects: gain when added to the others; all other candidates: gain alone on the base \
+                  model. 95 % intervals from the scatter between blocks. A high bar alone does not identify an \
+                  effect: the residual must also be unpredictable, and no rival may do as well."
             .into(),
     }
 }

@@ -15,8 +15,8 @@ pub fn sure(verdict: &Verdict) -> String {
     };
     let gain = match verdict.fit.log_score {
         Some(score) if before == after => format!(
-            "log-likelihood of a held-out sample {} → {} (noise is not foreseen sample by sample, so its error stays at {after} \
-             {unit})",
+            "log-likelihood per held-out sample {} → {} (noise cannot be predicted sample by sample, so the error \
+             stays at {after} {unit})",
             significant(score.before, 4),
             significant(score.after, 4)
         ),
@@ -29,7 +29,7 @@ pub fn sure(verdict: &Verdict) -> String {
 /// The noise as measured apart from the fit; by the fit where it was not.
 fn noise(verdict: &Verdict) -> String {
     match &verdict.fit.noise {
-        Some(noise) => format!("noise alone {}, measured from {}", significant(noise.value, 3), noise.how),
+        Some(noise) => format!("noise {}, measured from {}", significant(noise.value, 3), noise.how),
         None => format!("noise alone {}", significant(verdict.fit.noise_floor, 3)),
     }
 }

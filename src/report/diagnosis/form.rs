@@ -28,15 +28,16 @@ fn exhibit(id: &str, form: &Form) -> Exhibit {
     let percent = |v: f64| crate::number::short(100.0 * v);
     let said = if form.departs {
         format!(
-            "The free form predicts samples better that were not fitted: the law is near {stated} and not it. Root mean square \
-             of the difference, weighed by how often each value is visited: {} % of the stated form (95 % interval {} to {} %).",
+            "The free form predicts held-out samples better: the law is close to {stated}, but not identical to it. \
+             Rms difference, weighted by how often each value is visited: {} % of the stated form (95 % interval {} \
+             to {} %).",
             percent(form.departure),
             percent(form.ci95[0]),
             percent(form.ci95[1])
         )
     } else {
         format!(
-            "Where the law may take another form, it stays at the stated one: within {} % of it (95 %), weighed by how often \
+            "With its form left free, the law stays within {} % of the stated one (95 %), weighted by how often \
              each value is visited.",
             percent(form.ci95[1])
         )

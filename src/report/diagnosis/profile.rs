@@ -15,7 +15,7 @@ pub fn exhibit(profiles: &[Profile]) -> Option<Exhibit> {
         return None;
     }
     let mut chart = Chart::new(
-        "Likelihood lost when a named parameter is held elsewhere",
+        "Profile likelihood of the identified parameters",
         Axis::linear("distance from the stated value / half its 95 % interval").within(-2.0, 2.0),
         Axis::linear("log-likelihood lost").within(0.0, HIGHEST),
     );
@@ -37,9 +37,10 @@ pub fn exhibit(profiles: &[Profile]) -> Option<Exhibit> {
         part: Part::Identification,
         name: "how-sure".into(),
         figure: chart.draw(),
-        caption: "Each named parameter is held at other values while all other parameters follow, and the recording is \
-                  simulated freely: what likelihood that costs. A curve that meets the dashed line inside the two uprights \
-                  says that the stated interval is on the safe side; one that meets it outside, that it is too short."
+        caption: "Each identified parameter is held at other values while all others are refitted, with the \
+                  recording simulated freely; the curve is the loss of likelihood. A curve that crosses the dashed \
+                  line inside the two vertical lines means that the stated interval is conservative; outside, that \
+                  it is too short."
             .into(),
     })
 }

@@ -48,8 +48,8 @@ fn allan(channel: &ChannelDetail, unit: &str, part: Part) -> Exhibit {
         name: format!("allan-{}", file_name(&channel.name, HEADING)),
         figure: chart.draw(),
         caption: format!(
-            "Dots: recorded. Dashed: a constant and white noise. Line: the repaired model ({}). Where dots and dashes part is \
-             where the omission shows.",
+            "Dots: recorded. Dashed: a constant and white noise. Line: the repaired model ({}). The missing physics \
+             shows where dots and dashed line separate.",
             named(channel)
         ),
     }

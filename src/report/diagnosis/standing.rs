@@ -28,7 +28,7 @@ pub fn note(note: &Note) -> String {
 fn fated(fate: &Fate) -> String {
     match fate {
         Fate::Named => ", beside the others named".into(),
-        Fate::Withdrawn => "; it helps, but what is left stays above the noise".into(),
+        Fate::Withdrawn => "; it helps, but the residual stays above the noise".into(),
         Fate::Undetermined => "; not determined by these poses".into(),
         Fate::Implausible => "; fitted outside its plausible range".into(),
         Fate::Absent { beside_named, seen_from } => {
@@ -39,7 +39,10 @@ fn fated(fate: &Fate) -> String {
                     format!("; above {} {unit} it would have been seen", short(*value))
                 }
                 Some(SeenFrom::EarthRateDegH(value)) => {
-                    format!("; the earth's rate is 15.04 °/h, and below {} °/h none could be seen", short(*value))
+                    format!(
+                        "; the Earth's rate is 15.04 °/h, and rates below {} °/h could not be detected here",
+                        short(*value)
+                    )
                 }
             };
             format!("{beside}{seen}")
@@ -51,12 +54,12 @@ fn fated(fate: &Fate) -> String {
 pub fn meaning_of_gains(kind: Kind) -> &'static str {
     match kind {
         Kind::Driven | Kind::Tumble => {
-            "The gain is the share of the held-out error above the noise that goes away (1 is all of it), with its 95 % \
-             interval."
+            "The gain is the fraction of the held-out error above the noise that the candidate removes (1 is all of \
+             it), with its 95 % interval."
         }
         Kind::Static => {
-            "The gain is measured on held-out data: of a noise law, the share of the log-likelihood that the model chosen \
-             gains; of a drift curve, the share of the mean square that it removes."
+            "The gain is measured on held-out data: for a noise law, the fraction of the chosen model's gain in \
+             log-likelihood; for a drift curve, the fraction of the mean square that it removes."
         }
     }
 }

@@ -12,20 +12,22 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             Part::Opening,
             "residual-by-pose",
             opening(detail),
-            "Every pose's residual over what noise explains, all three kinds together, before and after the named physics. \
-             The dashed line is noise alone: what lies well above it is left-out physics.",
+            "Residual of each pose relative to its noise, all three kinds together, before and after the identified \
+             physics. Dashed: noise alone; poses well above it show missing physics.",
         ),
         exhibit(
             Part::Improvement,
             "gravity-length",
             by_pose(detail, "Length of gravity: |f| − g", "error / (mm/s²)", 0),
-            "How far each pose's specific force misses gravity's length. Bars: the noise of a pose (±2 standard deviations).",
+            "Difference between the magnitude of the specific force and gravity in each pose. Bars: the noise of a \
+             pose (±2 standard deviations).",
         ),
         exhibit(
             Part::Improvement,
             "turn-direction",
             by_pose(detail, "Gravity's direction after a turn", "error / mrad", 4),
-            "The integrated gyro carries gravity from one pose to the next; how far it lands from what the accelerometer reads.",
+            "The integrated gyro carries gravity from one pose to the next: the angle between that and what the \
+             accelerometer reads.",
         ),
     ];
     for axis in 0..3 {
@@ -43,7 +45,8 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             Part::Isolation,
             &format!("rate-by-force-{name}"),
             follows(detail, axis),
-            "The gyro at rest against the share of gravity along the axis that it follows most. A slope is g-sensitivity.",
+            "The gyro at rest against the component of gravity along the axis that it follows most. A slope is \
+             g-sensitivity.",
         ));
     }
     out.push(exhibit(
@@ -78,7 +81,7 @@ fn opening(detail: &Detail) -> Chart {
         detail.poses.iter().enumerate().map(|(k, p)| (k as f64 + 1.0, over_noise(of(p), &p.noise).max(0.05))).collect()
     };
     let last = detail.poses.len() as f64;
-    Chart::new("What is left in each pose", Axis::linear("pose"), Axis::log("residual over noise"))
+    Chart::new("Residual of each pose", Axis::linear("pose"), Axis::log("residual over noise"))
         .with("noise alone", Ink::Black, Mark::Dashed, vec![(0.0, 1.0), (last + 1.0, 1.0)])
         .with("as it was", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
         .with("with the named physics", Ink::Red, Mark::Dots(4), points(|p| &p.after))

@@ -23,7 +23,7 @@ pub fn shares(drift: &Drift) -> Chart {
     let mut chart = Chart::new(
         "Who owns the variance",
         Axis::log("time / s"),
-        Axis::linear("share of position variance / %").within(0.0, 100.0),
+        Axis::linear("fraction of position variance / %").within(0.0, 100.0),
     );
     let mut floor = vec![0.0; budget.time_s.len()];
     for (n, share) in named(drift).into_iter().enumerate() {

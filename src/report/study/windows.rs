@@ -25,7 +25,7 @@ fn drifted(outcome: &Outcome) -> Option<(&Comparison, &[Drifted])> {
 /// The section, if there is anything to show.
 pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
     let Some((log, axes)) = drifted(outcome) else { return };
-    page.section("Predicted, and what the sensor then did");
+    page.section("Predicted and recorded drift");
     page.paragraph(&format!(
         "The recorded log {} ({} samples at {} Hz, SHA-256 {}…) is cut into windows that do not overlap. Each begins with a \
          still start of {} s, whose mean is subtracted; the rest is integrated: accelerometers twice, into position, gyros \

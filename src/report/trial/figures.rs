@@ -12,7 +12,7 @@ const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
 pub fn power(outcome: &Outcome) -> Figure {
     let all: Vec<Planted> = outcome.detection_limit.iter().flat_map(|l| l.cases.iter().copied()).collect();
     let x = Axis::log("visible size of the effect / noise (rms)").within(EDGES[0], EDGES[EDGES.len() - 1]);
-    let mut chart = Chart::new("How small an effect is found", x, Axis::linear("share").within(0.0, 1.05));
+    let mut chart = Chart::new("Detection limit", x, Axis::linear("share").within(0.0, 1.05));
     let noticed: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.noticed)).collect();
     let named: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.named)).collect();
     for (name, ink, pairs, beside) in [("noticed", Ink::Blue, noticed, 0.95), ("named", Ink::Red, named, 1.05)] {

@@ -165,9 +165,9 @@ pub fn page(score: &Score, lines: &Lines) -> String {
     page.table(&marks(&score.families));
     page.section("By what is there");
     page.table(&marks(&score.subs));
-    page.section("The same recording written otherwise");
+    page.section("Invariance: the same recording written differently");
     page.table(&agreement(score));
-    page.section("Do the intervals hold the truth?");
+    page.section("Interval coverage");
     page.table(&intervals(score));
     page.section("Every case");
     page.paragraph("Reproduce one with: proofmass trial --independent --seed S --case NUMBER --out DIR.");

@@ -31,7 +31,7 @@ pub(super) fn adis(folder: &Path) -> Result<(), Failed> {
     let verdict = diagnose(&recording, &model)?.verdict;
     check(verdict.verdict == Outcome::Unexplained, verdict.sentence.clone())?;
     check(verdict.effects.iter().all(|e| e.id != "sinusoid"), verdict.sentence.clone())?;
-    check(verdict.sentence.contains("What is left of gx_lsb is noise"), verdict.sentence.clone())?;
+    check(verdict.sentence.contains("The residual of gx_lsb is noise"), verdict.sentence.clone())?;
     for finding in &names {
         let of = |f: &&String| f.contains(finding.as_str()) && f.contains("filter");
         check(verdict.findings.iter().any(|f| of(&f)), format!("no word of the roll-off of {finding}"))?;

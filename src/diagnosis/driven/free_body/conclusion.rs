@@ -54,9 +54,9 @@ pub fn answer(asked: &Asked<'_>, data: &Data, own_test: bool, mut notes: Notes) 
     let base = last(&motion, &[], &fitted)?;
     let model = last(&motion, &selection.chosen, &fitted)?;
     let models = Models { data, motion: &motion, base, model, selection };
-    let said = "no spring shows: fewer than five turns of any resonance fit into the recording, so that the body is taken to be free \
-                (ω₀ = 0), its laws are found in the force that its motion takes, and simulations begin anew every second from the \
-                measured state";
+    let said = "no spring was detected: fewer than five cycles of any resonance fit into the recording, so the body \
+                is treated as free (ω₀ = 0), its laws are identified from the force that its motion requires, and \
+                simulations restart every second from the measured state";
     notes.findings.push(said.to_owned());
     Some(models.answer(asked, &fitted, notes))
 }
@@ -85,7 +85,7 @@ impl Models<'_> {
         let hull = self.data.hull.clone();
         let cut = |values: &[f64]| values[hull.clone()].to_vec();
         let place = format!(
-            "the force that the motion takes differs from the input by {} % of it",
+            "the force that the motion requires differs from the input by {} % of it",
             short(100.0 * self.base.force_error(self.motion, &hull))
         );
         let ranking = self.ranking(&channels);

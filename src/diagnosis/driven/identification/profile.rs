@@ -59,13 +59,13 @@ impl Profile {
         let stated = self.ci95[1] - self.ci95[0];
         let most = self.points.iter().map(|p| p.1).fold(0.0, f64::max);
         if most < FLAT {
-            return Some(format!("{}: nothing in the recording depends on its value", self.label));
+            return Some(format!("{}: the recording does not depend on its value", self.label));
         }
         let wider = self.interval().is_none_or(|[a, b]| b - a > 1.5 * stated);
         // Still likely at an edge of what was looked at.
         let open = self.points.first().zip(self.points.last()).is_some_and(|(a, b)| a.1.min(b.1) < FALL);
         (wider && open).then(|| {
-            let what = "the misfit rises more slowly than its stated interval assumes; take the interval as too short";
+            let what = "the misfit rises more slowly than the stated interval assumes: the interval is too short";
             format!("{}: {what}", self.label)
         })
     }
@@ -168,6 +168,6 @@ mod tests {
         assert!((a - 2.0).abs() < 1e-12 && (b - 4.0).abs() < 1e-12);
         assert_eq!(parabola(1.0).finding(), None);
         assert!(parabola(5.0).finding().is_some_and(|f| f.contains("too short")));
-        assert!(parabola(50.0).finding().is_some_and(|f| f.contains("nothing in the recording")));
+        assert!(parabola(50.0).finding().is_some_and(|f| f.contains("does not depend on")));
     }
 }

@@ -66,8 +66,8 @@ impl Notes {
             [only] => format!("the reading jumps in row {only}"),
             places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
         };
-        let more = ", as neither its past nor the input nor the model foretells: samples lost or written twice, or a knock? A \
-                    time column would tell";
+        let more = ", which neither its past, the input nor the model predicts: samples lost or written twice, or a \
+                    knock? A time column would tell";
         self.doubt(clause, more);
     }
 
@@ -105,8 +105,8 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
     let mut filled = recording.filled.clone();
     let stray = defects::glitches(&mut reading);
     if let Some(first) = stray.first() {
-        let clause = format!("{} stray readings of {}, the first in row {first}", stray.len(), model.columns.output);
-        notes.doubt(clause, ", lie far off their neighbours: replaced by straight lines and not fitted");
+        let clause = format!("{} outliers in {}, the first in row {first}", stray.len(), model.columns.output);
+        notes.doubt(clause, ", far from their neighbours: replaced by linear interpolation and not fitted");
         filled.extend(stray.iter().map(|k| *k..k + 1));
         order::sort_by_key(&mut filled, |r| r.start as f64);
     }
@@ -180,21 +180,21 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
 fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>) -> model::Start {
     let (half_hz, slowest_hz) = (0.5 * recording.rate_hz, OMEGAS_PER_SAMPLE[0] / TAU * recording.rate_hz);
     let [least, most] = ZETAS;
-    let mut ignore = |cause: String| findings.push(format!("[start] is not used where it cannot be right: {cause}"));
+    let mut ignore = |cause: String| findings.push(format!("[start] was ignored: {cause}"));
     let resonance_hz = start.resonance_hz.filter(|hz| {
         if !(*hz > 0.0 && hz.is_finite()) {
-            ignore(format!("a resonance of {hz} Hz is no frequency"));
+            ignore(format!("a resonance of {hz} Hz is not a frequency"));
         } else if *hz >= half_hz {
             ignore(format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)));
         } else if *hz < slowest_hz {
-            ignore(format!("a resonance of {hz:e} Hz would not turn once in this recording"));
+            ignore(format!("a resonance of {hz:e} Hz would not complete one cycle in this recording"));
         }
         *hz >= slowest_hz && *hz < half_hz
     });
     let damping_ratio = start.damping_ratio.filter(|zeta| {
         let can_be = zeta.is_finite() && (least..=most).contains(zeta);
         if !can_be {
-            ignore(format!("a damping ratio of {zeta:e}; 0.05 is lively, 0.7 well damped"));
+            ignore(format!("a damping ratio of {zeta:e}; 0.05 is lightly damped, 0.7 well damped"));
         }
         can_be
     });
@@ -233,7 +233,7 @@ fn together(
         && alignment::exchanged(&forward, &backward)
     {
         let clause =
-            format!("the columns look swapped: {name} follows from {output} as an oscillator's reading from its force");
+            format!("the columns look swapped: {name} responds to {output} as an oscillator responds to a force");
         notes.doubt(
             clause,
             ", not the other way round; no candidate was tried: exchange input and output in the model file",
@@ -243,8 +243,8 @@ fn together(
     }
     if forward.is_chance() && !notes.broken {
         let cause = format!(
-            "no oscillator can be identified: the best one explains {} % of the power of {output} by {name}, as it would at any \
-             other shift in time",
+            "no oscillator can be identified: the best one explains {} % of the power of {output} from {name}, no \
+             more than with the input shifted in time",
             short(100.0 * (1.0 - forward.left))
         );
         return Err(cause);
@@ -342,7 +342,7 @@ fn ranges(
         return Err(refuse(
             recording,
             format!("[split] train and test overlap in {lost} samples"),
-            "what is fitted cannot judge: make the ranges disjoint",
+            "training samples cannot validate: make the ranges disjoint",
         ));
     }
     let (apart, short): (Vec<Range<usize>>, Vec<Range<usize>>) =
@@ -350,12 +350,12 @@ fn ranges(
     if !short.is_empty() && !apart.is_empty() {
         let count: usize = short.iter().map(Range::len).sum();
         findings.push(format!(
-            "{count} test samples, in ranges of fewer than {FEWEST_JUDGES}, do not judge: each range begins with a state of its \
-             own to be found"
+            "{count} test samples, in ranges shorter than {FEWEST_JUDGES}, are not used for validation: each range \
+             needs an initial state of its own"
         ));
     }
     if !split.test.is_empty() && apart.is_empty() {
-        findings.push("no test samples are left, so every third block of the train samples judges".to_owned());
+        findings.push("no test samples are left, so every third block of the training samples is held out".to_owned());
     }
     Ok((train, apart))
 }

@@ -94,11 +94,11 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     for part in &parts {
         let range = all.add(part);
         if part.role == Role::Test && range.len() < FEWEST_JUDGES {
-            let cause = format!("{} samples are too few to judge: need at least {FEWEST_JUDGES}", range.len());
+            let cause = format!("{} samples are too few for validation: need at least {FEWEST_JUDGES}", range.len());
             return refuse(
                 part.recording,
                 cause,
-                "its first samples only tell in which state it begins; give a longer one",
+                "its first samples only determine the initial state; give a longer recording",
             );
         }
         pieces.push(Piece { file: file(part.recording), role: part.role, range });
@@ -141,7 +141,7 @@ fn agree(recordings: Recordings<'_>, model: &model::Driven) -> Result<()> {
     let first = &recordings.train[0];
     if !(model.split.train.is_empty() && model.split.test.is_empty()) {
         let cause = "[split] names samples of one recording, and several are given".to_owned();
-        return refuse(first, cause, "leave [split] out: recordings named after --test judge");
+        return refuse(first, cause, "leave [split] out: recordings given by --test validate");
     }
     for other in recordings.all() {
         if (other.rate_hz / first.rate_hz - 1.0).abs() > SAME_RATE {

@@ -110,7 +110,7 @@ pub fn answer(
         resonance_hz: c.base.fit.point[OMEGA] / std::f64::consts::TAU,
     };
     let (profiles, left_out) = profile::profiles(data, &c.model.fit, scales, &named, &c.spread, c.budget);
-    findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, as the work for it was spent")));
+    findings.extend(left_out.iter().map(|l| format!("{l}: profile not finished, its work limit was reached")));
     findings.extend(profiles.iter().filter_map(profile::Profile::finding));
     let recordings = recording_scores(data, c, pieces, errors);
     let noise = noise.map(|n| Noise { value: n.deviation, unit: output_unit.clone(), how: how(n.how) });
@@ -197,7 +197,10 @@ fn doubtful(c: &Conclusion) -> Vec<String> {
         .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), findings::dropped(*reason)));
     let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
         let id = c.model.fit.shape.terms[named.index].id();
-        format!("{id} shows in fitted samples only: it rests on their likelihood, no unseen sample confirms it")
+        format!(
+            "{id} shows in training samples only: it rests on their likelihood and is not confirmed by held-out \
+                 samples"
+        )
     });
     dropped.chain(unconfirmed).collect()
 }

@@ -11,20 +11,22 @@ use super::dropped::{Dropped, LeftOut};
 pub fn dropped(reason: Dropped) -> String {
     match reason {
         Dropped::AtBound => {
-            "one of its parameters lies at the end of its plausible range, where it is not what its name says".into()
-        }
-        Dropped::MayBeNothing => "the 95 % interval of its strength holds zero".into(),
-        Dropped::Worsens => "made the prediction of the test samples worse".into(),
-        Dropped::FollowsRounding => "follows only the rounding of the readings; carried along, not named".into(),
-        Dropped::SmallerThanTheRest => "smaller than what is still unexplained; carried along, not named".into(),
-        Dropped::WithinInexactness => {
-            "too small beside what the other terms explain to be told from their inexactness; carried along, not named"
+            "one of its parameters is at the bound of its plausible range, where it no longer is what its name says"
                 .into()
         }
-        Dropped::Twin => "only together with another that it can be mistaken for".into(),
+        Dropped::MayBeNothing => "the 95 % interval of its strength includes zero".into(),
+        Dropped::Worsens => "made the prediction of held-out samples worse".into(),
+        Dropped::FollowsRounding => "follows only the rounding of the readings; kept in the model, not named".into(),
+        Dropped::SmallerThanTheRest => "smaller than the unexplained residual; kept in the model, not named".into(),
+        Dropped::WithinInexactness => {
+            "too small, compared with what the other terms explain, to be distinguished from their modelling error; \
+             kept in the model, not named"
+                .into()
+        }
+        Dropped::Twin => "only together with another that it can be confused with".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
-        Dropped::StandIn => "a stand-in: does not bring the residual to the noise".into(),
+        Dropped::StandIn => "an approximation only: it does not bring the residual to the noise".into(),
     }
 }
 
@@ -34,8 +36,8 @@ pub fn reach(reach: &Reach) -> Vec<String> {
     if reach.tells_nothing_linear_apart() {
         let lines: Vec<String> = reach.lines_hz.iter().map(|f| short(*f)).collect();
         out.push(format!(
-            "the input has {} that {} the reading, at {} Hz: in the steady state nothing linear (a delay, a low-pass, \
-             feedthrough, another mode, another ω₀, ζ or gain) can be told apart by {}",
+            "the input has {} that {} the reading, at {} Hz: in steady state no linear effect (a delay, a low-pass, \
+             feedthrough, another mode, another ω₀, ζ or gain) can be distinguished by {}",
             if lines.len() == 1 { "one spectral line".to_owned() } else { format!("{} spectral lines", lines.len()) },
             if lines.len() == 1 { "moves" } else { "move" },
             lines.join(" and "),
@@ -44,8 +46,8 @@ pub fn reach(reach: &Reach) -> Vec<String> {
     }
     if let Some(cycles) = reach.few_cycles {
         out.push(format!(
-            "the recording holds {} cycles of the resonance, and ω₀ and ζ need about {FEWEST_CYCLES}: what stands beside them \
-             is not determined",
+            "the recording holds {} cycles of the resonance, and ω₀ and ζ need about {FEWEST_CYCLES}: any further \
+             effect is not determined",
             short(cycles)
         ));
     }
@@ -63,13 +65,13 @@ pub fn chaos(chaos: &Chaos) -> [String; 2] {
     });
     [
         format!(
-            "the response is chaotic (largest Lyapunov exponent {} 1/s), and a simulation follows it for about {} s",
+            "the response is chaotic (largest Lyapunov exponent {} 1/s): a simulation can follow it for about {} s",
             short(chaos.exponent_per_s),
             short(chaos.horizon_s)
         ),
         format!(
-            ": models are judged in windows of {} s, each begun from the state that fits it best, and errors are those of such \
-             windows; candidates with states of their own and noise terms were not tried{wells}",
+            ": models are compared in windows of {} s, each started from its best-fitting state, and all errors are \
+             of such windows; candidates with internal states and noise terms were not tried{wells}",
             short(chaos.window_s)
         ),
     ]
@@ -79,9 +81,12 @@ pub fn chaos(chaos: &Chaos) -> [String; 2] {
 pub fn left_out(what: LeftOut) -> &'static str {
     match what {
         LeftOut::Profiles => {
-            "the intervals of laws with a corner are those of a parabola: their profiles were not finished"
+            "intervals of non-smooth laws are from the quadratic approximation: their profiles were not finished"
         }
-        LeftOut::WeighingAgain => "terms were not weighed again without one that made the prediction worse",
+        LeftOut::WeighingAgain => {
+            "terms were not compared again after one that made the prediction worse was \
+                                   removed"
+        }
     }
 }
 
@@ -89,7 +94,8 @@ pub fn left_out(what: LeftOut) -> &'static str {
 pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
     let tails = noise.tails.map(|beyond| {
         format!(
-            "the noise is heavy-tailed: {} % of the readings lie more than 3.5 standard deviations off, 0.047 % if it were normal",
+            "the noise is heavy-tailed: {} % of the readings lie more than 3.5 standard deviations away, against \
+             0.047 % for normal noise",
             short(100.0 * beyond)
         )
     });

@@ -41,7 +41,7 @@ pub struct Compared<'a> {
 pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
     let n = c.error.len().min(c.state.len());
     if n < 64 {
-        return (Places::default(), "too short to say where".into(), false);
+        return (Places::default(), "too short to locate the mismatch".into(), false);
     }
     let power = |v: &[f64]| v.iter().map(|e| e * e).sum::<f64>() / v.len().max(1) as f64;
     let floor = c.noise.powi(2).max(1e-300);
@@ -76,7 +76,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
         .collect();
     let (time_s, frequency_hz, state) = (named(&times), named(&bands), named(&states));
     let summary = if mean < LEAST {
-        "the base model's error is at the noise everywhere".to_owned()
+        "the base model's residual is at the noise level everywhere".to_owned()
     } else {
         summary(mean, &frequency_hz, &state, &time_s, c.unit)
     };
@@ -85,7 +85,7 @@ pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
 
 fn summary(mean: f64, frequency: &[Stretch], state: &[Stretch], time: &[Stretch], unit: &str) -> String {
     let most = |all: &[Stretch]| all.iter().copied().max_by(|a, b| a.excess.total_cmp(&b.excess));
-    let mut words = format!("the base model's error carries {} times the power of the noise", short(mean));
+    let mut words = format!("the base model's residual has {} times the power of the noise", short(mean));
     if let Some(f) = most(frequency) {
         words += &format!(", most between {} and {} Hz", short(f.from), short(f.to));
     }

@@ -9,7 +9,7 @@ use crate::sensor::Sense;
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "earth-rate",
     kind: Kind::Tumble,
-    statement: "The earth's rotation, 15.04 °/h, was taken for zero rate.",
+    statement: "The Earth's rotation, 15.04 °/h, was taken as zero rate.",
     equation: "w = M (ω + Rᵀ Ω)",
     parameters: &[Parameter { name: "omega_i", unit: "°/h", range: (-15.05, 15.05) }],
     acts: "reference",

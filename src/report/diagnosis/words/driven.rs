@@ -25,19 +25,22 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
     let sentence = match answer.outcome {
         Outcome::Explained => format!("The model left out {}; with it, {fall}.", listed(&named, "and")),
         Outcome::Undecidable if effects.is_empty() => format!(
-            "Something faint is left ({} % of the variance can be foreseen), too weak in this recording to be named.",
+            "A faint structure remains in the residual ({} % of its variance is predictable), too weak in this \
+             recording to be identified.",
             short(100.0 * account.predictable)
         ),
         Outcome::Undecidable if account.few_cycles.is_some() => format!(
-            "Something is missing beside the base model ({}), but {} cycles of the resonance are too few to decide what: {fall}.",
+            "Something is missing from the base model ({}), but {} cycles of the resonance are too few to tell \
+             what: {fall}.",
             listed(&holding(effects, &named), "and"),
             short(account.few_cycles.unwrap_or(0.0))
         ),
         Outcome::Undecidable if account.is_linear_class => format!(
-            "Something is missing, and {} can answer it alike: {} cannot be told apart by it; with the first, {fall}.",
+            "Something is missing, and {} explains it equally well: {} cannot be told apart in this recording; with \
+             the first, {fall}.",
             match account.lines_hz.as_slice() {
-                [one] => format!("whatever is linear, under an input of one spectral line at {} Hz,", short(*one)),
-                lines => format!("whatever is linear, under an input of {} spectral lines,", lines.len()),
+                [one] => format!("every linear effect, under an input with one spectral line at {} Hz,", short(*one)),
+                lines => format!("every linear effect, under an input with {} spectral lines,", lines.len()),
             },
             listed(&holding(effects, &named), "and")
         ),
@@ -45,33 +48,34 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
             let also: Vec<String> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.clone()).collect();
             format!(
-                "Something is missing, and this recording cannot tell {} apart; with either, {fall}.",
+                "Something is missing, and this recording cannot distinguish {}; with either, {fall}.",
                 listed(&also, "and")
             )
         }
         Outcome::Unexplained if named.is_empty() && account.series.is_none() && !account.is_structured => format!(
-            "The mismatch is real, and nothing in the library accounts for it{}.",
+            "The mismatch is real, and no candidate in the library explains it{}.",
             answer.fit.noise.as_ref().filter(|n| before > 1.2 * n.value).map_or(String::new(), |n| format!(
-                ": the base model errs by {} {unit}, and the noise is {} {unit} (measured from {})",
+                ": the base model's error is {} {unit}, and the noise is {} {unit} (measured from {})",
                 short(before),
                 short(n.value),
                 n.how
             ))
         ),
         Outcome::Unexplained if named.is_empty() && (account.series.is_some() || !account.is_structured) => format!(
-            "The mismatch is real, and the library has only a series of stand-ins for it{}, none of which holds by itself.",
+            "The mismatch is real, and the library can only approximate it by several terms at once{}, none of \
+             which holds on its own.",
             account.series.map_or(String::new(), |s| format!(" ({})", s.words()))
         ),
         Outcome::Unexplained if named.is_empty() => format!(
-            "The mismatch is real, and nothing in the library accounts for it: {} % of what is left can be foreseen from the \
-             past, the input or the state.",
+            "The mismatch is real, and no candidate in the library explains it: {} % of the residual variance is \
+             predictable from its past, the input or the state.",
             short(100.0 * account.predictable)
         ),
         Outcome::Unexplained if effects.iter().any(departs) => {
             let laws = holding(effects, &named);
             let rest = if account.is_structured {
                 format!(
-                    "; {} % of the variance of what is left even then can be foreseen",
+                    "; {} % of the remaining residual variance is still predictable",
                     short(100.0 * account.predictable)
                 )
             } else {
@@ -87,16 +91,16 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
         Outcome::Unexplained => {
             let holding = holding(effects, &named);
             format!(
-                "{} hold{}, but do not account for everything: {fall}, and {} % of the variance of what is left can be \
-                 foreseen.",
+                "{} hold{}, but do not explain everything: {fall}, and {} % of the remaining residual variance is \
+                 predictable.",
                 listed(&holding, "and"),
                 if holding.len() == 1 { "s" } else { "" },
                 short(100.0 * account.predictable)
             )
         }
         Outcome::Adequate => format!(
-            "Nothing is missing that this recording could show: the base model's error of {} {unit} is white, and an effect \
-             that moved {} % of its variance would have been seen.",
+            "Nothing is missing that this recording could show: the base model's residual of {} {unit} is white, \
+             and an effect worth {} % of its variance would have been detected.",
             short(before),
             short(100.0 * account.detectable_share)
         ),
@@ -147,8 +151,7 @@ fn fall(answer: &Answer, unit: &str) -> String {
 /// Where the mismatch lives. That the error is at the noise is not said where a mismatch is.
 pub fn place(answer: &Answer, account: &Account) -> String {
     if account.at_noise && answer.outcome == Outcome::Unexplained {
-        return "in power the base model's error is that of the noise; what is missing shows in its structure alone"
-            .into();
+        return "the base model's error has the power of the noise; what is missing shows only in its structure".into();
     }
     account.place.clone()
 }
@@ -180,15 +183,17 @@ pub fn next_experiment(answer: &Answer, account: &Account) -> String {
     let source = if input { "drive" } else { "release" };
     match answer.outcome {
         Outcome::Undecidable if effects.is_empty() => {
-            "Record longer, or harder: what is left must rise well above the noise before it can be named.".to_owned()
+            "Record longer, or drive harder: the residual must rise well above the noise before its cause can be \
+             identified."
+                .to_owned()
         }
         Outcome::Undecidable if account.few_cycles.is_some() => {
             format!("Record for at least {} s, ten cycles of the resonance.", short(10.0 / account.resonance_hz))
         }
         Outcome::Undecidable if account.is_linear_class => format!(
-            "Drive with a sweep or with noise from {} to {} Hz, a third of the resonance to three times: a delay turns the \
-             phase in proportion to frequency, a low-pass takes amplitude with it, feedthrough fills the trough above the \
-             resonance, and a mode has a peak of its own.",
+            "Drive with a sweep or noise from {} to {} Hz (a third of the resonance to three times it): a delay \
+             shifts the phase in proportion to frequency, a low-pass also lowers the amplitude, feedthrough \
+             flattens the roll-off above the resonance, and a second mode has its own peak.",
             short(account.resonance_hz / 3.0),
             short(3.0 * account.resonance_hz)
         ),
@@ -196,8 +201,9 @@ pub fn next_experiment(answer: &Answer, account: &Account) -> String {
             let tied: Vec<&str> =
                 effects.iter().filter(|e| !e.confusable_with.is_empty()).map(|e| e.id.as_str()).collect();
             format!(
-                "Record again with another amplitude and band ({source} at a third and at three times this level, with power \
-                 well above the resonance too): {} then part, because they grow differently with amplitude and frequency.",
+                "Record again at other amplitudes and a wider band ({source} at a third and at three times this \
+                 level, with power well above the resonance): {} then separate, because they scale differently with \
+                 amplitude and frequency.",
                 listed(&tied.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>(), "and")
             )
         }
@@ -206,14 +212,14 @@ pub fn next_experiment(answer: &Answer, account: &Account) -> String {
              within their intervals."
         ),
         Outcome::Unexplained => format!(
-            "{} at one frequency and a ladder of amplitudes, up and down: what depends on history shows as a difference \
-             between both ways, what depends on amplitude as a bend, what does neither is noise.",
+            "{} at one frequency with the amplitude stepped up and down: an effect with memory differs between the \
+             two directions, an amplitude-dependent one bends the response, and noise does neither.",
             if input { "Drive" } else { "Release" }
         ),
         Outcome::Adequate => format!(
-            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING --model \
-             MODEL.toml` plants each candidate into copies of this recording and says from which size on it would have been \
-             named.",
+            "{} harder or longer: smaller effects then rise above the noise. `proofmass trial --like RECORDING \
+             --model MODEL.toml` plants each candidate in copies of this recording and reports from which size it \
+             would have been identified.",
             if input { "Drive" } else { "Release" }
         ),
     }

@@ -15,7 +15,7 @@ pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Deta
             "A constant and white noise describe every channel: nothing is missing that this recording could show."
                 .into()
         }
-        Outcome::Explained => format!("The model leaves out {}. With that, what is left is noise.", named(effects)),
+        Outcome::Explained => format!("The model leaves out {}. With it, the residual is noise.", named(effects)),
         Outcome::Undecidable => {
             let (ties, sure) = parted(effects);
             let open = open(detail);
@@ -36,15 +36,18 @@ pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Deta
                 names.collect::<Vec<_>>().join(", ")
             };
             let left_out = if effects.is_empty() {
-                "The mismatch is real and nothing in the library accounts for it".to_owned()
+                "The mismatch is real, and no candidate in the library explains it".to_owned()
             } else {
                 let (ties, sure) = parted(effects);
                 let all: Vec<String> = [named(&sure), ties].into_iter().filter(|part| !part.is_empty()).collect();
-                format!("The model leaves out {}; and more that nothing in the library accounts for", all.join("; "))
+                format!(
+                    "The model leaves out {}, and something else that no candidate in the library explains",
+                    all.join("; ")
+                )
             };
             let others = match of(true) {
                 fine if fine.is_empty() => String::new(),
-                fine => format!(" What is left of {fine} is noise."),
+                fine => format!(" The residual of {fine} is noise."),
             };
             if detail.channels.len() == 1 {
                 format!("{left_out}. {place}")
@@ -74,7 +77,7 @@ fn departure(of: &Departure) -> String {
             if *refuted {
                 format!("{channel}: it drifts {} ({interval}), not as {ids}.", law(*value))
             } else {
-                format!("{channel}: {} ({interval}) does as well as {ids}.", law(*value))
+                format!("{channel}: {} ({interval}) fits as well as {ids}.", law(*value))
             }
         }
         _ => format!("{channel}: it drifts along a smooth course in time, not as {ids}."),
@@ -95,12 +98,15 @@ pub fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
             "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
              the slopes."
         }
-        Outcome::Adequate => "A longer log: slow terms show only at averaging times that it holds several of.",
-        Outcome::Explained => "A second log on another day: the same coefficients should come out.",
-        Outcome::Undecidable => "A log four times as long: the candidates part at longer averaging times.",
+        Outcome::Adequate => {
+            "Record longer: slow terms show only at averaging times that fit into the log several \
+                              times."
+        }
+        Outcome::Explained => "Record again on another day: the same coefficients should come out.",
+        Outcome::Undecidable => "Record four times as long: the candidates separate at longer averaging times.",
         Outcome::Unexplained => {
-            "Log again on a quiet foundation, at another sampling rate and with temperature beside it: what moves with which \
-             tells vibration, aliasing and environment apart."
+            "Record again on a quiet foundation, at another sampling rate and with temperature logged: that \
+             separates vibration, aliasing and environment."
         }
     }
 }
@@ -127,7 +133,7 @@ pub fn place(detail: &Detail) -> String {
         spoken.push(format!("Also in {}.", location.also.join(", ")));
     }
     if spoken.is_empty() {
-        spoken.push("Nowhere: no band of frequency and no stretch of time stands out.".into());
+        spoken.push("Nowhere in particular: no frequency band and no time interval stands out.".into());
     }
     spoken.join(" ")
 }
@@ -151,7 +157,7 @@ fn disturbed(location: &Location) -> Vec<String> {
         knocks = others;
     }
     out.extend(location.spikes.iter().map(|Spiky { channel, count }| {
-        format!("{channel}: {count} single readings lie far off, as spikes do and the tail of no noise.")
+        format!("{channel}: {count} single readings are outliers, farther off than the tail of any noise considered.")
     }));
     out
 }
@@ -214,7 +220,7 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
                 1 => " and in one more stretch".into(),
                 n => format!(" and in {n} more stretches"),
             },
-            if residual.only_there { "; outside that what is left is noise" } else { "" }
+            if residual.only_there { "; outside that, the residual is noise" } else { "" }
         ),
     };
     unsteady + &fading.map(|f| format!(" Also, {f}.")).unwrap_or_default()

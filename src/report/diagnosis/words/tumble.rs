@@ -18,7 +18,7 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
     let names: Vec<String> = account.named.iter().map(name).collect();
     match outcome {
         Outcome::Adequate => format!(
-            "Nothing is missing that these {} poses could show: what is left of {} is noise.",
+            "Nothing is missing that these {} poses could show: the residual of {} is noise.",
             detail.poses.len(),
             if account.with_gyro { "gravity, of the gyro at rest and of the turns" } else { "gravity" }
         ),
@@ -30,9 +30,9 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
         ),
         Outcome::Unexplained => {
             let part = match names.is_empty() {
-                true => "Nothing in the library accounts for the mismatch".to_owned(),
+                true => "No candidate in the library explains the mismatch".to_owned(),
                 false => format!(
-                    "{} {} on poses that were held out ({}), but something else is left out",
+                    "{} {} on held-out poses ({}), but something else is missing",
                     join(&names),
                     if names.len() == 1 { "is named and holds" } else { "are named and hold" },
                     join(&judging(account).map(improvement).collect::<Vec<_>>())
@@ -40,15 +40,15 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
             };
             let beyond = account.oversized.iter().map(|(id, sensor)| {
                 format!(
-                    " {} would carry it, but only with values that no sensor has: are units and columns right?",
+                    " {} would explain it, but only with values that no sensor has: are units and columns right?",
                     spoken(id, *sensor)
                 )
             });
             let still = match account.above.first() {
                 Some((group, times)) => {
-                    format!("{} still errs by {} times its noise", residual(*group), short(times.sqrt()))
+                    format!("the error of {} is still {} times its noise", residual(*group), short(times.sqrt()))
                 }
-                None => "poses that were held out are predicted worse than without".to_owned(),
+                None => "held-out poses are predicted worse than without it".to_owned(),
             };
             format!("{part}: {still}.") + &beyond.collect::<String>()
         }
@@ -57,7 +57,7 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
         }
         Outcome::Undecidable => {
             let pairs: Vec<String> = account.named.iter().filter(|n| !n.rivals.is_empty()).map(name).collect();
-            format!("Something is left out, but these poses cannot tell which: {}.", join(&pairs))
+            format!("Something is missing, but these poses cannot tell what: {}.", join(&pairs))
         }
     }
 }
@@ -88,8 +88,8 @@ pub fn findings(account: &Account) -> Vec<String> {
     }));
     if account.wanders {
         out.push(
-            "the offsets wander between the poses by more than the noise inside a pose says, as 1/f noise does; the noise \
-             of a pose was raised to that"
+            "the offsets vary between poses by more than the noise within a pose predicts, as 1/f noise does; the \
+             noise of each pose was increased accordingly"
                 .into(),
         );
     }
@@ -100,7 +100,7 @@ fn drift(drift: &Drift, has_column: bool) -> String {
     let unit = if drift.sensor == Sense::Gyro { "°/s" } else { "mm/s²" };
     let [x, y, z] = drift.range.map(short);
     let why = if has_column {
-        "the environment column does not account for it"
+        "the environment column does not explain it"
     } else {
         "1/f noise, warming up and a battery look alike here; a temperature column under `environment` would tell"
     };
@@ -117,7 +117,7 @@ pub fn place(detail: &Detail) -> String {
     let of = |r: &Rms| {
         let unit = r.group.unit();
         let [value, noise] = [r.value, r.noise].map(short);
-        format!("{}: {value} {unit} rms where noise leaves {noise} {unit}", residual(r.group))
+        format!("{}: {value} {unit} rms, noise {noise} {unit}", residual(r.group))
     };
     let present = |r: &&Rms| detail.account.with_gyro || r.group == Group::Gravity;
     let kinds: Vec<String> = location.residuals.iter().filter(present).map(of).collect();
@@ -125,7 +125,10 @@ pub fn place(detail: &Detail) -> String {
     let place = match (location.standing_out, location.axis) {
         (0, _) => "no pose stands out of the noise".to_owned(),
         (n, None) => format!("{n} of {poses} poses stand out"),
-        (n, Some(axis)) => format!("{n} of {poses} poses stand out, most by the share of gravity along {axis}"),
+        (n, Some(axis)) => format!(
+            "{n} of {poses} poses stand out, mostly with the component of gravity along \
+                                    {axis}"
+        ),
     };
     format!("{}; {place}", kinds.join("; "))
 }
