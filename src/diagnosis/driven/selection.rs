@@ -7,6 +7,7 @@ pub mod folds;
 pub mod forms;
 pub mod held_out;
 pub mod identifiability;
+pub mod independence;
 pub mod judged;
 pub mod lattice;
 pub mod noise_character;

@@ -1,7 +1,7 @@
 //! A model run over a recording: base and terms step by step, corrected by the readings where noise terms ask for it.
 
 pub mod filter;
-mod gain;
+pub mod gain;
 mod once;
 mod propagator;
 pub mod restarted;

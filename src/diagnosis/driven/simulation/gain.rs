@@ -37,40 +37,26 @@ pub struct Noisy {
     pub lag_s: f64,
 }
 
+/// The linear system behind a gain: displacement, velocity, bias and the low-pass's state, from one sample to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct System {
+    /// State at the next sample.
+    pub transition: Matrix4<f64>,
+    /// What is read of it.
+    pub sees: Vector4<f64>,
+    /// What a constant unit force adds over one sample.
+    pub push: Vector4<f64>,
+    /// Covariance of what noise adds over one sample.
+    noise: Matrix4<f64>,
+}
+
 /// Solves the filter's Riccati equation by doubling.
 pub fn stationary(noisy: &Noisy) -> Gain {
     if noisy.force <= 0.0 && noisy.walk <= 0.0 {
         return NONE;
     }
-    let Noisy { omega_rad_s: omega, zeta, interval_s: h, lag_s, .. } = *noisy;
-    let (keeps, lags) = (f64::from(noisy.walk > 0.0), lag_s > 0.0);
-    // White force of intensity q gives a stationary displacement variance q/(4ζω³).
-    let intensity = noisy.force.powi(2) * 4.0 * zeta * omega.powi(3);
-    let pieces = 2 * ((omega * h / 0.5).ceil() as usize).clamp(2, 64);
-    let mut q = Matrix4::zeros();
-    for j in 0..=pieces {
-        let simpson = if j == 0 || j == pieces {
-            1.0
-        } else if j % 2 == 1 {
-            4.0
-        } else {
-            2.0
-        };
-        let t = h * j as f64 / pieces as f64;
-        let g = transition(omega, zeta, t);
-        let b = Vector4::new(g[1], g[3], 0.0, if lags { lagging(omega, zeta, lag_s, t)[1] } else { 0.0 });
-        q += b * b.transpose() * (simpson * h / (3.0 * pieces as f64) * intensity);
-    }
-    q[(2, 2)] = noisy.walk.powi(2);
-    let e = transition(omega, zeta, h);
-    let mut f = Matrix4::zeros();
-    (f[(0, 0)], f[(0, 1)], f[(1, 0)], f[(1, 1)], f[(2, 2)]) = (e[0], e[1], e[2], e[3], keeps);
-    if lags {
-        [f[(3, 0)], f[(3, 1)]] = lagging(omega, zeta, lag_s, h);
-        f[(3, 3)] = (-h / lag_s).exp();
-    }
-    let sees = if lags { Vector4::new(0.0, 0.0, keeps, 1.0) } else { Vector4::new(1.0, 0.0, keeps, 0.0) };
-    let (mut a, mut g, mut p) = (f.transpose(), sees * sees.transpose(), q);
+    let System { transition, sees, noise, .. } = system(noisy);
+    let (mut a, mut g, mut p) = (transition.transpose(), sees * sees.transpose(), noise);
     for _ in 0..60 {
         let Some(w) = (Matrix4::identity() + g * p).try_inverse() else { break };
         let aw = a * w;
@@ -90,6 +76,41 @@ pub fn stationary(noisy: &Noisy) -> Gain {
     } else {
         NONE
     }
+}
+
+/// The linear system of an oscillator and its noise.
+pub fn system(noisy: &Noisy) -> System {
+    let Noisy { omega_rad_s: omega, zeta, interval_s: h, lag_s, .. } = *noisy;
+    let (keeps, lags) = (f64::from(noisy.walk > 0.0), lag_s > 0.0);
+    // White force of intensity q gives a stationary displacement variance q/(4ζω³).
+    let intensity = noisy.force.powi(2) * 4.0 * zeta * omega.powi(3);
+    let pieces = 2 * ((omega * h / 0.5).ceil() as usize).clamp(2, 64);
+    let (mut q, mut push) = (Matrix4::zeros(), Vector4::zeros());
+    for j in 0..=pieces {
+        let simpson = if j == 0 || j == pieces {
+            1.0
+        } else if j % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        };
+        let t = h * j as f64 / pieces as f64;
+        let g = transition(omega, zeta, t);
+        let b = Vector4::new(g[1], g[3], 0.0, if lags { lagging(omega, zeta, lag_s, t)[1] } else { 0.0 });
+        let weight = simpson * h / (3.0 * pieces as f64);
+        q += b * b.transpose() * (weight * intensity);
+        push += b * weight;
+    }
+    q[(2, 2)] = noisy.walk.powi(2);
+    let e = transition(omega, zeta, h);
+    let mut f = Matrix4::zeros();
+    (f[(0, 0)], f[(0, 1)], f[(1, 0)], f[(1, 1)], f[(2, 2)]) = (e[0], e[1], e[2], e[3], keeps);
+    if lags {
+        [f[(3, 0)], f[(3, 1)]] = lagging(omega, zeta, lag_s, h);
+        f[(3, 3)] = (-h / lag_s).exp();
+    }
+    let sees = if lags { Vector4::new(0.0, 0.0, keeps, 1.0) } else { Vector4::new(1.0, 0.0, keeps, 0.0) };
+    System { transition: f, sees, push, noise: q }
 }
 
 /// What a low-pass at rest holds after a time `t`, per unit of displacement and of velocity that the oscillator began with:

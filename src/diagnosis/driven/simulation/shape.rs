@@ -113,6 +113,11 @@ impl Shape {
 
     /// The stationary gain at a point.
     pub fn gain(&self, point: &[f64], interval_s: f64) -> gain::Gain {
+        gain::stationary(&self.noisy(point, interval_s))
+    }
+
+    /// The linear part at a point, with its noise.
+    pub fn noisy(&self, point: &[f64], interval_s: f64) -> Noisy {
         let (omega_rad_s, zeta) = (point[OMEGA], point[ZETA]);
         let mut noisy = Noisy { omega_rad_s, zeta, interval_s, force: 0.0, walk: 0.0, lag_s: 0.0 };
         for (term, first) in self.terms.iter().zip(&self.first) {
@@ -123,7 +128,7 @@ impl Shape {
                 None => {}
             }
         }
-        gain::stationary(&noisy)
+        noisy
     }
 
     /// Integration steps per sample that this point needs.

@@ -84,13 +84,14 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     draft.drop_what_cannot_stay();
     draft.drop_what_follows_rounding();
     let nameless = draft.carry_what_is_small(share);
+    let followed = draft.drop_noise_that_follows();
     let twins = draft.drop_twins();
     let series = draft.drop_series();
     order::sort_by_key(&mut draft.named, |n| -n.growth);
     let lattice = rounding(data, &draft.model);
     draft.departing = draft.departing.take().filter(|d| draft.names(d));
     let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
-    let outcome = rule(&draft.evidence(nameless, twins || series.is_some(), lattice.is_some(), remainder));
+    let outcome = rule(&draft.evidence(nameless, followed || twins || series.is_some(), lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
         draft.settle_unexplained(share, WHITE);
     }

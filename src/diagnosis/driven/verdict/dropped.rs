@@ -1,5 +1,6 @@
 //! Why a term has no name, and what was left undone.
 
+use crate::diagnosis::driven::selection::independence::Known;
 use crate::diagnosis::driven::selection::series::Series;
 
 /// Why a term that was in the model has no name.
@@ -13,6 +14,13 @@ pub enum Dropped {
     Worsens,
     /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its own.
     NoSecondResonance,
+    /// It is a noise whose estimate is foreseen from what is known: so many per cent of its variance, cross-fitted.
+    Foreseen {
+        /// By what.
+        by: Known,
+        /// How much.
+        percent: u8,
+    },
     /// It follows the rounding of the readings.
     FollowsRounding,
     /// It is smaller than what is still unexplained.

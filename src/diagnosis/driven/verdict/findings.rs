@@ -2,6 +2,7 @@
 
 use crate::diagnosis::driven::identification::chaos::Chaos;
 use crate::diagnosis::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
+use crate::diagnosis::driven::selection::independence::Known;
 use crate::diagnosis::driven::selection::noise_character::NoiseCharacter;
 use crate::number::short;
 
@@ -26,6 +27,17 @@ pub fn dropped(reason: Dropped) -> String {
         Dropped::Twin => "only together with another that it can be confused with".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
+        Dropped::Foreseen { by, percent } => {
+            let by = match by {
+                Known::Input => "the input",
+                Known::Motion => "displacement and velocity",
+                Known::Time => "time",
+                Known::Environment => "the environment",
+            };
+            format!(
+                "not independent: {percent} % of the variance of its estimate follows from {by}, so a law is missing"
+            )
+        }
         Dropped::StandIn => "an approximation only: it does not bring the residual to the noise".into(),
     }
 }

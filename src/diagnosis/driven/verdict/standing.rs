@@ -1,6 +1,7 @@
 //! Which terms keep a name beside what is left and beside each other.
 
 use crate::diagnosis::driven::selection::earned::SMALLEST_GAIN;
+use crate::diagnosis::driven::selection::independence::{Foreseen, foreseen};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
 use crate::diagnosis::driven::selection::term_worth::Named;
@@ -20,6 +21,24 @@ const LEAST_PART: f64 = 1e-3;
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
 
 impl Draft<'_> {
+    /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its place. Whether any does.
+    pub(super) fn drop_noise_that_follows(&mut self) -> bool {
+        if self.data.windows.is_some() {
+            return false;
+        }
+        let follows = |n: &Named| {
+            let noise = self.term(n.index).noise()?;
+            let found = foreseen(self.data, &self.model.fit, noise).filter(Foreseen::is_real)?;
+            Some((n.index, Dropped::Foreseen { by: found.by, percent: (100.0 * found.share).round() as u8 }))
+        };
+        let all: Vec<(usize, Dropped)> = self.named.iter().filter_map(follows).collect();
+        for (index, reason) in &all {
+            self.drop_term(*index, *reason);
+            self.named.retain(|n| n.index != *index);
+        }
+        !all.is_empty()
+    }
+
     /// What is known of rounded readings does not bear out what only follows the rounding.
     pub(super) fn drop_what_follows_rounding(&mut self) {
         let bar = (self.selection.tried.max(1) as f64).ln() + 3.0;
