@@ -112,7 +112,8 @@ fn bent(values: &[f64]) -> Vec<Vec<f64>> {
     std::iter::once(values.to_vec()).chain(bends).collect()
 }
 
-/// Groups of regressors, row by row of the hull.
+/// Groups of regressors, row by row of the hull. Of the input only the present value: what follows linearly from the samples beside
+/// it says how the input goes between samples, not that a law is missing.
 fn regressors(data: &Data, x: &[f64], v: &[f64]) -> Vec<(Known, Vec<Vec<f64>>)> {
     let rows = x.len();
     let product = |a: &[f64], b: &[f64], f: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(a, b)| f(*a, *b)).collect();
@@ -140,10 +141,6 @@ fn regressors(data: &Data, x: &[f64], v: &[f64]) -> Vec<(Known, Vec<Vec<f64>>)> 
     if let Some(u) = input.and_then(|u| standard(&u)) {
         let mut all = bent(&u);
         all.extend([&x, &v].map(|s| product(&u, s, &|u, s| u * s)));
-        for lag in 1..4 {
-            all.push((0..rows).map(|i| u[i.saturating_sub(lag)]).collect());
-            all.push((0..rows).map(|i| u[(i + lag).min(rows - 1)]).collect());
-        }
         groups.push((Known::Input, all));
     }
     let columns = (0..data.environments).filter_map(|j| {
