@@ -24,9 +24,11 @@ const LEAST_OF_REST: f64 = 0.03;
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
-/// Terms with which a model that is far from done is given up: three effects at once are rare, and what four do not describe
-/// is something else.
+/// Terms with which a model is given up that leaves more than [`HOPELESS`]: what four do not describe by half is something
+/// else.
 const MANY: usize = 4;
+/// Fraction of the residual variance that is predictable in such a model.
+const HOPELESS: f64 = 0.5;
 /// Share of the variance that may still be foreseen in a model that is done.
 const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
@@ -150,7 +152,7 @@ impl Stepwise<'_> {
             let Some(best) = best else { break };
             chosen = pruned(data, best, self.scales, self.tried);
             let terms = chosen.fit.shape.terms.len();
-            if terms >= MOST_TERMS || (terms >= MANY && left(data, &chosen.fit).share > FAR_FROM_DONE) {
+            if terms >= MOST_TERMS || (terms >= MANY && left(data, &chosen.fit).share > HOPELESS) {
                 break;
             }
             if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {

@@ -1,6 +1,7 @@
 //! Which terms keep a name beside what is left and beside each other.
 
-use crate::diagnosis::driven::selection::earned::SMALLEST_GAIN;
+use crate::diagnosis::driven::identification::fit::{Fit, fit as refitted};
+use crate::diagnosis::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN};
 use crate::diagnosis::driven::selection::independence::{Foreseen, foreseen};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
@@ -26,9 +27,13 @@ impl Draft<'_> {
         if self.data.windows.is_some() {
             return false;
         }
+        if !self.named.iter().any(|n| self.is_noise(n)) {
+            return false;
+        }
+        let lean = self.only_named();
         let follows = |n: &Named| {
             let noise = self.term(n.index).noise()?;
-            let found = foreseen(self.data, &self.model.fit, noise).filter(Foreseen::is_real)?;
+            let found = foreseen(self.data, &lean, noise).filter(Foreseen::is_real)?;
             Some((n.index, Dropped::Foreseen { by: found.by, percent: (100.0 * found.share).round() as u8 }))
         };
         let all: Vec<(usize, Dropped)> = self.named.iter().filter_map(follows).collect();
@@ -37,6 +42,18 @@ impl Draft<'_> {
             self.named.retain(|n| n.index != *index);
         }
         !all.is_empty()
+    }
+
+    /// The model with its named terms alone, fitted. What is carried without a name says something of the noise too, and is
+    /// not what the verdict states.
+    fn only_named(&self) -> Fit {
+        let mut fit = self.model.fit.clone();
+        for index in (0..fit.shape.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
+            let (shape, point) = fit.without(index);
+            let Some(found) = refitted(self.data, &shape, &point, &self.scales, ITERATIONS) else { continue };
+            fit = found;
+        }
+        fit
     }
 
     /// What is known of rounded readings does not bear out what only follows the rounding.
