@@ -177,10 +177,10 @@ fn survived() -> Result<(), Failed> {
             "ratio of 1e300",
         ),
         (
-            "a hint that would not turn once",
+            "a hint that completes no cycle",
             csv(&rows()),
             format!("{MODEL}[start]\nresonance_hz = 1e-300\n"),
-            "1e-300 Hz would not turn",
+            "1e-300 Hz would not complete one cycle",
         ),
         ("a hint in kHz", csv(&rows()), format!("{MODEL}[start]\nresonance_hz = 0.04\n"), "far from the hint"),
         (

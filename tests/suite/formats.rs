@@ -208,6 +208,10 @@ fn small_files() -> Result<(), Failed> {
 fn cut_anywhere() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     for entry in std::fs::read_dir(seeds())?.flatten() {
+        // What fuzzing found has no ending and is damaged already; the other files are whole.
+        if entry.path().extension().is_none() {
+            continue;
+        }
         let bytes = std::fs::read(entry.path())?;
         let path = folder.path().join(entry.file_name());
         let topic = (entry.file_name() == "flight.bin").then_some("IMU.0");

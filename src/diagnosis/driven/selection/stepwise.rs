@@ -24,8 +24,8 @@ const LEAST_OF_REST: f64 = 0.03;
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
-/// Terms with which a model is given up that leaves more than [`HOPELESS`]: what four do not describe by half is something
-/// else.
+/// Terms with which a model is given up that leaves more than [`HOPELESS`] and is not nearly done: what four do not describe
+/// by half is something else.
 const MANY: usize = 4;
 /// Fraction of the residual variance that is predictable in such a model.
 const HOPELESS: f64 = 0.5;
@@ -117,7 +117,7 @@ impl Stepwise<'_> {
     fn best_way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
         let base = self.base;
         let way = self.first_way(base, candidates, reach)?;
-        let nearly_done = way.chosen.held_out.free() < NEARLY_NOTHING * base.held_out.free();
+        let nearly_done = self.is_nearly_done(&way.chosen);
         if !way.chosen.fit.shape.is_noisy() || way.left <= DONE || nearly_done || way.cut_short {
             return Ok(way);
         }
@@ -151,8 +151,7 @@ impl Stepwise<'_> {
             self.progress.step();
             let Some(best) = best else { break };
             chosen = pruned(data, best, self.scales, self.tried);
-            let terms = chosen.fit.shape.terms.len();
-            if terms >= MOST_TERMS || (terms >= MANY && left(data, &chosen.fit).share > HOPELESS) {
+            if chosen.fit.shape.terms.len() >= MOST_TERMS || self.is_hopeless(&chosen) {
                 break;
             }
             if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
@@ -161,6 +160,18 @@ impl Stepwise<'_> {
             }
         }
         Ok(Way { left: left(data, &chosen.fit).share, chosen, cut_short })
+    }
+
+    /// Whether next to nothing is left of the base model's error.
+    fn is_nearly_done(&self, chosen: &Judged) -> bool {
+        chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free()
+    }
+
+    /// Whether more terms will not explain what this model leaves.
+    fn is_hopeless(&self, chosen: &Judged) -> bool {
+        chosen.fit.shape.terms.len() >= MANY
+            && !self.is_nearly_done(chosen)
+            && left(self.data, &chosen.fit).share > HOPELESS
     }
 
     /// The best model with one term more that earns it.
@@ -175,8 +186,11 @@ impl Stepwise<'_> {
             let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
             round(data, chosen, &open, &here, SURE, self.control)?
         };
-        let nearly_done = chosen.held_out.free() < NEARLY_NOTHING * self.base.held_out.free();
-        let rest = if chosen.fit.shape.terms.len() < 2 || nearly_done { LEAST_OF_REST } else { FAIR_PART_OF_REST };
+        let rest = if chosen.fit.shape.terms.len() < 2 || self.is_nearly_done(chosen) {
+            LEAST_OF_REST
+        } else {
+            FAIR_PART_OF_REST
+        };
         let earning: Vec<(&Judged, f64)> = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
