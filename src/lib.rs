@@ -17,7 +17,7 @@
 //! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `output` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
-//! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `dynamics` | the physics, one idea each |
+//! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `motion` `dynamics` | the physics, one idea each |
 //! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
 //! | 5 | `backend` | CPU lanes or GPU |
 //! | 6 | `ensemble` `drift` | study × backend → statistics → envelopes, closed forms, error budget |
@@ -45,6 +45,7 @@ pub mod excitation;
 pub mod export;
 pub mod kernel;
 pub mod map;
+pub mod motion;
 pub mod navigation;
 pub mod number;
 pub mod numerics;
