@@ -8,7 +8,12 @@ use crate::error::Result;
 use crate::kernel::job::Job;
 use crate::statistics::{Bins, Machine};
 
+pub mod adapter;
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+#[cfg(not(feature = "gpu"))]
+#[path = "backend/gpu/absent.rs"]
 pub mod gpu;
 pub mod orbits;
 pub mod partial;

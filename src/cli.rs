@@ -1,10 +1,12 @@
 //! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is done and written.
 
+use std::ffi::OsString;
 use std::io::Write;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::error::{Error, Kind, Result};
+use crate::escape::terminal;
 use crate::signal;
 
 pub mod adapters;
@@ -82,6 +84,31 @@ pub enum Command {
     Completions(shell::Completions),
     /// Print the manual page
     Man(shell::Man),
+}
+
+/// The whole command, from its words (the first is its own name) to its exit code: the only place that prints an error.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
+    #[cfg(unix)]
+    set_signals();
+    match Arguments::try_parse_from(words).map_err(not_understood).and_then(|a| run(&a)) {
+        Ok(()) => 0,
+        Err(error) => {
+            // Where nobody can be told, the exit code still tells.
+            let _ = writeln!(std::io::stderr(), "error: {}", terminal(&error.to_string()));
+            exit_code(&error)
+        }
+    }
+}
+
+/// `proofmass … | head` ends like any other tool when `head` has seen enough, and does not panic in `println!`. A limit on
+/// the size of files (`ulimit -f`) is an error of the write that meets it, and does not kill half-way through a file.
+#[cfg(unix)]
+fn set_signals() {
+    // SAFETY: the default action and "ignore" run no code of ours.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
 }
 
 /// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are answered and end the process.

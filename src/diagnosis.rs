@@ -4,6 +4,32 @@
 //! candidates and weighs what is left (`remainder`); from that evidence `ruling` draws the verdict, the same for all kinds.
 //! The vocabulary of a selection stands in `standing`. Each kind returns the same [`answer::Answer`]: numbers and typed
 //! reasons. Not for words or drawing: `report` turns an `Answer` into the public document and a page.
+//!
+//! A sensor at rest whose readings walk at random is more than a constant and white noise:
+//!
+//! ```
+//! use proofmass::control::Control;
+//! use proofmass::diagnosis::{diagnose, model, verdict::Outcome};
+//! use proofmass::recording::{Column, Recording};
+//! use proofmass::rng::{Philox, Stream};
+//! use rand_distr::{Distribution, StandardNormal};
+//!
+//! let mut random = Philox::new(1, 0, Stream::Host);
+//! let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+//! let mut walk = 0.0;
+//! let mut reading = || {
+//!     walk += 0.1 * normal();
+//!     walk + normal()
+//! };
+//! let values = (0..8192).map(|_| reading()).collect();
+//! let columns = vec![Column { name: "ax".into(), values }];
+//! let recording = Recording { rows: 8192, rate_hz: 100.0, columns, ..Recording::default() };
+//! let model = model::parse("model.toml", "kind = \"static\"\nrate_hz = 100.0\n[columns]\nchannels = [\"ax\"]\n")?;
+//! let answer = diagnose(&recording, &model, &Control::silent())?;
+//! assert_eq!(answer.outcome, Outcome::Explained);
+//! assert_eq!(answer.effects[0].id, "random-walk");
+//! # Ok::<(), proofmass::error::Error>(())
+//! ```
 
 pub mod answer;
 pub use crate::physics::candidate;

@@ -26,12 +26,32 @@
 //! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |
 //! | 10 | `cli` | the commands |
 //!
+//! How far does an accelerometer drift whose bias is drawn anew for each part? By ½ b t²:
+//!
+//! ```
+//! use std::path::Path;
+//! use proofmass::{control::Control, drift, ensemble, statistics::quantity, study};
+//!
+//! let text = "members = 4096\nduration_s = 2.0\n[accelerometer]\nbias_mg = { mean = 0.0, sd = 1.0 }\n";
+//! let study = study::parse("drift", text, Path::new("."))?;
+//! let drift = drift::answer(&study, &Control::silent(), |job, _| ensemble::run(job, &ensemble::Options::default()))?;
+//! let sd_m = drift.at_report(quantity::POSITION).last().map_or(0.0, |summary| summary.sd);
+//! let expected_m = 0.5 * 9.80665e-3 * 2.0 * 2.0;
+//! // Five standard errors of a standard deviation over 4096 members.
+//! assert!((sd_m / expected_m - 1.0).abs() < 5.0 / (2.0_f64 * 4096.0).sqrt());
+//! # Ok::<(), proofmass::error::Error>(())
+//! ```
+//!
+//! As a dependency with `default-features = false` the crate is the simulator on the CPU, the diagnosis, and recordings as
+//! text; each of `cli`, `formats`, `gpu` and `plots` adds what its name says.
+//!
 //! Glossary: *member*, one noisy sensor of an ensemble; *step*, one integration step; *sample*, one reading; *tile*,
 //! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
 //! can name; *null*, a recording without any.
 
 pub mod backend;
 pub mod benchmark;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod control;
 pub mod diagnosis;
@@ -55,6 +75,7 @@ pub mod parallel;
 pub mod physics;
 pub mod progress;
 pub mod recording;
+#[cfg(feature = "plots")]
 pub mod report;
 pub mod rng;
 pub mod sensor;

@@ -1,76 +1,24 @@
-//! Progress bars on stderr, and the [`Control`] that shows them and listens to signals.
+//! The [`Control`] of a program on a terminal: progress bars on stderr, and signals that stop. Without the feature `cli` it
+//! shows nothing.
 
-use std::io::Write as _;
+use crate::control::{Control, Progress};
 
-use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-
-use crate::control::{Control, Stage, Watcher};
-use crate::escape;
-use crate::signal::{self, Signal};
+#[cfg(feature = "cli")]
+mod bars;
 
 /// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and signals stop.
+#[cfg(feature = "cli")]
 pub fn terminal() -> Control {
-    Control::new(Terminal { bars: MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8)) })
+    Control::new(bars::Terminal::new())
 }
 
-struct Terminal {
-    bars: MultiProgress,
+/// What a program without a command line hands down: nothing is shown.
+#[cfg(not(feature = "cli"))]
+pub fn terminal() -> Control {
+    Control::silent()
 }
 
-impl Watcher for Terminal {
-    fn stopped_by(&self) -> Option<&'static str> {
-        signal::stopped_by().map(Signal::name)
-    }
-
-    fn begin(&self, name: &str, length: u64) -> Box<dyn Stage> {
-        let bar = self.bars.add(ProgressBar::new(length).with_style(style(length)).with_message(name.to_owned()));
-        Box::new(Bar(bar))
-    }
-
-    fn remark(&self, sentence: &str) {
-        self.bars.suspend(|| {
-            // Where nobody can be told, the report still says it.
-            let _ = writeln!(std::io::stderr(), "{}", escape::terminal(sentence));
-        });
-    }
-}
-
-/// Name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone.
-fn style(length: u64) -> ProgressStyle {
-    let template = if length == 0 { "{msg} …" } else { "{msg:18} {bar:32} {percent:>3} %  {left}" };
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    style.with_key("left", |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-        // Before the first step is done, nothing is known.
-        if state.pos() > 0 {
-            let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
-        }
-    })
-}
-
-struct Bar(ProgressBar);
-
-impl Stage for Bar {
-    fn set(&self, steps: u64) {
-        self.0.set_position(steps);
-    }
-
-    fn add(&self, steps: u64) {
-        self.0.inc(steps);
-    }
-
-    fn rename(&self, name: &str) {
-        self.0.set_message(name.to_owned());
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
-}
-
-/// A bar without a [`Control`].
-pub fn bar(name: &str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(8));
-    bar.with_style(style(length)).with_message(name.to_owned())
+/// A bar without a [`Control`]; it goes when it is dropped.
+pub fn bar(name: &str, length: u64) -> Progress {
+    terminal().stage(name, length)
 }

@@ -1,7 +1,11 @@
 //! The signals that stop a run: Ctrl-C, `kill`, a closed terminal. Computations hear of them by their `Control`.
 
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::{Duration, Instant};
+
+#[cfg(feature = "cli")]
+mod listen;
+#[cfg(feature = "cli")]
+pub use listen::listen_for_interrupt;
 
 /// A request to stop, by the signal that carried it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,66 +41,9 @@ impl Signal {
 /// Exit code of the first signal; 0 before one has come.
 static STOP: AtomicU8 = AtomicU8::new(0);
 
-/// A second Ctrl-C this long after the first one was typed by someone who no longer wants to wait. Terminals that close,
-/// `timeout` and batch systems send several signals within milliseconds, and mean one.
-const BY_HAND: Duration = Duration::from_secs(1);
-
-/// Counts the signals of one process.
-#[derive(Debug, Default)]
-struct Listener {
-    first_interrupt: Option<Instant>,
-}
-
-impl Listener {
-    /// Whether this signal must end the process at once, keeping nothing.
-    fn kills(&mut self, signal: Signal, now: Instant) -> bool {
-        if signal != Signal::Interrupt {
-            return false;
-        }
-        now.duration_since(*self.first_interrupt.get_or_insert(now)) >= BY_HAND
-    }
-}
-
 /// Raises the flag that long loops look at.
-fn raise(signal: Signal) {
+pub fn raise(signal: Signal) {
     let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
-}
-
-/// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second Ctrl-C, a second or more
-/// after the first, kills it at once.
-#[cfg(unix)]
-pub fn listen_for_interrupt() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Refused only where the system has no room for a handler; signals then kill, as they do without one.
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
-    let listen = move || {
-        let mut listener = Listener::default();
-        for number in signals.forever() {
-            let signal = match number {
-                SIGINT => Signal::Interrupt,
-                SIGTERM => Signal::Terminate,
-                _ => Signal::HangUp,
-            };
-            raise(signal);
-            if listener.kills(signal, Instant::now()) {
-                signal_hook::low_level::exit(i32::from(signal.exit_code()));
-            }
-        }
-    };
-    let _ = std::thread::Builder::new().name("signals".into()).spawn(listen);
-}
-
-/// Makes Ctrl-C raise a flag instead of killing the process; a second one, a second or more later, kills it.
-#[cfg(not(unix))]
-pub fn listen_for_interrupt() {
-    let mut listener = Listener::default();
-    // Refused only when a handler exists already, which then does the stopping.
-    let _ = ctrlc::set_handler(move || {
-        raise(Signal::Interrupt);
-        if listener.kills(Signal::Interrupt, Instant::now()) {
-            std::process::exit(i32::from(Signal::Interrupt.exit_code()));
-        }
-    });
 }
 
 /// The signal that asked the process to stop, if one has; the first, where several came.
@@ -108,19 +55,4 @@ pub fn stopped_by() -> Option<Signal> {
 /// Whether the user asked to stop. Long loops look at it at least every 100 ms.
 pub fn interrupted() -> bool {
     STOP.load(Ordering::Relaxed) != 0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_second_ctrl_c_a_second_later_kills() {
-        let (start, mut listener) = (Instant::now(), Listener::default());
-        let mut kills = |signal, after_ms| listener.kills(signal, start + Duration::from_millis(after_ms));
-        // A burst of any signals, and later ones that nobody types.
-        assert!(!kills(Signal::Terminate, 0) && !kills(Signal::HangUp, 2) && !kills(Signal::Interrupt, 5));
-        assert!(!kills(Signal::Interrupt, 900) && !kills(Signal::Terminate, 5000));
-        assert!(kills(Signal::Interrupt, 1010));
-    }
 }

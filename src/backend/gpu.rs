@@ -11,7 +11,8 @@ use std::time::Duration;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use self::adapter::adapters;
-pub use self::adapter::{Adapter, list};
+pub use self::adapter::list;
+use super::adapter::Adapter;
 use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 

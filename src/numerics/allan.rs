@@ -7,6 +7,18 @@
 //!
 //! Definition (IEEE 952, NIST SP 1065): with x the integral of the signal,
 //! σ²(τ = mτ₀) = ⟨(x_{k+2m} − 2x_{k+m} + x_k)²⟩ / (2 m² τ₀²). Laws: `law`; uncertainty: `covariance`; coefficients: `fit`.
+//!
+//! Of readings 1, −1, 1, −1, … the variance is 2 at one sample and 0 over any two:
+//!
+//! ```
+//! use proofmass::numerics::allan::Accumulator;
+//!
+//! let mut allan = Accumulator::new();
+//! (0..1000).for_each(|i| allan.push(if i % 2 == 0 { 1.0 } else { -1.0 }));
+//! let curve = allan.points(100.0);
+//! assert_eq!((curve[0].tau_s, curve[0].variance), (0.01, 2.0));
+//! assert_eq!((curve[1].tau_s, curve[1].variance), (0.02, 0.0));
+//! ```
 
 pub mod covariance;
 pub mod fit;

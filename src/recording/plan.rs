@@ -60,7 +60,7 @@ pub fn walk(
     let bar = progress::bar("reading", table.length_bytes());
     for row in 0..range.end {
         if row.is_multiple_of(LOOK) {
-            bar.set_position(table.bytes_read());
+            bar.set(table.bytes_read());
             if signal::interrupted() {
                 return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
             }
@@ -75,7 +75,7 @@ pub fn walk(
             break;
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok(())
 }
 

@@ -1,23 +1,7 @@
 //! The adapters of this machine, and which of them is best.
 
 use super::guard;
-
-/// An adapter of this machine.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Adapter {
-    /// Name.
-    pub name: String,
-    /// "discrete", "integrated", "virtual", "software" or "other".
-    pub kind: &'static str,
-    /// Driver, its version, and the interface it is reached by.
-    pub driver: String,
-    /// Whether it is hardware.
-    pub hardware: bool,
-    /// 64-bit integers in shaders.
-    pub int64: bool,
-    /// Largest storage buffer that a kernel can see, bytes.
-    pub largest_binding: u64,
-}
+use crate::backend::adapter::Adapter;
 
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
