@@ -47,7 +47,10 @@ const EXAMPLES: &str = "Examples:
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass export sensor.toml --to kalibr          its noise as an estimator or a simulator wants it
   proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
-  proofmass validate                                check this build against laws and closed forms";
+  proofmass validate                                check this build against laws and closed forms
+
+Scope of a study: one sensitive axis, small tilt, and a flat Earth that does not rotate, until it is
+given a trajectory.";
 
 /// One per job.
 #[derive(Debug, Subcommand)]

@@ -6,6 +6,7 @@
 pub mod array;
 pub mod attractor;
 pub mod beliefs;
+pub mod bifurcation;
 pub mod check;
 pub mod cubic;
 pub mod envelope;
@@ -44,7 +45,9 @@ pub struct Paper {
     pub cubic: cubic::Cubic,
     /// Figures 17 to 19.
     pub attractor: attractor::Attractor,
-    /// Figure 20.
+    /// Figure 20 as the paper draws it.
+    pub bifurcation: bifurcation::Bifurcation,
+    /// Figure 20: what noise makes of it.
     pub parting: parting::Parting,
     /// The maps and bifurcation diagrams around the paper's point.
     pub atlas: Option<Atlas>,
@@ -96,7 +99,9 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Co
     step()?;
     let attractor = attractor::compute(control).map_err(stopped)?;
     step()?;
-    let parting = parting::compute(&attractor.drive, attractor.exponent);
+    let bifurcation = bifurcation::compute(&attractor.drive);
+    let mut parting = parting::compute(&attractor.drive, attractor.exponent);
+    parting.exhibit.checks.splice(0..0, bifurcation.checks.iter().cloned());
     step()?;
     drop(progress);
     let atlas = match maps {
@@ -107,5 +112,5 @@ pub fn compute(data: Option<&Path>, maps: bool, device: Device<'_>, control: &Co
         }
         false => None,
     };
-    Ok(Paper { array, growth, pitch, fusion, linear, cubic, attractor, parting, atlas })
+    Ok(Paper { array, growth, pitch, fusion, linear, cubic, attractor, bifurcation, parting, atlas })
 }

@@ -9,6 +9,7 @@ mod suite {
     pub mod cli;
     pub mod clock;
     pub mod closed_form;
+    pub mod colours;
     pub mod convergence;
     pub mod device_faults;
     pub mod diagnose_cli;
@@ -31,6 +32,7 @@ mod suite {
     pub mod near_laws;
     pub mod noise_law;
     pub mod outputs;
+    pub mod pages;
     pub mod paper;
     pub mod parity;
     pub mod planted;
@@ -64,6 +66,10 @@ fn main() {
         suite::cli::tests(),
         // outputs: a run replaces its own files and nobody else's.
         suite::outputs::tests(),
+        // pages: what a reader sees is whole at every width, and figures answer.
+        suite::pages::tests(),
+        // colours: inks differ for every reader.
+        suite::colours::tests(),
         // hostile_names: headings, units and paths of any text are written so that they can be read back.
         suite::hostile_names::tests(),
         // mistakes: what a newcomer does wrong is refused in a sentence.

@@ -20,7 +20,10 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
   proofmass study study.toml --set gyro.bias_deg_h=4 --set 'accelerometer.bias_mg={ mean = 0.0, sd = 2.0 }'
   proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro
-  proofmass study --preset tactical                            the default motion, with a tactical-grade sensor";
+  proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
+
+Scope: one sensitive axis, small tilt, and a flat Earth that does not rotate, until the study is
+given a trajectory.";
 
 /// Arguments of `study`.
 #[derive(Debug, Default, clap::Args)]

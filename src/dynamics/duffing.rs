@@ -97,6 +97,17 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// The force at a time.
+    pub fn at_n(&self, time_s: f64) -> f64 {
+        self.amplitude_n * (self.omega_rad_s * time_s).cos()
+    }
+
+    /// What an ideal sensor of unit mass that starts at rest would report: reading, speed and distance.
+    pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
+        let (a, w) = (self.amplitude_n, self.omega_rad_s);
+        (self.at_n(time_s), a / w * (w * time_s).sin(), a / (w * w) * (1.0 - (w * time_s).cos()))
+    }
+
     /// Length of a period.
     pub fn period_s(&self) -> f64 {
         2.0 * std::f64::consts::PI / self.omega_rad_s

@@ -101,7 +101,8 @@ pub fn compute(control: &Control) -> Result<Attractor, Stopped> {
         Exhibit::simulated(18, "Poincaré section: a strange attractor", eighteen(kaplan_yorke, &boxes, &views[0])),
         Exhibit::simulated(19, "The section enlarged, twice", nineteen(&parts, &views[0], kaplan_yorke)),
     ];
-    let portrait = portrait(&PAPER, &drive, steps_per_period, 200, 40);
+    // Fine enough that its loops are round.
+    let portrait = portrait(&PAPER, &drive, 4 * steps_per_period, 200, 40);
     Ok(Attractor { radian, hertz, drive, portrait, exponent, kaplan_yorke, boxes, parts, views, exhibits })
 }
 

@@ -4,7 +4,7 @@
 
 use super::check::{Check, Exhibit};
 use super::linear::{END_S, RECTANGLE};
-use crate::dynamics::duffing::{Oscillator, PAPER, State};
+use crate::dynamics::duffing::{Drive, Oscillator, PAPER, State};
 use crate::dynamics::linear::{Motion, Rectangle, rectangle_response};
 
 /// Curves and checks of figure 16.
@@ -18,15 +18,22 @@ pub struct Cubic {
     pub exhibit: Exhibit,
 }
 
-/// Time and motion at every step; the integrals are Simpson's, of the order of Runge–Kutta itself.
-pub fn respond(oscillator: &Oscillator, rectangle: Rectangle, step_s: f64, end_s: f64) -> Vec<(f64, Motion)> {
+/// Time and motion at every step; the integrals are Simpson's, of the order of Runge–Kutta itself. Edges of the rectangle
+/// fall on steps; a periodic force may act besides.
+pub fn respond(
+    oscillator: &Oscillator,
+    (rectangle, drive): (Rectangle, Option<&Drive>),
+    step_s: f64,
+    end_s: f64,
+) -> Vec<(f64, Motion)> {
     let mut motion = Motion::default();
     let mut path = vec![(0.0, motion)];
     for step in 0..(end_s / step_s).round() as u32 {
-        let force = rectangle.at_n((f64::from(step) + 0.5) * step_s);
+        let held = rectangle.at_n((f64::from(step) + 0.5) * step_s);
+        let force = |part: f64| held + drive.map_or(0.0, |d| d.at_n((f64::from(step) + part) * step_s));
         let state = State { x_m: motion.x_m, v_m_s: motion.v_m_s };
-        let middle = oscillator.step(state, 0.5 * step_s, [force; 3]);
-        let end = oscillator.step(middle, 0.5 * step_s, [force; 3]);
+        let middle = oscillator.step(state, 0.5 * step_s, [0.0, 0.25, 0.5].map(force));
+        let end = oscillator.step(middle, 0.5 * step_s, [0.5, 0.75, 1.0].map(force));
         let (a, b, c) = (state.x_m, middle.x_m, end.x_m);
         motion = Motion {
             x_m: end.x_m,
@@ -44,7 +51,7 @@ pub fn respond(oscillator: &Oscillator, rectangle: Rectangle, step_s: f64, end_s
 
 /// Computes the figure.
 pub fn compute() -> Cubic {
-    let cubic = respond(&PAPER, RECTANGLE, 0.02, END_S);
+    let cubic = respond(&PAPER, (RECTANGLE, None), 0.02, END_S);
     let linear = cubic.iter().map(|(t, _)| (*t, rectangle_response(&PAPER.linear(), RECTANGLE, *t))).collect();
     let exhibit = Exhibit::simulated(16, "The same rectangle on a cubic spring", checks());
     Cubic { cubic, linear, exhibit }
@@ -55,15 +62,15 @@ fn last(path: &[(f64, Motion)]) -> Motion {
 }
 
 fn checks() -> Vec<Check> {
-    let end = |h: f64| last(&respond(&PAPER, RECTANGLE, h, END_S)).x_m;
+    let end = |h: f64| last(&respond(&PAPER, (RECTANGLE, None), h, END_S)).x_m;
     let (coarse, fine, finest) = (end(0.2), end(0.1), end(0.0125));
     let long = Rectangle { length_s: 400.0, ..RECTANGLE };
-    let held = last(&respond(&PAPER, long, 0.05, 400.0)).x_m;
+    let held = last(&respond(&PAPER, (long, None), 0.05, 400.0)).x_m;
     // Small ε: the departure from the exact linear solution is proportional to it.
     let departure = |cubic_n_m3: f64| {
         let slightly = Oscillator { cubic_n_m3, ..PAPER };
         let exact = rectangle_response(&PAPER.linear(), RECTANGLE, 30.0);
-        last(&respond(&slightly, RECTANGLE, 0.02, 30.0)).integral_m_s - exact.integral_m_s
+        last(&respond(&slightly, (RECTANGLE, None), 0.02, 30.0)).integral_m_s - exact.integral_m_s
     };
     vec![
         Check::near(

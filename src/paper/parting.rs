@@ -126,7 +126,7 @@ pub fn compute(drive: &Drive, exponent: Estimate) -> Parting {
     let rate = Estimate::of_mean(&rates);
     let exhibit = Exhibit::simulated(
         20,
-        "Distance in the chaotic regime: noise decides",
+        "The rectangle in the chaotic regime, and what noise makes of it",
         checks(drive, exponent, rate, &cubic, &linear),
     );
     Parting { cubic, linear, separation, rate, exhibit }

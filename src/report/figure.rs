@@ -1,15 +1,25 @@
-//! Figures: a description of a chart, drawn to SVG by plotters in one uniform style.
+//! Figures: a description of a chart, drawn to SVG in one uniform style.
 //!
 //! A figure says what is plotted (`Chart`); this module decides how it looks: ticks, legend above the data, colours that
-//! follow the reader's light or dark setting. Not for computing what is plotted.
+//! follow the reader's light or dark setting. The same plot stands in a page, where it fills the width it is given, and in
+//! a file of its own. Not for computing what is plotted.
 
 pub mod axis;
 mod chart;
-mod draw;
+mod frame;
+mod inline;
+mod legend;
+mod marks;
+mod plot;
 pub mod raster;
+mod sheet;
+mod simplify;
 pub mod theme;
+mod tick;
 
 use crate::escape::xml;
+use legend::Legend;
+use plot::Plot;
 
 pub use axis::{Axis, Scale, labelled};
 pub use chart::{Chart, Mark, Note, Series};
@@ -19,20 +29,29 @@ pub use theme::Ink;
 impl Chart {
     /// Draws it.
     pub fn draw(&self) -> Figure {
-        Figure::from_svg(draw::to_svg(self))
+        let legend = Legend::of(self);
+        let plot = Plot::of(self, &legend);
+        Figure {
+            inline: inline::inline(self, &legend, &plot),
+            svg: xml(&sheet::sheet(self, &legend, &plot)).into_owned(),
+        }
     }
 }
 
 /// A drawn figure.
 #[derive(Debug, Clone)]
 pub struct Figure {
+    /// One element of a page.
+    inline: String,
+    /// An `<svg>` element without its style.
     svg: String,
 }
 
 impl Figure {
     /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes (`f-ink`, `s-c1`, …).
     pub fn from_svg(svg: String) -> Self {
-        Self { svg: xml(&svg).into_owned() }
+        let svg = xml(&svg).into_owned();
+        Self { inline: format!("<div class=\"drawing\">{svg}</div>"), svg }
     }
 
     /// Figures side by side as one; each keeps its own size.
@@ -47,21 +66,23 @@ impl Figure {
             left += size(figure, "width");
             height = height.max(size(figure, "height"));
         }
-        Self {
-            svg: format!(
-                "<svg width=\"{left}\" height=\"{height}\" viewBox=\"0 0 {left} {height}\" \
-                 xmlns=\"http://www.w3.org/2000/svg\">\n{inner}</svg>\n"
-            ),
-        }
+        Self::from_svg(format!(
+            "<svg width=\"{left}\" height=\"{height}\" viewBox=\"0 0 {left} {height}\" \
+             xmlns=\"http://www.w3.org/2000/svg\">\n{inner}</svg>\n"
+        ))
     }
 
-    /// SVG to stand inside a page that carries the theme's style.
-    pub fn inline_svg(&self) -> &str {
-        &self.svg
+    /// The figure as one element of a page that carries the theme's style.
+    pub fn inline(&self) -> &str {
+        &self.inline
     }
 
     /// SVG to stand alone as a file, with its style inside.
     pub fn file_svg(&self) -> String {
-        self.svg.replacen('>', &format!("><style>{}svg{{background:var(--paper)}}</style>", theme::css()), 1)
+        self.svg.replacen(
+            '>',
+            &format!("><style>{}svg{{background:var(--paper)}}svg svg{{background:none}}</style>", theme::css()),
+            1,
+        )
     }
 }

@@ -1,4 +1,10 @@
-//! A self-contained page: title, lede, sections of prose, tables and inline figures. No script, no external load.
+//! A self-contained page: title, lede, sections of prose, tables and inline figures.
+//!
+//! It loads nothing: its one style and its one script, which makes figures answer, stand in it and are the only ones that
+//! its content security policy allows, by their digests. Without the script the figures stand as they were drawn.
+
+use base64::Engine as _;
+use sha2::{Digest, Sha256};
 
 use super::figure::Figure;
 use super::figure::theme;
@@ -60,7 +66,7 @@ impl Page {
 
     /// A figure with its caption.
     pub fn figure(&mut self, figure: &Figure, caption: &str) {
-        self.body += &format!("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.inline_svg(), html(caption));
+        self.body += &format!("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.inline(), html(caption));
     }
 
     /// Two or more figures side by side where the screen is wide enough.
@@ -86,31 +92,31 @@ impl Page {
             Some((opening, rest)) => format!("{opening}{contents}<h2 {rest}"),
             None => self.body,
         };
+        let style = format!("{}{PAGE_CSS}", theme::css());
+        let (allowed, script) = match body.contains("<figure>") {
+            true => (digest(FIGURE_JS), format!("<script>{FIGURE_JS}</script>\n")),
+            false => ("'none'".to_owned(), String::new()),
+        };
+        let policy = format!(
+            "default-src 'none'; style-src {}; script-src {allowed}; img-src data:; base-uri 'none'; form-action 'none'",
+            digest(&style)
+        );
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
              <meta name=\"color-scheme\" content=\"light dark\">\
-             <title>{}</title><style>{}{}</style></head><body>\n{body}</body></html>\n",
+             <title>{}</title><style>{style}</style></head><body>\n{body}{script}</body></html>\n",
             html(&self.title),
-            theme::css(),
-            PAGE_CSS
         )
     }
 }
 
-const PAGE_CSS: &str = "
-body{font:16px/1.55 system-ui,-apple-system,'Segoe UI',sans-serif;max-width:60rem;margin:0 auto;padding:1.2rem;\
-background:var(--paper);color:var(--ink);overflow-wrap:break-word}
-h1{font-size:1.7rem;line-height:1.2;margin:.6rem 0}h2{margin:2.2rem 0 .4rem;font-size:1.3rem;border-bottom:1px solid var(--grid)}
-h3{margin:1.4rem 0 .3rem;font-size:1.05rem}
-.lede{font-size:1.15rem}.callout{border-left:4px solid var(--c1);padding:.4rem .9rem;background:var(--tint)}
-figure{margin:1rem 0;min-width:0}figure svg{display:block;width:100%;height:auto;max-width:40rem;margin:0 auto}
-figcaption{font-size:.9rem;color:var(--soft);max-width:40rem;margin:.3rem auto 0}
-.row{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(26rem,100%),1fr));gap:0 1.2rem}
-.scroll{overflow-x:auto;margin:.8rem 0}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}
-th,td{padding:.25rem .7rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:top}
-td:first-child{min-width:6.6rem}td.w{min-width:11rem}th{color:var(--soft);font-weight:600}td.n,th.n{text-align:right}td.n{white-space:nowrap}
-pre{background:var(--tint);padding:.7rem;overflow-x:auto;font-size:.85rem}a{color:var(--c1)}
-nav ol{columns:2 16rem;column-gap:2.5rem;font-size:.95rem}
-@media print{body{max-width:none}h2{break-after:avoid}figure{break-inside:avoid}}
-";
+/// How a content security policy names a text that it allows.
+fn digest(text: &str) -> String {
+    format!("'sha256-{}'", base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes())))
+}
+
+const PAGE_CSS: &str = include_str!("html/page.css");
+const FIGURE_JS: &str =
+    concat!(include_str!("html/axis.js"), include_str!("html/readout.js"), include_str!("html/figure.js"));

@@ -65,8 +65,8 @@ fn heat(atlas: &Atlas, grid: &Grid, title: &str, values: &[f64], limits: (f64, f
     let at = (mark(atlas, x.quantity), mark(atlas, y.quantity));
     if grid.cell(at.0, at.1).is_some() {
         let (w, h) = (0.02 * (x.to - x.from), 0.025 * (y.to - y.from));
-        chart.add("the point plotted", Ink::Red, Mark::Line, vec![(at.0 - w, at.1), (at.0 + w, at.1)]);
-        chart.add("", Ink::Red, Mark::Line, vec![(at.0, at.1 - h), (at.0, at.1 + h)]);
+        chart.add("the point plotted", Ink::Orange, Mark::Line, vec![(at.0 - w, at.1), (at.0 + w, at.1)]);
+        chart.add("", Ink::Orange, Mark::Line, vec![(at.0, at.1 - h), (at.0, at.1 + h)]);
     }
     chart.draw()
 }

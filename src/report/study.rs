@@ -22,9 +22,14 @@ pub use envelope::log_log as envelope_figure;
 use moment::{moment, plain};
 pub use windows::picture as windows_figure;
 
+/// What is simulated, and what is not.
+pub const SCOPE: &str = "Scope: one sensitive axis, small tilt, and a flat Earth that does not rotate, until the study is given a \
+                         trajectory.";
+
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
+    page.paragraph(SCOPE);
     page.section("How far it drifts");
     let (linear, log) = (envelope::linear(drift).draw(), envelope::log_log(drift).draw());
     page.figure_row(&[

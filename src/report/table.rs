@@ -4,6 +4,9 @@ use std::fmt;
 
 use crate::escape::{html, line};
 
+/// A table of more columns is a matrix, set close so that a page holds it.
+const DENSE: usize = 14;
+
 /// Rows of text under headings. The first column is left-aligned, columns of numbers right-aligned.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
@@ -48,7 +51,8 @@ impl Table {
             false if self.worded(c) => " class=\"w\"",
             false => "",
         };
-        let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
+        let dense = if self.headings.len() > DENSE { " class=\"dense\"" } else { "" };
+        let mut out = format!("<div class=\"scroll\"><table{dense}><thead><tr>");
         for (c, heading) in self.headings.iter().enumerate() {
             // A line ends before the quantity, not before its unit.
             let heading = html(heading).replace(" / ", "\u{a0}/\u{a0}").replace(" %", "\u{a0}%");

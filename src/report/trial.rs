@@ -248,7 +248,7 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
              95 %; bands: all curves within 95 %.",
         ),
         (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect, with its 95 % interval; those that reach beyond \
-          20 are cut there."),
+          100 are cut there."),
     ]);
     page.section("Confusion matrix");
     page.table(&effects(outcome));

@@ -239,10 +239,11 @@ fn candidates(detail: &Detail) -> Exhibit {
     let shown: Vec<_> = held_out.take(12).collect();
     let place = |i: usize| (shown.len() - i) as f64;
     let clip = |v: f64| v.clamp(-0.2, 1.0);
+    let names = shown.iter().enumerate().map(|(i, (id, ..))| (place(i), id.to_string())).collect();
     let mut chart = Chart::new(
         "Fraction of the held-out one-step error that each candidate removes",
-        Axis::linear("gain on validation samples").within(-0.2, 1.35),
-        Axis::linear("best first").unmarked().within(0.3, shown.len() as f64 + 0.7),
+        Axis::linear("gain on validation samples").within(-0.22, 1.02),
+        Axis::linear("best first").named(names).within(0.3, shown.len() as f64 + 0.7),
     );
     for (ink, named, words) in [(Ink::Red, true, "named"), (Ink::Soft, false, "not named")] {
         let dots: Vec<(f64, f64)> = shown
@@ -255,16 +256,13 @@ fn candidates(detail: &Detail) -> Exhibit {
             chart.add(words, ink, Mark::Dots(5), dots);
         }
     }
-    for (i, (id, gain, named)) in shown.iter().enumerate() {
-        let mut end = gain.value();
+    for (i, (_, gain, named)) in shown.iter().enumerate() {
         if let Some([low, high]) = gain.ci95() {
             let ink = if *named { Ink::Red } else { Ink::Soft };
             chart.add("", ink, Mark::Line, vec![(clip(low), place(i)), (clip(high), place(i))]);
-            end = end.max(high);
         }
-        chart.note((clip(end) + 0.03, place(i)), id);
     }
-    chart.size = (860, 90 + 26 * shown.len() as u32);
+    chart.size = (720, 110 + 24 * shown.len().max(4) as u32);
     Exhibit {
         part: Part::Identification,
         name: "candidates".into(),

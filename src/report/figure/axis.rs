@@ -1,10 +1,6 @@
 //! An axis: label with unit, linear or logarithmic, range and ticks.
 
-use std::ops::Range;
-
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-
-use crate::number::{significant, superscript};
+use crate::number::{rounded, significant, superscript};
 
 /// How values are spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,8 +20,8 @@ pub struct Axis {
     pub scale: Scale,
     /// Limits; from the data where absent.
     pub range: Option<(f64, f64)>,
-    /// Whether it carries ticks; places in a list need none.
-    pub marked: bool,
+    /// Where it is a list: the place of each entry and what it is called, instead of numbers.
+    pub names: Vec<(f64, String)>,
 }
 
 /// "quantity / unit", the unit in brackets where it is a quotient itself.
@@ -36,17 +32,17 @@ pub fn labelled(quantity: &str, unit: &str) -> String {
 impl Axis {
     /// A linear axis.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None, marked: true }
+        Self { label: label.into(), scale: Scale::Linear, range: None, names: Vec::new() }
     }
 
     /// A logarithmic axis.
     pub fn log(label: &str) -> Self {
-        Self { label: label.into(), scale: Scale::Log, range: None, marked: true }
+        Self { label: label.into(), scale: Scale::Log, range: None, names: Vec::new() }
     }
 
-    /// The same axis without ticks.
-    pub fn unmarked(mut self) -> Self {
-        self.marked = false;
+    /// The same axis as a list: places and what stands there.
+    pub fn named(mut self, names: Vec<(f64, String)>) -> Self {
+        self.names = names;
         self
     }
 
@@ -81,26 +77,28 @@ impl Axis {
                 Scale::Linear => (low - 0.04 * (high - low), high + 0.04 * (high - low)),
             }
         });
-        Span { scale: self.scale, low, high, marked: self.marked }
+        Span { scale: self.scale, low, high }
     }
 }
 
-/// An axis with its limits, as plotters wants it.
+/// An axis with its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Span {
     pub(super) scale: Scale,
     pub(super) low: f64,
     pub(super) high: f64,
-    pub(super) marked: bool,
 }
 
 impl Span {
     /// 0 at the low end, 1 at the high end.
-    fn fraction(&self, value: f64) -> f64 {
-        match self.scale {
+    ///
+    /// What lies far outside stops four lengths of the axis beyond it, a logarithm of zero included.
+    pub(super) fn fraction(&self, value: f64) -> f64 {
+        let fraction = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
-        }
+            Scale::Log => (value.max(f64::MIN_POSITIVE) / self.low).ln() / (self.high / self.low).ln(),
+        };
+        fraction.clamp(-4.0, 5.0)
     }
 
     /// A point is drawable when it lies on the axis at all (log axes have no zero).
@@ -117,32 +115,32 @@ impl Span {
 
     /// Tick positions.
     pub(super) fn ticks(&self) -> Vec<f64> {
-        match self.scale {
-            _ if !self.marked => Vec::new(),
-            Scale::Linear => {
-                let step = self.step();
-                let first = (self.low / step).ceil() as i64;
-                let last = (self.high / step).floor() as i64;
-                (first..=last.min(first + 50)).map(|k| k as f64 * step).collect()
-            }
-            Scale::Log => {
-                let (first, last) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
-                let every = ((last - first) / 8 + 1).max(1);
-                let decades = (self.high / self.low).log10();
-                let within: &[f64] = if decades < 1.2 {
-                    &[1.0, 2.0, 3.0, 5.0, 7.0]
-                } else if decades < 2.6 {
-                    &[1.0, 2.0, 5.0]
-                } else {
-                    &[1.0]
-                };
-                (first - 1..=last)
-                    .filter(|e| (e - first).rem_euclid(every) == 0)
-                    .flat_map(|e| within.iter().map(move |m| m * 10f64.powi(e)))
-                    .filter(|v| *v >= self.low * 0.999 && *v <= self.high * 1.001)
-                    .collect()
-            }
+        let evenly = || {
+            let step = self.step();
+            let first = (self.low / step).ceil() as i64;
+            let last = (self.high / step).floor() as i64;
+            (first..=last.min(first + 50)).map(|k| k as f64 * step).collect()
+        };
+        if self.scale == Scale::Linear {
+            return evenly();
         }
+        let (first, last) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
+        let every = ((last - first) / 8 + 1).max(1);
+        let decades = (self.high / self.low).log10();
+        let within: &[f64] = if decades < 1.2 {
+            &[1.0, 2.0, 3.0, 5.0, 7.0]
+        } else if decades < 2.6 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let by_decade: Vec<f64> = (first - 1..=last)
+            .filter(|e| (e - first).rem_euclid(every) == 0)
+            .flat_map(|e| within.iter().map(move |m| m * 10f64.powi(e)))
+            .filter(|v| *v >= self.low * 0.999 && *v <= self.high * 1.001)
+            .collect();
+        // A part of a decade is nearly even, and one tick alone says no scale.
+        if by_decade.len() < 3 && decades < 1.0 { evenly() } else { by_decade }
     }
 
     /// The text of a tick.
@@ -151,10 +149,12 @@ impl Span {
             Scale::Log => {
                 let exponent = value.log10().floor() as i32;
                 let mantissa = value / 10f64.powi(exponent);
+                // As many digits as the tick has.
+                let digits = (1..6).find(|d| (rounded(value, *d) / value - 1.0).abs() < 1e-9).unwrap_or(6);
                 match (-2..4).contains(&exponent) {
-                    true => significant(value, 1),
+                    true => significant(value, digits),
                     false if (mantissa - 1.0).abs() < 1e-6 => format!("10{}", superscript(exponent)),
-                    false => format!("{}·10{}", significant(mantissa, 1), superscript(exponent)),
+                    false => format!("{}·10{}", significant(mantissa, digits), superscript(exponent)),
                 }
             }
             Scale::Linear => {
@@ -174,46 +174,26 @@ impl Span {
     }
 }
 
-impl Ranged for Span {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        // Far outside points are clamped a little beyond the frame, so that pixel arithmetic cannot overflow.
-        let fraction = self.fraction(*value).clamp(-4.0, 5.0);
-        limit.0 + (fraction * f64::from(limit.1 - limit.0)).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() && self.scale == Scale::Linear { Vec::new() } else { self.ticks() }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Span {
-    fn format_ext(&self, value: &f64) -> String {
-        self.tick_label(*value)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let span = Span { scale: Scale::Linear, low: -0.3, high: 10.4, marked: true };
+        let span = Span { scale: Scale::Linear, low: -0.3, high: 10.4 };
         assert_eq!(span.ticks(), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         assert_eq!(span.tick_label(4.0), "4");
-        let log = Span { scale: Scale::Log, low: 0.5, high: 2e4, marked: true };
+        let log = Span { scale: Scale::Log, low: 0.5, high: 2e4 };
         assert_eq!(log.ticks(), [1.0, 10.0, 100.0, 1000.0, 10000.0]);
         assert_eq!(log.tick_label(1e4), "10⁴");
         let from_zero = Axis::log("").within(0.0, 2.0).fitted([0.0, 0.1, 1.0].into_iter());
         assert_eq!((from_zero.ticks().len(), from_zero.ticks()[5]), (6, 1.0));
-        let quarter = Span { scale: Scale::Linear, low: 0.0, high: 1.4, marked: true };
+        let part = Span { scale: Scale::Log, low: 80.0, high: 170.0 };
+        assert_eq!(
+            part.ticks().iter().map(|t| part.tick_label(*t)).collect::<Vec<_>>(),
+            ["80", "100", "120", "140", "160"]
+        );
+        let quarter = Span { scale: Scale::Linear, low: 0.0, high: 1.4 };
         assert_eq!(quarter.tick_label(0.25), "0.25");
     }
 }

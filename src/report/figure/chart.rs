@@ -37,10 +37,14 @@ pub struct Series {
 /// Words at a point of the plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// Where, in axis units; the text begins there.
+    /// Where, in axis units.
     pub at: (f64, f64),
     /// What it says.
     pub text: String,
+    /// Whether the point is the text's middle; otherwise the text stands beside it.
+    pub middle: bool,
+    /// Whether there is room for it on a phone.
+    pub narrow: bool,
 }
 
 /// A chart with two axes.
@@ -58,14 +62,17 @@ pub struct Chart {
     pub notes: Vec<Note>,
     /// Picture behind the series: a heat map or a cloud.
     pub raster: Option<Raster>,
-    /// Width and height in px.
+    /// Width and height in px, with title and labels.
     pub size: (u32, u32),
+    /// Whether a unit is as long on both axes (linear ones).
+    pub equal: bool,
 }
 
 impl Chart {
     /// An empty chart of the usual size.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), x, y, series: Vec::new(), notes: Vec::new(), raster: None, size: (560, 390) }
+        let (series, notes) = (Vec::new(), Vec::new());
+        Self { title: title.into(), x, y, series, notes, raster: None, size: (560, 390), equal: false }
     }
 
     /// Adds a series and returns the chart.
@@ -79,8 +86,13 @@ impl Chart {
         self.series.push(Series { name: name.into(), ink, mark, points });
     }
 
-    /// Adds words at a point.
+    /// Adds words centred on a point; `narrow` tells whether a phone has room for them.
+    pub fn label(&mut self, at: (f64, f64), text: &str, narrow: bool) {
+        self.notes.push(Note { at, text: text.into(), middle: true, narrow });
+    }
+
+    /// Adds words beside a point.
     pub fn note(&mut self, at: (f64, f64), text: &str) {
-        self.notes.push(Note { at, text: text.into() });
+        self.notes.push(Note { at, text: text.into(), middle: false, narrow: true });
     }
 }

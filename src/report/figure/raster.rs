@@ -1,11 +1,12 @@
 //! A picture behind a chart: a heat map with its colour bar, or a cloud of points too many for SVG.
 
 use base64::Engine as _;
+use sha2::{Digest, Sha256};
 
 /// Pixels with the rectangle they cover.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
-    /// RGBA, row by row from the top.
+    /// Row by row from the top: RGBA of a heat map, points per pixel of a cloud.
     pub pixels: Vec<u8>,
     /// Columns and rows.
     pub shape: (u32, u32),
@@ -39,39 +40,60 @@ impl Raster {
         Self { pixels, shape: (columns as u32, rows as u32), x, y, bar }
     }
 
-    /// A cloud: each pixel darker the more points fall on it (grey blue that reads on light and dark).
+    /// A cloud: each pixel stronger the more points fall on it.
     pub fn cloud(points: impl Iterator<Item = (f64, f64)>, shape: (u32, u32), x: (f64, f64), y: (f64, f64)) -> Self {
-        let mut counts = vec![0u32; (shape.0 * shape.1) as usize];
+        let mut counts = vec![0u8; (shape.0 * shape.1) as usize];
         for (px, py) in points {
             let column = ((px - x.0) / (x.1 - x.0) * f64::from(shape.0)).floor();
             let row = ((y.1 - py) / (y.1 - y.0) * f64::from(shape.1)).floor();
             if column >= 0.0 && row >= 0.0 && column < f64::from(shape.0) && row < f64::from(shape.1) {
-                counts[row as usize * shape.0 as usize + column as usize] += 1;
+                let count = &mut counts[row as usize * shape.0 as usize + column as usize];
+                *count = count.saturating_add(1);
             }
         }
-        let alpha = |n: u32| if n == 0 { 0 } else { (150 + 35 * n.min(3)) as u8 };
-        let pixels = counts.iter().flat_map(|n| [0x2E, 0x7F, 0xBF, alpha(*n)]).collect();
-        Self { pixels, shape, x, y, bar: None }
+        Self { pixels: counts, shape, x, y, bar: None }
     }
 
-    /// The picture as a PNG data URI. Clouds compress to one bit's worth, so pages stay small.
+    /// A heat map as a PNG data URI.
     pub(super) fn data_uri(&self) -> String {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.shape.0.max(1), self.shape.1.max(1));
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        // Writing into memory cannot fail for pixels of the right length; a mismatch gives an empty picture.
-        let written = encoder.write_header().and_then(|mut w| w.write_image_data(&self.pixels));
-        if written.is_err() {
-            bytes.clear();
-        }
-        format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes))
+        uri(&self.pixels, self.shape, (png::ColorType::Rgba, png::BitDepth::Eight))
+    }
+
+    /// A cloud as a stencil, white where points are: a name of its own for it, and a PNG data URI of two bits a pixel.
+    pub(super) fn stencil(&self) -> (String, String) {
+        let columns = self.shape.0.max(1) as usize;
+        let pack =
+            |four: &[u8]| (0..4).fold(0, |byte, k| byte << 2 | four.get(k).map_or(0, |n| 2.min(*n) + u8::from(*n > 0)));
+        let bytes: Vec<u8> = self.pixels.chunks(columns).flat_map(|row| row.chunks(4).map(pack)).collect();
+        let uri = uri(&bytes, self.shape, (png::ColorType::Grayscale, png::BitDepth::Two));
+        let digest = Sha256::digest(uri.as_bytes());
+        (digest[..6].iter().fold("cloud-".to_owned(), |name, byte| name + &format!("{byte:02x}")), uri)
     }
 }
 
+/// Pixels as a PNG data URI.
+fn uri(pixels: &[u8], shape: (u32, u32), (colours, depth): (png::ColorType, png::BitDepth)) -> String {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, shape.0.max(1), shape.1.max(1));
+    encoder.set_color(colours);
+    encoder.set_depth(depth);
+    encoder.set_compression(png::Compression::High);
+    // Writing into memory cannot fail for pixels of the right length; a mismatch gives an empty picture.
+    let written = encoder.write_header().and_then(|mut w| w.write_image_data(pixels));
+    if written.is_err() {
+        bytes.clear();
+    }
+    format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes))
+}
+
+/// The ramp from its high end to its low one, one pixel wide.
+pub(super) fn ramp_uri() -> String {
+    let pixels: Vec<u8> = (0..128).rev().flat_map(|k| colour(f64::from(k) / 127.0)).collect();
+    uri(&pixels, (1, 128), (png::ColorType::Rgba, png::BitDepth::Eight))
+}
+
 /// A perceptually even ramp from dark blue over green to yellow (control points of viridis), 0 to 1; NaN is clear.
-pub(super) fn colour(fraction: f64) -> [u8; 4] {
+fn colour(fraction: f64) -> [u8; 4] {
     const RAMP: [[f64; 3]; 6] =
         [[68., 1., 84.], [65., 68., 135.], [42., 120., 142.], [34., 168., 132.], [122., 209., 81.], [253., 231., 37.]];
     if fraction.is_nan() {

@@ -3,12 +3,16 @@
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::super::html::Page;
 use super::super::map;
+use super::mechanics::three;
 use super::section::{checks, head, thin};
+use crate::dynamics::duffing::PAPER;
 use crate::dynamics::estimate::Estimate;
 use crate::number::{significant, with_uncertainty};
 use crate::paper::Paper;
 use crate::paper::attractor::{Attractor, View};
+use crate::paper::bifurcation::Bifurcation;
 use crate::paper::forcing::Scan;
+use crate::paper::linear::END_S;
 use crate::paper::parting::{NOISE_N_RTS, Parting};
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
@@ -23,7 +27,7 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
         );
         map::write(page, atlas);
     }
-    twenty(page, &paper.parting, &paper.attractor);
+    twenty(page, &paper.bifurcation, &paper.parting, &paper.attractor);
 }
 
 fn pair(e: Estimate) -> String {
@@ -64,7 +68,7 @@ fn seventeen(page: &mut Page, attractor: &Attractor) {
     ));
     let orbit: Vec<(f64, f64)> = attractor.portrait.iter().map(|s| (s.x_m, s.v_m_s)).collect();
     let mut portrait = Chart::new("Phase portrait", Axis::linear("displacement / m"), Axis::linear("velocity / (m/s)"))
-        .with("", Ink::Blue, Mark::Line, thin(&orbit, 6000));
+        .with("", Ink::Blue, Mark::Line, orbit);
     portrait.size = (640, 460);
     page.figure(
         &portrait.draw(),
@@ -95,7 +99,9 @@ fn cloud(title: &str, view: &View, inner: Option<&View>) -> Figure {
         Axis::linear("velocity / (m/s)").within(y.0, y.1),
     );
     let points = view.cloud.iter().map(|p| (f64::from(p[0]), f64::from(p[1])));
-    chart.raster = Some(Raster::cloud(points, (1300, 1000), x, y));
+    // Pixels so large that those hit make sheets, and no smaller than the screen's.
+    let side = (3 * view.cloud.len().isqrt()).clamp(200, 800) as u32;
+    chart.raster = Some(Raster::cloud(points, (side, side * 3 / 4), x, y));
     if let Some(inner) = inner {
         let (a, b) = (inner.window.x_m, inner.window.v_m_s);
         let frame = vec![(a.0, b.0), (a.1, b.0), (a.1, b.1), (a.0, b.1), (a.0, b.0)];
@@ -164,10 +170,22 @@ fn nineteen(page: &mut Page, attractor: &Attractor) {
     checks(page, &attractor.exhibits[2]);
 }
 
-fn twenty(page: &mut Page, parting: &Parting, attractor: &Attractor) {
+fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attractor: &Attractor) {
     head(page, &parting.exhibit);
+    page.paragraph(
+        "The rectangle of figure 13 once more, on the cubic spring of figure 16, while the periodic force of figure 17 acts: a \
+         vehicle that accelerates for half a minute and vibrates meanwhile. The paper does not say how the two forces \
+         combine; here they add.",
+    );
+    let [a, b, c] = three(&PAPER, &bifurcation.path, END_S, (&|t| bifurcation.ideal(t), None));
+    page.figure_row(&[
+        (&a, "Reading kx/m. The stiff end of the spring turns a force of tens of newtons into a reading of a few m/s², which \
+              never repeats."),
+        (&b, "Speed: the rectangle's ramp of 30 m/s is lost among the swings."),
+        (&c, "Displacement: the error is huge after a few seconds, as the paper says."),
+    ]);
     page.paragraph(&format!(
-        "What does chaos do to the distance? Two hundred sensors start alike and differ only in a force noise of {} N·√s, \
+        "What does chaos do to sensors that are alike? Two hundred sensors start alike and differ only in a force noise of {} N·√s, \
          a hundred-millionth of the drive. On a linear spring they stay together; on the cubic one every Lyapunov time \
          multiplies their differences by e, until noise decides where they are.",
         significant(NOISE_N_RTS, 1),

@@ -71,7 +71,7 @@ pub(super) fn draw(fusion: &Fusion) -> Figure {
         "<svg width=\"720\" height=\"290\" viewBox=\"0 0 720 290\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\">\n\
          <defs><marker id=\"tip\" viewBox=\"0 0 8 8\" refX=\"7\" refY=\"4\" markerWidth=\"8\" markerHeight=\"8\" \
          orient=\"auto\"><path class=\"f-soft\" d=\"M0 0 8 4 0 8z\"/></marker></defs>\n\
-         <text class=\"f-ink\" x=\"10\" y=\"22\" font-family=\"system-ui,sans-serif\" font-size=\"17\">What goes round, with \
+         <text class=\"title\" x=\"10\" y=\"22\">What goes round, with \
          its settled numbers</text>\n",
     );
     for ((x1, y1), (x2, y2)) in arrows {
@@ -83,14 +83,12 @@ pub(super) fn draw(fusion: &Fusion) -> Figure {
     for block in &blocks {
         let ((x, y), (w, h)) = (block.at, block.size);
         svg += &format!(
-            "<rect class=\"s-c1\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"6\" stroke-width=\"2\" \
-             style=\"fill:var(--tint)\"/>\n"
+            "<rect class=\"s-c1 f-tint\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"6\" stroke-width=\"2\"/>\n"
         );
         for (i, line) in block.lines.iter().enumerate() {
-            let weight = if i == 0 { "bold" } else { "normal" };
+            let class = if i == 0 { "block chief" } else { "block" };
             svg += &format!(
-                "<text class=\"f-ink\" x=\"{}\" y=\"{}\" font-family=\"system-ui,sans-serif\" font-size=\"15\" \
-                 font-weight=\"{weight}\" text-anchor=\"middle\">{}</text>\n",
+                "<text class=\"{class}\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                 x + w / 2,
                 y + 22 + 22 * i as i32,
                 html(line)

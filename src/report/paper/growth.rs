@@ -98,6 +98,7 @@ fn three(page: &mut Page, growth: &Growth) {
     }
     plane.add("N√(2t)", Ink::Black, Mark::Dashed, (0..=120).map(circle).collect());
     plane.size = (480, 460);
+    plane.equal = true;
     let rms: Vec<(f64, f64)> = growth.rms.iter().map(|p| (p.0, p.1 / DEGREE)).collect();
     let law = rms.iter().map(|p| (p.0, ANGLE_WALK_RAD_RTS * (2.0 * p.0).sqrt() / DEGREE)).collect();
     let growth_chart =

@@ -14,19 +14,28 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
     cubic(page, &paper.cubic);
 }
 
+/// Time and motion.
 type Path = [(f64, Motion)];
 type Curve = Vec<(f64, f64)>;
 
+/// Reading, speed and distance at a time.
+type Ideal<'a> = &'a dyn Fn(f64) -> (f64, f64, f64);
+
 /// Reading, speed and distance against the ideal ones, over part of the time.
-fn three(oscillator: &Oscillator, path: &Path, until_s: f64, dots: Option<&[(f64, f64)]>) -> [Figure; 3] {
+pub(super) fn three(
+    oscillator: &Oscillator,
+    path: &Path,
+    until_s: f64,
+    (ideal, dots): (Ideal<'_>, Option<&[(f64, f64)]>),
+) -> [Figure; 3] {
     let part: Vec<&(f64, Motion)> = path.iter().filter(|p| p.0 <= until_s).collect();
     let pick = |value: &dyn Fn(f64, &Motion) -> f64| -> Curve {
-        thin(&part.iter().map(|p| (p.0, value(p.0, &p.1))).collect::<Vec<_>>(), 700)
+        thin(&part.iter().map(|p| (p.0, value(p.0, &p.1))).collect::<Vec<_>>(), 4000)
     };
-    let chart = |title: &str, label: &str, ink: Ink, real: Curve, ideal: Curve| {
+    let chart = |title: &str, label: &str, ink: Ink, real: Curve, true_one: Curve| {
         let mut chart = Chart::new(title, Axis::linear("time / s"), Axis::linear(label))
             .with("sensor", ink, Mark::Line, real)
-            .with("ideal", Ink::Black, Mark::Dashed, ideal);
+            .with("ideal", Ink::Black, Mark::Dashed, true_one);
         chart.size = (470, 340);
         chart
     };
@@ -35,32 +44,23 @@ fn three(oscillator: &Oscillator, path: &Path, until_s: f64, dots: Option<&[(f64
         "acceleration / (m/s²)",
         Ink::Red,
         pick(&|_, m| reading(oscillator, m).0),
-        pick(&|t, _| RECTANGLE.ideal(t).0),
+        pick(&|t, _| ideal(t).0),
     );
     if let Some(dots) = dots {
         let dots: Curve = dots.iter().copied().filter(|d| d.0 <= until_s).collect();
         first.add("Runge–Kutta", Ink::Blue, Mark::Dots(2), dots);
     }
-    let second = chart(
-        "Speed",
-        "speed / (m/s)",
-        Ink::Blue,
-        pick(&|_, m| reading(oscillator, m).1),
-        pick(&|t, _| RECTANGLE.ideal(t).1),
-    );
-    let third = chart(
-        "Distance",
-        "distance / m",
-        Ink::Green,
-        pick(&|_, m| reading(oscillator, m).2),
-        pick(&|t, _| RECTANGLE.ideal(t).2),
-    );
+    let second =
+        chart("Speed", "speed / (m/s)", Ink::Blue, pick(&|_, m| reading(oscillator, m).1), pick(&|t, _| ideal(t).1));
+    let third =
+        chart("Distance", "distance / m", Ink::Green, pick(&|_, m| reading(oscillator, m).2), pick(&|t, _| ideal(t).2));
     [first.draw(), second.draw(), third.draw()]
 }
 
 fn linear(page: &mut Page, linear: &Linear) {
     let [thirteen, fourteen, fifteen] = &linear.exhibits;
     let oscillator = PAPER.linear();
+    let ideal = |t| RECTANGLE.ideal(t);
     head(page, thirteen);
     page.paragraph(
         "Now a sensor without any noise. Inside it a proof mass hangs on a spring: eq. 4, m x″ + D₀x′ + kx = F₀. The reading is \
@@ -71,7 +71,7 @@ fn linear(page: &mut Page, linear: &Linear) {
          and it does not satisfy eq. 4. Right is x(t) = F₀/k + c₁e^(r₁t) + c₂e^(r₂t) with r = (−D₀ ± √(D₀² − 4km))/2m, and rest \
          at t = 0 fixes c₁ = r₂F₀/(k(r₁ − r₂)) and c₂ = −r₁F₀/(k(r₁ − r₂)). The residual of both is shown.",
     );
-    let [a, b, c] = three(&oscillator, &linear.exact, END_S, None);
+    let [a, b, c] = three(&oscillator, &linear.exact, END_S, (&ideal, None));
     page.figure_row(&[
         (&a, "Reading kx/m, from the exact solution of eq. 4 with m = 1, D₀ = 0.1, k = 1 (the paper's values for its chaotic \
               case; it prints none here) under 1 m/s² for 30 s."),
@@ -91,7 +91,7 @@ fn linear(page: &mut Page, linear: &Linear) {
     checks(page, thirteen);
 
     head(page, fourteen);
-    let [a, b, c] = three(&oscillator, &linear.exact, 10.0, Some(&linear.runge_kutta));
+    let [a, b, c] = three(&oscillator, &linear.exact, 10.0, (&ideal, Some(&linear.runge_kutta)));
     page.figure_row(&[
         (&a, "The first ten seconds of figure 13: the reading overshoots by 85 % and rings at the proof mass's own frequency. \
               Dots: Runge–Kutta with steps of a quarter second."),
@@ -137,7 +137,7 @@ fn cubic(page: &mut Page, cubic: &Cubic) {
         "A real spring stiffens: eq. 6 adds εx³, the Duffing equation. Under the same rectangle the mass settles where kx + εx³ \
          = F₀, at 0.83 m instead of 1 m, and the reading kx is short by 17 % for as long as the force lasts.",
     );
-    let [a, b, c] = three(&PAPER, &cubic.cubic, END_S, None);
+    let [a, b, c] = three(&PAPER, &cubic.cubic, END_S, (&|t| RECTANGLE.ideal(t), None));
     page.figure_row(&[
         (&a, "Reading of the cubic sensor (ε = 0.3) by Runge–Kutta with steps of 10 ms. The swings are faster and no longer \
               sinusoidal."),

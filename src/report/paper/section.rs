@@ -3,6 +3,7 @@
 use crate::number::{significant, worth};
 use crate::paper::check::{Check, Exhibit};
 use crate::report::html::Page;
+use crate::report::table::Table;
 
 /// At most `most` points of a curve, evenly taken, the last kept.
 pub fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
@@ -21,19 +22,23 @@ pub fn head(page: &mut Page, exhibit: &Exhibit) {
     page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
 }
 
-/// The checks of a figure, a sentence each: tables of so many words do not fit a phone.
+/// The checks of a figure: what is expected, what came out, and whether they agree.
 pub fn checks(page: &mut Page, exhibit: &Exhibit) {
-    let sentence = |c: &Check| {
-        let (got, expected) = if c.range {
-            let ends = [c.expected - c.tolerance, c.expected + c.tolerance].map(|v| significant(v, 3));
-            (significant(c.got, 3), ends.join(" to "))
-        } else {
-            // One digit more than the tolerance has, so that a near miss can be seen.
-            let shown = |v| worth(v, 0.1 * c.tolerance);
-            (shown(c.got), format!("{} ± {}", shown(c.expected), significant(c.tolerance, 2)))
-        };
-        let verdict = if c.holds { "Holds" } else { "DOES NOT HOLD" };
-        format!("{verdict}. {}: {got}, expected {expected}. Source: {}.", c.name, c.because)
-    };
-    page.list(&exhibit.checks.iter().map(sentence).collect::<Vec<_>>());
+    let mut table = Table::new(&["check", "holds", "computed", "expected", "why"]);
+    for c in &exhibit.checks {
+        let (got, expected) = shown(c);
+        table.row([c.name.clone(), if c.holds { "✓" } else { "✗" }.into(), got, expected, c.because.clone()]);
+    }
+    page.table(&table);
+}
+
+/// The numbers of a check: computed, and expected with the distance allowed.
+fn shown(c: &Check) -> (String, String) {
+    if c.range {
+        let ends = [c.expected - c.tolerance, c.expected + c.tolerance].map(|v| significant(v, 3));
+        return (significant(c.got, 3), ends.join(" to "));
+    }
+    // One digit more than the tolerance has, so that a near miss can be seen.
+    let shown = |v| worth(v, 0.1 * c.tolerance);
+    (shown(c.got), format!("{} ± {}", shown(c.expected), significant(c.tolerance, 2)))
 }

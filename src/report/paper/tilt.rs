@@ -233,20 +233,29 @@ fn spread(values: &[f64], unit: f64, digits: usize) -> String {
     format!("{} ({} to {})", at(0.5), at(0.05), at(0.95))
 }
 
-/// Accelerometer, gyro and the three filters: time, the two, the three; s and rad.
-fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64), reach_deg: f64) -> Figure {
+/// Accelerometer, gyro and the three filters: time, the two, the three; s and rad. First what the accelerometer and the
+/// plain filter do; then, enlarged, what hides near zero beside them.
+fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64), reach_deg: f64) -> [Figure; 2] {
     let inside: Vec<_> = lines.iter().filter(|l| l.0 >= from_s && l.0 <= to_s).collect();
     let pick = |value: fn(&Line) -> f64| -> Curve {
         thin(&inside.iter().map(|l| (l.0, value(l) / DEGREE)).collect::<Vec<_>>(), 900)
     };
-    let y = Axis::linear(label).within(-reach_deg, reach_deg);
-    Chart::new(title, Axis::linear("time / s").within(from_s, to_s), y)
+    let chart = |title: &str, reach_deg: f64| {
+        let y = Axis::linear(label).within(-reach_deg, reach_deg);
+        Chart::new(title, Axis::linear("time / s").within(from_s, to_s), y)
+    };
+    let whole = chart(title, reach_deg)
         .with("accelerometer", Ink::Red, Mark::Line, pick(|l| l.1))
         .with("gyro", Ink::Blue, Mark::Line, pick(|l| l.2))
+        .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]));
+    let (gyro, weighed, adaptive) = (pick(|l| l.2), pick(|l| l.3[1]), pick(|l| l.3[2]));
+    let small = [&gyro, &weighed, &adaptive].into_iter().flatten().map(|p| p.1.abs()).fold(0.0, f64::max);
+    let enlarged = chart(&format!("{title}, enlarged"), 1.1 * small.max(1e-3))
         .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]))
-        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, pick(|l| l.3[1]))
-        .with("and adaptive R", Ink::Orange, Mark::Dashed, pick(|l| l.3[2]))
-        .draw()
+        .with("gyro", Ink::Blue, Mark::Line, gyro)
+        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, weighed)
+        .with("and adaptive R", Ink::Orange, Mark::Dashed, adaptive);
+    [whole.draw(), enlarged.draw()]
 }
 
 fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
@@ -266,7 +275,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
          hardly moves; one that also watches the scatter of its innovations helps where the force keeps its length, as in \
          slow moves by hand. Its price is a longer distrust afterwards.",
     );
-    let example = filters("One push, simulated", "tilt / °", &motion.example, (0.9, 3.4), 20.0);
+    let [example, enlarged] = filters("One push, simulated", "tilt / °", &motion.example, (0.9, 3.4), 20.0);
     let mut histogram = Chart::new(
         "Time until back, plain filter",
         Axis::linear("after the end of the motion / s"),
@@ -287,6 +296,8 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     page.figure_row(&[
         (&example, "One of 400 simulated sensors. The push is one swing of acceleration, so that it starts and ends at rest; its \
                     size is drawn per member (typically 12 m/s²). The accelerometer's swing goes far beyond the frame."),
+        (&enlarged, "The same without the accelerometer: the weighed filters stay with the gyro while the plain one leaves the \
+                     frame."),
         (&histogram.draw(), "Recovery: the time after the motion at which its trace, against a twin with the same noise that \
                     was not pushed, is below what the filter itself holds possible (√P)."),
     ]);
@@ -296,16 +307,17 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     };
     let errors: Vec<Line> = moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
     let end = errors.last().map_or(8.0, |l| l.0);
-    let recorded = filters("A move by hand", "tilt less reference / °", &errors, (-1.0, end), 10.0);
-    page.figure(
-        &recorded,
-        &format!(
-            "The three filters {words} ({}), with the noise fitted to the still minute: the move with the plain filter's \
-             largest error, as errors against a reference: the pitch that the gyro carries from pose to pose, made to meet the \
-             accelerometer in both (the blue line at zero).",
-            pitch.origin
-        ),
+    let [recorded, enlarged] = filters("A move by hand", "tilt less reference / °", &errors, (-1.0, end), 10.0);
+    let caption = format!(
+        "The three filters {words} ({}), with the noise fitted to the still minute: the move with the plain filter's largest \
+         error, as errors against a reference: the pitch that the gyro carries from pose to pose, made to meet the \
+         accelerometer in both.",
+        pitch.origin
     );
+    page.figure_row(&[
+        (&recorded, &caption),
+        (&enlarged, "The same without the accelerometer. The blue line is the reference itself, and so is zero."),
+    ]);
     let mut table = Table::new(&[
         "filter",
         "simulated push: largest error / °",

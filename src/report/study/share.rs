@@ -29,6 +29,7 @@ pub fn shares(drift: &Drift) -> Chart {
     for (n, share) in named(drift).into_iter().enumerate() {
         let top: Vec<f64> = floor.iter().enumerate().map(|(k, f)| f + 100.0 * budget.fraction(share, k)).collect();
         stack(&mut chart, share.source.name(), Ink::nth(n), &budget.time_s, &floor, &top);
+        inside(&mut chart, share.source.name(), &budget.time_s, &floor, &top);
         floor = top;
     }
     if floor.iter().any(|f| *f < 99.5) {
@@ -42,6 +43,37 @@ fn stack(chart: &mut Chart, name: &str, ink: Ink, time_s: &[f64], floor: &[f64],
     let points = |values: &[f64]| time_s.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
     chart.add(name, ink, Mark::Band(top.to_vec()), points(floor));
     chart.add("", ink, Mark::Line, points(top));
+}
+
+/// Width of a plot on a desktop and on a phone, height, and a label's letters: advance and half height; px.
+const WIDE_PX: f64 = 380.0;
+const NARROW_PX: f64 = 285.0;
+const HEIGHT_PX: f64 = 280.0;
+const LETTER_PX: f64 = 6.8;
+const HALF_PX: f64 = 8.0;
+
+/// The name in its area, where that is highest along the whole name; none where it has no room.
+fn inside(chart: &mut Chart, name: &str, time_s: &[f64], floor: &[f64], top: &[f64]) {
+    let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return };
+    let along = |k: usize| (time_s[k] / first).ln() / (last / first).ln();
+    // What stays free above and below a name centred at a time, in px; beyond the plot nothing does.
+    let free = |k: usize, width_px: f64| {
+        let half = 0.5 * LETTER_PX * name.chars().count() as f64 / width_px;
+        if along(k) < half || along(k) + half > 1.0 {
+            return f64::NEG_INFINITY;
+        }
+        let middle = 0.5 * (floor[k] + top[k]);
+        let under = (0..time_s.len()).filter(|j| (along(*j) - along(k)).abs() <= half);
+        let room = under.map(|j| (middle - floor[j]).min(top[j] - middle)).fold(f64::INFINITY, f64::min);
+        0.01 * HEIGHT_PX * room - HALF_PX
+    };
+    for (width_px, narrow) in [(NARROW_PX, true), (WIDE_PX, false)] {
+        let best = (0..time_s.len()).max_by(|a, b| free(*a, width_px).total_cmp(&free(*b, width_px)));
+        if let Some(k) = best.filter(|k| free(*k, width_px) >= 0.0) {
+            chart.label((time_s[k], 0.5 * (floor[k] + top[k])), name, narrow);
+            return;
+        }
+    }
 }
 
 /// Each source's own standard deviation.

@@ -50,20 +50,18 @@ pub fn limits(outcome: &Outcome) -> Figure {
     let of = |l: &Limit| Some((format!("{} ({})", l.id, l.kind.name()), l.effect_over_noise?, l.ci95?));
     let mut found: Vec<(String, f64, [f64; 2])> = outcome.detection_limit.iter().filter_map(of).collect();
     order::sort_by_key(&mut found, |f| f.1);
-    let (least, most) = (0.003, 2000.0);
+    let names = found.iter().enumerate().map(|(n, f)| (n as f64 + 1.0, f.0.clone())).collect();
+    let (least, most) = (0.003, 100.0);
     let x = Axis::log("size noticed in 9 of 10 / noise (rms)").within(least, most);
-    let y = Axis::linear("most visible lowest").unmarked().within(0.0, found.len() as f64 + 1.0);
+    let y = Axis::linear("most visible lowest").named(names).within(0.0, found.len() as f64 + 1.0);
     let mut chart = Chart::new("Detection limit of each effect", x, y);
     let mut points = Vec::new();
-    for (n, (id, limit, [low, high])) in found.iter().enumerate() {
+    for (n, (_, limit, [low, high])) in found.iter().enumerate() {
         let rank = n as f64 + 1.0;
-        // Room for the longest id.
-        let right = high.min(most / 100.0);
-        chart.add("", Ink::Blue, Mark::Line, vec![(low.max(least), rank), (right, rank)]);
-        chart.note((right.max(*limit) * 1.25, rank - 0.25), id);
+        chart.add("", Ink::Blue, Mark::Line, vec![(low.max(least), rank), (high.min(most), rank)]);
         points.push((*limit, rank));
     }
     chart.add("", Ink::Blue, Mark::Dots(4), points);
-    chart.size = (560, 120 + 16 * found.len() as u32);
+    chart.size = (560, 110 + 18 * found.len().max(4) as u32);
     chart.draw()
 }
