@@ -1,7 +1,19 @@
 //! Motion in six axes: where trajectories come from, the Earth under them, and what a navigator makes of readings.
+//!
+//! `earth`: gravity and rates of the local level · `sources`: the kinds of `[trajectory]`, each a list of poses · `spline`:
+//! the continuous motion through them · `trajectory`: that motion over the Earth, sampled as `truth` · `mechanisation`: the
+//! strapdown navigator in f64, and its own error. Local level is north-east-down. Not for errors of sensors.
 
 pub mod earth;
+pub mod mechanisation;
+pub mod pose;
+pub mod sources;
+pub mod spline;
+pub mod trajectory;
 pub mod truth;
 
 pub use earth::{Earth, Place};
+pub use mechanisation::Integrator;
+pub use sources::Section;
+pub use trajectory::{Sampling, Trajectory};
 pub use truth::{Sample, Truth};

@@ -1,6 +1,7 @@
 //! Pure mathematics without a domain. Nothing here knows what a sensor is.
 
 pub mod allan;
+pub mod banded;
 pub mod butterworth;
 pub mod cosine;
 pub mod elementary;

@@ -1,0 +1,62 @@
+//! `[trajectory]` as it is written.
+
+use serde::Deserialize;
+
+/// The kinds, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// At rest.
+    Rest,
+    /// A level circle.
+    Circle,
+    /// Two level loops.
+    FigureEight,
+    /// A curve through points.
+    Waypoints,
+    /// A drive with stops and turns.
+    Car,
+    /// A random flight.
+    Drone,
+}
+
+/// The section as it is written.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Section {
+    /// The kind.
+    pub kind: Kind,
+    /// Heading of a body at rest, °.
+    pub heading_deg: Option<f64>,
+    /// Radius, m.
+    pub radius_m: Option<f64>,
+    /// Speed over ground, m/s.
+    pub speed_m_s: Option<f64>,
+    /// At rest for this long before it moves, s.
+    pub still_s: Option<f64>,
+    /// Points to go through, north, east and down, m.
+    pub points_m: Option<Vec<[f64; 3]>>,
+    /// Mean acceleration from and to standstill, m/s².
+    pub acceleration_m_s2: Option<f64>,
+    /// Size of the space that a drone flies in, m.
+    pub extent_m: Option<f64>,
+    /// Of a drive or a flight drawn at random.
+    pub seed: Option<u64>,
+}
+
+impl Section {
+    /// The keys that were given, but `kind`.
+    pub fn given(&self) -> Vec<&'static str> {
+        let keys = [
+            ("heading_deg", self.heading_deg.is_some()),
+            ("radius_m", self.radius_m.is_some()),
+            ("speed_m_s", self.speed_m_s.is_some()),
+            ("still_s", self.still_s.is_some()),
+            ("points_m", self.points_m.is_some()),
+            ("acceleration_m_s2", self.acceleration_m_s2.is_some()),
+            ("extent_m", self.extent_m.is_some()),
+            ("seed", self.seed.is_some()),
+        ];
+        keys.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect()
+    }
+}

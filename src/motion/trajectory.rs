@@ -1,0 +1,112 @@
+//! A continuous motion over the Earth: what gyros and accelerometers on it would read, without error, at every instant.
+//!
+//! With positions p in metres along meridian and parallel, velocity v = p′ and attitude C from body axes to the local level,
+//! specific force is Cᵀ(v′ + (2ω_ie + ω_en) × v − g) and the rate against inertial space ω_nb + Cᵀ(ω_ie + ω_en): Groves,
+//! *Principles of GNSS, inertial, and multisensor integrated navigation systems*, second edition, §5.4.
+
+use nalgebra::Vector3;
+
+use super::earth::{Earth, Place};
+use super::spline::{Departure, Motion, Spline};
+use super::truth::{Sample, Truth};
+use crate::error::{Error, Result};
+
+/// A motion that goes on for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    spline: Spline,
+    /// How far the motion departs from the poses given.
+    pub departure: Departure,
+    /// How long it lasts, s.
+    pub duration_s: f64,
+}
+
+/// How a motion is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// How long, s.
+    pub duration_s: f64,
+    /// From the body's origin to the sensor, in body axes, m.
+    pub lever_arm_m: Vector3<f64>,
+}
+
+/// Share of a sample by which a motion may end early.
+const ROUNDING: f64 = 1e-6;
+
+impl Trajectory {
+    /// The motion of a spline that begins at zero.
+    pub fn new(spline: Spline, departure: Departure) -> Self {
+        let duration_s = spline.end_s();
+        Self { spline, departure, duration_s }
+    }
+
+    /// From one knot of its spline to the next, s.
+    pub fn knot_s(&self) -> f64 {
+        self.spline.knot_s()
+    }
+
+    /// The motion of a sensor at an instant, over a level that does not turn.
+    pub fn at(&self, time_s: f64, lever_arm_m: Vector3<f64>) -> Motion {
+        let body = self.spline.at(time_s);
+        let (arm, rate) = (lever_arm_m, body.rate_rad_s);
+        let carried = rate.cross(&arm);
+        let pressed = body.angular_acceleration_rad_s2.cross(&arm) + rate.cross(&carried);
+        let mut pose = body.pose;
+        pose.position_m += pose.attitude * arm;
+        Motion {
+            pose,
+            velocity_m_s: body.velocity_m_s + pose.attitude * carried,
+            acceleration_m_s2: body.acceleration_m_s2 + pose.attitude * pressed,
+            ..body
+        }
+    }
+
+    /// The truth at every sample, the first at zero and the last at the end.
+    ///
+    /// # Errors
+    /// A motion shorter than the time asked for, need and got.
+    pub fn truth(&self, earth: &Earth, sampling: Sampling) -> Result<Truth> {
+        let interval_s = 1.0 / sampling.rate_hz;
+        if sampling.duration_s > self.duration_s + ROUNDING * interval_s {
+            return Err(Error::new(
+                "could not follow the trajectory to the end of the study",
+                format!("it lasts {:.3} s, the study {:.3} s", self.duration_s, sampling.duration_s),
+                "shorten duration_s, begin earlier (trajectory.from_s) or give a longer file",
+            ));
+        }
+        let steps = (sampling.duration_s * sampling.rate_hz).round().max(0.0) as usize;
+        let mut place = earth.start();
+        let origin = self.at(0.0, sampling.lever_arm_m).pose.position_m;
+        let mut samples: Vec<Sample> = Vec::with_capacity(steps + 1);
+        for k in 0..=steps {
+            let motion = self.at(k as f64 * interval_s, sampling.lever_arm_m);
+            if let Some(before) = samples.last() {
+                let mean = 0.5 * (before.velocity_m_s + motion.velocity_m_s);
+                place = place.moved(earth.place_rates(place, mean), interval_s);
+            }
+            let mut sample = reading(earth, place, &motion);
+            sample.position_m -= origin;
+            samples.push(sample);
+        }
+        Ok(Truth { interval_s, samples })
+    }
+}
+
+/// What sensors that move like this over the Earth read.
+fn reading(earth: &Earth, place: Place, motion: &Motion) -> Sample {
+    let velocity = motion.velocity_m_s;
+    let (earth_rate, transport) = (earth.rate_rad_s(place), earth.transport_rate_rad_s(place, velocity));
+    let gravity = Vector3::new(0.0, 0.0, earth.gravity_m_s2(place));
+    let force = motion.acceleration_m_s2 + (2.0 * earth_rate + transport).cross(&velocity) - gravity;
+    let attitude = motion.pose.attitude;
+    Sample {
+        time_s: motion.pose.time_s,
+        attitude,
+        velocity_m_s: velocity,
+        position_m: motion.pose.position_m,
+        specific_force_m_s2: attitude.inverse_transform_vector(&force),
+        rate_rad_s: motion.rate_rad_s + attitude.inverse_transform_vector(&(earth_rate + transport)),
+    }
+}
