@@ -113,8 +113,8 @@ pub fn run(
         return Ok(Outcome::Absent(compare.file.display().to_string()));
     }
     let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
-    let (rate_hz, time) = (compare.rate_hz, compare.time.clone());
-    let request = recording::Request { columns, rate_hz, time, ..recording::Request::default() };
+    let (topic, rate_hz, time) = (compare.topic.clone(), compare.rate_hz, compare.time.clone());
+    let request = recording::Request { topic, columns, rate_hz, time, ..recording::Request::default() };
     let log = recording::read(&path, &request)?;
     // Refused before the work, not after it.
     let cuts = windows::cuts(study, compare, &log)?;

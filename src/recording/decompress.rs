@@ -21,6 +21,8 @@ pub enum Codec {
     Lz4Block,
     /// LZ4 frames.
     Lz4Frame,
+    /// bzip2.
+    Bzip2,
 }
 
 /// No part of a file is larger when it is decompressed: files are read part by part, and one must fit in memory.
@@ -70,6 +72,8 @@ pub fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>, Strin
         }
         #[cfg(any(feature = "parquet", feature = "arrow", feature = "mcap", feature = "rosbag"))]
         Codec::Lz4Frame => whole(lz4_flex::frame::FrameDecoder::new(from), size, "LZ4")?,
+        #[cfg(feature = "rosbag")]
+        Codec::Bzip2 => whole(bzip2::read::MultiBzDecoder::new(from), size, "bzip2")?,
         #[allow(unreachable_patterns, reason = "which of them remain is a matter of features")]
         other => return Err(format!("this build does not decompress {other:?}")),
     };

@@ -21,6 +21,8 @@ pub mod arrow;
 pub mod dataflash;
 #[cfg(feature = "db3")]
 pub mod db3;
+#[cfg(feature = "hdf5")]
+pub mod hdf5;
 #[cfg(feature = "mat")]
 pub mod mat;
 #[cfg(feature = "mcap")]
@@ -52,6 +54,10 @@ const ALL: &[Format] = &[
     Format { name: "NumPy archive", magic: (0, b"PK\x03\x04"), open: npz::open },
     #[cfg(feature = "mat")]
     Format { name: "MATLAB file", magic: (0, b"MATLAB 5.0 MAT-file"), open: mat::open },
+    #[cfg(feature = "hdf5")]
+    Format { name: "HDF5 file", magic: (0, b"\x89HDF\r\n\x1a\n"), open: hdf5::open },
+    #[cfg(feature = "hdf5")]
+    Format { name: "MATLAB file of version 7.3", magic: (0, b"MATLAB 7.3 MAT-file"), open: hdf5::open },
     #[cfg(feature = "parquet")]
     Format { name: "Parquet table", magic: (0, b"PAR1"), open: parquet::open },
     #[cfg(feature = "arrow")]
@@ -83,7 +89,8 @@ const REFUSED: &[(&[u8], &str, &str)] = &[
     (b"PK\x03\x04", "this is a zip archive or a spreadsheet", "save it as CSV"),
     (b"\xd0\xcf\x11\xe0", "this is an old spreadsheet", "save it as CSV"),
 ];
-const HDF5: &str = "save it as .npz or Parquet, or in MATLAB with save(…, '-v7')";
+const HDF5: &str = "build with --features hdf5 where the HDF5 library is installed; or save it as .npz or Parquet, or in MATLAB \
+                    with save(…, '-v7')";
 
 /// A file whose format is known.
 #[derive(Debug)]

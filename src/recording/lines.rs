@@ -2,30 +2,38 @@
 //!
 //! A line ends with `\n`, `\r\n` or `\r`. Not for cells: see `cells`.
 
-use std::io::{BufRead, BufReader};
+use std::ops::Range;
 
 use super::input::{Checksum, Input};
 use super::pack::{Pack, Unpacked};
+use super::pieces::{Piece, Pieces};
+use super::regular::{Layout, Regular};
 use crate::error::{Error, Result};
 
 /// No line of a recording is longer: a million columns take 20 MB.
 const LONGEST_BYTES: usize = 64 << 20;
-/// Bytes read from the file at once.
-const BUFFER_BYTES: usize = 1 << 18;
 
 /// A text file being read.
 #[derive(Debug)]
 pub struct Lines {
     input: Input,
     pack: Pack,
-    reader: BufReader<Unpacked>,
+    pieces: Pieces,
     /// Whether a checksum is wanted, and the one that is being made.
     digested: bool,
     checksum: Option<Checksum>,
-    line: Vec<u8>,
+    piece: Piece,
+    /// Where the next line begins in the piece.
+    at: usize,
+    /// The line at hand, in the piece, and its row among regular ones.
+    line: Range<usize>,
+    row: usize,
     number: u64,
     /// The last line ended with `\r`, so a `\n` that follows belongs to it.
     returned: bool,
+    /// A line that is kept: in the piece, or put aside from the one before.
+    kept: Option<Range<usize>>,
+    aside: Vec<u8>,
 }
 
 impl Lines {
@@ -34,9 +42,22 @@ impl Lines {
     /// # Errors
     /// As [`Unpacked::new`].
     pub fn open(input: Input, pack: Pack) -> Result<Self> {
-        let reader = BufReader::with_capacity(BUFFER_BYTES, Unpacked::new(&input, pack)?);
-        let (line, checksum) = (Vec::new(), None);
-        Ok(Self { input, pack, reader, digested: true, checksum, line, number: 0, returned: false })
+        let pieces = Pieces::new(Unpacked::new(&input, pack)?, LONGEST_BYTES);
+        Ok(Self {
+            input,
+            pack,
+            pieces,
+            digested: true,
+            checksum: None,
+            piece: Piece::default(),
+            at: 0,
+            line: 0..0,
+            row: 0,
+            number: 0,
+            returned: false,
+            kept: None,
+            aside: Vec::new(),
+        })
     }
 
     /// The first bytes, before any line was read.
@@ -44,10 +65,26 @@ impl Lines {
     /// # Errors
     /// When the file cannot be read.
     pub fn head(&mut self) -> Result<&[u8]> {
-        match self.reader.fill_buf() {
-            Ok(head) => Ok(head),
-            Err(error) => Err(failed(&self.input, self.pack, &error)),
+        if self.number == 0 && self.at == 0 && self.piece.bytes.is_empty() {
+            self.load()?;
         }
+        Ok(&self.piece.bytes)
+    }
+
+    /// From the next piece on, rows have this layout and are parsed beforehand.
+    pub fn parse(&mut self, layout: Layout) {
+        self.pieces.parse(layout);
+    }
+
+    /// The next piece; false at the end. The line that is kept is put aside.
+    fn load(&mut self) -> Result<bool> {
+        if let Some(kept) = self.kept.take() {
+            self.aside.clear();
+            self.aside.extend_from_slice(&self.piece.bytes[kept]);
+        }
+        let Some(piece) = self.pieces.next().map_err(|e| failed(&self.input, self.pack, &e))? else { return Ok(false) };
+        (self.piece, self.at, self.line, self.row) = (piece, 0, 0..0, 0);
+        Ok(true)
     }
 
     /// Makes no checksum, which takes a good part of the time.
@@ -64,55 +101,80 @@ impl Lines {
 
     /// Leaves out so many of the first bytes.
     pub fn skip(&mut self, bytes: usize) {
-        self.reader.consume(bytes);
+        self.at = self.piece.bytes.len().min(self.at + bytes);
     }
 
     /// Reads the next line; false at the end of the file.
     ///
     /// # Errors
     /// When the file cannot be read, or a line is longer than 64 MB.
+    #[inline]
     pub fn advance(&mut self) -> Result<bool> {
-        self.line.clear();
-        let mut some = false;
         loop {
-            let buffer = self.reader.fill_buf().map_err(|e| failed(&self.input, self.pack, &e))?;
-            if std::mem::take(&mut self.returned) && buffer.first() == Some(&b'\n') {
-                self.reader.consume(1);
-                continue;
-            }
-            if buffer.is_empty() {
-                self.number += u64::from(some);
-                return Ok(some);
-            }
-            some = true;
-            let end = memchr::memchr2(b'\n', b'\r', buffer);
-            let taken = end.unwrap_or(buffer.len());
-            if self.line.len() + taken > LONGEST_BYTES {
-                return Err(Error::new(
-                    format!("could not read {}", self.input.path.display()),
-                    format!("line {} is longer than {} MB", self.number + 1, LONGEST_BYTES >> 20),
-                    "a recording is one line per sample, ended by a line feed: was it saved as one long line?",
-                ));
-            }
-            self.line.extend_from_slice(&buffer[..taken]);
-            if let Some(end) = end {
-                self.returned = buffer[end] == b'\r';
-                self.reader.consume(end + 1);
-                self.number += 1;
+            if let Some(regular) = &self.piece.regular {
+                if let Some(line) = regular.lines.get(self.row) {
+                    self.line = line.start as usize..line.end as usize;
+                    self.row += 1;
+                    self.number += 1;
+                    return Ok(true);
+                }
+            } else if self.advance_within()? {
                 return Ok(true);
             }
-            self.reader.consume(taken);
+            if !self.load()? {
+                return Ok(false);
+            }
         }
     }
 
-    /// The line, without its end.
-    pub fn line(&self) -> &[u8] {
-        &self.line
+    /// The next line of a piece that was not parsed; false at its end.
+    fn advance_within(&mut self) -> Result<bool> {
+        let mut rest = &self.piece.bytes[self.at..];
+        if !rest.is_empty() && std::mem::take(&mut self.returned) && rest[0] == b'\n' {
+            self.at += 1;
+            rest = &rest[1..];
+        }
+        if rest.is_empty() {
+            return Ok(false);
+        }
+        let end = memchr::memchr2(b'\n', b'\r', rest);
+        let length = end.unwrap_or(rest.len());
+        if length > LONGEST_BYTES {
+            return Err(Error::new(
+                format!("could not read {}", self.input.path.display()),
+                format!("line {} is longer than {} MB", self.number + 1, LONGEST_BYTES >> 20),
+                "a recording is one line per sample, ended by a line feed: was it saved as one long line?",
+            ));
+        }
+        self.returned = end.is_some_and(|e| rest[e] == b'\r');
+        self.line = self.at..self.at + length;
+        self.at += length + usize::from(end.is_some());
+        self.number += 1;
+        Ok(true)
     }
 
-    /// Puts the line aside; the next one is read into the room that `into` had.
-    pub fn put_aside(&mut self, into: &mut Vec<u8>) {
-        std::mem::swap(&mut self.line, into);
+    /// The line, without its end.
+    #[inline]
+    pub fn line(&self) -> &[u8] {
+        &self.piece.bytes[self.line.clone()]
+    }
+
+    /// The numbers of the line at hand, where it was parsed: those of the piece, and its row among them.
+    #[inline]
+    pub fn regular(&self) -> Option<(&Regular, usize)> {
+        self.piece.regular.as_ref().map(|regular| (regular, self.row.saturating_sub(1)))
+    }
+
+    /// Keeps the line at hand while others are read.
+    #[inline]
+    pub fn keep(&mut self) {
+        self.kept = Some(self.line.clone());
+    }
+
+    /// The line that was kept last.
+    #[inline]
+    pub fn kept(&self) -> &[u8] {
+        self.kept.as_ref().map_or(&self.aside, |kept| &self.piece.bytes[kept.clone()])
     }
 
     /// Number of the line in the file, the first being 1.
@@ -127,7 +189,7 @@ impl Lines {
 
     /// How far it has been read.
     pub fn bytes_read(&self) -> u64 {
-        self.reader.get_ref().bytes_taken()
+        self.pieces.bytes_taken()
     }
 
     /// SHA-256 of the whole file, hexadecimal, and its size; empty without checksum.
@@ -180,7 +242,7 @@ mod tests {
         for text in [&b"a\nb\n\nc"[..], b"a\r\nb\r\n\r\nc\r\n", b"a\rb\r\rc\r"] {
             assert_eq!(lines(text).expect("text"), [&b"a"[..], b"b", b"", b"c"], "{text:?}");
         }
-        let wide = vec![b'x'; BUFFER_BYTES - 1];
+        let wide = vec![b'x'; super::super::pieces::PIECE_BYTES - 1];
         let text = [&wide[..], b"\r\n1\n"].concat();
         assert_eq!(lines(&text).expect("text"), [&wide[..], b"1"], "the end of a line between two reads");
     }

@@ -161,7 +161,7 @@ fn untimed(path: &Path, request: &Request, wanted: Range<usize>, values: bool) -
 }
 
 fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
-    let table = open(path, request)?.without_checksum();
+    let table = open(path, request)?.without_checksum().stamps_only();
     let heading = table.time().unwrap_or_default().to_owned();
     let length_bytes = table.length_bytes();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
@@ -171,7 +171,7 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
     if seconds && survey.steps > 0 {
         let unit = clock::unit_of(&question, &survey)?.0.seconds();
         let window = request.from_s.unwrap_or(0.0) / unit..request.to_s.map_or(f64::INFINITY, |s| s / unit);
-        (rows, survey) = within(&question, open(path, request)?.without_checksum(), &wanted, &window)?;
+        (rows, survey) = within(&question, open(path, request)?.without_checksum().stamps_only(), &wanted, &window)?;
         if request.to_s.is_none() {
             rows.end = wanted.end;
         }

@@ -102,6 +102,14 @@ impl Rows {
         self
     }
 
+    /// For a look at the clock alone: what takes time only for other columns is left out.
+    pub fn stamps_only(mut self) -> Self {
+        if let Body::Text(text) = &mut self.body {
+            text.stamps_only();
+        }
+        self
+    }
+
     /// Names of the columns given, in order: as they were asked for, else their headings.
     pub fn names(&self) -> &[String] {
         &self.names

@@ -3,6 +3,8 @@
 //! A row is a line that is neither blank nor a comment, after the header and a row of units. Not for clocks or gaps: a
 //! missing cell is NaN here.
 
+mod header;
+
 use std::path::PathBuf;
 
 use super::cells::Cells;
@@ -15,10 +17,12 @@ use super::input::Input;
 use super::lines::Lines;
 use super::pack::Pack;
 use super::reader::Choice;
+use super::regular::Layout;
 use super::source::Source;
-use super::trajectory;
-use super::unit;
 use crate::error::{Error, Result};
+
+/// Files of more than this are parsed ahead, bytes.
+const LONG_BYTES: u64 = 1 << 20;
 
 /// A text file being read.
 #[derive(Debug)]
@@ -27,8 +31,10 @@ pub struct Text {
     lines: Lines,
     separator: u8,
     cells: Cells,
-    /// The row before, and where its time stamp lies.
-    before: (Vec<u8>, std::ops::Range<usize>),
+    /// Where the time stamp of the row before lies in its line.
+    time_before: std::ops::Range<usize>,
+    /// Other cells are not parsed beforehand.
+    stamps_only: bool,
     /// The line at hand is a row that was not given yet.
     held: bool,
     headings: Headings,
@@ -61,7 +67,8 @@ impl Text {
             lines,
             separator: format.separator,
             cells: Cells::default(),
-            before: Default::default(),
+            time_before: 0..0,
+            stamps_only: false,
             held: false,
             headings: Headings::counted(0),
             names: Vec::new(),
@@ -89,107 +96,14 @@ impl Text {
         (self.names, self.choice) = (names, choice);
     }
 
-    /// The first line that is no comment names the columns; where it holds numbers, the comment before it may: EuRoC's files
-    /// begin with `#timestamp [ns],…`.
-    fn read_header(&mut self) -> Result<Headings> {
-        let mut comment = Vec::new();
-        loop {
-            if !self.lines.advance()? {
-                return Err(self.fail("its first line is not a header", "begin with one line that names the columns"));
-            }
-            match self.lines.line().trim_ascii() {
-                [] => {}
-                [b'#', ..] => self.lines.put_aside(&mut comment),
-                _ => break,
-            }
-        }
-        self.cells.cut(self.lines.line(), self.separator);
-        self.width = self.cells.len();
-        let numbers = |cells: &Cells, line: &[u8]| {
-            (0..cells.len()).all(|i| match format::cell(cells.of(line, i)) {
-                Cell::Text => false,
-                Cell::DecimalComma(_) => self.separator != b',',
-                _ => true,
-            })
-        };
-        if !numbers(&self.cells, self.lines.line()) {
-            let line = self.lines.line();
-            if (0..self.width).any(|i| self.cells.of(line, i).starts_with(b"\"")) {
-                return Err(self.open_quote());
-            }
-            return Ok(Headings::new(&self.cells, self.lines.line()));
-        }
-        self.held = true;
-        let comment = comment.trim_ascii().strip_prefix(b"#").unwrap_or_default();
-        let mut cells = Cells::default();
-        cells.cut(comment, self.separator);
-        if cells.len() == self.width && self.width > 1 && !numbers(&cells, comment) {
-            return Ok(Headings::new(&cells, comment));
-        }
-        let line = self.lines.line();
-        let row: Vec<f64> = (0..self.width).map(|i| self.number(self.cells.of(line, i)).unwrap_or(f64::NAN)).collect();
-        if let Some(kind) = trajectory::recognised(&row) {
-            self.findings.push(Finding::TrajectoryRecognised { kind });
-            return Ok(Headings::known(kind.columns()));
-        }
-        self.findings.push(Finding::NoHeader);
-        Ok(Headings::counted(self.width))
-    }
-
-    /// A row of units below the header: text in every cell that is not empty, and a unit in one at least.
-    fn read_units(&mut self) -> Result<()> {
-        if !self.held {
-            self.held = self.next_line()?;
-        }
-        if !self.held || self.cells.len() != self.width || self.rows > 0 {
-            return Ok(());
-        }
-        let line = self.lines.line();
-        let words: Vec<String> =
-            (0..self.width).map(|i| String::from_utf8_lossy(self.cells.of(line, i)).trim().to_owned()).collect();
-        if !unit::are_units(&words) {
-            return Ok(());
-        }
-        for (unit, word) in self.headings.units.iter_mut().zip(&words) {
-            let word = unit::without_brackets(word);
-            if !word.is_empty() {
-                *unit = Some(word.to_owned());
-            }
-        }
-        self.findings.push(Finding::UnitsRow { line: self.lines.number() });
-        self.held = self.next_line()?;
-        Ok(())
-    }
-
-    /// Places of the columns that hold numbers and are no clock, by the first row.
-    ///
-    /// # Errors
-    /// None, or more than 64.
-    pub fn numeric_places(&self) -> Result<Vec<usize>> {
-        let headings = &self.headings;
-        let kind = |place: usize| match self.held {
-            true if place >= self.cells.len() => Cell::Text,
-            true => format::cell(self.cells.of(self.lines.line(), place)),
-            false => Cell::Number(0.0),
-        };
-        let numeric = |p: &usize| match kind(*p) {
-            Cell::Number(_) | Cell::TooLarge => true,
-            Cell::DecimalComma(_) => self.separator != b',',
-            Cell::Text => false,
-        };
-        let places: Vec<usize> =
-            (0..self.width).filter(|p| numeric(p) && !format::names_a_clock(&headings.names[*p])).collect();
-        let comma = (0..self.width).any(|p| matches!(kind(p), Cell::DecimalComma(_)));
-        match places.len() {
-            0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
-            1..=64 => Ok(places),
-            n => Err(self.fail(format!("it has {n} columns of numbers"), "name the columns wanted")),
-        }
-    }
-
     /// For a first look alone: without the checksum.
     pub fn without_checksum(&mut self) {
         self.lines.without_checksum();
+    }
+
+    /// For a look at the clock alone: other cells are not parsed beforehand.
+    pub fn stamps_only(&mut self) {
+        self.stamps_only = true;
     }
 
     /// The number in a cell; `None` where there is none.
@@ -217,15 +131,19 @@ impl Text {
     /// A row with too few or too many cells, with its line; the last one may be cut short.
     pub fn advance(&mut self) -> Result<bool> {
         if self.rows > 0 {
-            self.before.1 = self.choice.time.map_or(0..0, |t| self.cells.place(t));
-            self.lines.put_aside(&mut self.before.0);
+            self.time_before = self.time_place();
+            self.lines.keep();
         } else {
             self.lines.begin();
+            self.parse_ahead();
         }
         if !std::mem::take(&mut self.held) && !self.next_line()? {
             return Ok(false);
         }
         self.rows += 1;
+        if self.lines.regular().is_some() {
+            return Ok(true);
+        }
         let got = self.cells.len();
         if got == self.width {
             return Ok(true);
@@ -248,11 +166,36 @@ impl Text {
         ))
     }
 
+    /// Rows of a long file are parsed beforehand, where no blank separates their cells.
+    fn parse_ahead(&mut self) {
+        let long = self.lines.length_bytes() > LONG_BYTES;
+        if long && self.separator != b' ' {
+            let places = if self.stamps_only { Vec::new() } else { self.choice.places.clone() };
+            let (separator, width, choice) = (self.separator, self.width, Choice { time: self.choice.time, places });
+            self.lines.parse(Layout { separator, width, choice });
+        }
+    }
+
+    /// Where the time stamp lies in the line at hand.
+    #[inline]
+    fn time_place(&self) -> std::ops::Range<usize> {
+        match (self.choice.time, self.lines.regular()) {
+            (None, _) => 0..0,
+            (Some(_), Some((regular, row))) => {
+                regular.times.get(row).map_or(0..0, |t| t.start as usize..t.end as usize)
+            }
+            (Some(time), None) => self.cells.place(time),
+        }
+    }
+
     /// Passes the next row whatever it holds; false at the end.
     ///
     /// # Errors
     /// When the file cannot be read.
     pub fn skip(&mut self) -> Result<bool> {
+        if self.rows == 0 {
+            self.parse_ahead();
+        }
         let some = std::mem::take(&mut self.held) || self.next_line()?;
         self.rows += usize::from(some);
         Ok(some)
@@ -262,6 +205,10 @@ impl Text {
     fn next_line(&mut self) -> Result<bool> {
         let mut skipped = (0, 0);
         while self.lines.advance()? {
+            if self.lines.regular().is_some() {
+                self.count_skipped(skipped);
+                return Ok(true);
+            }
             let line = self.lines.line();
             let first = line.first().copied();
             if first == Some(b'#') || (first.is_none_or(|b| b.is_ascii_whitespace()) && line.trim_ascii().is_empty()) {
@@ -269,14 +216,17 @@ impl Text {
                 continue;
             }
             self.cells.cut(line, self.separator);
-            // Those behind the last row do not matter, nor those right behind the header.
-            if skipped.0 > 0 && self.rows > 0 {
-                self.skipped =
-                    (self.skipped.0 + skipped.0, if self.skipped.0 == 0 { skipped.1 } else { self.skipped.1 });
-            }
+            self.count_skipped(skipped);
             return Ok(true);
         }
         Ok(false)
+    }
+
+    /// Lines skipped before a row; those behind the last row do not matter, nor those right behind the header.
+    fn count_skipped(&mut self, (lines, first): (u64, u64)) {
+        if lines > 0 && self.rows > 0 {
+            self.skipped = (self.skipped.0 + lines, if self.skipped.0 == 0 { first } else { self.skipped.1 });
+        }
     }
 
     /// Number of the row at hand, counted from zero after the header.
@@ -289,14 +239,17 @@ impl Text {
     /// # Errors
     /// A cell that is text, with its line.
     pub fn stamp(&self) -> Result<Stamp> {
+        if let Some((regular, row)) = self.lines.regular() {
+            return Ok(regular.stamps.get(row).copied().unwrap_or(Stamp::MISSING));
+        }
         let place = self.choice.time.unwrap_or_default();
         Stamp::parse(self.cells.of(self.lines.line(), place)).ok_or_else(|| self.no_number(place))
     }
 
     /// Whether the row at hand repeats the one before in every cell but its time stamp.
     pub fn is_alike(&self) -> bool {
-        let (line, here) = (self.lines.line(), self.choice.time.map_or(0..0, |t| self.cells.place(t)));
-        let (before, there) = (&self.before.0, &self.before.1);
+        let (line, here) = (self.lines.line(), self.time_place());
+        let (before, there) = (self.lines.kept(), &self.time_before);
         let ends = |line: &[u8], place: &std::ops::Range<usize>| line.len() - place.end;
         here.start == there.start
             && ends(line, &here) == ends(before, there)
@@ -309,6 +262,17 @@ impl Text {
     /// # Errors
     /// A cell that is no number, with its line and column.
     pub fn values(&mut self, values: &mut [f64]) -> Result<()> {
+        if let Some((regular, row)) = self.lines.regular() {
+            let from = row * values.len();
+            if let Some(found) = regular.values.get(from..from + values.len()) {
+                values.copy_from_slice(found);
+                for (_, column) in regular.rounded.iter().filter(|(at, _)| *at == row) {
+                    self.rounded[*column].get_or_insert(self.rows - 1);
+                }
+                return Ok(());
+            }
+            self.cells.cut(self.lines.line(), self.separator);
+        }
         for (index, (value, place)) in values.iter_mut().zip(&self.choice.places).enumerate() {
             let cell = self.cells.of(self.lines.line(), *place);
             *value = match self.number(cell) {

@@ -16,11 +16,11 @@ pub(super) fn check(name: &str, file: &File, alignment: Alignment) -> Result<()>
             let cause = format!("`compare.rate_hz` = {rate_hz} Hz: need more than zero");
             return Err(refuse(name, cause, "give the sampling rate of the log"));
         }
-        None if section.time.is_none() => {
+        None if section.time.is_none() && section.topic.is_none() => {
             return Err(refuse(
                 name,
                 "the log of [compare] has no clock",
-                "add rate_hz = …, or time = \"t_s\" with the heading of its time column in s",
+                "add rate_hz = …, time = \"t_s\" with the heading of its time column in s, or topic = \"/imu\" of a robot's log",
             ));
         }
         _ => {}

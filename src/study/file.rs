@@ -79,6 +79,8 @@ pub enum AlignmentKind {
 pub struct Compare {
     /// The log, relative to the study.
     pub file: PathBuf,
+    /// Topic, message or array, where the log has several; its own clock counts.
+    pub topic: Option<String>,
     /// Sampling rate of the log, Hz.
     pub rate_hz: Option<f64>,
     /// Heading of its time column, s. Where both are given, they must agree.

@@ -26,6 +26,7 @@ pub fn tests() -> Vec<Trial> {
         "study: a simulated ADIS16405 gyro has the recorded Allan deviation from 0.2 to 10 s",
         likeness,
     ));
+    all.push(data_test("study: a log of several topics is compared by the one that is named", topic_compared));
     all.extend(REFUSED.iter().map(|case| test(&format!("study: refused: {}", case.0), move || refused(case))));
     all
 }
@@ -132,6 +133,26 @@ fn departure(data: &Path, angle_random_walk_deg_rth: f64) -> Result<f64, Failed>
         .map(|k| (axis.recorded[k] / axis.simulated[1][k]).ln().powi(2))
         .collect();
     Ok((squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
+
+/// A robot's log has several topics and its own clock.
+fn topic_compared(data: &Path) -> Result<(), Failed> {
+    let run = |topic: &str| {
+        let text = format!(
+            "duration_s = 1.0\n[sensor]\nsample_rate_hz = 200\n[compare]\nfile = \"formats/imu.bag\"\n{topic}\n\
+             [[compare.axis]]\ncolumn = \"gx\"\nscale_deg_s = 57.29577951308232\n\
+             gyro = {{ angle_random_walk_deg_rth = 0.3 }}\n"
+        );
+        let study = study::parse("study.toml", &text, data)?;
+        let mut none = |_: &Job, _: &str| Err(Error::new("could not simulate", "no windows were asked for", ""));
+        compare::run(&study, &Control::silent(), &mut none)
+    };
+    let Outcome::Compared(comparison) = run("topic = \"/imu0\"")? else { return Err("nothing was compared".into()) };
+    check(comparison.axes.len() == 1 && comparison.axes[0].tau_s.len() > 4, "no axis of the topic was compared")?;
+    let wrong = run("topic = \"/imu1\"").err().ok_or("a topic that is not there was read")?;
+    check(wrong.to_string().contains("/imu1") || wrong.attempt.contains("/imu1"), format!("{wrong:?}"))?;
+    let none = run("").err().ok_or("a log without a clock or topic was accepted")?;
+    check(none.cause.contains("no clock") && none.hint.contains("topic"), format!("{none:?}"))
 }
 
 fn likeness(data: &Path) -> Result<(), Failed> {

@@ -1,4 +1,4 @@
-//! ROS 1 bags, version 2.0, plain or compressed by LZ4. Format: wiki.ros.org/Bags/Format/2.0.
+//! ROS 1 bags, version 2.0, plain or compressed by LZ4 or bzip2. Format: wiki.ros.org/Bags/Format/2.0.
 
 use std::collections::HashSet;
 
@@ -205,10 +205,11 @@ impl Chunks {
             let codec = match fields.get(b"compression") {
                 Some(b"none") => Codec::None,
                 Some(b"lz4") => Codec::Lz4Frame,
+                Some(b"bz2") => Codec::Bzip2,
                 other => {
                     let name = String::from_utf8_lossy(other.unwrap_or(b"nothing")).into_owned();
                     return Err(self.input.fail(
-                        format!("its chunks are compressed by {name}, where lz4 or none were expected"),
+                        format!("its chunks are compressed by {name}, where lz4, bz2 or none were expected"),
                         "rosbag decompress FILE.bag makes one that can be read",
                     ));
                 }

@@ -1,0 +1,109 @@
+//! The head of a text file: which columns it has, their units, and which of them hold numbers.
+
+use super::{POINT, Text};
+use crate::error::Result;
+use crate::recording::cells::Cells;
+use crate::recording::finding::Finding;
+use crate::recording::format::{self, Cell};
+use crate::recording::headings::Headings;
+use crate::recording::{trajectory, unit};
+
+impl Text {
+    /// The first line that is no comment names the columns; where it holds numbers, the comment before it may: EuRoC's files
+    /// begin with `#timestamp [ns],…`.
+    pub(super) fn read_header(&mut self) -> Result<Headings> {
+        let mut comment = Vec::new();
+        loop {
+            if !self.lines.advance()? {
+                return Err(self.fail("its first line is not a header", "begin with one line that names the columns"));
+            }
+            match self.lines.line().trim_ascii() {
+                [] => {}
+                [b'#', ..] => comment = self.lines.line().to_vec(),
+                _ => break,
+            }
+        }
+        self.cells.cut(self.lines.line(), self.separator);
+        self.width = self.cells.len();
+        let numbers = |cells: &Cells, line: &[u8]| {
+            (0..cells.len()).all(|i| match format::cell(cells.of(line, i)) {
+                Cell::Text => false,
+                Cell::DecimalComma(_) => self.separator != b',',
+                _ => true,
+            })
+        };
+        if !numbers(&self.cells, self.lines.line()) {
+            let line = self.lines.line();
+            if (0..self.width).any(|i| self.cells.of(line, i).starts_with(b"\"")) {
+                return Err(self.open_quote());
+            }
+            return Ok(Headings::new(&self.cells, self.lines.line()));
+        }
+        self.held = true;
+        let comment = comment.trim_ascii().strip_prefix(b"#").unwrap_or_default();
+        let mut cells = Cells::default();
+        cells.cut(comment, self.separator);
+        if cells.len() == self.width && self.width > 1 && !numbers(&cells, comment) {
+            return Ok(Headings::new(&cells, comment));
+        }
+        let line = self.lines.line();
+        let row: Vec<f64> = (0..self.width).map(|i| self.number(self.cells.of(line, i)).unwrap_or(f64::NAN)).collect();
+        if let Some(kind) = trajectory::recognised(&row) {
+            self.findings.push(Finding::TrajectoryRecognised { kind });
+            return Ok(Headings::known(kind.columns()));
+        }
+        self.findings.push(Finding::NoHeader);
+        Ok(Headings::counted(self.width))
+    }
+
+    /// A row of units below the header: text in every cell that is not empty, and a unit in one at least.
+    pub(super) fn read_units(&mut self) -> Result<()> {
+        if !self.held {
+            self.held = self.next_line()?;
+        }
+        if !self.held || self.cells.len() != self.width || self.rows > 0 {
+            return Ok(());
+        }
+        let line = self.lines.line();
+        let words: Vec<String> =
+            (0..self.width).map(|i| String::from_utf8_lossy(self.cells.of(line, i)).trim().to_owned()).collect();
+        if !unit::are_units(&words) {
+            return Ok(());
+        }
+        for (unit, word) in self.headings.units.iter_mut().zip(&words) {
+            let word = unit::without_brackets(word);
+            if !word.is_empty() {
+                *unit = Some(word.to_owned());
+            }
+        }
+        self.findings.push(Finding::UnitsRow { line: self.lines.number() });
+        self.held = self.next_line()?;
+        Ok(())
+    }
+
+    /// Places of the columns that hold numbers and are no clock, by the first row.
+    ///
+    /// # Errors
+    /// None, or more than 64.
+    pub fn numeric_places(&self) -> Result<Vec<usize>> {
+        let headings = &self.headings;
+        let kind = |place: usize| match self.held {
+            true if place >= self.cells.len() => Cell::Text,
+            true => format::cell(self.cells.of(self.lines.line(), place)),
+            false => Cell::Number(0.0),
+        };
+        let numeric = |p: &usize| match kind(*p) {
+            Cell::Number(_) | Cell::TooLarge => true,
+            Cell::DecimalComma(_) => self.separator != b',',
+            Cell::Text => false,
+        };
+        let places: Vec<usize> =
+            (0..self.width).filter(|p| numeric(p) && !format::names_a_clock(&headings.names[*p])).collect();
+        let comma = (0..self.width).any(|p| matches!(kind(p), Cell::DecimalComma(_)));
+        match places.len() {
+            0 => Err(self.fail("no column holds numbers", if comma { POINT } else { "name the columns wanted" })),
+            1..=64 => Ok(places),
+            n => Err(self.fail(format!("it has {n} columns of numbers"), "name the columns wanted")),
+        }
+    }
+}
