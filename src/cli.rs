@@ -20,9 +20,11 @@ pub mod import;
 pub mod inspect;
 pub mod map;
 pub mod paper;
+pub mod require;
 pub mod say;
 pub mod shell;
 pub mod study;
+mod sweep;
 pub mod template;
 pub mod trial;
 pub mod validate;
@@ -43,6 +45,7 @@ const EXAMPLES: &str = "Examples:
   proofmass                                         the default study: how far a MEMS accelerometer drifts
   proofmass template study > study.toml             a file to begin from
   proofmass study study.toml --members 100000       your own sensor
+  proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
   proofmass inspect flight.ulg                      what a recording holds, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
   proofmass export sensor.toml --to kalibr          its noise as an estimator or a simulator wants it
@@ -57,6 +60,8 @@ given a trajectory.";
 pub enum Command {
     /// Simulate an ensemble and report how far it drifts
     Study(study::Arguments),
+    /// Say which value of a key keeps a requirement, or which parts do
+    Require(require::Arguments),
     /// Say what a recording holds, and what to run next
     Inspect(inspect::Arguments),
     /// Estimate noise coefficients from a static log
@@ -163,6 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match &arguments.command {
         None => study::run_default(json),
         Some(Command::Study(a)) => study::run(a, json),
+        Some(Command::Require(a)) => require::run(a, json),
         Some(Command::Inspect(a)) => inspect::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
         Some(Command::Export(a)) => export::run(a, json),

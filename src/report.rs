@@ -10,6 +10,8 @@ pub mod html;
 pub mod inspection;
 pub mod map;
 pub mod paper;
+pub mod require;
 pub mod study;
+pub mod sweep;
 pub mod table;
 pub mod trial;

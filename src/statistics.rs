@@ -4,6 +4,7 @@
 //! Not for time series of one sensor (`numerics` has Allan deviation and spectra).
 
 pub mod histogram;
+pub mod jcgm101;
 pub mod moments;
 
 pub use histogram::{Bins, Histogram};

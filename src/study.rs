@@ -10,6 +10,8 @@ pub mod file;
 pub mod overrides;
 mod preset;
 pub mod section;
+pub mod source;
+pub mod sweep;
 pub mod tolerances;
 
 use std::path::{Path, PathBuf};
@@ -29,6 +31,8 @@ use alignment::Alignment;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
 use section::Section;
+pub use source::{Source, read_default};
+pub use sweep::Axis;
 use tolerances::Tolerances;
 
 /// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
@@ -60,6 +64,8 @@ pub struct Study {
     pub identity: String,
     /// Recordings that it reads.
     pub reads: Vec<PathBuf>,
+    /// Keys that take several values, one after the other.
+    pub sweep: Option<sweep::Sweep>,
 }
 
 /// Reads and checks study.toml.
@@ -70,19 +76,6 @@ pub struct Study {
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Study> {
     let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
     Study::from_text(&path.display().to_string(), &read_text(path)?, overrides, folder)
-}
-
-/// The default study; with a preset, its motion with that grade's sensor, under the grade's name.
-///
-/// # Errors
-/// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the embedded file is sound.
-pub fn read_default(overrides: &Overrides) -> Result<Study> {
-    let name = "the default study";
-    let Some(preset) = overrides.preset else { return Study::from_text(name, DEFAULT, overrides, PathBuf::new()) };
-    let mut document: toml::Table = parse_toml(name, DEFAULT)?;
-    [Section::Accelerometer, Section::Gyro].iter().for_each(|section| drop(document.remove(section.name())));
-    document.insert("name".into(), preset.name().into());
-    Study::from_document(name, document, overrides, PathBuf::new())
 }
 
 /// A study from text, with paths relative to `folder`.
@@ -135,6 +128,10 @@ impl Study {
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
         check::signs(source, &tolerances)?;
         let excitation = excitation.resolved(source, clock.step_s)?;
+        let sweep = file.sweep.as_ref().map(sweep::Sweep::read).transpose().map_err(|cause| {
+            let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";
+            Error::new(format!("could not use {source}"), format!("[sweep]: {cause}"), hint)
+        })?;
         (file.members, file.seed) = (Some(members), Some(seed));
         // Debug writes every key that serde reads, and every digit of its numbers.
         let identity = hexadecimal(&Sha256::digest(format!("{file:?} {:?}", excitation.replayed_sha256)));
@@ -150,6 +147,7 @@ impl Study {
             folder,
             identity,
             reads,
+            sweep,
         })
     }
 

@@ -17,6 +17,7 @@ mod suite {
     pub mod diagnosis_driven;
     pub mod diagnosis_rest;
     pub mod diagnosis_tumble;
+    pub mod digits;
     pub mod driven_bad_input;
     pub mod dynamics;
     pub mod export;
@@ -37,6 +38,7 @@ mod suite {
     pub mod parity;
     pub mod planted;
     pub mod recording;
+    pub mod require;
     pub mod rows;
     pub mod scale;
     pub mod several_recordings;
@@ -44,6 +46,7 @@ mod suite {
     pub mod still_start;
     pub mod study;
     pub mod study_cli;
+    pub mod sweep;
     pub mod trial;
     pub mod tumble_bench;
     pub mod windows;
@@ -118,6 +121,12 @@ fn main() {
         suite::benchmarks::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
+        // require: the value that a requirement takes is the one of theory, covered as stated.
+        suite::require::tests(),
+        // sweep: a study along one key or over two, beside the closed form.
+        suite::sweep::tests(),
+        // digits: digits that are declared stable are.
+        suite::digits::tests(),
         // trial: the blind trial is blind, and its scoring can tell an oracle from a coin.
         suite::trial::tests(),
         // planted: a very small blind trial of the real diagnosis.

@@ -1,6 +1,9 @@
 //! The CPU backend: lanes × threads. Members in groups of 64 go to the threads; time is cut into tiles so that the
 //! table of the excitation stays small and Ctrl-C is heard.
 
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::tile;
 use super::{Backend, Batch, Partial, Ran, Unfinished};
 use crate::control::{Control, Stopped};
@@ -244,21 +247,33 @@ fn partial<T: Real>(
 /// # Errors
 /// A member that the integrator cannot step; stopped.
 pub fn outcomes<T: Real>(job: &Job, control: &Control) -> Result<Vec<[f64; 4]>> {
+    outcomes_at::<T>(job, 0..job.members, job.clock.samples, control)
+}
+
+/// The four errors of some members, which begin at a multiple of 256, after `samples`: a report time of the job, or its end.
+/// Members that have failed by then are NaN. The members must fit the memory together.
+///
+/// # Errors
+/// A member that the integrator cannot step; stopped.
+pub fn outcomes_at<T: Real>(job: &Job, range: Range<u64>, samples: u64, control: &Control) -> Result<Vec<[f64; 4]>> {
     let shared = Shared::<T>::of(job);
-    let starts: Vec<u64> = (0..job.members).step_by(LANES).collect();
-    let mut groups = parallel::map(&starts, |first| draw::<T>(job, *first, job.members, shared.flicker.len()))
+    let starts: Vec<u64> = range.clone().step_by(LANES).collect();
+    let mut groups = parallel::map(&starts, |first| draw::<T>(job, *first, range.end, shared.flicker.len()))
         .into_iter()
         .collect::<Result<Vec<Group<T>>>>()?;
     let cpu = Cpu::default();
-    if cpu.tiles(job, &shared, &mut groups, 0, &|| control.cancelled(), |_, _| ()) < job.clock.samples {
+    let reached = AtomicU64::new(0);
+    let stop = || control.cancelled() || reached.load(Ordering::Relaxed) >= samples;
+    let after = |tile: &tile::Tile, _: &[Group<T>]| reached.store(tile.samples.end, Ordering::Relaxed);
+    if cpu.tiles(job, &shared, &mut groups, 0, &stop, after) < samples {
         control.go_on().map_err(stopped)?;
     }
     let sample_s = job.clock.sample_s();
     let all = groups.iter().flat_map(|group| {
-        let s = group.snapshot(job.clock.samples, sample_s);
-        (0..LANES).map(move |l| std::array::from_fn(|q| s.values[q][l]))
+        let s = group.snapshot(samples, sample_s);
+        (0..LANES).map(move |l| if s.failed[l] { [f64::NAN; 4] } else { std::array::from_fn(|q| s.values[q][l]) })
     });
-    Ok(all.take(job.members as usize).collect())
+    Ok(all.take((range.end - range.start) as usize).collect())
 }
 
 /// Reading errors of 64 members, from the multiple of 64 at or below `member` on, sample by sample: `sink` is given the

@@ -6,6 +6,9 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
 use super::say::{say, sayln};
+use super::sweep;
+use crate::decision::digits;
+use crate::decision::statistic::Limit;
 use crate::document::to_json;
 use crate::drift::document::Document;
 use crate::drift::{self, Drift};
@@ -14,12 +17,15 @@ use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::study as page;
-use crate::study::{self, Assignment, Overrides, Preset, Study};
+use crate::statistics::jcgm101::{Linear, Stated};
+use crate::study::{Assignment, Axis, Overrides, Preset, Source, Study};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
   proofmass study study.toml --set gyro.bias_deg_h=4 --set 'accelerometer.bias_mg={ mean = 0.0, sd = 2.0 }'
   proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro
+  proofmass study study.toml --sweep gyro.bias_deg_h.sd=1:20:log8 --limit 'p95(position_error_m, 60) < 10'
+  proofmass study study.toml --digits 2                        as many members as two stable digits take
   proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
 
 Scope: one sensitive axis, small tilt, and a flat Earth that does not rotate, until the study is
@@ -46,6 +52,17 @@ pub struct Arguments {
     /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Assignment>,
+    /// Simulate at several values of a key, with the same members at each: a curve; given twice, a map
+    #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
+    pub sweep: Vec<Axis>,
+    /// As many members as it takes for the last position error (mean, standard uncertainty, both ends of the 95 % interval) to
+    /// be stable to so many digits of the uncertainty (JCGM 101)
+    #[arg(long, value_name = "N", conflicts_with_all = ["members", "sweep"],
+          value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub digits: Option<u32>,
+    /// With --sweep: where this requirement is just kept, e.g. 'p95(position_error_m, 60) < 10'
+    #[arg(long, value_name = "EXPR")]
+    pub limit: Option<Limit>,
     /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -84,9 +101,28 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         preset: arguments.preset,
         set: arguments.set.clone(),
     };
-    let study = match &arguments.study {
-        Some(path) => study::read(path, &overrides)?,
-        None => study::read_default(&overrides)?,
+    let source = match &arguments.study {
+        Some(path) => Source::read(path, overrides)?,
+        None => Source::of_default(overrides)?,
+    };
+    let study = source.study()?;
+    let asked = sweep::Asked {
+        study: arguments.study.as_deref(),
+        axes: &arguments.sweep,
+        limit: arguments.limit.as_ref(),
+        backend: arguments.backend,
+        out: arguments.out.as_deref(),
+        force: arguments.force,
+        resume: arguments.resume,
+    };
+    // Digits are asked of one study, not of each value of its [sweep].
+    if let (None, Some(plan)) = (arguments.digits, sweep::plan(&asked, &study)?) {
+        return sweep::run(&asked, &source, &study, &plan, json);
+    }
+    let control = progress::terminal();
+    let study = match arguments.digits {
+        Some(digits) => digits::sized(&source, digits, &control)?,
+        None => study,
     };
     let path = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
     let mut keeper = match arguments.resume {
@@ -95,18 +131,21 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     };
     let mut folder = Folder::open(&path, outputs(arguments, &study))?;
     folder.state(Keeper::FILES, arguments.resume)?;
-    let (options, mut backends) = (
-        Options { backend: arguments.backend, control: progress::terminal(), ..Options::default() },
-        Backends::default(),
-    );
+    let (options, mut backends) =
+        (Options { backend: arguments.backend, control, ..Options::default() }, Backends::default());
     let drift = drift::answer(&study, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;
+    let stated = arguments.digits.and_then(|digits| digits::stated(&drift, digits));
     // The answer comes before the report: a disk that is full costs the report, not the run.
     if json {
-        sayln!("{}", to_json(&Document::of(&study, &drift))?)?;
+        sayln!("{}", to_json(&Document::of(&study, &drift).with_digits(stated))?)?;
     } else {
         say(format_args!("{}", page::terminal(&study, &drift)))?;
+        if let Some((stated, linear)) = &stated {
+            sayln!("{}", page::jcgm101::sentence(stated))?;
+            sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))?;
+        }
     }
-    write(&mut folder, &study, &drift).map_err(|error| keeper.kept(error))?;
+    write(&mut folder, &study, &drift, stated).map_err(|error| keeper.kept(error))?;
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;
     }
@@ -135,11 +174,15 @@ fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
     }
 }
 
-fn write(folder: &mut Folder, study: &Study, drift: &Drift) -> Result<()> {
+fn write(folder: &mut Folder, study: &Study, drift: &Drift, stated: Option<(Stated, Linear)>) -> Result<()> {
     folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
     if let Some(figure) = page::windows_figure(&drift.compared) {
         folder.write(WINDOWS, figure.file_svg().as_bytes())?;
     }
-    folder.write(REPORT, page::page(study, drift).finish().as_bytes())?;
+    let mut page = page::page(study, drift);
+    if let Some((stated, linear)) = &stated {
+        page::jcgm101::section(&mut page, stated, linear, drift);
+    }
+    folder.write(REPORT, page.finish().as_bytes())?;
     folder.finish()
 }

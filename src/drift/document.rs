@@ -7,6 +7,7 @@ use super::compare::Outcome;
 use super::expected::Expected;
 use super::windows::{self, Drifted};
 use crate::navigation::power_law::EXPONENTS;
+use crate::statistics::jcgm101::{Linear, Stated};
 use crate::statistics::{Origin, Summary, quantity};
 use crate::study::Study;
 
@@ -39,8 +40,18 @@ pub struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     windows_undisturbed: Vec<Windows>,
     findings: Vec<String>,
+    /// The position error at the last report time, where a number of digits was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jcgm101: Option<Jcgm101>,
     member_steps: u64,
     seconds: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Jcgm101 {
+    #[serde(flatten)]
+    stated: Stated,
+    linear: Linear,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -122,6 +133,12 @@ struct Share {
 }
 
 impl Document {
+    /// The same with the result to so many digits.
+    pub fn with_digits(mut self, result: Option<(Stated, Linear)>) -> Self {
+        self.jcgm101 = result.map(|(stated, linear)| Jcgm101 { stated, linear });
+        self
+    }
+
     /// The document of an answer.
     pub fn of(study: &Study, drift: &Drift) -> Self {
         let machine = &drift.statistics.machine;
@@ -189,6 +206,7 @@ impl Document {
             windows: asked.then(|| windows(false)),
             windows_undisturbed: windows(true),
             findings,
+            jcgm101: None,
             member_steps: drift.statistics.member_steps,
             seconds: drift.statistics.seconds,
         }

@@ -15,8 +15,8 @@ use crate::kernel::job::Job;
 
 /// Seconds of work after which it is kept. `PROOFMASS_STATE_INTERVAL_S` sets another number.
 const INTERVAL_S: f64 = 30.0;
-/// Most parts of a run: an ensemble and its error budget have some twenty.
-const MOST_PARTS: usize = 100;
+/// Most parts of a run: an ensemble and its error budget have some twenty, a map over two keys has 64 × 64 points.
+const MOST_PARTS: usize = 4096;
 
 /// The states of a run.
 #[derive(Debug)]

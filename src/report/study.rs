@@ -3,6 +3,7 @@
 mod compared;
 mod distribution;
 mod envelope;
+pub mod jcgm101;
 mod moment;
 mod sensor;
 mod share;

@@ -43,6 +43,8 @@ pub struct File {
     pub alignment: Option<Alignment>,
     /// A static log to lay beside the simulation.
     pub compare: Option<Compare>,
+    /// Keys that take several values, one after the other: see `sweep`.
+    pub sweep: Option<toml::Table>,
 }
 
 /// `[report]`

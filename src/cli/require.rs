@@ -1,0 +1,139 @@
+//! `proofmass require`: a study and a requirement in, which value of a key keeps it, or which parts do, out.
+
+use std::path::PathBuf;
+
+use super::say::{say, sayln};
+use crate::decision::document::{Document, Found};
+use crate::decision::parts::{self, Catalogue};
+use crate::decision::require::{self, Question};
+use crate::decision::statistic::Limit;
+use crate::document::to_json;
+use crate::error::{Error, Result};
+use crate::output::{self, Folder};
+use crate::progress;
+use crate::report::require as page;
+use crate::study::{Assignment, Overrides, Preset, Source, Study};
+
+const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
+  STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value
+  QUANTITY  position_error_m velocity_error_m_s acceleration_error_m_s2 tilt_error_rad
+
+Examples:
+  proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
+  proofmass require study.toml --limit 'abs95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd accelerometer.bias_mg.sd
+  proofmass require study.toml --limit 'sd(position_error_m, 30) < 2' --parts parts.toml
+
+parts.toml:
+  [[part]]
+  name = \"tactical\"
+  price = 1450.0
+  [part.accelerometer]
+  bias_mg = { mean = 0.0, sd = 0.3 }
+  [part.gyro]
+  bias_deg_h = { mean = 0.0, sd = 1.0 }";
+
+/// Arguments of `require`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, group = clap::ArgGroup::new("what").required(true).multiple(true).args(["vary", "parts"]))]
+pub struct Arguments {
+    /// The study (study.toml)
+    pub study: PathBuf,
+    /// What must hold, e.g. 'p95(position_error_m, 60) < 10'
+    #[arg(long, value_name = "EXPR")]
+    pub limit: Limit,
+    /// Key to vary: a dotted path of study.toml, into a draw where there is one; several are scaled by one common factor
+    #[arg(long, value_name = "KEY", num_args = 1..)]
+    pub vary: Vec<String>,
+    /// Parts to rank by whether they meet the requirement (parts.toml)
+    #[arg(long, value_name = "FILE")]
+    pub parts: Option<PathBuf>,
+    /// Half-width of the value's 95 % interval at which the search stops, over the value
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.01)]
+    pub tolerance: f64,
+    /// Seed, instead of the study's own
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Errors of a typical sensor of a grade, where the study gives none of its own
+    #[arg(long, value_enum, value_name = "GRADE")]
+    pub preset: Option<Preset>,
+    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Assignment>,
+    /// Where to write report.html; without it, nothing is written
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    #[arg(long, requires = "out")]
+    pub force: bool,
+}
+
+/// Smallest tolerance: a hundredth of the usual one takes ten thousand times its members.
+const FINEST: f64 = 1e-4;
+
+/// Searches, prints the answer and writes the report.
+///
+/// # Errors
+/// A study, a key or a catalogue that cannot be used; Ctrl-C; a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let Arguments { limit, tolerance, .. } = arguments;
+    if !(FINEST..=1.0).contains(tolerance) {
+        return Err(Error::new(
+            "could not understand the command line",
+            format!("--tolerance is {tolerance}: need a number from {FINEST} to 1"),
+            "0.01, which is the default, stops at 1 % of the value",
+        ));
+    }
+    let overrides = Overrides {
+        seed: arguments.seed,
+        preset: arguments.preset,
+        set: arguments.set.clone(),
+        ..Overrides::default()
+    };
+    let source = Source::read(&arguments.study, overrides)?;
+    let study = source.study()?;
+    let catalogue = arguments.parts.as_deref().map(Catalogue::read).transpose()?;
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments, &study))).transpose()?;
+    let control = progress::terminal();
+    for key in &arguments.vary {
+        if source.is_drawn(key)? {
+            control.remark(&format!(
+                "note: members draw `{key}`; here every member gets the same value. {key}.sd varies the spread."
+            ));
+        }
+    }
+    let question = Question { limit: limit.clone(), vary: arguments.vary.clone(), tolerance: *tolerance };
+    let answer = match question.vary.is_empty() {
+        true => None,
+        false => Some(require::answer(&source, &question, &control)?),
+    };
+    let judged = catalogue.map(|parts| parts::judge(&source, limit, &parts, &control)).transpose()?;
+    let found = Found { answer, parts: judged };
+    if json {
+        sayln!("{}", to_json(&Document::of(&study, limit, &found))?)?;
+    } else {
+        say(format_args!("{}", page::terminal(limit, &found)))?;
+    }
+    let Some(mut folder) = folder else { return Ok(()) };
+    if let Some(figure) = page::figure(limit, &found) {
+        folder.write(CURVE, figure.file_svg().as_bytes())?;
+    }
+    folder.write(REPORT, page::page(&study, limit, &found).finish().as_bytes())?;
+    folder.finish()?;
+    if let (Some(path), false) = (&arguments.out, json) {
+        sayln!("report:     {}", path.join(REPORT).display())?;
+    }
+    Ok(())
+}
+
+const REPORT: &str = "report.html";
+const CURVE: &str = "curve.svg";
+
+fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
+    output::Request {
+        command: "require",
+        inputs: [arguments.study.clone()].into_iter().chain(arguments.parts.clone()).collect(),
+        reads: study.reads.clone(),
+        writes: [REPORT, CURVE].map(str::to_owned).into(),
+        force: arguments.force,
+    }
+}

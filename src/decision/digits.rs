@@ -1,0 +1,56 @@
+//! A study with as many members as it takes for its last position error to be stable to so many digits.
+//!
+//! The first blocks of members say how many that are (`statistics::jcgm101`); the study then runs with that many like any
+//! other, so that it can be stopped and resumed.
+
+use super::values::{Place, Work};
+use crate::control::Control;
+use crate::drift::Drift;
+use crate::error::{Error, Result};
+use crate::statistics::jcgm101::{self, BLOCK, BLOCKS, Linear, Need, Stated};
+use crate::statistics::quantity;
+use crate::study::{Source, Study};
+
+/// How many members it takes.
+///
+/// # Errors
+/// A study that cannot be simulated; stopped.
+pub fn need(study: &Study, digits: u32, control: &Control) -> Result<Need> {
+    let samples = study.clock.report_samples.last().copied().unwrap_or(study.clock.samples);
+    let place = Place { quantity: quantity::POSITION, samples };
+    let mut work = Work::new(control, "first stage");
+    let mut blocks = Vec::new();
+    for k in 0..BLOCKS {
+        let mut values = work.values(study, place, k * BLOCK..(k + 1) * BLOCK)?;
+        values.retain(|v| v.is_finite());
+        if values.len() < 2 {
+            return Err(Error::new(
+                format!("could not simulate {}", study.name),
+                "nearly all members diverged: their position error is not finite",
+                "some error, spring or excitation is far too large; check the exponents and units of the study",
+            ));
+        }
+        blocks.push(jcgm101::block(&mut values));
+    }
+    Ok(jcgm101::need(&blocks, digits))
+}
+
+/// The study with as many members as so many digits take.
+///
+/// # Errors
+/// As [`need`]; more members than can be addressed.
+pub fn sized(source: &Source, digits: u32, control: &Control) -> Result<Study> {
+    let study = source.study()?;
+    let need = need(&study, digits, control)?;
+    control.remark(&format!("{} members for {digits} stable digits", need.trials));
+    source.with_members(need.trials)
+}
+
+/// The position error at the last report time, stated with so many digits, and the linear (GUM) answer beside it.
+pub fn stated(drift: &Drift, digits: u32) -> Option<(Stated, Linear)> {
+    let summary = drift.at_report(quantity::POSITION).pop()?;
+    let stated = Stated::of_summary(summary, digits);
+    let expected = drift.expected.total(quantity::POSITION);
+    let linear = expected.get(*drift.report.last()?)?;
+    Some((stated, stated.beside(linear.mean, linear.variance.sqrt())))
+}

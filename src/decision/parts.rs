@@ -1,0 +1,121 @@
+//! parts.toml: sensors that one can buy, each judged by whether a study with it in place of its own sensor meets a requirement.
+//!
+//! Every part gets the same members; those far from the limit are decided by few of them.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Table;
+
+use super::statistic::{Estimate, Limit};
+use super::values::{FIRST, Place, Work};
+use crate::control::Control;
+use crate::document::read_toml;
+use crate::error::{Error, Result};
+use crate::study::Source;
+use crate::study::source::Sensor;
+
+/// A whole parts.toml.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Catalogue {
+    /// The parts.
+    pub part: Vec<Part>,
+}
+
+/// `[[part]]`
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// What it is called.
+    pub name: String,
+    /// What it costs, in any one currency.
+    pub price: Option<f64>,
+    /// Takes the place of the study's `[accelerometer]`.
+    pub accelerometer: Option<Table>,
+    /// Takes the place of the study's `[gyro]`.
+    pub gyro: Option<Table>,
+}
+
+/// What is found of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judged {
+    /// What it is called.
+    pub name: String,
+    /// What it costs.
+    pub price: Option<f64>,
+    /// Whether it meets the requirement.
+    pub meets: bool,
+    /// Whether the interval of the statistic says so too.
+    pub sure: bool,
+    /// The statistic.
+    pub statistic: Estimate,
+}
+
+impl Catalogue {
+    /// Reads a parts.toml.
+    ///
+    /// # Errors
+    /// A file that cannot be read, an unknown key, no part, two of one name.
+    pub fn read(path: &Path) -> Result<Self> {
+        let catalogue: Self = read_toml(path)?;
+        let refuse = |cause: String| {
+            let hint =
+                "a part is [[part]] with name, price, [part.accelerometer] and [part.gyro] in the keys of study.toml";
+            Err(Error::new(format!("could not use {}", path.display()), cause, hint))
+        };
+        for (n, part) in catalogue.part.iter().enumerate() {
+            if catalogue.part[..n].iter().any(|other| other.name == part.name) {
+                return refuse(format!("two parts are called `{}`", part.name));
+            }
+            if part.accelerometer.is_none() && part.gyro.is_none() {
+                return refuse(format!("the part `{}` has neither an accelerometer nor a gyro", part.name));
+            }
+            if part.price.is_some_and(|price| !price.is_finite()) {
+                return refuse(format!("the price of `{}` is not a finite number", part.name));
+            }
+        }
+        if catalogue.part.is_empty() { refuse("it holds no part".into()) } else { Ok(catalogue) }
+    }
+}
+
+/// Judges every part; those that meet the requirement come first, the cheapest of them before all, and the others by how far
+/// they miss it. Also the members that it took.
+///
+/// # Errors
+/// A part that cannot be simulated, a time outside the run; stopped.
+pub fn judge(source: &Source, limit: &Limit, parts: &Catalogue, control: &Control) -> Result<(Vec<Judged>, u64)> {
+    let mut work = Work::new(control, "judging parts");
+    let mut judged: Vec<Judged> = Vec::new();
+    for part in &parts.part {
+        judged.push(judge_one(source, limit, part, &mut work)?);
+    }
+    judged.sort_by(|a, b| {
+        let price = |part: &Judged| part.price.unwrap_or(f64::INFINITY);
+        let cheaper = if a.meets { price(a).total_cmp(&price(b)) } else { std::cmp::Ordering::Equal };
+        b.meets.cmp(&a.meets).then(cheaper).then(a.statistic.value.total_cmp(&b.statistic.value))
+    });
+    Ok((judged, work.members()))
+}
+
+fn judge_one(source: &Source, limit: &Limit, part: &Part, work: &mut Work<'_>) -> Result<Judged> {
+    let sensor = Sensor { accelerometer: part.accelerometer.clone(), gyro: part.gyro.clone() };
+    let study = source.with_sensor(&part.name, &sensor)?;
+    let place = Place::of(limit, &study)?;
+    let mut values = Vec::new();
+    let (mut members, most) = (4 * FIRST, place.most_members(&study));
+    loop {
+        let more = work.values(&study, place, values.len() as u64..members)?;
+        values.extend(more);
+        let kept: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        let statistic = limit.statistic.estimate(&kept);
+        let [low, high] = statistic.ci95;
+        // Where every member failed there is no statistic, and the part is out.
+        let sure = statistic.value.is_nan() || high < limit.below || low >= limit.below;
+        if sure || members >= most {
+            let meets = statistic.value < limit.below;
+            return Ok(Judged { name: part.name.clone(), price: part.price, meets, sure, statistic });
+        }
+        members = (4 * members).min(most);
+    }
+}

@@ -1,0 +1,158 @@
+//! How the drift of a study moves along one key, or over two: every value with the same members and random numbers, and
+//! where a requirement is just kept.
+
+use super::require::{self, Crossed};
+use super::statistic::{Estimate, Limit, Statistic};
+use super::values::Place;
+use crate::control::Control;
+use crate::error::Result;
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::Job;
+use crate::statistics::{Statistics, Summary, quantity};
+use crate::study::{Assignment, Axis, Source};
+
+/// What is asked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// One for a curve, two for a map.
+    pub axes: Vec<Axis>,
+    /// The requirement whose crossing is looked for.
+    pub limit: Option<Limit>,
+}
+
+/// The study at one value of each key.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// The values, in the order of the axes.
+    pub values: Vec<f64>,
+    /// The quantities at the report times.
+    pub at: Vec<[Summary; 4]>,
+    /// The statistic that is followed.
+    pub statistic: Estimate,
+    /// Members that failed.
+    pub failed: u64,
+}
+
+/// Where the requirement is just kept along the first key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crossing {
+    /// Value of the second key, on a map.
+    pub other: Option<f64>,
+    /// Value of the first, its interval, and on which side of it the requirement is met.
+    pub crossed: Crossed,
+}
+
+/// The answer.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// What was asked.
+    pub plan: Plan,
+    /// Report times, s.
+    pub time_s: Vec<f64>,
+    /// What is followed: the limit's statistic, else the standard deviation of position at the last report time.
+    pub followed: Followed,
+    /// The values of the first key run fastest.
+    pub points: Vec<Point>,
+    /// Crossings of the limit, in the order of the second key.
+    pub crossings: Vec<Crossing>,
+    /// Members at every point.
+    pub members: u64,
+}
+
+/// A statistic of a quantity at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followed {
+    /// Which statistic.
+    pub statistic: Statistic,
+    /// Of what, a place in `QUANTITIES`.
+    pub quantity: usize,
+    /// When, s.
+    pub time_s: f64,
+}
+
+/// Sweeps. `run` integrates a job under a name for its progress bar.
+///
+/// # Errors
+/// A key that the study does not have, a value that it refuses, a time outside the run; whatever stops a run.
+pub fn run(
+    source: &Source,
+    plan: &Plan,
+    control: &Control,
+    mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
+) -> Result<Sweep> {
+    let study = source.study()?;
+    let last_s = study.clock.report_samples.last().map_or(study.duration_s(), |n| *n as f64 * study.sample_s());
+    let followed = match &plan.limit {
+        Some(Limit { statistic, quantity, time_s, .. }) => {
+            Followed { statistic: *statistic, quantity: *quantity, time_s: *time_s }
+        }
+        None => Followed { statistic: Statistic::Sd, quantity: quantity::POSITION, time_s: last_s },
+    };
+    let mut points = Vec::new();
+    for values in grid(&plan.axes) {
+        let set: Vec<Assignment> =
+            plan.axes.iter().zip(&values).map(|(axis, value)| Assignment::number(&axis.key, *value)).collect();
+        let here = source.with(&set)?;
+        let stiffest = here.stiffest();
+        let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;
+        integrator.check(stiffest.as_ref(), here.clock.step_s)?;
+        let name = set.iter().map(Assignment::to_string).collect::<Vec<String>>().join(", ");
+        let followed_at = Place::at(followed.time_s, &here)?;
+        let mut samples = here.clock.report_samples.clone();
+        samples.push(followed_at);
+        samples.sort_unstable();
+        samples.dedup();
+        let statistics = run(&here.job(integrator, samples.clone()), &name)?;
+        let summaries = |sample: &u64| samples.binary_search(sample).ok().map(|k| statistics.at[k].clone());
+        let Some(there) = summaries(&followed_at) else { continue };
+        points.push(Point {
+            statistic: followed.statistic.summarised(&there[followed.quantity]),
+            at: here.clock.report_samples.iter().filter_map(summaries).collect(),
+            values,
+            failed: statistics.failed,
+        });
+    }
+    let crossings = match &plan.limit {
+        Some(limit) => crossings(source, plan, limit, &points, control)?,
+        None => Vec::new(),
+    };
+    let time_s = study.clock.report_samples.iter().map(|sample| *sample as f64 * study.sample_s()).collect();
+    Ok(Sweep { plan: plan.clone(), time_s, followed, points, crossings, members: study.members })
+}
+
+/// The values of all keys at every point, those of the first key fastest.
+fn grid(axes: &[Axis]) -> Vec<Vec<f64>> {
+    axes.iter().rev().fold(vec![Vec::new()], |points: Vec<Vec<f64>>, axis| {
+        let values = axis.values();
+        points.iter().flat_map(|point| values.iter().map(|v| [&[*v], &point[..]].concat())).collect()
+    })
+}
+
+/// Between neighbouring values of the first key of which one meets the limit, the crossing.
+fn crossings(
+    source: &Source,
+    plan: &Plan,
+    limit: &Limit,
+    points: &[Point],
+    control: &Control,
+) -> Result<Vec<Crossing>> {
+    let Some(first) = plan.axes.first() else { return Ok(Vec::new()) };
+    let mut found = Vec::new();
+    for row in points.chunks(first.points) {
+        let meets = |point: &Point| point.statistic.value < limit.below;
+        for pair in row.windows(2).filter(|pair| meets(&pair[0]) != meets(&pair[1])) {
+            let other = pair[0].values.get(1).copied();
+            let fixed: Vec<Assignment> = plan
+                .axes
+                .get(1)
+                .zip(other)
+                .map(|(axis, value)| Assignment::number(&axis.key, value))
+                .into_iter()
+                .collect();
+            let ends = [pair[0].values[0], pair[1].values[0]];
+            let between = require::Between { source, fixed, key: &first.key, limit, ends };
+            found.push(Crossing { other, crossed: between.crossing(meets(&pair[0]), control)? });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,117 @@
+//! A sweep as the public document `proofmass.sweep/1`.
+
+use serde::Serialize;
+
+use super::statistic::Estimate;
+use super::sweep::{Point, Sweep};
+use crate::statistics::{QUANTITIES, Summary};
+use crate::study::Study;
+
+/// The whole document.
+#[derive(Debug, Clone, Serialize)]
+pub struct Document {
+    schema: &'static str,
+    name: String,
+    version: &'static str,
+    seed: u64,
+    /// Members at every point.
+    members: u64,
+    /// The keys and their values.
+    sweep: Vec<Axis>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limit: Option<String>,
+    /// What each point's `statistic` is.
+    statistic: String,
+    /// Report times, along which the lists of the points run.
+    time_s: Vec<f64>,
+    /// The values of the first key run fastest.
+    points: Vec<Here>,
+    /// Where the limit is just kept along the first key, for each value of the second.
+    crossings: Vec<Crossing>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Axis {
+    key: String,
+    values: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Here {
+    values: Vec<f64>,
+    failed: u64,
+    statistic: Estimate,
+    #[serde(flatten)]
+    quantities: std::collections::BTreeMap<&'static str, Distribution>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Distribution {
+    mean: Vec<f64>,
+    sd: Vec<f64>,
+    p01: Vec<f64>,
+    p05: Vec<f64>,
+    p50: Vec<f64>,
+    p95: Vec<f64>,
+    p99: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Crossing {
+    /// Value of the second key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    other: Option<f64>,
+    value: f64,
+    ci95: [Option<f64>; 2],
+    /// Which side of the value meets the limit.
+    side: &'static str,
+}
+
+impl Document {
+    /// The document of an answer.
+    pub fn of(study: &Study, sweep: &Sweep) -> Self {
+        let followed = &sweep.followed;
+        Self {
+            schema: "proofmass.sweep/1",
+            name: study.name.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            seed: study.seed,
+            members: sweep.members,
+            sweep: sweep.plan.axes.iter().map(|a| Axis { key: a.key.clone(), values: a.values() }).collect(),
+            limit: sweep.plan.limit.as_ref().map(ToString::to_string),
+            statistic: format!("{}({}, {})", followed.statistic.name(), QUANTITIES[followed.quantity], followed.time_s),
+            time_s: sweep.time_s.clone(),
+            points: sweep.points.iter().map(Here::of).collect(),
+            crossings: sweep
+                .crossings
+                .iter()
+                .map(|c| Crossing {
+                    other: c.other,
+                    value: c.crossed.value,
+                    ci95: c.crossed.ci95,
+                    side: if c.crossed.below { "below" } else { "above" },
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Here {
+    fn of(point: &Point) -> Self {
+        let distribution = |q: usize| {
+            let series = |pick: &dyn Fn(&Summary) -> f64| point.at.iter().map(|at| pick(&at[q])).collect();
+            let percentile = |p: usize| series(&|s| s.percentiles[p]);
+            Distribution {
+                mean: series(&|s| s.mean),
+                sd: series(&|s| s.sd),
+                p01: percentile(0),
+                p05: percentile(1),
+                p50: percentile(2),
+                p95: percentile(3),
+                p99: percentile(4),
+            }
+        };
+        let quantities = QUANTITIES.iter().enumerate().map(|(q, name)| (*name, distribution(q))).collect();
+        Self { values: point.values.clone(), failed: point.failed, statistic: point.statistic, quantities }
+    }
+}

@@ -1,0 +1,105 @@
+//! The errors of the members themselves, at one time: what an ensemble's sums do not keep.
+//!
+//! Members are the study's own, so that the same ones come at every value of a key. On the CPU, in f32, batch by batch.
+
+use std::ops::Range;
+
+use super::statistic::Limit;
+use crate::backend::cpu::outcomes_at;
+use crate::control::{Control, Progress};
+use crate::error::{Error, Result};
+use crate::kernel::integrator::Integrator;
+use crate::study::Study;
+
+/// Members of the first look at a study.
+pub const FIRST: u64 = 1024;
+/// Most integration steps of one study: some minutes on two cores.
+const MOST_STEPS: u64 = 20_000_000_000;
+/// Between these lies the most members of one study.
+const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
+/// Members that are integrated together.
+const BATCH: u64 = 8192;
+
+/// What is looked at: a quantity after so many samples from the end of the still start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Place in `QUANTITIES`.
+    pub quantity: usize,
+    /// Samples.
+    pub samples: u64,
+}
+
+impl Place {
+    /// Where a requirement looks in a study.
+    ///
+    /// # Errors
+    /// A time outside the run.
+    pub fn of(limit: &Limit, study: &Study) -> Result<Self> {
+        Ok(Self { quantity: limit.quantity, samples: Self::at(limit.time_s, study)? })
+    }
+
+    /// Most members of a study that is integrated up to here.
+    pub fn most_members(self, study: &Study) -> u64 {
+        let steps = self.samples.saturating_mul(u64::from(study.clock.steps_per_sample));
+        let [fewest, most] = MOST_MEMBERS;
+        (MOST_STEPS / steps.max(1)).clamp(fewest, most).next_multiple_of(256)
+    }
+
+    /// The sample at a time of a study.
+    ///
+    /// # Errors
+    /// A time outside the run.
+    pub fn at(time_s: f64, study: &Study) -> Result<u64> {
+        let samples = (time_s / study.sample_s()).round();
+        if samples < 1.0 || samples > study.clock.samples as f64 {
+            return Err(Error::new(
+                format!("could not look at {time_s} s"),
+                format!("{time_s} s lies outside the run of {} s", study.duration_s()),
+                "give a time within the run, or a longer duration_s (--set duration_s=…)",
+            ));
+        }
+        Ok(samples as u64)
+    }
+}
+
+/// Who watches, and the count of members that were integrated.
+pub struct Work<'a> {
+    control: &'a Control,
+    progress: Progress,
+    members: u64,
+}
+
+impl<'a> Work<'a> {
+    /// Nothing done yet.
+    pub fn new(control: &'a Control, name: &str) -> Self {
+        Self { control, progress: control.stage(name, 0), members: 0 }
+    }
+
+    /// Members integrated so far, each as often as it was.
+    pub fn members(&self) -> u64 {
+        self.members
+    }
+
+    /// One error of each of these members, NaN of those that have failed. The range begins at a multiple of 256.
+    ///
+    /// # Errors
+    /// A member that cannot be stepped; stopped.
+    pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
+        let stiffest = study.stiffest();
+        let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
+        choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
+        let job = study.job(choice.integrator, vec![place.samples]);
+        let samples = place.samples + job.clock.still_samples;
+        let mut values = Vec::with_capacity((members.end - members.start) as usize);
+        let mut from = members.start;
+        while from < members.end {
+            let until = members.end.min(from + BATCH);
+            let rows = outcomes_at::<f32>(&job, from..until, samples, self.control)?;
+            values.extend(rows.iter().map(|row| row[place.quantity]));
+            self.members += until - from;
+            self.progress.add(until - from);
+            from = until;
+        }
+        Ok(values)
+    }
+}
