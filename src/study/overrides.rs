@@ -59,6 +59,10 @@ impl Assignment {
             };
             here = table;
         }
+        // A spread where nothing was drawn is about zero.
+        if last == "sd" && here.is_empty() {
+            here.insert("mean".into(), Value::Float(0.0));
+        }
         here.insert(last.clone(), self.value.clone());
         Ok(())
     }
@@ -137,6 +141,7 @@ mod tests {
         assert_eq!(after(text, &["gyro.bias_deg_h=4.5"]), Ok("[gyro]\nbias_deg_h = 4.5\n".into()));
         assert_eq!(after("", &["sensor.range_g = 8"]), Ok("[sensor]\nrange_g = 8\n".into()));
         assert_eq!(after("seed = 1", &["name=\"mine\"", "seed=2"]), Ok("name = \"mine\"\nseed = 2\n".into()));
+        assert_eq!(after("", &["gyro.bias_deg_h.sd=3"]), Ok("[gyro.bias_deg_h]\nmean = 0.0\nsd = 3\n".into()));
         let fixed = "[gyro]\nbias_deg_h = 4.0\n";
         assert_eq!(after(fixed, &["gyro.bias_deg_h.sd=3"]), Ok("[gyro.bias_deg_h]\nmean = 4.0\nsd = 3\n".into()));
     }
