@@ -60,7 +60,7 @@ given a trajectory.";
 pub enum Command {
     /// Simulate an ensemble and report how far it drifts
     Study(study::Arguments),
-    /// Say which value of a key keeps a requirement, or which parts do
+    /// Find the value of a key that meets a requirement, or rank parts by whether they do
     Require(require::Arguments),
     /// Say what a recording holds, and what to run next
     Inspect(inspect::Arguments),

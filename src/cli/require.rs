@@ -1,4 +1,4 @@
-//! `proofmass require`: a study and a requirement in, which value of a key keeps it, or which parts do, out.
+//! `proofmass require`: a study and a requirement in, which value of a key meets it, or which parts do, out.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Which value of a key, or which common factor of several, keeps a requirement: a sequential search that spends members where
+//! Which value of a key, or which common factor of several, meets a requirement: a sequential search that spends members where
 //! they decide.
 //!
 //! Few members find between which two values, a factor of four apart, the statistic crosses its limit, and then about where.
@@ -165,7 +165,7 @@ pub fn answer(source: &Source, question: &Question, control: &Control) -> Result
     Ok(Answer { outcome, vary, at, settled: settled.narrow, statistic: settled.statistic, tried, members })
 }
 
-/// Two neighbouring values of a key between which a requirement is just kept.
+/// Two neighbouring values of a key between which a requirement is just met.
 pub(super) struct Between<'a> {
     /// The study.
     pub source: &'a Source,
@@ -179,7 +179,7 @@ pub(super) struct Between<'a> {
     pub ends: [f64; 2],
 }
 
-/// Where a requirement is just kept between two values.
+/// Where a requirement is just met between two values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossed {
     /// The value.

@@ -1,5 +1,5 @@
 //! How the drift of a study moves along one key, or over two: every value with the same members and random numbers, and
-//! where a requirement is just kept.
+//! where a requirement is just met.
 
 use super::require::{self, Crossed};
 use super::statistic::{Estimate, Limit, Statistic};
@@ -33,7 +33,7 @@ pub struct Point {
     pub failed: u64,
 }
 
-/// Where the requirement is just kept along the first key.
+/// Where the requirement is just met along the first key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crossing {
     /// Value of the second key, on a map.

@@ -26,7 +26,7 @@ pub struct Document {
     time_s: Vec<f64>,
     /// The values of the first key run fastest.
     points: Vec<Here>,
-    /// Where the limit is just kept along the first key, for each value of the second.
+    /// Where the limit is just met along the first key, for each value of the second.
     crossings: Vec<Crossing>,
 }
 

@@ -1,4 +1,4 @@
-//! The page and the terminal text of a sweep: the curve or the map, and where the limit is just kept.
+//! The page and the terminal text of a sweep: the curve or the map, and where the limit is just met.
 
 use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster, labelled};
 use super::html::Page;
@@ -113,14 +113,10 @@ fn map(sweep: &Sweep, x: &study::Axis, y: &study::Axis) -> (Figure, String) {
     }
     let followed = &sweep.followed;
     let subject = subject_of(followed.statistic, followed.quantity, followed.time_s);
-    let words = format!(
-        "The {subject}. Every cell has the same {} members and random numbers; on the line, the limit is just kept.",
-        sweep.members
-    );
-    (
-        chart.draw(),
-        if sweep.crossings.is_empty() { words.replace("; on the line, the limit is just kept", "") } else { words },
-    )
+    let line = if sweep.crossings.is_empty() { "" } else { "; on the line, the limit is just met" };
+    let members = sweep.members;
+    let words = format!("The {subject}. Every cell has the same {members} members and random numbers{line}.");
+    (chart.draw(), words)
 }
 
 /// "4.02, 95 % interval 3.98 to 4.06".
@@ -215,7 +211,7 @@ pub fn page(study: &Study, sweep: &Sweep) -> Page {
     let figures = figures(sweep);
     page.figure_row(&figures.iter().map(|(figure, words)| (figure, words.as_str())).collect::<Vec<_>>());
     if !sweep.crossings.is_empty() {
-        page.section("Where the limit is just kept");
+        page.section("Where the limit is just met");
         page.table(&crossings(sweep));
         page.paragraph(
             "Between the two neighbouring values, the same members at two closer ones give the crossing; its interval is \
