@@ -77,7 +77,7 @@ const LAWS: [Law; 3] = [
 /// Few repeats, which take seconds; `PROOFMASS_REPEATS` says how many instead.
 fn holds() -> Result<(), Failed> {
     let given = std::env::var("PROOFMASS_REPEATS").ok().and_then(|text| text.parse::<u64>().ok());
-    let repeats = given.unwrap_or(40);
+    let repeats = given.unwrap_or(20);
     for Law { name, draw, truth } in &LAWS {
         let (mut hits, mut early) = (0, 0);
         for repeat in 0..repeats {

@@ -94,7 +94,7 @@ fn map() -> Result<(), Failed> {
     let path = folder.path().join("study.toml");
     std::fs::write(&path, format!("{STUDY}[gyro]\nbias_deg_h = {{ mean = 0.0, sd = 1.0 }}\n"))?;
     let out = folder.path().join("out");
-    let axes = ["accelerometer.bias_mg.sd=0.5:3:3", "gyro.bias_deg_h.sd=10:150:2"];
+    let axes = ["accelerometer.bias_mg.sd=0.5:3:3", "gyro.bias_deg_h.sd=10:100:2"];
     let mut command = program();
     command.arg("study").arg(&path).args(["--sweep", axes[0], "--sweep", axes[1]]);
     command.args(["--limit", "sd(position_error_m, 10) < 1"]);
