@@ -102,7 +102,7 @@ pub fn compute(control: &Control) -> Result<Attractor, Stopped> {
         Exhibit::simulated(19, "The section enlarged, twice", nineteen(&parts, &views[0], kaplan_yorke)),
     ];
     // Fine enough that its loops are round.
-    let portrait = portrait(&PAPER, &drive, 4 * steps_per_period, 200, 40);
+    let portrait = portrait(&PAPER, &drive, 4 * steps_per_period, 200, 30);
     Ok(Attractor { radian, hertz, drive, portrait, exponent, kaplan_yorke, boxes, parts, views, exhibits })
 }
 

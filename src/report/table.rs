@@ -31,11 +31,12 @@ impl Table {
         self.rows[row].get(column).map_or("", String::as_str)
     }
 
-    /// A column whose cells all begin like a number is set flush right.
+    /// A column whose cells all begin like a number, and are not sentences, is set flush right.
     fn numeric(&self, column: usize) -> bool {
         let starts_numeric =
             |c: &str| c.is_empty() || c.starts_with(|f: char| f.is_ascii_digit() || "−-–±(<>≤≥+∞".contains(f));
-        column > 0 && (0..self.rows.len()).all(|r| starts_numeric(self.cell(r, column)))
+        let short = |c: &str| c.chars().count() <= 40;
+        column > 0 && (0..self.rows.len()).map(|r| self.cell(r, column)).all(|c| starts_numeric(c) && short(c))
     }
 
     /// A column of sentences, which a narrow screen must not squeeze into one word a line.

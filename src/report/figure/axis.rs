@@ -92,13 +92,13 @@ pub(super) struct Span {
 impl Span {
     /// 0 at the low end, 1 at the high end.
     ///
-    /// What lies far outside stops four lengths of the axis beyond it, a logarithm of zero included.
+    /// What lies far outside stops a hundred lengths of the axis beyond it, a logarithm of zero included.
     pub(super) fn fraction(&self, value: f64) -> f64 {
         let fraction = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
             Scale::Log => (value.max(f64::MIN_POSITIVE) / self.low).ln() / (self.high / self.low).ln(),
         };
-        fraction.clamp(-4.0, 5.0)
+        fraction.clamp(-100.0, 101.0)
     }
 
     /// A point is drawable when it lies on the axis at all (log axes have no zero).

@@ -58,7 +58,16 @@ impl Frame {
 
 /// A number of px or per cent, to a thousandth.
 pub(super) fn thousandths(value: f64) -> String {
-    let text = format!("{value:.3}");
+    decimal(value, 3)
+}
+
+/// A number of px, to a hundredth.
+pub(super) fn hundredths(value: f64) -> String {
+    decimal(value, 2)
+}
+
+fn decimal(value: f64, places: usize) -> String {
+    let text = format!("{value:.places$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.into() }
 }

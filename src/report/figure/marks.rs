@@ -1,7 +1,7 @@
-//! The data of a chart as SVG: one group per series, in the plot's own coordinates to a thousandth of a px.
+//! The data of a chart as SVG: one group per series, in the plot's own coordinates to a hundredth of a px.
 
 use super::chart::{Mark, Series};
-use super::frame::{Frame, thousandths};
+use super::frame::{Frame, hundredths};
 use super::simplify::simplified;
 
 /// No point of a curve is moved by more than this, px.
@@ -9,13 +9,13 @@ const UNSEEN_PX: f64 = 0.04;
 
 /// Points as "x,y x,y".
 fn pairs(points: impl IntoIterator<Item = (f64, f64)>) -> String {
-    let pair = |(x, y): (f64, f64)| format!("{},{}", thousandths(x), thousandths(y));
+    let pair = |(x, y): (f64, f64)| format!("{},{}", hundredths(x), hundredths(y));
     points.into_iter().map(pair).collect::<Vec<_>>().join(" ")
 }
 
 /// "x y" for a path.
 fn at((x, y): (f64, f64)) -> String {
-    format!("{} {}", thousandths(x), thousandths(y))
+    format!("{} {}", hundredths(x), hundredths(y))
 }
 
 /// What a reader's script needs to know of a mark, and the class of its legend entry.

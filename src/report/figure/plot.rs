@@ -9,7 +9,7 @@ use super::frame::{Frame, thousandths};
 use super::legend::Legend;
 use super::marks::{kind, shapes};
 use super::raster::{self, Raster};
-use super::tick::horizontal;
+use super::tick::{ADVANCE_PX, NARROW_PX, horizontal};
 use crate::escape::html;
 
 /// From the plot to a colour bar, and on to its numbers, px.
@@ -135,7 +135,7 @@ fn words(note: &Note, frame: &Frame) -> String {
     let (x, y) = (frame.x_percent(note.at.0), frame.y_percent(note.at.1));
     let (anchor, drop) = match note.middle {
         true => ("middle", " dy=\".35em\""),
-        false if x > 60.0 => ("end", ""),
+        false if x + 100.0 * ADVANCE_PX * note.text.chars().count() as f64 / NARROW_PX > 100.0 => ("end", ""),
         false => ("start", ""),
     };
     let class = if note.narrow { "note" } else { "note wide" };

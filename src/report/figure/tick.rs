@@ -4,9 +4,9 @@ use super::axis::{Scale, Span};
 
 /// Plots are at least this wide on a desktop (two in a row) and on a phone, px.
 const WIDE_PX: f64 = 380.0;
-const NARROW_PX: f64 = 230.0;
+pub(super) const NARROW_PX: f64 = 230.0;
 /// Mean advance of the usual sans-serif faces at 12 px, and the air between two labels, px.
-const ADVANCE_PX: f64 = 6.8;
+pub(super) const ADVANCE_PX: f64 = 6.8;
 const AIR_PX: f64 = 12.0;
 
 /// A tick and whether it is labelled.

@@ -38,7 +38,7 @@ class Axis {
   back(u) { return this.log ? Math.exp(u) : u; }
   fraction(v) {
     const [a, b] = [this.u(this.low), this.u(this.high)];
-    return clamp((this.u(v) - a) / (b - a), -4, 5);
+    return clamp((this.u(v) - a) / (b - a), -1e4, 1e4);
   }
   value(f) {
     const [a, b] = [this.u(this.low), this.u(this.high)];

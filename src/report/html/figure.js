@@ -69,7 +69,6 @@ class Figure extends Reading {
     }
     this.axes();
     this.reset.disabled = !x.moved && !y.moved;
-    this.svg.classList.toggle('zoomed', x.moved || y.moved);
     this.hide();
   }
 

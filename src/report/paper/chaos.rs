@@ -73,7 +73,7 @@ fn seventeen(page: &mut Page, attractor: &Attractor) {
     page.figure(
         &portrait.draw(),
         &format!(
-            "Forty periods of eq. 6 by Runge–Kutta after two hundred to settle, F₀ = {} N, ω = 1.5 rad/s. Largest Lyapunov \
+            "Thirty periods of eq. 6 by Runge–Kutta after two hundred to settle, F₀ = {} N, ω = 1.5 rad/s. Largest Lyapunov \
              exponent {} 1/s from 512 independent orbits: two neighbours are e times farther apart every {} s.",
             significant(attractor.drive.amplitude_n, 4),
             pair(attractor.exponent),

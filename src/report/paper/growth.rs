@@ -138,7 +138,7 @@ fn four(page: &mut Page, growth: &Growth) {
     chart.add("19 of 20 stay below", Ink::Soft, Mark::Dashed, vec![]);
     let at = growth.crossing_s;
     let level = growth.cubic.time_s.iter().zip(&growth.cubic.sd).find(|(t, _)| **t >= at).map_or(1.0, |p| *p.1);
-    chart.note((at * 1.05, level * 0.6), &format!("cross at {} s", significant(at, 2)));
+    chart.note((at * 1.15, level * 0.25), &format!("cross at {} s", significant(at, 2)));
     page.figure(
         &chart.draw(),
         "Standard deviation over 2000 simulated sensors whose accelerometer bias is drawn with 1 mg and whose gyro bias with \

@@ -52,8 +52,13 @@ pub(super) fn three(
     }
     let second =
         chart("Speed", "speed / (m/s)", Ink::Blue, pick(&|_, m| reading(oscillator, m).1), pick(&|t, _| ideal(t).1));
-    let third =
-        chart("Distance", "distance / m", Ink::Green, pick(&|_, m| reading(oscillator, m).2), pick(&|t, _| ideal(t).2));
+    let third = chart(
+        "Displacement",
+        "displacement / m",
+        Ink::Green,
+        pick(&|_, m| reading(oscillator, m).2),
+        pick(&|t, _| ideal(t).2),
+    );
     [first.draw(), second.draw(), third.draw()]
 }
 
