@@ -45,32 +45,30 @@ fn stack(chart: &mut Chart, name: &str, ink: Ink, time_s: &[f64], floor: &[f64],
     chart.add("", ink, Mark::Line, points(top));
 }
 
-/// Width of a plot on a desktop and on a phone, height, and a label's letters: advance and half height; px.
+/// Width of a plot on a desktop and on a phone, its height, and a letter's advance and line; px.
 const WIDE_PX: f64 = 380.0;
 const NARROW_PX: f64 = 285.0;
 const HEIGHT_PX: f64 = 280.0;
 const LETTER_PX: f64 = 6.8;
-const HALF_PX: f64 = 8.0;
+const LINE_PX: f64 = 17.0;
 
-/// The name in its area, where that is highest along the whole name; none where it has no room.
+/// The name in its area, where there is most room above and below it along the whole name; none where it has none.
 fn inside(chart: &mut Chart, name: &str, time_s: &[f64], floor: &[f64], top: &[f64]) {
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return };
     let along = |k: usize| (time_s[k] / first).ln() / (last / first).ln();
-    // What stays free above and below a name centred at a time, in px; beyond the plot nothing does.
-    let free = |k: usize, width_px: f64| {
+    // The part of the height, in per cent, that is the area's own under a name centred at a time.
+    let own = |k: usize, width_px: f64| {
         let half = 0.5 * LETTER_PX * name.chars().count() as f64 / width_px;
-        if along(k) < half || along(k) + half > 1.0 {
-            return f64::NEG_INFINITY;
-        }
-        let middle = 0.5 * (floor[k] + top[k]);
-        let under = (0..time_s.len()).filter(|j| (along(*j) - along(k)).abs() <= half);
-        let room = under.map(|j| (middle - floor[j]).min(top[j] - middle)).fold(f64::INFINITY, f64::min);
-        0.01 * HEIGHT_PX * room - HALF_PX
+        let fits = along(k) >= half && along(k) + half <= 1.0;
+        let under = (0..time_s.len()).filter(|j| fits && (along(*j) - along(k)).abs() <= half);
+        under.fold((0.0f64, if fits { 100.0f64 } else { 0.0 }), |(low, high), j| (low.max(floor[j]), high.min(top[j])))
     };
+    let room_px = |(low, high): (f64, f64)| 0.01 * HEIGHT_PX * (high - low);
     for (width_px, narrow) in [(NARROW_PX, true), (WIDE_PX, false)] {
-        let best = (0..time_s.len()).max_by(|a, b| free(*a, width_px).total_cmp(&free(*b, width_px)));
-        if let Some(k) = best.filter(|k| free(*k, width_px) >= 0.0) {
-            chart.label((time_s[k], 0.5 * (floor[k] + top[k])), name, narrow);
+        let places = (0..time_s.len()).map(|k| (time_s[k], own(k, width_px)));
+        let best = places.max_by(|a, b| room_px(a.1).total_cmp(&room_px(b.1)));
+        if let Some((time_s, (low, high))) = best.filter(|(_, own)| room_px(*own) >= LINE_PX) {
+            chart.label((time_s, 0.5 * (low + high)), name, narrow);
             return;
         }
     }
