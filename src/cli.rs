@@ -52,8 +52,7 @@ const EXAMPLES: &str = "Examples:
   proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
   proofmass validate                                check this build against laws and closed forms
 
-Scope of a study: one sensitive axis, small tilt, and a flat Earth that does not rotate, until it is
-given a trajectory.";
+Scope of a study: one axis, small tilt, flat non-rotating Earth, until it is given a trajectory.";
 
 /// One per job.
 #[derive(Debug, Subcommand)]

@@ -28,8 +28,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --digits 2                        as many members as two stable digits take
   proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
 
-Scope: one sensitive axis, small tilt, and a flat Earth that does not rotate, until the study is
-given a trajectory.";
+Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
 /// Arguments of `study`.
 #[derive(Debug, Default, clap::Args)]

@@ -24,8 +24,7 @@ use moment::{moment, plain};
 pub use windows::picture as windows_figure;
 
 /// What is simulated, and what is not.
-pub const SCOPE: &str = "Scope: one sensitive axis, small tilt, and a flat Earth that does not rotate, until the study is given a \
-                         trajectory.";
+pub const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {

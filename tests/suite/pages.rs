@@ -151,7 +151,8 @@ fn look(pages: &[(u32, bool, &str)], work: &str) -> Result<Vec<Vec<String>>, Fai
     Ok(serde_json::from_str(&said)?)
 }
 
-/// Fails where a page is clipped, hard to read or has labels that touch, at any width or in print; and where it is too big.
+/// Fails where a page is clipped, hard to read or has labels that touch, at any width or in print; where its first figure
+/// does not answer; and where it is too big.
 pub fn whole(name: &str, page: &str) -> Result<(), Failed> {
     if browser().is_none() {
         return Ok(());
@@ -163,6 +164,10 @@ pub fn whole(name: &str, page: &str) -> Result<(), Failed> {
         let place = if *print { "in print".to_owned() } else { format!("at {width} px") };
         let shown = faults.iter().take(8).cloned().collect::<Vec<String>>().join("\n");
         check(faults.is_empty(), format!("{name} {place}: {} faults\n{shown}", faults.len()))?;
+    }
+    if page.contains("<figure>") {
+        let faults = look(&[(1280, false, page)], "touch(win, { units: [], values: [] })")?.concat();
+        check(faults.is_empty(), format!("{name}, its first figure: {}", faults.join("\n")))?;
     }
     small(name, page)
 }

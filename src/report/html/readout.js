@@ -76,6 +76,8 @@ class Reading {
       }
       if (!row || !row.text) continue;
       row.name = group.dataset.name;
+      // A line along the top of its own band says nothing new.
+      if (rows.some(r => r.name === row.name && r.text.endsWith('to ' + row.text))) continue;
       row.ink = [...shape.node.classList].find(c => /^[fs]-/.test(c)).slice(2);
       // Of the parts of one series the nearest speaks.
       const id = row.name + kind + (row.name ? '' : row.ink);
