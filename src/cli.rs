@@ -18,10 +18,13 @@ pub mod diagnose;
 pub mod export;
 pub mod import;
 pub mod inspect;
+mod launched;
 pub mod map;
+pub mod merge;
 pub mod paper;
 pub mod require;
 pub mod say;
+mod sharded;
 pub mod shell;
 pub mod study;
 mod sweep;
@@ -61,6 +64,8 @@ pub enum Command {
     Study(study::Arguments),
     /// Find the value of a key that meets a requirement, or rank parts by whether they do
     Require(require::Arguments),
+    /// Put the shards of a divided run together
+    Merge(merge::Arguments),
     /// Say what a recording holds, and what to run next
     Inspect(inspect::Arguments),
     /// Estimate noise coefficients from a static log
@@ -168,6 +173,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => study::run_default(json),
         Some(Command::Study(a)) => study::run(a, json),
         Some(Command::Require(a)) => require::run(a, json),
+        Some(Command::Merge(a)) => merge::run(a, json),
         Some(Command::Inspect(a)) => inspect::run(a, json),
         Some(Command::Allan(a)) => allan::run(a, json),
         Some(Command::Export(a)) => export::run(a, json),

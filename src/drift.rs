@@ -5,6 +5,7 @@
 pub mod budget;
 pub mod compare;
 pub mod disturbance;
+pub mod divided;
 pub mod document;
 pub mod expected;
 pub mod windows;
@@ -76,9 +77,7 @@ pub fn answer(
     control: &Control,
     mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Drift> {
-    let stiffest = study.stiffest();
-    let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
-    choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
+    let choice = integrator(study)?;
     let samples = curve_samples(study);
     let statistics = run(&study.job(choice.integrator, samples.clone()), "simulating")?;
     if statistics.failed + 2 > statistics.members {
@@ -97,6 +96,26 @@ pub fn answer(
     let growth = growth(&statistics, &expected);
     let compared = compare::run(study, control, &mut run)?;
     Ok(Drift { statistics, report, expected, growth, budget, choice, compared })
+}
+
+/// The ensembles that [`answer`] asks for, in its order: a study that is divided among machines integrates pieces of each.
+///
+/// # Errors
+/// Mechanics that no integrator can step; a log that is there and cannot be read.
+pub fn jobs(study: &Study) -> Result<Vec<Job>> {
+    let integrator = integrator(study)?.integrator;
+    let samples = curve_samples(study);
+    let mut jobs = vec![study.job(integrator, samples.clone())];
+    jobs.extend(budget::jobs(study, integrator, &samples));
+    jobs.extend(compare::jobs(study)?);
+    Ok(jobs)
+}
+
+fn integrator(study: &Study) -> Result<Choice> {
+    let stiffest = study.stiffest();
+    let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
+    choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
+    Ok(choice)
 }
 
 /// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.

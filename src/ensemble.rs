@@ -1,7 +1,7 @@
 //! Job × backend → statistics: the pilot that sets the bins, batches that fit the memory, progress, stops and resuming.
 //!
-//! Results depend neither on the batches nor on where a run was stopped: members are summed in blocks of 256, in order,
-//! and counts are integers.
+//! Results depend neither on the batches nor on where a run was stopped, nor on how it was divided among shards: members are
+//! summed in blocks of 256, blocks are merged in the order of a fixed tree, and counts are integers.
 
 use crate::error::Result;
 use crate::kernel::job::Job;
@@ -9,9 +9,12 @@ use crate::statistics::Statistics;
 
 mod backends;
 mod check;
+pub mod divided;
 mod integrate;
 mod keeper;
+mod kept;
 mod options;
+mod packed;
 mod sound;
 mod state;
 mod state_file;
@@ -19,6 +22,7 @@ mod state_file;
 pub use backends::Backends;
 pub use integrate::{run_kept, run_on, run_or_fall_back, times_s};
 pub use keeper::Keeper;
+pub use kept::Kept;
 pub use options::{Choice, Options};
 
 /// Integrates an ensemble and sums it up.

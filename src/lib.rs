@@ -14,7 +14,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `output` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `output` `shard` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `motion` `dynamics` | the physics, one idea each |
@@ -80,6 +80,7 @@ pub mod recording;
 pub mod report;
 pub mod rng;
 pub mod sensor;
+pub mod shard;
 pub mod signal;
 pub mod statistics;
 pub mod study;

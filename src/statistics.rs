@@ -3,10 +3,12 @@
 //!
 //! Not for time series of one sensor (`numerics` has Allan deviation and spectra).
 
+pub mod fold;
 pub mod histogram;
 pub mod jcgm101;
 pub mod moments;
 
+pub use fold::Fold;
 pub use histogram::{Bins, Histogram};
 pub use moments::Moments;
 

@@ -66,6 +66,8 @@ pub struct Study {
     pub reads: Vec<PathBuf>,
     /// Keys that take several values, one after the other.
     pub sweep: Option<sweep::Sweep>,
+    /// The document that it was read from, changes included but members and seed.
+    pub text: String,
 }
 
 /// Reads and checks study.toml.
@@ -86,6 +88,15 @@ pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
     Study::from_text(name, text, &Overrides::default(), folder.into())
 }
 
+/// A study from the text that another one was read from, with its members and seed; paths are relative to `folder`.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_again(name: &str, text: &str, members: u64, seed: u64, folder: &Path) -> Result<Study> {
+    let overrides = Overrides { members: Some(members), seed: Some(seed), ..Overrides::default() };
+    Study::from_text(name, text, &overrides, folder.into())
+}
+
 /// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings per second. Recordings that
 /// the file names are not read.
 ///
@@ -101,7 +112,7 @@ impl Study {
         // As written first, so that its own mistakes are placed by line.
         let file: file::File = parse_toml(source, text)?;
         if overrides.is_empty() {
-            return Self::new(source, file, overrides, folder);
+            return Self::new(source, text.to_owned(), file, overrides, folder);
         }
         Self::from_document(source, parse_toml(source, text)?, overrides, folder)
     }
@@ -109,10 +120,11 @@ impl Study {
     fn from_document(source: &str, mut document: toml::Table, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         overrides.apply(&mut document)?;
         let source = format!("{source} {}", overrides.words());
-        Self::new(&source, from_table(&source, document)?, overrides, folder)
+        let text = document.to_string();
+        Self::new(&source, text, from_table(&source, document)?, overrides, folder)
     }
 
-    fn new(source: &str, mut file: file::File, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
+    fn new(source: &str, text: String, mut file: file::File, overrides: &Overrides, folder: PathBuf) -> Result<Self> {
         file.members = overrides.members.or(file.members);
         let seed = overrides.seed.or(file.seed).unwrap_or(1);
         let members = check::members(source, &file)?;
@@ -148,6 +160,7 @@ impl Study {
             identity,
             reads,
             sweep,
+            text,
         })
     }
 

@@ -13,6 +13,7 @@ pub mod campaign;
 pub mod case;
 pub mod catalogue;
 pub mod copy;
+pub mod divided;
 pub mod driven;
 pub mod equation;
 pub mod excitation;

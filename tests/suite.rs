@@ -20,6 +20,7 @@ mod suite {
     pub mod digits;
     pub mod driven_bad_input;
     pub mod dynamics;
+    pub mod emit;
     pub mod export;
     pub mod formats;
     pub mod fuzz;
@@ -37,11 +38,14 @@ mod suite {
     pub mod paper;
     pub mod parity;
     pub mod planted;
+    pub mod ranks;
     pub mod recording;
     pub mod require;
     pub mod rows;
     pub mod scale;
     pub mod several_recordings;
+    pub mod shards;
+    pub mod shards_map_trial;
     pub mod start_search;
     pub mod still_start;
     pub mod study;
@@ -89,6 +93,13 @@ fn main() {
         suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),
+        // shards: divided runs merge to the bits of one, and what does not belong together is refused by name.
+        suite::shards::tests(),
+        suite::shards_map_trial::tests(),
+        // emit: scripts for batch systems run by a plain shell.
+        suite::emit::tests(),
+        // ranks: mpirun shares a study, or is refused.
+        suite::ranks::tests(),
         // scale: fleets begin in bounded memory.
         suite::scale::tests(),
         // allan: coefficients come back from a signal made of them, covered as claimed.

@@ -68,10 +68,14 @@ fn patience() -> Duration {
 const ATTEMPT: &str = "could not compute on the GPU";
 const USE_CPU: &str = "use --backend cpu";
 
-/// The best of the `wanted` adapters, opened.
-fn guarded_open(wanted: impl Fn(&Adapter) -> bool) -> Result<Option<Gpu>> {
+/// The best of the `wanted` adapters, opened; of several as good as it, the `nth`, counted round.
+fn guarded_open(nth: usize, wanted: impl Fn(&Adapter) -> bool) -> Result<Option<Gpu>> {
     let open = || {
-        let found = adapters().into_iter().find(|(adapter, _)| wanted(adapter));
+        let mut found: Vec<_> = adapters().into_iter().filter(|(adapter, _)| wanted(adapter)).collect();
+        let rank = |(described, adapter): &(Adapter, wgpu::Adapter)| (described.kind, adapter.get_info().backend);
+        let equal = found.first().map_or(1, |best| found.iter().filter(|other| rank(other) == rank(best)).count());
+        // The best come first.
+        let found = if found.is_empty() { None } else { Some(found.swap_remove(nth % equal)) };
         found.map(|(described, adapter)| Gpu::on(described, &adapter)).transpose()
     };
     guard::guarded(open).unwrap_or_else(|said| Err(Error::new("could not open the GPU", said, USE_CPU)))
@@ -87,7 +91,15 @@ impl Gpu {
     /// # Errors
     /// There is none, or it refuses.
     pub fn open() -> Result<Self> {
-        guarded_open(|_| true)?.ok_or_else(|| {
+        Self::open_nth(0)
+    }
+
+    /// The same, or of several adapters as good as the best the one of this number, counted round.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn open_nth(nth: usize) -> Result<Self> {
+        guarded_open(nth, |_| true)?.ok_or_else(|| {
             Error::new(
                 "could not use a GPU",
                 "no adapter was found by Vulkan, Metal, DirectX 12 or OpenGL",
@@ -102,7 +114,15 @@ impl Gpu {
     /// # Errors
     /// It refuses.
     pub fn hardware() -> Result<Option<Self>> {
-        guarded_open(|adapter| adapter.hardware)
+        Self::hardware_nth(0)
+    }
+
+    /// The same, or of several adapters as good as the best the one of this number, counted round.
+    ///
+    /// # Errors
+    /// It refuses.
+    pub fn hardware_nth(nth: usize) -> Result<Option<Self>> {
+        guarded_open(nth, |adapter| adapter.hardware)
     }
 
     fn on(described: Adapter, adapter: &wgpu::Adapter) -> Result<Self> {

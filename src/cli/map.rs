@@ -1,21 +1,26 @@
 //! `proofmass map`: a map.toml in, the maps and bifurcation diagrams of its oscillator out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use super::device::on_device;
-use super::say::{say, sayln};
-use crate::document::read_toml;
+use super::launched::refuse_ranks;
+use super::say::{remark, say, sayln};
+use super::sharded::tell;
+use crate::document::{parse_toml, read_text};
 use crate::ensemble::Choice;
 use crate::error::Result;
 use crate::map::document::Document;
 use crate::map::grid::Grid;
-use crate::map::{Atlas, compute};
+use crate::map::{Atlas, compute, divided};
 use crate::number::significant;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::map as page;
+use crate::shard::Shard;
+use crate::shard::file::Place;
+use crate::shard::gather::Found;
 
 const EXAMPLE: &str = "map.toml:
   name = \"my proof mass\"
@@ -55,6 +60,9 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
+    /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    #[arg(long, value_name = "K/N", requires = "out")]
+    pub shard: Option<Shard>,
     /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     pub backend: Choice,
@@ -65,34 +73,71 @@ pub struct Arguments {
 /// # Errors
 /// A map file that cannot be used; a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let document: Document = read_toml(&arguments.map)?;
+    let text = read_text(&arguments.map)?;
+    let document: Document = parse_toml(&arguments.map.display().to_string(), &text)?;
     document.check()?;
-    let outputs = || outputs(arguments, &document);
-    let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs())).transpose()?;
+    if let (Some(number), Some(out)) = (arguments.shard, &arguments.out) {
+        return shard(arguments, &document, &text, number, out, json);
+    }
+    refuse_ranks(divided::COMMAND)?;
+    let inputs = std::slice::from_ref(&arguments.map);
+    let open = |path| Folder::open(path, outputs("map", inputs, &document, arguments.force));
+    let folder = arguments.out.as_deref().map(open).transpose()?;
     let control = progress::terminal();
     let atlas = on_device(arguments.backend, |device| compute(document.clone(), device, &control))?;
-    let written = folder.map_or(Ok(()), |folder| write(folder, &atlas));
+    answer(&atlas, folder, json)
+}
+
+/// Prints a summary and writes the report.
+fn answer(atlas: &Atlas, folder: Option<Folder>, json: bool) -> Result<()> {
+    let report = folder.as_ref().map(|folder| folder.path().join(REPORT));
+    let written = folder.map_or(Ok(()), |folder| write(folder, atlas));
     if json {
-        sayln!("{:#}", summary(&atlas))?;
+        sayln!("{:#}", summary(atlas))?;
     } else {
-        say(format_args!("{}", page::table(&atlas)))?;
-        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
-            sayln!("report: {}", folder.join(REPORT).display())?;
+        say(format_args!("{}", page::table(atlas)))?;
+        if let (Some(report), Ok(())) = (report, &written) {
+            sayln!("report: {}", report.display())?;
         }
     }
     written
 }
 
+/// Computes a share of the map.
+fn shard(arguments: &Arguments, document: &Document, text: &str, shard: Shard, out: &Path, json: bool) -> Result<()> {
+    let control = progress::terminal();
+    let place = Place::take(out, &divided::header(document, text, &arguments.map, shard, None)?, arguments.force)?;
+    on_device(arguments.backend, |device| {
+        let mut header = divided::header(document, text, &arguments.map, shard, Some(device))?;
+        let results = divided::compute(document, &mut header, device, &control)?;
+        place.write(&header, &results)?;
+        tell(&header, " and diagrams", place.path(), json)
+    })
+}
+
+/// Puts the shards of a map together.
+///
+/// # Errors
+/// A file that is damaged; a folder that cannot be written.
+pub(super) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&Path, bool)>, json: bool) -> Result<()> {
+    let (atlas, devices) = divided::merged(found)?;
+    if devices.len() > 1 {
+        remark!("note: the shards were computed on {}: each has the bits of its own.", devices.join(" and "));
+    }
+    let open = |(path, force)| Folder::open(path, outputs("merge", places, &atlas.document, force));
+    answer(&atlas, out.map(open).transpose()?, json)
+}
+
 const REPORT: &str = "report.html";
 
-fn outputs(arguments: &Arguments, document: &Document) -> output::Request {
+fn outputs(command: &'static str, inputs: &[PathBuf], document: &Document, force: bool) -> output::Request {
     let tables = (0..document.map.len()).map(csv_name);
     let figures = page::file_names(document).into_iter().flatten();
     output::Request {
-        command: "map",
-        inputs: vec![arguments.map.clone()],
+        command,
+        inputs: inputs.to_vec(),
         writes: tables.chain(figures).chain([REPORT.to_owned()]).collect(),
-        force: arguments.force,
+        force,
         ..output::Request::default()
     }
 }

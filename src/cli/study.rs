@@ -1,23 +1,26 @@
 //! `proofmass study`: a study in, how far its sensors drift out. Without any subcommand: the default study.
 
+pub mod answer;
+mod emit;
+#[cfg(feature = "mpi")]
+mod ranks;
+mod shard;
+
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use super::say::{say, sayln};
+use super::launched;
 use super::sweep;
 use crate::decision::digits;
 use crate::decision::statistic::Limit;
-use crate::document::to_json;
-use crate::drift::document::Document;
-use crate::drift::{self, Drift};
+use crate::drift;
 use crate::ensemble::{Backends, Choice, Keeper, Options};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
-use crate::report::study as page;
-use crate::statistics::jcgm101::{Linear, Stated};
+use crate::shard::{MOST as MOST_SHARDS, Shard};
 use crate::study::{Assignment, Axis, Overrides, Preset, Source, Study};
 
 const EXAMPLES: &str = "Examples:
@@ -26,6 +29,8 @@ const EXAMPLES: &str = "Examples:
   proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro
   proofmass study study.toml --sweep gyro.bias_deg_h.sd=1:20:log8 --limit 'p95(position_error_m, 60) < 10'
   proofmass study study.toml --digits 2                        as many members as two stable digits take
+  proofmass study study.toml --shard 3/16 --out shards         one of sixteen shares, for `proofmass merge shards`
+  proofmass study study.toml --emit slurm --shards 64 > run.sh  all of them as a Slurm job array, and the merge
   proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
 
 Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
@@ -68,6 +73,16 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long)]
     pub force: bool,
+    /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["sweep", "digits", "limit"])]
+    pub shard: Option<Shard>,
+    /// Print the script that has a batch system run all shards and then the merge; into DIR where --out is given
+    #[arg(long, value_enum, value_name = "SYSTEM", requires = "shards", 
+          conflicts_with_all = ["shard", "resume", "sweep", "digits", "limit"])]
+    pub emit: Option<emit::Target>,
+    /// How many shards such a script runs
+    #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
+    pub shards: Option<u64>,
     /// Go on with a run that was stopped by Ctrl-C
     #[arg(long)]
     pub resume: bool,
@@ -94,17 +109,34 @@ impl ValueEnum for Preset {
 /// # Errors
 /// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let overrides = Overrides {
-        members: arguments.members,
-        seed: arguments.seed,
-        preset: arguments.preset,
-        set: arguments.set.clone(),
-    };
-    let source = match &arguments.study {
-        Some(path) => Source::read(path, overrides)?,
-        None => Source::of_default(overrides)?,
-    };
+    #[cfg(feature = "mpi")]
+    if launched::ranks().is_some() && arguments.shard.is_none() && arguments.emit.is_none() {
+        let ready = || {
+            let study = of_one_value(source(arguments)?.study()?)?;
+            Ok(ranks::Asked { out: folder(arguments, &study), outputs: outputs(arguments, &study), study })
+        };
+        let Arguments { backend, force, resume, .. } = *arguments;
+        let request = ranks::Request { read: &ready, input: arguments.study.as_deref(), backend, force, resume };
+        return ranks::run(&request, json);
+    }
+    let source = source(arguments)?;
     let study = source.study()?;
+    let path = folder(arguments, &study);
+    if let (Some(target), Some(shards)) = (arguments.emit, arguments.shards) {
+        let study = of_one_value(study)?;
+        let Arguments { backend, force, .. } = *arguments;
+        let (input, written) = (arguments.study.as_deref(), arguments.out.is_some());
+        let (out, arguments) = (&path, changes(arguments));
+        let request = emit::Request { target, shards, input, out, written, backend, arguments, force };
+        return emit::run(&study, &request);
+    }
+    if let Some(shard) = arguments.shard {
+        let study = of_one_value(study)?;
+        let Arguments { backend, force, resume, .. } = *arguments;
+        let request = shard::Request { shard, input: arguments.study.as_deref(), out: &path, backend, force, resume };
+        return shard::run(&study, &request, json);
+    }
+    launched::refuse_ranks("study")?;
     let asked = sweep::Asked {
         study: arguments.study.as_deref(),
         axes: &arguments.sweep,
@@ -123,7 +155,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Some(digits) => digits::sized(&source, digits, &control)?,
         None => study,
     };
-    let path = arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name));
+    let path = folder(arguments, &study);
     let mut keeper = match arguments.resume {
         true => Keeper::resume(&path, &study.identity)?,
         false => Keeper::new(&path, &study.identity),
@@ -135,20 +167,53 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let drift = drift::answer(&study, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;
     let stated = arguments.digits.and_then(|digits| digits::stated(&drift, digits));
     // The answer comes before the report: a disk that is full costs the report, not the run.
-    if json {
-        sayln!("{}", to_json(&Document::of(&study, &drift).with_digits(stated))?)?;
-    } else {
-        say(format_args!("{}", page::terminal(&study, &drift)))?;
-        if let Some((stated, linear)) = &stated {
-            sayln!("{}", page::jcgm101::sentence(stated))?;
-            sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))?;
-        }
-    }
-    write(&mut folder, &study, &drift, stated).map_err(|error| keeper.kept(error))?;
+    answer::print(&study, &drift, stated.as_ref(), None, json)?;
+    answer::write(&mut folder, &study, &drift, stated.as_ref()).map_err(|error| keeper.kept(error))?;
     if !json {
-        sayln!("report:     {}", path.join(REPORT).display())?;
+        answer::point_to(&path)?;
     }
     keeper.forget()
+}
+
+/// The text of the study that the arguments ask for.
+fn source(arguments: &Arguments) -> Result<Source> {
+    let overrides = Overrides {
+        members: arguments.members,
+        seed: arguments.seed,
+        preset: arguments.preset,
+        set: arguments.set.clone(),
+    };
+    match &arguments.study {
+        Some(path) => Source::read(path, overrides),
+        None => Source::of_default(overrides),
+    }
+}
+
+/// What is not divided: a study at several values of a key is several studies.
+fn of_one_value(study: Study) -> Result<Study> {
+    match study.sweep {
+        None => Ok(study),
+        Some(_) => Err(Error::new(
+            format!("could not divide {}", study.name),
+            "its [sweep] asks for several studies, and shards are of one",
+            "leave [sweep] out and give each value with --set KEY=VALUE and an --out of its own",
+        )),
+    }
+}
+
+/// Where its results go.
+fn folder(arguments: &Arguments, study: &Study) -> PathBuf {
+    arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name))
+}
+
+/// What the arguments change in the study, as on the command line.
+fn changes(arguments: &Arguments) -> Vec<String> {
+    let Arguments { members, seed, preset, set, .. } = arguments;
+    let numbers = [("--members", *members), ("--seed", *seed)];
+    let numbers = numbers.into_iter().filter_map(|(name, number)| Some([name.to_owned(), number?.to_string()]));
+    let preset = preset.iter().map(|preset| ["--preset".to_owned(), preset.name().to_owned()]);
+    let set = set.iter().map(|assignment| ["--set".to_owned(), assignment.to_string()]);
+    numbers.chain(preset).chain(set).flatten().collect()
 }
 
 /// The default study.
@@ -159,29 +224,12 @@ pub fn run_default(json: bool) -> Result<()> {
     run(&Arguments::default(), json)
 }
 
-const REPORT: &str = "report.html";
-const ENVELOPE: &str = "envelope.svg";
-const WINDOWS: &str = "windows.svg";
-
 fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
     output::Request {
         command: "study",
         inputs: arguments.study.iter().cloned().collect(),
         reads: study.reads.clone(),
-        writes: [REPORT, ENVELOPE, WINDOWS].map(str::to_owned).into(),
+        writes: answer::FILES.map(str::to_owned).into(),
         force: arguments.force,
     }
-}
-
-fn write(folder: &mut Folder, study: &Study, drift: &Drift, stated: Option<(Stated, Linear)>) -> Result<()> {
-    folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
-    if let Some(figure) = page::windows_figure(&drift.compared) {
-        folder.write(WINDOWS, figure.file_svg().as_bytes())?;
-    }
-    let mut page = page::page(study, drift);
-    if let Some((stated, linear)) = &stated {
-        page::jcgm101::section(&mut page, stated, linear, drift);
-    }
-    folder.write(REPORT, page.finish().as_bytes())?;
-    folder.finish()
 }

@@ -1,9 +1,12 @@
 //! `proofmass trial`: how often the diagnosis is right, on cases whose truth is sealed until the last verdict.
 
+mod answer;
 mod independent;
+pub(super) mod shard;
 
 use std::path::{Path, PathBuf};
 
+use super::launched::refuse_ranks;
 use super::say::{remark, say, sayln};
 use crate::control::Control;
 use crate::diagnosis::recordings::Recordings;
@@ -15,15 +18,18 @@ use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::diagnosis::worded;
 use crate::report::trial as report;
+use crate::shard::Shard;
 use crate::trial::blind::{self, Subject, Verdicts};
 use crate::trial::campaign::Campaign;
-use crate::trial::case::{Case, Files};
+use crate::trial::case::Files;
+use crate::trial::divided::COMMAND;
 use crate::trial::judge;
 use crate::trial::like;
 use crate::trial::outcome::Outcome;
 use crate::trial::plan::Plan;
 use crate::trial::real::{self, Found, Recipe};
 use crate::trial::scratch::Scratch;
+use answer::{FILES, Run, STATES};
 
 /// Arguments of `trial`.
 #[derive(Debug, Clone, clap::Args)]
@@ -66,6 +72,9 @@ pub struct Arguments {
     /// Also diagnose the real recordings of this recipe (files from PROOFMASS_DATA or ../shared/data)
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
+    /// Only this share of the cases, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    #[arg(long, value_name = "K/N", requires = "out", conflicts_with_all = ["independent", "like", "recordings", "case"])]
+    pub shard: Option<Shard>,
     /// Only this case: write its recording, model and truth to --out and say what the verdict is
     #[arg(long, value_name = "NUMBER", requires = "out", allow_negative_numbers = true)]
     pub case: Option<usize>,
@@ -120,6 +129,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if let (Some(number), Some(path)) = (arguments.case, &arguments.out) {
         return one(&plan, number, path, arguments.force, json, &tool(&control));
     }
+    if let (Some(shard), Some(out)) = (arguments.shard, &arguments.out) {
+        let request = shard::Request { plan, shard, out, force: arguments.force, resume: arguments.resume };
+        return shard::run(&request, &tool(&control), &control, json);
+    }
+    refuse_ranks(COMMAND)?;
     let recipe = arguments.recordings.as_deref().map(real::read).transpose()?;
     let mut kept = arguments.out.as_deref().map(|path| keep(path, arguments, recipe.as_ref())).transpose()?;
     if let Some(kept) = &mut kept {
@@ -146,28 +160,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     // Only now is the envelope opened; what is judged is what was sealed, not what is in memory.
     let truth = sealed.open()?;
     let outcome = Outcome::of(&truth.cases, &verdicts, &sealed.sha256);
-    let document = to_json(&outcome)?;
     let real = recordings(recipe.as_ref(), &scratch, &control)?;
     let run = Run { plan: &plan, outcome: &outcome, cases: &truth.cases, verdicts: &verdicts, real: &real };
-    let written = kept.map_or(Ok(()), |kept| write(kept, &run, &arguments.command(), &document));
-    if json {
-        sayln!("{document}")?;
-    } else {
-        sayln!("sealed truth, SHA-256 {} (opened after the last verdict)\n", sealed.sha256)?;
-        say(format_args!("{}", report::terminal(&outcome)))?;
-        if !real.is_empty() {
-            say(format_args!("\n{}\n{}", report::recordings(&real), report::scores(&real)))?;
-        }
-        if let (Some(folder), Ok(())) = (&arguments.out, &written) {
-            sayln!("\nreport: {}", folder.join(FILES[0]).display())?;
-        }
-    }
-    written
+    answer::give(&run, &arguments.command(), kept, &[], json)
 }
-
-/// The sealed truth, and a line for each verdict: what a stopped trial goes on from.
-const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
-const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "limits.svg", "trial.json"];
 
 /// The folder of a trial; to resume one, there must be one.
 fn keep(path: &Path, arguments: &Arguments, recipe: Option<&Recipe>) -> Result<Folder> {
@@ -189,15 +185,6 @@ fn keep(path: &Path, arguments: &Arguments, recipe: Option<&Recipe>) -> Result<F
     Folder::open(path, request)
 }
 
-/// Everything that a report is made from.
-struct Run<'a> {
-    plan: &'a Plan,
-    outcome: &'a Outcome,
-    cases: &'a [Case],
-    verdicts: &'a Verdicts,
-    real: &'a [Found],
-}
-
 /// The real recordings of the recipe, where both it and the data are there.
 fn recordings(recipe: Option<&Recipe>, scratch: &Scratch, control: &Control) -> Result<Vec<Found>> {
     let Some(recipe) = recipe else { return Ok(Vec::new()) };
@@ -206,20 +193,6 @@ fn recordings(recipe: Option<&Recipe>, scratch: &Scratch, control: &Control) -> 
         return Ok(Vec::new());
     };
     real::run(recipe, &data, &tool(control), scratch)
-}
-
-fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Result<()> {
-    let Run { plan, outcome, cases, verdicts, real } = run;
-    let texts = [
-        report::page(plan, outcome, cases, verdicts, real),
-        report::summary(plan, outcome, command, real),
-        report::figures::power(outcome).file_svg(),
-        report::figures::limits(outcome).file_svg(),
-        document.to_owned(),
-    ];
-    FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
-    STATES.iter().for_each(|name| folder.record(name));
-    folder.finish()
 }
 
 /// Plants into copies of a user's recording.

@@ -46,6 +46,49 @@ impl Budget {
     }
 }
 
+/// The ensembles of a budget: the sensor whole, where a source needs the others, and each source by itself.
+struct Ensembles {
+    whole: Option<Job>,
+    sources: Vec<(Source, Job)>,
+    members: u64,
+}
+
+impl Ensembles {
+    fn of(study: &Study, integrator: Integrator, samples: &[u64]) -> Self {
+        let members = study.members.min(ENOUGH_MEMBERS);
+        let whole = Job { members, ..study.job(integrator, samples.to_vec()) };
+        let is_present = |s: &Source| (0..members.min(256)).any(|m| s.is_on(&study.member(m).sensor));
+        let sources: Vec<(Source, Job)> = Source::ALL
+            .into_iter()
+            .filter(is_present)
+            .map(|source| {
+                let change =
+                    move |sensor: &_| if source.needs_the_others() { source.off(sensor) } else { source.alone(sensor) };
+                let draw = whole.draw.clone();
+                let draw = Arc::new(move |member| {
+                    let mut member = draw(member);
+                    member.sensor = change(&member.sensor);
+                    member
+                });
+                let integrator = match source {
+                    Source::Mechanics | Source::ForceNoise => integrator,
+                    _ if source.needs_the_others() => integrator,
+                    _ => Integrator::Ideal,
+                };
+                (source, Job { draw, integrator, ..whole.clone() })
+            })
+            .collect();
+        let needed = sources.iter().any(|(source, _)| source.needs_the_others());
+        Self { whole: needed.then_some(whole), sources, members }
+    }
+}
+
+/// The ensembles that [`make`] asks for, in its order.
+pub fn jobs(study: &Study, integrator: Integrator, samples: &[u64]) -> Vec<Job> {
+    let Ensembles { whole, sources, .. } = Ensembles::of(study, integrator, samples);
+    whole.into_iter().chain(sources.into_iter().map(|(_, job)| job)).collect()
+}
+
 /// Makes the budget. `run` integrates a job; `integrator` is the study's own.
 ///
 /// # Errors
@@ -56,34 +99,12 @@ pub fn make(
     samples: &[u64],
     mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Budget> {
-    let members = study.members.min(ENOUGH_MEMBERS);
-    let present: Vec<Source> =
-        Source::ALL.into_iter().filter(|s| (0..members.min(256)).any(|m| s.is_on(&study.member(m).sensor))).collect();
-    let whole = Job { members, ..study.job(integrator, samples.to_vec()) };
-    let all_on = match present.iter().any(|s| s.needs_the_others()) {
-        true => Some(moments(&run(&whole, "error budget: all")?)),
-        false => None,
-    };
+    let Ensembles { whole, sources, members } = Ensembles::of(study, integrator, samples);
+    let all_on = whole.map(|job| run(&job, "error budget: all")).transpose()?.map(|s| moments(&s));
     let mut shares = Vec::new();
     let mut time_s = Vec::new();
-    for source in present {
-        let change =
-            move |sensor: &_| if source.needs_the_others() { source.off(sensor) } else { source.alone(sensor) };
-        let draw = whole.draw.clone();
-        let changed = Job {
-            draw: Arc::new(move |member| {
-                let mut member = draw(member);
-                member.sensor = change(&member.sensor);
-                member
-            }),
-            integrator: match source {
-                Source::Mechanics | Source::ForceNoise => integrator,
-                _ if source.needs_the_others() => integrator,
-                _ => Integrator::Ideal,
-            },
-            ..whole.clone()
-        };
-        let statistics = run(&changed, source.name())?;
+    for (source, job) in sources {
+        let statistics = run(&job, source.name())?;
         time_s.clone_from(&statistics.time_s);
         let (mean_m, mut variance_m2) = moments(&statistics);
         let mut mean_m = mean_m;

@@ -4,7 +4,7 @@
 //! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest, as often as the kernel
 //! has lanes, for as long as the log lasts. Not a diagnosis: it says where the two leave each other, `diagnose` says why.
 
-use super::windows::{self, Drifted};
+use super::windows::{self, Cut, Drifted};
 use crate::backend::cpu;
 use crate::control::Control;
 use crate::error::Result;
@@ -18,7 +18,7 @@ use crate::recording::{self, Recording};
 use crate::sensor::Sense;
 use crate::statistics::Statistics;
 use crate::study::Study;
-use crate::study::file::Axis;
+use crate::study::file::{Axis, Compare};
 
 /// One axis: Allan deviations in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,16 +108,9 @@ pub fn run(
     simulate: &mut dyn FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Outcome> {
     let Some(compare) = &study.compare else { return Ok(Outcome::NotAsked) };
-    let path = study.folder.join(&compare.file);
-    if !path.exists() {
+    let Some((log, cuts)) = log(study, compare)? else {
         return Ok(Outcome::Absent(compare.file.display().to_string()));
-    }
-    let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
-    let (topic, rate_hz, time) = (compare.topic.clone(), compare.rate_hz, compare.time.clone());
-    let request = recording::Request { topic, columns, rate_hz, time, ..recording::Request::default() };
-    let log = recording::read(&path, &request)?;
-    // Refused before the work, not after it.
-    let cuts = windows::cuts(study, compare, &log)?;
+    };
     let progress = control.stage("comparing", compare.axis.len() as u64);
     let axes: Result<Vec<Likeness>> = parallel::map(&compare.axis, |axis| {
         let likeness = likeness(study, axis, &log, control);
@@ -143,6 +136,31 @@ pub fn run(
         windows: drifted,
         findings,
     })))
+}
+
+/// The log and how it is cut, where it is there.
+fn log(study: &Study, compare: &Compare) -> Result<Option<(Recording, Vec<Cut>)>> {
+    let path = study.folder.join(&compare.file);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let columns = compare.axis.iter().map(|a| a.column.clone()).collect();
+    let (topic, rate_hz, time) = (compare.topic.clone(), compare.rate_hz, compare.time.clone());
+    let request = recording::Request { topic, columns, rate_hz, time, ..recording::Request::default() };
+    let log = recording::read(&path, &request)?;
+    // Refused before the work, not after it.
+    let cuts = windows::cuts(study, compare, &log)?;
+    Ok(Some((log, cuts)))
+}
+
+/// The ensembles that [`run`] asks for, in its order.
+///
+/// # Errors
+/// As [`run`], of the log and its windows.
+pub fn jobs(study: &Study) -> Result<Vec<Job>> {
+    let Some(compare) = study.compare.as_ref().filter(|c| c.windows_s.is_some()) else { return Ok(Vec::new()) };
+    let Some((log, cuts)) = log(study, compare)?.filter(|(_, cuts)| !cuts.is_empty()) else { return Ok(Vec::new()) };
+    compare.axis.iter().map(|axis| windows::ensemble(study, axis, &log, &cuts)).collect()
 }
 
 fn likeness(study: &Study, axis: &Axis, log: &Recording, control: &Control) -> Result<Likeness> {

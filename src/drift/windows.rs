@@ -243,15 +243,8 @@ pub fn drifted(
         let overlaps = |d: &&disturbance::Disturbance| d.samples.start < window.end && window.start < d.samples.end;
         disturbances.iter().find(overlaps).map(|d| d.kind)
     };
-    let longest = cuts.iter().map(|c| c.length).max().unwrap_or(1);
-    let mut points: Vec<usize> =
-        (1..=CURVE_POINTS).map(|k| (longest * k).div_ceil(CURVE_POINTS)).chain(cuts.iter().map(|c| c.length)).collect();
-    points.sort_unstable();
-    points.dedup();
-    let statistics = simulate(
-        &job(study, axis, log, cuts.first().map_or(0, |c| c.still), &points)?,
-        &format!("windows of {}", axis.column),
-    )?;
+    let (longest, points) = points(cuts);
+    let statistics = simulate(&ensemble(study, axis, log, cuts)?, &format!("windows of {}", axis.column))?;
     let predicted =
         |length: usize| -> Option<&Summary> { points.binary_search(&length).ok().map(|k| &statistics.at[k][quantity]) };
     let quantile = |s: &Summary, p: f64| s.histogram.quantile(p, s.min, s.max);
@@ -289,6 +282,24 @@ pub fn drifted(
         }
     }
     Ok(Drifted { column: axis.column.clone(), sense, windows, curve, members: statistics.members })
+}
+
+/// The longest window, and where along it there are statistics, in samples.
+fn points(cuts: &[Cut]) -> (usize, Vec<usize>) {
+    let longest = cuts.iter().map(|c| c.length).max().unwrap_or(1);
+    let mut points: Vec<usize> =
+        (1..=CURVE_POINTS).map(|k| (longest * k).div_ceil(CURVE_POINTS)).chain(cuts.iter().map(|c| c.length)).collect();
+    points.sort_unstable();
+    points.dedup();
+    (longest, points)
+}
+
+/// The ensemble that [`drifted`] asks for.
+///
+/// # Errors
+/// Sections of the axis that make no sense.
+pub fn ensemble(study: &Study, axis: &Axis, log: &Recording, cuts: &[Cut]) -> Result<Job> {
+    job(study, axis, log, cuts.first().map_or(0, |c| c.still), &points(cuts).1)
 }
 
 /// The members of one axis: at rest after a still start, with the errors of that sensor and of no other.

@@ -37,9 +37,17 @@ pub struct Backends {
     gpu: Option<Option<Arc<Gpu>>>,
     /// Why a GPU that is there is not used.
     refused: Option<String>,
+    /// Which of several equal GPUs to take.
+    nth: usize,
 }
 
 impl Backends {
+    /// Backends on the GPU of this number, where there are several of the best kind: processes that share a machine take one
+    /// each.
+    pub fn on_nth(nth: usize) -> Self {
+        Self { nth, ..Self::default() }
+    }
+
     /// Integrates an ensemble and sums it up; `keeper` keeps the sums. Where the choice is automatic and the GPU fails, the
     /// CPU goes on.
     ///
@@ -73,13 +81,13 @@ impl Backends {
             }
             (Choice::Gpu, Precision::F32) => {
                 if self.gpu.as_ref().is_none_or(Option::is_none) {
-                    self.gpu = Some(Some(Arc::new(Gpu::open()?)));
+                    self.gpu = Some(Some(Arc::new(Gpu::open_nth(self.nth)?)));
                 }
                 Ok(self.gpu.clone().flatten())
             }
             (Choice::Auto, Precision::F32) if worth_a_gpu(job, parallel::threads()) => {
                 if self.gpu.is_none() {
-                    (self.gpu, self.refused) = hardware(&options.control);
+                    (self.gpu, self.refused) = hardware(self.nth, &options.control);
                 }
                 Ok(self.gpu.clone().flatten())
             }
@@ -89,8 +97,8 @@ impl Backends {
 }
 
 /// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and left.
-fn hardware(control: &Control) -> (Option<Option<Arc<Gpu>>>, Option<String>) {
-    match Gpu::hardware() {
+fn hardware(nth: usize, control: &Control) -> (Option<Option<Arc<Gpu>>>, Option<String>) {
+    match Gpu::hardware_nth(nth) {
         Ok(gpu) => (Some(gpu.map(Arc::new)), None),
         Err(error) => {
             let reason = format!("{}: {}", error.attempt, error.cause);

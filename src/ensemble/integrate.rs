@@ -1,11 +1,12 @@
 //! One part of a run on one backend, batch by batch: summed as it comes, kept when it is time, stopped between two tiles.
 
-use std::time::{Duration, Instant};
+use std::ops::Range;
+use std::time::Instant;
 
 use super::check::check;
 use super::keeper::Keeper;
 use super::options::Options;
-use super::state::State;
+use super::state::{Report, State};
 use crate::backend::cpu::Cpu;
 use crate::backend::{Backend, Batch, Partial, Ran};
 use crate::control::{Control, Progress};
@@ -47,7 +48,7 @@ pub(super) fn run_part(
         true => keeper.kept(error),
         false => error,
     })?;
-    Ok(summed(job, keeper.part(), begun.elapsed()))
+    Ok(summed(job, keeper.part(), begun.elapsed().as_secs_f64()))
 }
 
 /// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on. The report then says who
@@ -74,7 +75,7 @@ pub fn run_or_fall_back(
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
         integrate(job, &mut cpu, Some(&reason), options, keeper)?;
     }
-    Ok(summed(job, keeper.part(), begun.elapsed()))
+    Ok(summed(job, keeper.part(), begun.elapsed().as_secs_f64()))
 }
 
 /// Takes the part of the run that was begun to its end.
@@ -86,24 +87,30 @@ fn integrate(
     keeper: &mut Keeper,
 ) -> Result<()> {
     let samples = job.clock.samples;
-    let length = (job.members + PILOT.min(job.members)).saturating_mul(samples);
+    let (members, pilot) = (keeper.part().members.clone(), PILOT.min(job.members));
+    if keeper.part().is_done() {
+        return Ok(());
+    }
+    let length = (members.end - members.start + pilot).saturating_mul(samples);
     let watched = Watched { control: &options.control, progress: options.control.stage("simulating", length) };
     if keeper.part().bins.is_empty() {
-        // Always on the CPU: the same for every backend of the same precision.
+        // Always on the CPU: the same for every backend of the same precision. And always of the first members: the same for
+        // every shard.
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
-        let partials = batch(job, &mut cpu, job.members.min(PILOT), keeper, &watched)?;
+        let partials = batch(job, &mut cpu, 0..pilot, keeper, &watched)?;
         keeper.part_mut().set_bins(partials.iter().map(bins).collect());
     }
     let machine = backend.machine(job);
     let size = options.batch_members.map_or_else(|| backend.batch_members(job), |m| Ok(m.next_multiple_of(256)))?;
     loop {
         let from = keeper.part().next_member;
-        watched.progress.set((from + PILOT.min(job.members)).saturating_mul(samples));
-        if from >= job.members {
+        watched.progress.set((from - members.start + pilot).saturating_mul(samples));
+        if from >= members.end {
             break;
         }
-        let partials = batch(job, backend, size, keeper, &watched)?;
-        keeper.part_mut().add(&partials, job, &machine, reason);
+        let next = from..members.end.min(from.saturating_add(size));
+        let partials = batch(job, backend, next, keeper, &watched)?;
+        keeper.part_mut().add(&partials, &machine, reason);
         keeper.keep_if_due(&options.control);
     }
     Ok(())
@@ -115,19 +122,17 @@ struct Watched<'a> {
     progress: Progress,
 }
 
-/// The next `size` members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
+/// The next members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
 fn batch(
     job: &Job,
     backend: &mut dyn Backend,
-    size: u64,
+    mut members: Range<u64>,
     keeper: &mut Keeper,
     watched: &Watched<'_>,
 ) -> Result<Vec<Partial>> {
     let Watched { control, progress } = watched;
     let machine = backend.machine(job);
     let bins = keeper.part().bins.clone();
-    let from = keeper.part().next_member;
-    let mut members = from..job.members.min(from.saturating_add(size));
     if let Some(unfinished) = keeper.part().under_way(&machine) {
         members = unfinished.members.clone();
         progress.add(unfinished.samples * (members.end - members.start));
@@ -140,6 +145,7 @@ fn batch(
         let done = |samples| progress.add(samples);
         let ran =
             backend.run(&Batch { job, members: members.clone(), bins: &bins, resume, stop: &stop, progress: &done });
+        keeper.part_mut().seconds += begun.elapsed().as_secs_f64();
         match ran? {
             Ran::Whole(partials) => {
                 keeper.part_mut().set_under_way(None);
@@ -162,18 +168,19 @@ fn bins(partial: &Partial) -> [Bins; 4] {
     })
 }
 
-fn summed(job: &Job, state: &State, took: Duration) -> Statistics {
+/// What all members of a job are summed to.
+pub(super) fn summed(job: &Job, state: &State, seconds: f64) -> Statistics {
+    let summaries = |report: &Report| {
+        let moments = report.moments.total();
+        std::array::from_fn(|q| Summary::of(&moments[q], report.histograms[q].clone()))
+    };
     Statistics {
         members: job.members,
         failed: state.reports.last().map_or(0, |r| r.failed),
         time_s: times_s(job),
-        at: state
-            .reports
-            .iter()
-            .map(|r| std::array::from_fn(|q| Summary::of(&r.moments[q], r.histograms[q].clone())))
-            .collect(),
+        at: state.reports.iter().map(summaries).collect(),
         member_steps: job.member_steps(),
-        seconds: took.as_secs_f64(),
+        seconds,
         machine: state.machine(),
         origins: state.origins.clone(),
     }

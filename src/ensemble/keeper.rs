@@ -1,11 +1,13 @@
 //! Where a run of several parts keeps what it has summed up, so that it goes on after a stop, a kill or a fault.
 //!
 //! One file per part, written when [`INTERVAL_S`] seconds of work are not kept yet and when the run is stopped, and removed by
-//! [`Keeper::forget`], after the caller has written everything that the run was for.
+//! [`Keeper::forget`], after the caller has written everything that the run was for. A shard keeps all its pieces in one
+//! file, which is its result and stays.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::kept::Kept;
 use super::state::{Run, State};
 use super::state_file;
 use crate::backend::cpu::Precision;
@@ -23,6 +25,8 @@ const MOST_PARTS: usize = 4096;
 pub struct Keeper {
     /// Where the files are; none are written without.
     folder: Option<PathBuf>,
+    /// The one file of a shard.
+    shard: Option<Kept>,
     /// What the run is, so that sums of another are not mixed in.
     identity: String,
     interval: Duration,
@@ -68,10 +72,17 @@ impl Keeper {
         }
     }
 
+    /// Keeps a shard in its file, going on from what that holds.
+    pub fn shard(kept: Kept) -> Self {
+        let identity = kept.identity().to_owned();
+        Self { shard: Some(kept), ..Self::of(None, &identity, false) }
+    }
+
     fn of(folder: Option<&Path>, identity: &str, resume: bool) -> Self {
         let given = std::env::var("PROOFMASS_STATE_INTERVAL_S").ok().and_then(|text| text.parse().ok());
         Self {
             folder: folder.map(Path::to_owned),
+            shard: None,
             identity: identity.to_owned(),
             interval: Duration::try_from_secs_f64(given.unwrap_or(INTERVAL_S)).unwrap_or(Duration::MAX),
             last: Instant::now(),
@@ -86,6 +97,11 @@ impl Keeper {
 
     /// Begins the next part, or goes on with it where its file is there.
     pub(super) fn begin(&mut self, job: &Job, precision: Precision) -> Result<()> {
+        if let Some(shard) = &mut self.shard {
+            self.part = shard.begin(self.begun.then_some(&self.part), job, precision)?;
+            self.begun = true;
+            return Ok(());
+        }
         if self.begun {
             let done = std::mem::take(&mut self.part);
             self.done.push(Some(done).filter(|_| self.changed && self.folder.is_some()));
@@ -95,7 +111,7 @@ impl Keeper {
         let run = Run { identity: &self.identity, part, job, precision };
         let path = self.folder.as_ref().map(|folder| file(folder, part)).filter(|path| self.resume && path.exists());
         // A part that was not reached yet begins at its beginning.
-        self.part = path.map_or_else(|| Ok(State::new(&run)), |path| state_file::read(&path, &run))?;
+        self.part = path.map_or_else(|| Ok(State::new(&run, 0..job.members)), |path| state_file::read(&path, &run))?;
         self.changed = false;
         Ok(())
     }
@@ -113,12 +129,17 @@ impl Keeper {
 
     /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is let finish.
     pub(super) fn is_due_within(&self, begun: Instant) -> bool {
-        self.folder.is_some() && self.last.elapsed() >= self.interval && begun.elapsed() >= self.interval / 6
+        self.keeps() && self.last.elapsed() >= self.interval && begun.elapsed() >= self.interval / 6
+    }
+
+    /// Whether anything is written.
+    fn keeps(&self) -> bool {
+        self.folder.is_some() || self.shard.is_some()
     }
 
     /// Writes what was done, if it is time. A run goes on where that fails, and says so once.
     pub(super) fn keep_if_due(&mut self, control: &Control) {
-        if self.folder.is_none() || self.last.elapsed() < self.interval {
+        if !self.keeps() || self.last.elapsed() < self.interval {
             return;
         }
         if let Err(error) = self.write()
@@ -135,6 +156,10 @@ impl Keeper {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&mut self) -> Result<()> {
+        if let Some(shard) = &mut self.shard {
+            self.last = Instant::now();
+            return shard.write(self.begun.then_some(&self.part));
+        }
         let Some(folder) = self.folder.clone() else { return Ok(()) };
         if !std::mem::replace(&mut self.resume, true) {
             remove(&folder)?;
@@ -164,7 +189,9 @@ impl Keeper {
 
     /// Writes what was done, and says in the hint of an error that ended the run how to go on.
     pub fn kept(&mut self, error: Error) -> Error {
-        let Some(folder) = self.folder.clone() else { return error };
+        let Some(folder) = self.folder.clone().or(self.shard.as_ref().map(|s| s.path().to_owned())) else {
+            return error;
+        };
         let hint = match self.write() {
             Ok(()) => {
                 format!("what was done is kept in {}: the same command with --resume goes on", folder.display())
@@ -177,7 +204,7 @@ impl Keeper {
 
     /// The error of a run that the user has stopped.
     pub(super) fn stopped(&mut self, stopped: Stopped) -> Error {
-        let hint = if self.folder.is_some() { "" } else { "run it again" };
+        let hint = if self.keeps() { "" } else { "run it again" };
         self.kept(stopped.during("could not finish the simulation", hint))
     }
 }

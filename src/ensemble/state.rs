@@ -1,5 +1,7 @@
 //! What a part of a run has summed up so far, and which run it is a part of.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -7,20 +9,20 @@ use crate::backend::cpu::Precision;
 use crate::backend::{Partial, Unfinished};
 use crate::document::hexadecimal;
 use crate::kernel::job::Job;
-use crate::statistics::{Bins, Histogram, Machine, Moments, Origin};
+use crate::statistics::{Bins, Fold, Histogram, Machine, Origin};
 
 /// Sums at one report time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Report {
-    /// Per quantity.
-    pub moments: [Moments; 4],
+    /// Of the blocks summed.
+    pub moments: Fold,
     /// Per quantity.
     pub histograms: Vec<Histogram>,
     /// Members that failed.
     pub failed: u64,
 }
 
-/// Sums of a part of a run up to `next_member`.
+/// Sums of a part of a run: of the members from the first of `members` up to `next_member`.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct State {
     pub(super) schema: String,
@@ -28,8 +30,12 @@ pub struct State {
     pub(super) sha256: String,
     /// Digest of the run: sums of another one must not be mixed in.
     pub(super) fingerprint: String,
+    /// The members to sum: all of the job, or those of a shard. Begins with a block.
+    pub members: Range<u64>,
     /// First member not yet summed.
     pub next_member: u64,
+    /// Wall time that it took so far, s.
+    pub seconds: f64,
     /// Where the members summed were integrated.
     pub origins: Vec<Origin>,
     /// Bins per report time and quantity; none before the pilot is done.
@@ -40,7 +46,7 @@ pub struct State {
     pub(super) under_way: Option<(Machine, Unfinished)>,
 }
 
-pub(super) const SCHEMA: &str = "proofmass.state/2";
+pub(super) const SCHEMA: &str = "proofmass.state/3";
 
 /// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be mixed, and say so.
 pub struct Run<'a> {
@@ -68,13 +74,15 @@ impl Run<'_> {
 }
 
 impl State {
-    /// Nothing summed yet.
-    pub fn new(run: &Run<'_>) -> Self {
+    /// Nothing summed yet of these members.
+    pub fn new(run: &Run<'_>, members: Range<u64>) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
             sha256: String::new(),
             fingerprint: run.fingerprint(),
-            next_member: 0,
+            next_member: members.start,
+            members,
+            seconds: 0.0,
             origins: Vec::new(),
             bins: Vec::new(),
             reports: Vec::new(),
@@ -85,7 +93,7 @@ impl State {
     /// Sets the bins; nothing may have been summed.
     pub fn set_bins(&mut self, bins: Vec<[Bins; 4]>) {
         let report = |b: &[Bins; 4]| Report {
-            moments: [Moments::default(); 4],
+            moments: Fold::default(),
             histograms: b.iter().map(|b| Histogram::new(*b)).collect(),
             failed: 0,
         };
@@ -93,19 +101,23 @@ impl State {
         self.bins = bins;
     }
 
-    /// Adds the next members of a job, as many as the partials are of.
-    pub fn add(&mut self, partials: &[Partial], job: &Job, machine: &Machine, reason: Option<&str>) {
+    /// Whether all of its members are summed.
+    pub fn is_done(&self) -> bool {
+        self.next_member >= self.members.end
+    }
+
+    /// Adds the next members, as many as the partials are of.
+    pub fn add(&mut self, partials: &[Partial], machine: &Machine, reason: Option<&str>) {
+        let first = self.next_member / BLOCK;
         for (report, partial) in self.reports.iter_mut().zip(partials) {
-            for block in &partial.blocks {
-                report.moments.iter_mut().zip(block).for_each(|(mine, theirs)| mine.merge(theirs));
-            }
+            (first..).zip(&partial.blocks).for_each(|(block, moments)| report.moments.add_block(block, moments));
             for (mine, theirs) in report.histograms.iter_mut().zip(&partial.histograms) {
                 mine.merge(&theirs.counts);
             }
             report.failed += partial.failed;
         }
         let blocks = partials.first().map_or(0, |partial| partial.blocks.len() as u64);
-        let end = job.members.min(self.next_member + blocks * BLOCK);
+        let end = self.members.end.min(self.next_member + blocks * BLOCK);
         match self.origins.last_mut() {
             Some(last) if last.machine.same_bits(machine) => last.members.end = end,
             _ => {

@@ -56,6 +56,9 @@ fn parse(bytes: &[u8], run: &Run<'_>) -> Result<State, String> {
     if checksum(&state).ok().as_ref() != Some(&state.sha256) {
         return Err("the file is damaged: it does not have its checksum".to_owned());
     }
+    if state.members != (0..run.job.members) {
+        return Err("it is a shard's, and not of all members".to_owned());
+    }
     sound::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
     Ok(state)
 }

@@ -1,5 +1,7 @@
 //! One map: every cell an orbit of its own from rest.
 
+use std::ops::Range;
+
 use super::document::{Document, Map, Quantity};
 use crate::backend::orbits::{Device, explore_on};
 use crate::control::{Control, Progress};
@@ -58,21 +60,23 @@ fn set(oscillator: &mut Oscillator, drive: &mut Drive, quantity: Quantity, value
     }
 }
 
-/// Computes a map row by row; each row takes the step its stiffest cell needs.
+/// Computes rows of a map one by one; each takes the step its stiffest cell needs.
 ///
 /// # Errors
 /// When the device fails or Ctrl-C stops it.
 pub fn compute(
     document: &Document,
     map: &Map,
+    rows: Range<u32>,
     device: Device<'_>,
     control: &Control,
     progress: &Progress,
 ) -> Result<Grid> {
+    let first = rows.start;
     let mut grid = Grid { map: map.clone(), exponent_per_s: vec![], period: vec![], steps: (u32::MAX, 0) };
     // Rows that need the same step are one job, so that a device is filled.
-    let mut rows: Vec<(u32, Vec<Point>)> = Vec::new();
-    for y in 0..map.y.points {
+    let mut stepped: Vec<(u32, Vec<Point>)> = Vec::new();
+    for y in rows {
         let mut steps = 0;
         let points = (0..map.x.points)
             .map(|x| {
@@ -87,10 +91,11 @@ pub fn compute(
             })
             .collect::<Vec<_>>();
         // Rounded up so that neighbouring rows share a step.
-        rows.push((steps.next_multiple_of(32), points));
+        stepped.push((steps.next_multiple_of(32), points));
     }
-    let mut done = 0u64;
-    for group in rows.chunk_by(|a, b| a.0 == b.0) {
+    // Members are numbered over the whole map: a row's noise does not depend on which rows are computed.
+    let mut done = u64::from(first) * u64::from(map.x.points);
+    for group in stepped.chunk_by(|a, b| a.0 == b.0) {
         // At most this many cells at once: a progress bar that moves, and Ctrl-C that is heard.
         for part in group.chunks((16_384 / map.x.points as usize).max(1)) {
             let points: Vec<Point> = part.iter().flat_map(|r| r.1.iter().copied()).collect();

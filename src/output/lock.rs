@@ -21,7 +21,19 @@ impl Lock {
     /// # Errors
     /// Another run holds it, or the folder cannot be written.
     pub fn take(folder: &Path) -> Result<Self> {
-        let path = folder.join(NAME);
+        Self::lock(folder, NAME, || busy(folder))
+    }
+
+    /// Takes the lock of one file in a folder that exists, of which others may be written meanwhile.
+    ///
+    /// # Errors
+    /// As [`take`](Self::take).
+    pub fn take_for(folder: &Path, file: &str) -> Result<Self> {
+        Self::lock(folder, &format!(".{file}.lock"), || busy(&folder.join(file)))
+    }
+
+    fn lock(folder: &Path, name: &str, busy: impl Fn() -> Error) -> Result<Self> {
+        let path = folder.join(name);
         loop {
             let file = OpenOptions::new()
                 .create(true)
@@ -31,7 +43,7 @@ impl Lock {
                 .map_err(|e| Error::io("write in", folder, &e))?;
             match file.try_lock() {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(busy(folder)),
+                Err(TryLockError::WouldBlock) => return Err(busy()),
                 // Some network file systems have no locks: a run there is as safe as it was without them.
                 Err(TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {}
                 Err(TryLockError::Error(e)) => return Err(Error::io("lock", &path, &e)),
@@ -67,9 +79,9 @@ impl Drop for Lock {
     }
 }
 
-fn busy(folder: &Path) -> Error {
+fn busy(place: &Path) -> Error {
     Error::new(
-        format!("could not write in {}", folder.display()),
+        format!("could not write in {}", place.display()),
         "another run of proofmass is writing there",
         "wait until it has finished, or give another folder with --out DIR",
     )

@@ -109,7 +109,8 @@ fn prediction_words() -> String {
     format!(
         "A prediction, not a measurement: the card's lanes times its boost clock over the full path's counted instructions, all \
          slots used, and {} of that, which is a guess for a kernel bound by arithmetic. Lanes and clocks are from lists of \
-         specifications; the maker's own sheets were not at hand.",
+         specifications; the maker's own sheets were not at hand. Measured on such a card: open; `proofmass bench` on one \
+         puts its own rows into the table above.",
         percent(EXPECTED_SHARE)
     )
 }

@@ -93,7 +93,8 @@ impl Source {
         }
         self.overrides.apply(&mut document)?;
         let source = format!("{} with the part {name}", self.name);
-        Study::new(&source, from_table(&source, document)?, &self.overrides, self.folder.clone())
+        let text = document.to_string();
+        Study::new(&source, text, from_table(&source, document)?, &self.overrides, self.folder.clone())
     }
 
     /// The number at a dotted path, if one stands there.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -30,11 +31,25 @@ pub type Verdicts = BTreeMap<usize, Said>;
 /// # Errors
 /// When the folder cannot be written, when the truth to resume is that of another plan, or on Ctrl-C.
 pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Result<(Sealed, Vec<Case>)> {
+    prepare_some(plan, 0..plan.families().len(), folder, resume, control)
+}
+
+/// The same for the cases of these numbers.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn prepare_some(
+    plan: Plan,
+    numbers: Range<usize>,
+    folder: &Path,
+    resume: bool,
+    control: &Control,
+) -> Result<(Sealed, Vec<Case>)> {
     let path = folder.join("truth.json");
     if resume && path.is_file() {
         let sealed = Sealed::of(&path)?;
         let truth = sealed.open()?;
-        if truth.plan != plan {
+        if truth.plan != plan || !truth.cases.iter().map(|case| case.number).eq(numbers) {
             return Err(Error::new(
                 format!("could not resume the trial in {}", folder.display()),
                 "its seed, cases, samples or campaign are others",
@@ -44,8 +59,9 @@ pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Re
         return Ok((sealed, truth.cases));
     }
     let families = plan.families();
-    let progress = control.stage("planting effects", families.len() as u64);
-    let cases: Vec<Option<Case>> = parallel::map_indices(families.len(), |number| {
+    let progress = control.stage("planting effects", numbers.len() as u64);
+    let cases: Vec<Option<Case>> = parallel::map_indices(numbers.len(), |n| {
+        let number = numbers.start + n;
         let (family, nth) = families[number];
         let case = (!control.cancelled()).then(|| plan.draw(number, family, nth));
         progress.step();
@@ -93,7 +109,7 @@ pub fn earlier(state: &Path, sealed: &Sealed) -> Result<(Verdicts, usize)> {
 }
 
 /// Lines are read apart: what is no text in one of them spoils no other.
-fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
+pub(super) fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
     let lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty());
     let (mut verdicts, mut unread) = (Verdicts::new(), 0);
     for line in lines {

@@ -45,11 +45,25 @@ impl Truth {
     /// # Errors
     /// When it cannot be written.
     pub fn seal(&self, path: &Path) -> Result<Sealed> {
-        let bytes = serde_json::to_vec(self).map_err(|e| {
-            Error::new("could not seal the truth", e.to_string(), "this is a defect of the program; please report it")
-        })?;
+        let bytes = self.bytes()?;
         write_whole(path, &bytes)?;
         Ok(Sealed { path: path.into(), sha256: hash(&bytes) })
+    }
+
+    /// The document as it is sealed, with its seal.
+    ///
+    /// # Errors
+    /// None for the types of this crate, whose keys are strings.
+    pub fn sealed(&self) -> Result<(Vec<u8>, String)> {
+        let bytes = self.bytes()?;
+        let sha256 = hash(&bytes);
+        Ok((bytes, sha256))
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>> {
+        serde_json::to_vec(self).map_err(|e| {
+            Error::new("could not seal the truth", e.to_string(), "this is a defect of the program; please report it")
+        })
     }
 }
 

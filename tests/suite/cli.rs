@@ -15,8 +15,20 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-const COMMANDS: [&str; 11] =
-    ["study", "require", "allan", "diagnose", "candidates", "paper", "map", "trial", "validate", "adapters", "bench"];
+const COMMANDS: [&str; 12] = [
+    "study",
+    "merge",
+    "require",
+    "allan",
+    "diagnose",
+    "candidates",
+    "paper",
+    "map",
+    "trial",
+    "validate",
+    "adapters",
+    "bench",
+];
 
 fn help() -> Result<(), Failed> {
     let answer = run(program().arg("--help"))?;

@@ -27,6 +27,22 @@ impl Gpu {
         Err(Error::new("could not use a GPU", cause, "build it with the feature `gpu`, or use the CPU"))
     }
 
+    /// Opens one of several adapters as good as the best.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn open_nth(_: usize) -> Result<Self> {
+        Self::open()
+    }
+
+    /// Opens one of several adapters of hardware as good as the best; there is none.
+    ///
+    /// # Errors
+    /// None.
+    pub fn hardware_nth(_: usize) -> Result<Option<Self>> {
+        Ok(None)
+    }
+
     /// Opens the best adapter that is hardware; there is none.
     ///
     /// # Errors

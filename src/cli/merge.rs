@@ -1,0 +1,71 @@
+//! `proofmass merge`: the state files of all shards in, the answer of the undivided run out.
+
+use std::path::PathBuf;
+
+use super::study::answer;
+use crate::drift::divided as study;
+use crate::error::{Error, Result};
+use crate::map::divided as map;
+use crate::output::{self, Folder};
+use crate::progress;
+use crate::shard::gather::{Found, are_whole, find};
+use crate::trial::divided as trial;
+
+const EXAMPLES: &str = "Examples:
+  for k in 1 2 3 4; do proofmass study study.toml --shard $k/4 --out shards; done
+  proofmass merge shards --out report               the same answer as from one run, to the last bit
+  proofmass merge /disk1/shards /disk2/shards       shards may lie in several folders";
+
+/// Arguments of `merge`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Folders that hold the state files of the shards, together all of one run
+    #[arg(required = true, value_name = "DIR")]
+    pub shards: Vec<PathBuf>,
+    /// Where to write what the undivided run would have written; without it, the answer is only printed
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace files in DIR even if they are not from an earlier merge of the same folders
+    #[arg(long, requires = "out")]
+    pub force: bool,
+}
+
+/// Merges.
+///
+/// # Errors
+/// Shards that overlap, are missing, damaged, not finished or of another run; a folder that cannot be written.
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let found = find(&arguments.shards)?;
+    are_whole(&found, &arguments.shards)?;
+    let out = arguments.out.as_deref().map(|path| (path, arguments.force));
+    match found[0].header.run.command.as_str() {
+        study::COMMAND => of_study(&found, arguments, json),
+        map::COMMAND => super::map::merge(&found, &arguments.shards, out, json),
+        trial::COMMAND => super::trial::shard::merge(&found, &arguments.shards, out, json),
+        other => {
+            let cause = format!("the shards are of `{other}`, which this version does not know how to merge");
+            Err(Error::new("could not merge", cause, "use the version of proofmass that wrote them"))
+        }
+    }
+}
+
+fn of_study(found: &[Found], arguments: &Arguments, json: bool) -> Result<()> {
+    let request = || output::Request {
+        command: "merge",
+        inputs: arguments.shards.clone(),
+        reads: found.iter().map(|f| f.path.clone()).collect(),
+        writes: answer::FILES.map(str::to_owned).into(),
+        force: arguments.force,
+    };
+    let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
+    let (study, drift) = study::merged(found, &progress::terminal())?;
+    answer::print(&study, &drift, None, Some(found.len()), json)?;
+    if let Some(mut folder) = folder {
+        answer::write(&mut folder, &study, &drift, None)?;
+        if !json {
+            answer::point_to(folder.path())?;
+        }
+    }
+    Ok(())
+}

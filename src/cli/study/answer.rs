@@ -1,0 +1,80 @@
+//! The answer of a study, whoever computed it: on stdout, and as files.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::cli::say::{say, sayln};
+use crate::document::to_json;
+use crate::drift::Drift;
+use crate::drift::document::Document;
+use crate::error::Result;
+use crate::output::Folder;
+use crate::report::study as page;
+use crate::statistics::jcgm101::{Linear, Stated};
+use crate::study::Study;
+
+const REPORT: &str = "report.html";
+const ENVELOPE: &str = "envelope.svg";
+const WINDOWS: &str = "windows.svg";
+/// Every file that an answer is written as.
+pub const FILES: [&str; 3] = [REPORT, ENVELOPE, WINDOWS];
+
+/// The document of a study that was put together.
+#[derive(Serialize)]
+struct Merged {
+    #[serde(flatten)]
+    document: Document,
+    /// From how many files.
+    shards: usize,
+}
+
+/// Prints the answer, with what is `stated` of its last position error where digits were asked for; `shards` is the number of files that it was put together from.
+///
+/// # Errors
+/// When stdout cannot be written.
+pub fn print(
+    study: &Study,
+    drift: &Drift,
+    stated: Option<&(Stated, Linear)>,
+    shards: Option<usize>,
+    json: bool,
+) -> Result<()> {
+    let document = || Document::of(study, drift).with_digits(stated.cloned());
+    match (json, shards) {
+        (true, None) => sayln!("{}", to_json(&document())?),
+        (true, Some(shards)) => sayln!("{}", to_json(&Merged { document: document(), shards })?),
+        (false, _) => {
+            say(format_args!("{}", page::terminal(study, drift)))?;
+            stated.map_or(Ok(()), |(stated, linear)| {
+                sayln!("{}", page::jcgm101::sentence(stated))?;
+                sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))
+            })
+        }
+    }
+}
+
+/// Writes the page and its figures.
+///
+/// # Errors
+/// When the folder cannot be written.
+pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, stated: Option<&(Stated, Linear)>) -> Result<()> {
+    folder.write(ENVELOPE, page::envelope_figure(drift).draw().file_svg().as_bytes())?;
+    if let Some(figure) = page::windows_figure(&drift.compared) {
+        folder.write(WINDOWS, figure.file_svg().as_bytes())?;
+    }
+    let mut page = page::page(study, drift);
+    if let Some((stated, linear)) = stated {
+        page::jcgm101::section(&mut page, stated, linear, drift);
+    }
+    folder.write(REPORT, page.finish().as_bytes())?;
+    folder.finish()
+}
+
+/// Says where the page is.
+///
+/// # Errors
+/// When stdout cannot be written.
+pub fn point_to(folder: &Path) -> Result<()> {
+    sayln!("report:     {}", folder.join(REPORT).display())
+}

@@ -1,0 +1,48 @@
+//! `proofmass study --shard K/N`: one share of a study, and its state file.
+
+use std::path::Path;
+
+use crate::cli::sharded::tell;
+use crate::drift::divided::Divided;
+use crate::ensemble::divided::run_pieces;
+use crate::ensemble::{Backends, Choice, Keeper, Kept, Options};
+use crate::error::Result;
+use crate::progress;
+use crate::shard::Shard;
+use crate::shard::file::Place;
+use crate::study::Study;
+
+/// What is asked of a shard.
+pub struct Request<'a> {
+    /// Which.
+    pub shard: Shard,
+    /// The study's file, where it has one.
+    pub input: Option<&'a Path>,
+    /// Where its state goes.
+    pub out: &'a Path,
+    /// Where to integrate.
+    pub backend: Choice,
+    /// Replace a file that is not this run's.
+    pub force: bool,
+    /// Go on with what the file holds.
+    pub resume: bool,
+}
+
+/// Integrates a shard and says where its state is.
+///
+/// # Errors
+/// A backend that is not there, a folder that cannot be written, a state of another run, Ctrl-C.
+pub fn run(study: &Study, request: &Request<'_>, json: bool) -> Result<()> {
+    let divided = Divided::of(study, request.input)?;
+    let header = divided.header(request.shard);
+    let place = Place::take(request.out, &header, request.force)?;
+    let path = place.path().to_path_buf();
+    let kept = match request.resume {
+        true => Kept::resume(place, header.clone())?,
+        false => Kept::new(place, header.clone()),
+    };
+    let mut keeper = Keeper::shard(kept);
+    let options = Options { backend: request.backend, control: progress::terminal(), ..Options::default() };
+    run_pieces(&divided.jobs, header.pieces.iter().map(|p| &p.piece), Backends::default(), &options, &mut keeper)?;
+    tell(&header, " (those of the error budget included)", &path, json)
+}
