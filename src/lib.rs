@@ -24,7 +24,7 @@
 //! | 7 | `diagnosis` | what physics was left out |
 //! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
 //! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |
-//! | 10 | `cli` | the commands |
+//! | 10 | `cli` `python` | the commands; the same for Python |
 //!
 //! How far does an accelerometer drift whose bias is drawn anew for each part? By ½ b t²:
 //!
@@ -75,6 +75,8 @@ pub mod paper;
 pub mod parallel;
 pub mod physics;
 pub mod progress;
+#[cfg(feature = "python")]
+pub mod python;
 pub mod recording;
 #[cfg(feature = "plots")]
 pub mod report;

@@ -4,7 +4,6 @@
 //! through the file first ([`plan`]), so they agree on its clock; rows in the file = rows used + rows `dropped`. Not for
 //! judging physics: a gap or a clipped rail is reported here, what it means is `diagnosis`' business.
 
-#[cfg(feature = "gzip")]
 pub mod array;
 pub mod bytes;
 pub mod cells;
@@ -25,6 +24,7 @@ pub mod input;
 pub mod inspection;
 pub mod limits;
 pub mod lines;
+pub mod memory;
 #[cfg(any(feature = "rosbag", feature = "mcap", feature = "db3"))]
 pub mod messages;
 pub mod noise;
@@ -52,5 +52,6 @@ pub mod zstandard;
 
 pub use in_memory::{Averaged, Column, Recording};
 pub use limits::FILL_LIMIT;
+pub use memory::Memory;
 pub use read::read;
 pub use request::Request;

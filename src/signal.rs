@@ -46,6 +46,11 @@ pub fn raise(signal: Signal) {
     let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
 }
 
+/// Takes it down again, where the process outlives what was stopped.
+pub fn lower() {
+    STOP.store(0, Ordering::SeqCst);
+}
+
 /// The signal that asked the process to stop, if one has; the first, where several came.
 pub fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);

@@ -97,6 +97,18 @@ pub fn read_again(name: &str, text: &str, members: u64, seed: u64, folder: &Path
     Study::from_text(name, text, &overrides, folder.into())
 }
 
+/// A study that was never text, with paths relative to `folder`.
+///
+/// # Errors
+/// As [`read`], without a place in a file.
+pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, folder: &Path) -> Result<Study> {
+    if !overrides.is_empty() {
+        return Study::from_document(name, table, overrides, folder.into());
+    }
+    let text = table.to_string();
+    Study::new(name, text, from_table(name, table)?, overrides, folder.into())
+}
+
 /// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings per second. Recordings that
 /// the file names are not read.
 ///

@@ -72,39 +72,11 @@ const EXAMPLES: &str = "Examples:
 /// # Errors
 /// A recording that cannot be read, a scale that is none, a column named twice, a folder that cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
-    let accelerometer = Unit::parse(&arguments.accelerometer_scale, Quantity::Accelerometer)?;
-    let gyro = Unit::parse(&arguments.gyro_scale, Quantity::Gyro)?;
-    let columns = [&arguments.columns[..], &arguments.accelerometer, &arguments.gyro].concat();
-    if let Some(twice) = columns.iter().enumerate().find(|(i, c)| columns[..*i].contains(c)).map(|(_, c)| c) {
-        return Err(Error::new(
-            "could not choose the columns",
-            format!("`{twice}` is named twice"),
-            "name a column once, under --columns, --accelerometer or --gyro",
-        ));
-    }
+    let asked = Asked::new(arguments.request(), &arguments.scales())?;
     let target = arguments.to.as_deref().map(export::target).transpose()?;
     recording::formats::located(&arguments.recording)?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, arguments.outputs())).transpose()?;
-    let request = Request {
-        topic: arguments.topic.clone(),
-        columns,
-        rate_hz: arguments.rate_hz,
-        time: arguments.time.clone(),
-        from_s: arguments.from_s,
-        to_s: arguments.to_s,
-        ..Request::default()
-    };
-    let known =
-        if request.columns.is_empty() { inertial(&arguments.recording, &request)? } else { Inertial::default() };
-    let mut noise = noise::analyse(&arguments.recording, &request, |name| {
-        let among = |columns: &[String]| columns.iter().any(|c| c == name);
-        match name {
-            _ if among(&arguments.accelerometer) => accelerometer.clone(),
-            _ if among(&arguments.gyro) => gyro.clone(),
-            _ => known.units.iter().find(|u| u.0 == name).map_or_else(Unit::unknown, |u| u.1.clone()),
-        }
-    })?;
-    noise.source.findings.extend(known.findings);
+    let noise = asked.analyse(&arguments.recording)?;
     let file = arguments.recording.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let configuration = target.map(|target| configuration(target, &file, &noise)).transpose()?;
     if let (Some((_, text)), None) = (&configuration, &folder) {
@@ -127,6 +99,64 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         remark!("simulate it beside its log: proofmass study {}", folder.join(STUDY).display());
     }
     Ok(())
+}
+
+/// Which columns are a sensor's, and what one unit of them is.
+#[derive(Debug, Clone, Default)]
+pub struct Scales {
+    /// Columns that are specific force.
+    pub accelerometer: Vec<String>,
+    /// Their unit.
+    pub accelerometer_scale: String,
+    /// Columns that are angular rate.
+    pub gyro: Vec<String>,
+    /// Their unit.
+    pub gyro_scale: String,
+}
+
+/// What is asked of a recording, checked.
+pub struct Asked {
+    request: Request,
+    scaled: [(Vec<String>, Unit); 2],
+}
+
+impl Asked {
+    /// The columns of `request` and those of `scales`; none: all of them.
+    ///
+    /// # Errors
+    /// A scale that is none, a column named twice.
+    pub fn new(request: Request, scales: &Scales) -> Result<Self> {
+        let Scales { accelerometer, accelerometer_scale, gyro, gyro_scale } = scales;
+        let scaled = [
+            (accelerometer.clone(), Unit::parse(accelerometer_scale, Quantity::Accelerometer)?),
+            (gyro.clone(), Unit::parse(gyro_scale, Quantity::Gyro)?),
+        ];
+        let columns = [&request.columns[..], accelerometer, gyro].concat();
+        if let Some(twice) = columns.iter().enumerate().find(|(i, c)| columns[..*i].contains(c)).map(|(_, c)| c) {
+            return Err(Error::new(
+                "could not choose the columns",
+                format!("`{twice}` is named twice"),
+                "name a column once, under --columns, --accelerometer or --gyro",
+            ));
+        }
+        Ok(Self { request: Request { columns, ..request }, scaled })
+    }
+
+    /// The noise of these columns, in the units that the user or the file gives them.
+    ///
+    /// # Errors
+    /// As `noise::analyse`.
+    pub fn analyse(&self, recording: &Path) -> Result<Noise> {
+        let known =
+            if self.request.columns.is_empty() { inertial(recording, &self.request)? } else { Inertial::default() };
+        let mut noise = noise::analyse(recording, &self.request, |name| {
+            let given = self.scaled.iter().find(|(columns, _)| columns.iter().any(|c| c == name)).map(|(_, unit)| unit);
+            let unit = given.or_else(|| known.units.iter().find(|u| u.0 == name).map(|u| &u.1));
+            unit.cloned().unwrap_or_else(Unit::unknown)
+        })?;
+        noise.source.findings.extend(known.findings);
+        Ok(noise)
+    }
 }
 
 /// Columns that are known for those of an inertial sensor, and their units.
@@ -168,6 +198,27 @@ const REPORT: &str = "report.html";
 const STUDY: &str = "study.toml";
 
 impl Arguments {
+    fn request(&self) -> Request {
+        Request {
+            topic: self.topic.clone(),
+            columns: self.columns.clone(),
+            rate_hz: self.rate_hz,
+            time: self.time.clone(),
+            from_s: self.from_s,
+            to_s: self.to_s,
+            ..Request::default()
+        }
+    }
+
+    fn scales(&self) -> Scales {
+        Scales {
+            accelerometer: self.accelerometer.clone(),
+            accelerometer_scale: self.accelerometer_scale.clone(),
+            gyro: self.gyro.clone(),
+            gyro_scale: self.gyro_scale.clone(),
+        }
+    }
+
     fn outputs(&self) -> output::Request {
         let scaled = !self.accelerometer.is_empty() || !self.gyro.is_empty();
         let target = self.to.as_deref().and_then(|to| export::target(to).ok());

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::diagnosis::candidate::Kind;
-use crate::document::{parse_toml, read_text};
+use crate::document::{from_table, parse_toml, read_text};
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
 
@@ -263,6 +263,23 @@ pub fn parse(name: &str, text: &str) -> Result<Model> {
     })
 }
 
+/// A model that was never text.
+///
+/// # Errors
+/// As [`parse`], without a place in a file.
+pub fn of_table(name: &str, mut table: toml::Table) -> Result<Model> {
+    #[derive(Deserialize)]
+    struct Only {
+        kind: Kind,
+    }
+    let Only { kind } = from_table(name, table.remove_entry("kind").into_iter().collect())?;
+    Ok(match kind {
+        Kind::Driven => Model::Driven(from_table(name, table)?),
+        Kind::Static => Model::Static(from_table(name, table)?),
+        Kind::Tumble => Model::Tumble(from_table(name, table)?),
+    })
+}
+
 /// Reads model.toml; `poses` becomes a path that can be opened.
 ///
 /// # Errors
@@ -299,6 +316,14 @@ pub fn read_recording(path: &Path, model: &Model) -> Result<Recording> {
 /// # Errors
 /// As [`read_recording`].
 pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recording> {
+    recording::read(path, &requested(path, model, seconds)?)
+}
+
+/// What a model asks of a recording; `path` stands for it in messages.
+///
+/// # Errors
+/// A column that is given two roles, rows that are none.
+pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request> {
     let fail = |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
     let (rate_hz, rows, time, columns): (Option<f64>, &Ranges, &Option<String>, Vec<&String>) = match model {
         Model::Driven(m) => {
@@ -353,7 +378,7 @@ pub fn read_part(path: &Path, model: &Model, seconds: Seconds) -> Result<Recordi
         request.at_most = Some(MOST_AT_REST);
         request.samples = m.split.hull();
     }
-    recording::read(path, &request)
+    Ok(request)
 }
 
 /// What a diagnosis of this recording will take of memory, where that is much: for a word beforehand.

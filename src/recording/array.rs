@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::element::Element;
-use super::input::{Cursor, Input};
+use super::input::Input;
 use super::reader::{Block, Choice, Heading, Log, Part, Reader};
 use super::roles;
 use crate::error::Result;
@@ -21,8 +21,10 @@ pub enum Packing {
     /// Not at all.
     None,
     /// DEFLATE, RFC 1951.
+    #[cfg(feature = "gzip")]
     Deflate,
     /// The same with the header of RFC 1950.
+    #[cfg(feature = "gzip")]
     Zlib,
 }
 
@@ -46,17 +48,27 @@ impl Place {
     /// What is packed ends before.
     pub fn open(&self, input: &Input, offset: u64) -> std::io::Result<Box<dyn Read + Send>> {
         let skip = self.skip.saturating_add(offset);
-        let packed = |at: u64| -> std::io::Take<Cursor> { input.at(at).take(self.stored) };
-        let mut reader: Box<dyn Read + Send> = match self.packing {
+        match self.packing {
             Packing::None => {
-                return Ok(Box::new(input.at(self.at.saturating_add(skip)).take(self.stored.saturating_sub(skip))));
+                Ok(Box::new(input.at(self.at.saturating_add(skip)).take(self.stored.saturating_sub(skip))))
             }
-            Packing::Deflate => Box::new(flate2::read::DeflateDecoder::new(packed(self.at))),
-            Packing::Zlib => Box::new(flate2::read::ZlibDecoder::new(packed(self.at))),
-        };
-        let passed = std::io::copy(&mut reader.by_ref().take(skip), &mut std::io::sink())?;
-        if passed < skip { Err(std::io::ErrorKind::UnexpectedEof.into()) } else { Ok(reader) }
+            #[cfg(feature = "gzip")]
+            Packing::Deflate => {
+                passed(Box::new(flate2::read::DeflateDecoder::new(input.at(self.at).take(self.stored))), skip)
+            }
+            #[cfg(feature = "gzip")]
+            Packing::Zlib => {
+                passed(Box::new(flate2::read::ZlibDecoder::new(input.at(self.at).take(self.stored))), skip)
+            }
+        }
     }
+}
+
+/// A reader that has passed over so many bytes.
+#[cfg(feature = "gzip")]
+fn passed(mut reader: Box<dyn Read + Send>, skip: u64) -> std::io::Result<Box<dyn Read + Send>> {
+    let passed = std::io::copy(&mut reader.by_ref().take(skip), &mut std::io::sink())?;
+    if passed < skip { Err(std::io::ErrorKind::UnexpectedEof.into()) } else { Ok(reader) }
 }
 
 /// A column of an array.

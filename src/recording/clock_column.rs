@@ -25,7 +25,7 @@ pub fn settled(path: &Path, request: &Request) -> Result<(Request, Option<Findin
     if request.time.is_some() || request.rate_hz.is_some() {
         return Ok((request.clone(), None));
     }
-    let opened = formats::open(path, request.topic.as_deref())?;
+    let opened = formats::open_in(path, request.memory.as_ref(), request.topic.as_deref())?;
     let headings = opened.headings();
     let with = |name: &str, by: ClockBy| {
         let request = Request { time: Some(name.to_owned()), ..request.clone() };
@@ -70,7 +70,8 @@ struct Steps {
 
 /// The first rows of a column; `None` where they are too few, or no numbers.
 fn steps(path: &Path, request: &Request, name: &str) -> Result<Option<Steps>> {
-    let wanted = Wanted { topic: request.topic.as_deref(), time: Some(name), columns: &[] };
+    let wanted =
+        Wanted { topic: request.topic.as_deref(), time: Some(name), columns: &[], memory: request.memory.as_ref() };
     let Ok(rows) = Rows::open_wanted(path, &wanted) else { return Ok(None) };
     let mut rows = rows.without_checksum();
     let mut stamps = Vec::new();

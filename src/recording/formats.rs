@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use super::format;
 use super::headings::Headings;
 use super::input::Input;
+use super::memory::Memory;
 use super::pack::{self, Pack, Unpacked};
 use super::reader::{Log, Part};
 use super::text::Text;
@@ -73,6 +74,13 @@ const ALL: &[Format] = &[
     #[cfg(feature = "dataflash")]
     Format { name: "ArduPilot DataFlash log", magic: (0, b"\xa3\x95"), open: dataflash::open },
 ];
+
+/// Arrays that come from no file.
+static IN_MEMORY: Format = Format {
+    name: "table in memory",
+    magic: (0, b""),
+    open: |input| Err(input.fail("it is no table in memory", "give a file")),
+};
 
 /// Beginnings of files that are not read, and what to do instead.
 const REFUSED: &[(&[u8], &str, &str)] = &[
@@ -224,7 +232,22 @@ fn known(input: Input, head: &[u8]) -> Result<Found> {
 /// # Errors
 /// As [`find`]; a part that is not there, that holds no numbers, or none that can be chosen without a word of the user.
 pub fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
-    match find(path)? {
+    open_in(path, None, topic)
+}
+
+/// The same, with arrays in memory in place of the file where there are such.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_in(path: &Path, memory: Option<&Memory>, topic: Option<&str>) -> Result<Opened> {
+    let found = match memory {
+        Some(memory) => {
+            let (input, arrays) = memory.opened();
+            Found::Log { input, format: &IN_MEMORY, log: Box::new(arrays) }
+        }
+        None => find(path)?,
+    };
+    match found {
         Found::Text(text) => match topic {
             None => Ok(Opened::Text(text)),
             Some(topic) => Err(Error::new(

@@ -21,6 +21,9 @@ const DIGESTED_BYTES: usize = 1 << 18;
 /// Smaller files are digested on the spot.
 const SMALL_BYTES: u64 = 1 << 20;
 
+/// Bytes in memory, and whoever keeps them alive.
+pub type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+
 /// A file that is open for reading at any place.
 #[derive(Debug, Clone)]
 pub struct Input {
@@ -37,6 +40,24 @@ pub struct Input {
 enum Store {
     File(File),
     Memory(Vec<u8>),
+    Parts(Parts),
+}
+
+/// Pieces of memory that follow one another, each with the place of its first byte.
+struct Parts(Vec<(u64, Bytes)>);
+
+impl std::fmt::Debug for Parts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} parts", self.0.len())
+    }
+}
+
+impl Parts {
+    /// What lies from a place to the end of its piece.
+    fn from(&self, at: u64) -> &[u8] {
+        let Some((start, bytes)) = self.0.iter().rev().find(|(start, _)| *start <= at) else { return &[] };
+        usize::try_from(at - start).ok().and_then(|at| (**bytes).as_ref().get(at..)).unwrap_or_default()
+    }
 }
 
 impl Store {
@@ -45,12 +66,18 @@ impl Store {
             Self::File(file) => read_some_at(file, into, at),
             Self::Memory(bytes) => {
                 let rest = usize::try_from(at).ok().and_then(|at| bytes.get(at..)).unwrap_or_default();
-                let count = rest.len().min(into.len());
-                into[..count].copy_from_slice(&rest[..count]);
-                Ok(count)
+                Ok(copied(rest, into))
             }
+            Self::Parts(parts) => Ok(copied(parts.from(at), into)),
         }
     }
+}
+
+/// As much as there is, and as there is room for.
+fn copied(from: &[u8], into: &mut [u8]) -> usize {
+    let count = from.len().min(into.len());
+    into[..count].copy_from_slice(&from[..count]);
+    count
 }
 
 #[cfg(unix)]
@@ -93,6 +120,23 @@ impl Input {
     pub fn of_bytes(path: &Path, bytes: Vec<u8>) -> Self {
         let length = bytes.len() as u64;
         Self { path: path.into(), store: Arc::new(Store::Memory(bytes)), length, packed: None }
+    }
+
+    /// Pieces of memory one behind the other, under a name for messages.
+    pub fn of_parts(path: &Path, parts: Vec<Bytes>) -> Self {
+        let mut length = 0;
+        let placed = parts.into_iter().map(|bytes| {
+            let start = length;
+            length += (*bytes).as_ref().len() as u64;
+            (start, bytes)
+        });
+        let store = Arc::new(Store::Parts(Parts(placed.collect())));
+        Self { path: path.into(), store, length, packed: None }
+    }
+
+    /// Whether both are of the same bytes at the same place.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.store, &other.store)
     }
 
     /// The same file unpacked into an unnamed temporary one, to be read at any place.

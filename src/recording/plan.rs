@@ -93,7 +93,7 @@ pub fn open(path: &Path, request: &Request) -> Result<Rows> {
         ));
     }
     let (topic, time) = (request.topic.as_deref(), request.time.as_deref());
-    let rows = Rows::open_wanted(path, &Wanted { topic, time, columns: &columns })?;
+    let rows = Rows::open_wanted(path, &Wanted { topic, time, columns: &columns, memory: request.memory.as_ref() })?;
     if rows.names().iter().all(|name| Some(name.as_str()) == rows.time()) {
         let cause = "it has no column of numbers beside the clock".to_owned();
         return Err(refuse(

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::memory::Memory;
+
 /// What to read of a file, and what its clock is.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
@@ -23,4 +25,6 @@ pub struct Request {
     pub samples: Option<Range<usize>>,
     /// About the most samples that are wanted: of more, neighbours are averaged. `recording::read` alone looks at it.
     pub at_most: Option<usize>,
+    /// Read in place of the file, whose path then is only a name.
+    pub memory: Option<Memory>,
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::clock::stamp::Stamp;
 use super::formats::{self, Opened};
+use super::memory::Memory;
 use super::reader::Choice;
 use super::source::Source;
 use super::table::Table;
@@ -38,6 +39,8 @@ pub struct Wanted<'a> {
     pub time: Option<&'a str>,
     /// Headings, in this order. None: all numeric columns but clocks.
     pub columns: &'a [String],
+    /// Read in place of the file.
+    pub memory: Option<&'a Memory>,
 }
 
 impl Rows {
@@ -54,7 +57,7 @@ impl Rows {
     /// # Errors
     /// As [`Rows::open`], and a topic that is not there or holds no numbers.
     pub fn open_wanted(path: &Path, wanted: &Wanted<'_>) -> Result<Self> {
-        let opened = formats::open(path, wanted.topic)?;
+        let opened = formats::open_in(path, wanted.memory, wanted.topic)?;
         let headings = opened.headings();
         let fail = |path: &PathBuf, (cause, hint): (String, String)| {
             Error::new(format!("could not read {}", path.display()), cause, hint)

@@ -137,7 +137,7 @@ fn named(columns: &[&str]) -> Request {
 /// Columns as they stand in a file, row by row, and what is known of it at its end.
 fn table(path: &Path, topic: Option<&str>, columns: &[&str]) -> Result<(Vec<Vec<f64>>, Source), Error> {
     let columns: Vec<String> = columns.iter().map(|c| (*c).to_owned()).collect();
-    let mut rows = Rows::open_wanted(path, &Wanted { topic, time: None, columns: &columns })?;
+    let mut rows = Rows::open_wanted(path, &Wanted { topic, time: None, columns: &columns, ..Wanted::default() })?;
     let mut row = vec![0.0; rows.names().len()];
     let mut out = vec![Vec::new(); row.len()];
     while rows.next(&mut row)? {

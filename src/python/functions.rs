@@ -1,0 +1,213 @@
+//! The functions of the module: what the command does, with what Python holds in place of files.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::answer::Answer;
+use super::arrays::{Given, Recorded};
+use super::value::{self, Document};
+use super::work::{detached, raised};
+use crate::cli;
+use crate::cli::allan::{Asked, Scales};
+use crate::control::Control;
+use crate::diagnosis::model::{self, Model};
+use crate::diagnosis::recordings::Recordings;
+use crate::diagnosis::{self, consequence, repair};
+use crate::document::to_json;
+use crate::drift;
+use crate::drift::document;
+use crate::ensemble::{Backends, Choice, Keeper, Options};
+use crate::error::{Error, Result};
+use crate::recording::{self, Recording, Request};
+use crate::report;
+use crate::study::{self as studies, Overrides, Preset, Study};
+
+/// The command, from its words to its exit code. A defect that panics ends it as it ends the binary, with 101.
+#[pyfunction]
+pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| std::panic::catch_unwind(|| cli::main(words)).unwrap_or(101))
+}
+
+/// What changes a study.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Changes<'py> {
+    members: Option<u64>,
+    seed: Option<u64>,
+    preset: Option<String>,
+    set: Option<Bound<'py, PyDict>>,
+}
+
+impl Changes<'_> {
+    fn overrides(&self) -> Result<Overrides> {
+        let fail = |cause: String, hint: String| Error::new("could not change the study", cause, hint);
+        let preset = self.preset.as_deref().map(|name| {
+            let known = Preset::ALL.map(Preset::name);
+            Preset::ALL
+                .into_iter()
+                .find(|p| p.name() == name)
+                .ok_or_else(|| fail(format!("`{name}` is no grade"), format!("there are {}", known.join(", "))))
+        });
+        let mut set = Vec::new();
+        for (key, value) in self.set.iter().flatten() {
+            let key = key.to_string();
+            let text = format!("{key}={}", value::one(&value, &key)?);
+            set.push(text.parse().map_err(|cause| fail(cause, "keys are dotted paths: gyro.bias_deg_h".into()))?);
+        }
+        Ok(Overrides { members: self.members, seed: self.seed, preset: preset.transpose()?, set })
+    }
+}
+
+fn read_study(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<Study> {
+    let overrides = changes.overrides()?;
+    let study = match given {
+        None => studies::read_default(&overrides),
+        Some(Document::Path(path)) => studies::read(&path, &overrides),
+        Some(Document::Table(dictionary)) => {
+            studies::of_table("the study", value::table(&dictionary, "")?, &overrides, Path::new(""))
+        }
+    }?;
+    match study.sweep {
+        None => Ok(study),
+        Some(_) => Err(Error::new(
+            format!("could not run {} as one study", study.name),
+            "it has a [sweep], which is many studies",
+            "leave [sweep] out and give each value with `set`, or run `proofmass study`",
+        )),
+    }
+}
+
+fn choice(backend: &str) -> Result<Choice> {
+    let all = [("auto", Choice::Auto), ("gpu", Choice::Gpu), ("cpu", Choice::Cpu)];
+    let found = all.iter().find(|(name, _)| *name == backend).map(|(_, choice)| *choice);
+    let cause = format!("`{backend}` is no backend");
+    found.ok_or_else(|| Error::new("could not choose a backend", cause, "there are auto, gpu, cpu"))
+}
+
+/// `proofmass study`.
+#[pyfunction]
+pub fn study(py: Python<'_>, given: Option<Document<'_>>, changes: Changes<'_>, backend: &str) -> PyResult<Answer> {
+    let prepared = read_study(given, &changes).and_then(|study| Ok((study, choice(backend)?)));
+    let (study, backend) = prepared.map_err(|error| raised(py, error))?;
+    detached(py, move |control| {
+        let options = Options { backend, control: control.clone(), ..Options::default() };
+        let mut backends = Backends::default();
+        let run = |job: &_, _: &str| backends.run(job, &options, &mut Keeper::none());
+        let drift = drift::answer(&study, control, run)?;
+        let json = to_json(&document::Document::of(&study, &drift))?;
+        Ok(Answer { json, repaired: None, draw: Box::new(move || report::study::page(&study, &drift).finish()) })
+    })
+}
+
+/// `proofmass allan`.
+#[pyfunction]
+pub fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> PyResult<Answer> {
+    let Recorded { path, memory } = given.recorded().map_err(|error| raised(py, error))?;
+    detached(py, move |_| {
+        let request = Request { memory, ..request.into() };
+        let noise = Asked::new(request, &scales.into())?.analyse(&path)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let json = format!("{:#}", report::allan::document(&name, &noise));
+        let draw = move || report::allan::page(&name, &noise, &report::allan::fragments(&name, &noise));
+        Ok(Answer { json, repaired: None, draw: Box::new(draw) })
+    })
+}
+
+/// What is read of a recording.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Read {
+    topic: Option<String>,
+    columns: Vec<String>,
+    rate_hz: Option<f64>,
+    time: Option<String>,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+}
+
+impl From<Read> for Request {
+    fn from(read: Read) -> Self {
+        let Read { topic, columns, rate_hz, time, from_s, to_s } = read;
+        Self { topic, columns, rate_hz, time, from_s, to_s, ..Self::default() }
+    }
+}
+
+/// Which columns are a sensor's, in which unit.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Units {
+    accelerometer: Vec<String>,
+    accelerometer_scale: String,
+    gyro: Vec<String>,
+    gyro_scale: String,
+}
+
+impl From<Units> for Scales {
+    fn from(units: Units) -> Self {
+        let Units { accelerometer, accelerometer_scale, gyro, gyro_scale } = units;
+        Self { accelerometer, accelerometer_scale, gyro, gyro_scale }
+    }
+}
+
+/// `proofmass diagnose`.
+#[pyfunction]
+pub fn diagnose(
+    py: Python<'_>,
+    train: Vec<Given<'_>>,
+    test: Vec<Given<'_>>,
+    model: Document<'_>,
+    part: Part,
+) -> PyResult<Answer> {
+    let recorded = |all: Vec<Given<'_>>| all.into_iter().map(Given::recorded).collect::<Result<Vec<Recorded>>>();
+    let prepared = || Ok((recorded(train)?, recorded(test)?, read_model(model, part.topic.as_deref())?));
+    let (train, test, model) = prepared().map_err(|error| raised(py, error))?;
+    let seconds = model::Seconds { from_s: part.from_s, to_s: part.to_s };
+    detached(py, move |control| {
+        let read =
+            |all: Vec<Recorded>| all.into_iter().map(|one| read(one, &model, seconds)).collect::<Result<Vec<_>>>();
+        judge(&read(train)?, &read(test)?, &model, control)
+    })
+}
+
+/// Which part of each recording is diagnosed.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Part {
+    topic: Option<String>,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+}
+
+fn read_model(given: Document<'_>, topic: Option<&str>) -> Result<Model> {
+    let model = match given {
+        Document::Path(path) => model::read(&path)?,
+        Document::Table(dictionary) => model::of_table("the model", value::table(&dictionary, "")?)?,
+    };
+    Ok(match topic {
+        Some(topic) => model.of_topic(topic),
+        None => model,
+    })
+}
+
+fn read(recorded: Recorded, model: &Model, seconds: model::Seconds) -> Result<Recording> {
+    let Recorded { path, memory } = recorded;
+    recording::read(&path, &Request { memory, ..model::requested(&path, model, seconds)? })
+}
+
+fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Control) -> Result<Answer> {
+    let found = diagnosis::diagnose_all(Recordings { train, test }, model, control)?;
+    let found = report::diagnosis::worded(found);
+    let costs = consequence::costs(found.repair.as_ref(), control)
+        .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
+    let json = to_json(&found.verdict)?;
+    let repaired = found.repair.as_ref().map(|r| repair::study_document(r, &found.verdict));
+    let study = repaired.clone();
+    let draw = move || {
+        let exhibits = report::diagnosis::exhibits(&found.detail);
+        report::diagnosis::page(&found, &costs, &exhibits, study.as_deref())
+    };
+    Ok(Answer { json, repaired, draw: Box::new(draw) })
+}

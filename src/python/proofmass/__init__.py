@@ -1,0 +1,126 @@
+"""How far will this inertial sensor drift, which error is to blame, and what physics does the model leave out?
+
+>>> import numpy, proofmass
+>>> drift = proofmass.study({"members": 1000, "duration_s": 10.0, "accelerometer": {"bias_mg": {"mean": 0.0, "sd": 1.0}}})
+>>> drift.time_s, drift.position_error_m.sd
+>>> proofmass.allan(numpy.random.normal(size=100_000), rate_hz=100).to_dataframe()
+
+Results have the names of the command's ``--json`` documents; NumPy arrays hold their numbers, and in a notebook they show
+their page. Arrays are read where they lie: contiguous ones (C or Fortran order, integers or floats of any width) are never
+copied, others are made contiguous first. Do not write into an array while it is being read.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._error import Error
+
+if TYPE_CHECKING:
+    from ._results import Allan, Diagnosis, Study
+
+__all__ = ["Error", "allan", "diagnose", "main", "study"]
+
+
+def study(
+    study: Any = None,
+    *,
+    members: int | None = None,
+    seed: int | None = None,
+    preset: str | None = None,
+    set: dict | None = None,
+    backend: str = "auto",
+) -> Study:
+    """Simulates an ensemble and says how far it drifts: ``proofmass study``.
+
+    ``study`` is a dictionary with the keys of study.toml or the path of such a file; without one, the default study.
+    ``set`` changes keys by their dotted path, ``{"gyro.bias_deg_h": 4}``; ``backend`` is "auto", "gpu" or "cpu".
+    """
+    from . import _proofmass
+    from ._results import Study
+
+    changes = {"members": members, "seed": seed, "preset": preset, "set": set}
+    return Study(_proofmass.study(study, changes, backend))
+
+
+def allan(
+    recording: Any,
+    rate_hz: float | None = None,
+    *,
+    columns: Any = (),
+    time: str | None = None,
+    gyro: Any = (),
+    gyro_scale: str = "rad/s",
+    accelerometer: Any = (),
+    accelerometer_scale: str = "m/s2",
+    from_s: float | None = None,
+    to_s: float | None = None,
+    topic: str | None = None,
+) -> Allan:
+    """The noise of a sensor at rest: Allan deviations and the coefficients that they support, ``proofmass allan``.
+
+    ``recording`` is an array (samples, or samples × channels), a DataFrame, a dictionary of arrays, or the path of a file.
+    Columns of an array are called 1, 2, …; ``gyro`` and ``accelerometer`` name those of a sensor and ``…_scale`` their
+    unit: "mg", "deg/s", "0.05deg/s".
+    """
+    from . import _proofmass
+    from ._recording import names, recorded
+    from ._results import Allan
+
+    request = {
+        "topic": topic, "columns": names(columns), "rate_hz": rate_hz, "time": time, "from_s": from_s, "to_s": to_s,
+    }
+    scales = {
+        "gyro": names(gyro), "gyro_scale": gyro_scale,
+        "accelerometer": names(accelerometer), "accelerometer_scale": accelerometer_scale,
+    }
+    return Allan(_proofmass.allan(recorded(recording), request, scales))
+
+
+def diagnose(
+    recording: Any,
+    model: Any,
+    *,
+    test: Any = (),
+    from_s: float | None = None,
+    to_s: float | None = None,
+    topic: str | None = None,
+) -> Diagnosis:
+    """What physics a model of a recording leaves out: ``proofmass diagnose``.
+
+    ``recording`` is a DataFrame, an array, a dictionary of arrays or the path of a file, or a list of several that are
+    fitted together; ``test`` only judge. ``model`` is a dictionary with the keys of model.toml or the path of such a file.
+    """
+    from . import _proofmass
+    from ._recording import all_recorded
+    from ._results import Diagnosis
+
+    part = {"topic": topic, "from_s": from_s, "to_s": to_s}
+    return Diagnosis(_proofmass.diagnose(all_recorded(recording), all_recorded(test), model, part))
+
+
+def main() -> None:
+    """The command ``proofmass``; ends the process with the command's exit code."""
+    import os
+    import signal
+    import sys
+
+    # Signals are the command's own, as in the program without Python.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # Silences a line that Mesa's device selection prints on machines without a desktop.
+    os.environ["NODEVICE_SELECT"] = "1"
+    from . import _proofmass
+
+    sys.exit(_proofmass.main(sys.argv))
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("proofmass")
+    if name in ("Allan", "Diagnosis", "Study"):
+        from . import _results
+
+        return getattr(_results, name)
+    raise AttributeError(f"module 'proofmass' has no attribute '{name}'")

@@ -1,0 +1,123 @@
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, Union
+
+from numpy import float64
+from numpy.typing import ArrayLike, NDArray
+
+_Path = Union[str, PathLike[str]]
+_Array = NDArray[float64]
+_Names = Union[str, int, Sequence[Union[str, int]]]
+
+__version__: str
+
+class Error(Exception):
+    attempt: str
+    cause: str
+    hint: str
+    def __init__(self, attempt: str, cause: str, hint: str) -> None: ...
+
+class _Fields(Mapping[str, Any]):
+    def __getitem__(self, key: str) -> Any: ...
+    def __getattr__(self, name: str) -> Any: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+
+class _Result(_Fields):
+    @property
+    def document(self) -> dict[str, Any]: ...
+    @property
+    def page(self) -> str: ...
+    def save(self, path: _Path) -> None: ...
+    def to_dataframe(self) -> Any: ...
+
+class _Distribution(_Fields):
+    mean: _Array
+    sd: _Array
+    min: _Array
+    max: _Array
+    p01: _Array
+    p05: _Array
+    p50: _Array
+    p95: _Array
+    p99: _Array
+
+class Study(_Result):
+    name: str
+    seed: int
+    members: int
+    failed: int
+    time_s: _Array
+    position_error_m: _Distribution
+    velocity_error_m_s: _Distribution
+    acceleration_error_m_s2: _Distribution
+    tilt_error_rad: _Distribution
+    closed_form: _Fields
+    error_budget: list[_Fields]
+    findings: list[str]
+
+class _Curve(_Fields):
+    tau_s: _Array
+    deviation: _Array
+    ci95: _Array
+    degrees_of_freedom: _Array
+
+class _Channel(_Fields):
+    name: str
+    quantity: str
+    unit: str
+    terms: list[Any]
+    curve: _Curve
+    statements: list[str]
+
+class Allan(_Result):
+    recording: _Fields
+    findings: list[str]
+    channels: list[_Channel]
+    def channel(self, name: Union[str, int]) -> _Channel: ...
+    def coefficients(self) -> Any: ...
+
+class Diagnosis(_Result):
+    kind: str
+    verdict: str
+    sentence: str
+    effects: list[_Fields]
+    fit: _Fields
+    findings: list[str]
+    next_experiment: str
+    @property
+    def repaired(self) -> Union[str, None]: ...
+
+def study(
+    study: Union[dict[str, Any], _Path, None] = None,
+    *,
+    members: Union[int, None] = None,
+    seed: Union[int, None] = None,
+    preset: Union[str, None] = None,
+    set: Union[dict[str, Any], None] = None,
+    backend: str = "auto",
+) -> Study: ...
+def allan(
+    recording: Union[ArrayLike, Mapping[str, ArrayLike], _Path, Any],
+    rate_hz: Union[float, None] = None,
+    *,
+    columns: _Names = (),
+    time: Union[str, None] = None,
+    gyro: _Names = (),
+    gyro_scale: str = "rad/s",
+    accelerometer: _Names = (),
+    accelerometer_scale: str = "m/s2",
+    from_s: Union[float, None] = None,
+    to_s: Union[float, None] = None,
+    topic: Union[str, None] = None,
+) -> Allan: ...
+def diagnose(
+    recording: Any,
+    model: Union[dict[str, Any], _Path],
+    *,
+    test: Any = (),
+    from_s: Union[float, None] = None,
+    to_s: Union[float, None] = None,
+    topic: Union[str, None] = None,
+) -> Diagnosis: ...
+def main() -> None: ...

@@ -1,0 +1,121 @@
+"""What a computation gives: its document as attributes, its page for a notebook, its tables for pandas."""
+
+from __future__ import annotations
+
+import html
+import json
+from pathlib import Path
+from typing import Any
+
+from ._fields import Fields
+
+
+def _pandas() -> Any:
+    try:
+        import pandas  # type: ignore[import-untyped, unused-ignore]
+    except ImportError as error:
+        from ._error import Error
+
+        raise Error("could not make a DataFrame", "pandas is not installed", "pip install pandas") from error
+    return pandas
+
+
+class Result(Fields):
+    """The JSON document that the command prints with ``--json``: every key is an attribute and an item.
+
+    Lists of numbers are read-only NumPy arrays. ``document`` is the plain ``dict``, ``page`` the report as HTML.
+    """
+
+    def __init__(self, answer: Any):
+        self._answer = answer
+        super().__init__(json.loads(answer.json))
+
+    @property
+    def document(self) -> dict:
+        """The document itself, as plain Python objects."""
+        return self._values
+
+    @property
+    def page(self) -> str:
+        """The report: one self-contained HTML page."""
+        return self._answer.page()
+
+    def save(self, path: Any) -> None:
+        """Writes the page; a file of that name is replaced."""
+        Path(path).write_text(self.page, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        style = "width:100%;height:40em;border:1px solid #8884"
+        return f'<iframe sandbox="allow-scripts" srcdoc="{html.escape(self.page)}" style="{style}"></iframe>'
+
+
+class Study(Result):
+    """How far the sensors of a study drift; every array runs along ``time_s``."""
+
+    def to_dataframe(self) -> Any:
+        """One row per report time: ``position_error_m.sd`` and so on, with the closed forms beside them."""
+        columns: dict = {}
+
+        def gather(name: str, value: Any) -> None:
+            if isinstance(value, dict):
+                for key, inner in value.items():
+                    gather(f"{name}.{key}" if name else key, inner)
+            elif isinstance(value, list) and len(value) == len(self._values["time_s"]):
+                if all(isinstance(item, (int, float)) for item in value):
+                    columns[name] = value
+
+        gather("", {key: value for key, value in self._values.items() if key != "time_s"})
+        index = _pandas().Index(self._values["time_s"], name="time_s")
+        return _pandas().DataFrame(columns, index=index)
+
+
+class Allan(Result):
+    """The noise of a sensor at rest, channel by channel: ``allan.channels[0].curve.tau_s``."""
+
+    def channel(self, name: Any) -> Fields:
+        """The channel of this name (columns without names are called 1, 2, …)."""
+        names = [channel["name"] for channel in self._values["channels"]]
+        if str(name) not in names:
+            raise KeyError(f"`{name}` is no channel; there are {', '.join(names)}")
+        return self.channels[names.index(str(name))]
+
+    def to_dataframe(self) -> Any:
+        """One row per channel and averaging time: the Allan deviation with its 95 % interval."""
+        rows = [
+            (channel["name"], point["tau_s"], point["deviation"], *point["ci95"], point["degrees_of_freedom"])
+            for channel in self._values["channels"]
+            for point in channel["curve"]
+        ]
+        names = ["channel", "tau_s", "deviation", "ci95_low", "ci95_high", "degrees_of_freedom"]
+        return _pandas().DataFrame(rows, columns=names)
+
+    def coefficients(self) -> Any:
+        """A DataFrame with one row per channel and noise term; ``supported`` says whether the data show the term."""
+        rows = [
+            (channel["name"], term["symbol"], term["name"], term["value"], *term["ci95"], term["unit"], term["supported"])
+            for channel in self._values["channels"]
+            for term in channel["terms"]
+            if term
+        ]
+        names = ["channel", "symbol", "name", "value", "ci95_low", "ci95_high", "unit", "supported"]
+        return _pandas().DataFrame(rows, columns=names)
+
+
+class Diagnosis(Result):
+    """What physics a model of a recording leaves out: the verdict, ``verdict.json`` of the command."""
+
+    @property
+    def repaired(self) -> str | None:
+        """The sensor with the named physics as a study.toml; ``None`` where there is none that a study could run."""
+        return self._answer.repaired
+
+    def to_dataframe(self) -> Any:
+        """One row per named effect and parameter."""
+        rows = [
+            (effect["id"], ", ".join(effect["channels"]), parameter["name"], parameter["value"], *parameter["ci95"],
+             parameter["unit"], effect["evidence"]["held_out_gain"], effect["evidence"]["p_value"])
+            for effect in self._values["effects"]
+            for parameter in effect["parameters"]
+        ]
+        names = ["effect", "channels", "parameter", "value", "ci95_low", "ci95_high", "unit", "held_out_gain", "p_value"]
+        return _pandas().DataFrame(rows, columns=names)
