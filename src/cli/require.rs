@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::say::{say, sayln};
 use crate::decision::document::{Document, Found};
-use crate::decision::parts::{self, Catalogue};
+use crate::decision::parts::{self, Asked, Catalogue};
 use crate::decision::require::{self, Question};
 use crate::decision::statistic::Limit;
 use crate::document::to_json;
@@ -50,6 +50,9 @@ pub struct Arguments {
     /// Half-width of the value's 95 % interval at which the search stops, over the value
     #[arg(long, value_name = "FRACTION", default_value_t = 0.01)]
     pub tolerance: f64,
+    /// Most members of one value or part, instead of some minutes' work
+    #[arg(long, value_name = "N")]
+    pub members: Option<u64>,
     /// Seed, instead of the study's own
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -101,12 +104,14 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             ));
         }
     }
-    let question = Question { limit: limit.clone(), vary: arguments.vary.clone(), tolerance: *tolerance };
+    let (vary, most) = (arguments.vary.clone(), arguments.members);
+    let question = Question { limit: limit.clone(), vary, tolerance: *tolerance, most };
     let answer = match question.vary.is_empty() {
         true => None,
         false => Some(require::answer(&source, &question, &control)?),
     };
-    let judged = catalogue.map(|parts| parts::judge(&source, limit, &parts, &control)).transpose()?;
+    let judged =
+        catalogue.map(|parts| parts::judge(&source, &Asked { limit, parts: &parts, most }, &control)).transpose()?;
     let found = Found { answer, parts: judged };
     if json {
         sayln!("{}", to_json(&Document::of(&study, limit, &found))?)?;

@@ -79,16 +79,27 @@ impl Catalogue {
     }
 }
 
+/// What is asked of a catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// What must hold.
+    pub limit: &'a Limit,
+    /// The parts.
+    pub parts: &'a Catalogue,
+    /// Most members of one part, where not the usual.
+    pub most: Option<u64>,
+}
+
 /// Judges every part; those that meet the requirement come first, the cheapest of them before all, and the others by how far
 /// they miss it. Also the members that it took.
 ///
 /// # Errors
 /// A part that cannot be simulated, a time outside the run; stopped.
-pub fn judge(source: &Source, limit: &Limit, parts: &Catalogue, control: &Control) -> Result<(Vec<Judged>, u64)> {
+pub fn judge(source: &Source, asked: &Asked<'_>, control: &Control) -> Result<(Vec<Judged>, u64)> {
     let mut work = Work::new(control, "judging parts");
     let mut judged: Vec<Judged> = Vec::new();
-    for part in &parts.part {
-        judged.push(judge_one(source, limit, part, &mut work)?);
+    for part in &asked.parts.part {
+        judged.push(judge_one(source, asked, part, &mut work)?);
     }
     judged.sort_by(|a, b| {
         let price = |part: &Judged| part.price.unwrap_or(f64::INFINITY);
@@ -98,12 +109,13 @@ pub fn judge(source: &Source, limit: &Limit, parts: &Catalogue, control: &Contro
     Ok((judged, work.members()))
 }
 
-fn judge_one(source: &Source, limit: &Limit, part: &Part, work: &mut Work<'_>) -> Result<Judged> {
+fn judge_one(source: &Source, asked: &Asked<'_>, part: &Part, work: &mut Work<'_>) -> Result<Judged> {
+    let limit = asked.limit;
     let sensor = Sensor { accelerometer: part.accelerometer.clone(), gyro: part.gyro.clone() };
     let study = source.with_sensor(&part.name, &sensor)?;
     let place = Place::of(limit, &study)?;
     let mut values = Vec::new();
-    let (mut members, most) = (4 * FIRST, place.most_members(&study));
+    let (mut members, most) = (4 * FIRST, place.most_members(&study, asked.most));
     loop {
         let more = work.values(&study, place, values.len() as u64..members)?;
         values.extend(more);

@@ -37,6 +37,8 @@ pub struct Question {
     pub vary: Vec<String>,
     /// Wanted half-width of the interval over the value.
     pub tolerance: f64,
+    /// Most members of one value, where not the usual.
+    pub most: Option<u64>,
 }
 
 /// One key in the answer.
@@ -124,7 +126,7 @@ pub fn answer(source: &Source, question: &Question, control: &Control) -> Result
     // A misspelt key is refused here, and a value that cannot be further on ends the range.
     let study = family.study(1.0)?;
     let place = Place::of(&question.limit, &study)?;
-    let (work, most) = (Work::new(control, "searching"), place.most_members(&study));
+    let (work, most) = (Work::new(control, "searching"), place.most_members(&study, question.most));
     let mut search = Search { family: &family, question, place, work, most, tried: Vec::new() };
     let mut members = FIRST;
     let found = loop {
@@ -202,10 +204,10 @@ impl Between<'_> {
         let ends = if sign < 0.0 { [-high, -low] } else { [low, high] };
         let family = Family { source: self.source, fixed: self.fixed, keys: vec![(self.key.to_owned(), sign)] };
         let vary = vec![self.key.to_owned()];
-        let question = Question { limit: self.limit.clone(), vary, tolerance: TOLERANCE };
+        let question = Question { limit: self.limit.clone(), vary, tolerance: TOLERANCE, most: None };
         let study = family.study(ends[1])?;
         let place = Place::of(self.limit, &study)?;
-        let (work, most) = (Work::new(control, "looking for the crossing"), place.most_members(&study));
+        let (work, most) = (Work::new(control, "looking for the crossing"), place.most_members(&study, None));
         let mut search = Search { family: &family, question: &question, place, work, most, tried: Vec::new() };
         let met_below = below == (sign > 0.0);
         let settled = search.settle(ends[0], ends[1], met_below)?;
@@ -314,7 +316,7 @@ impl Search<'_> {
     /// the smaller, or else the larger one, meets the limit. The larger one is positive.
     fn settle(&mut self, mut low: f64, mut high: f64, met_below: bool) -> Result<Settled> {
         let mut steps = 0;
-        while !(low > 0.0 && high / low < NEAR) && steps < BISECTIONS {
+        while (low <= 0.0 || high / low >= NEAR) && steps < BISECTIONS {
             // A ratio where there is one; zero and less are left by halves.
             let middle = if low > 0.0 { (low * high).sqrt() } else { 0.5 * (low + high) };
             let point = self.look(middle, FIRST)?;

@@ -38,8 +38,11 @@ impl Place {
         Ok(Self { quantity: limit.quantity, samples: Self::at(limit.time_s, study)? })
     }
 
-    /// Most members of a study that is integrated up to here.
-    pub fn most_members(self, study: &Study) -> u64 {
+    /// Most members of a study that is integrated up to here: those asked for, else some minutes' work.
+    pub fn most_members(self, study: &Study, asked: Option<u64>) -> u64 {
+        if let Some(most) = asked {
+            return most.clamp(4 * FIRST, u64::from(u32::MAX)).next_multiple_of(256);
+        }
         let steps = self.samples.saturating_mul(u64::from(study.clock.steps_per_sample));
         let [fewest, most] = MOST_MEMBERS;
         (MOST_STEPS / steps.max(1)).clamp(fewest, most).next_multiple_of(256)

@@ -62,7 +62,7 @@ fn bias() -> Result<(), Failed> {
     // p95 = 1.645 sd ½ t²: 1 m after 10 s is 12.16 mm/s², 1.240 mg.
     let expected = 1.0 / (P95 * 50.0) / (1e-3 * G);
     let limit: Limit = "p95(position_error_m, 10) < 1".parse()?;
-    let question = Question { limit, vary: vec!["accelerometer.bias_mg.sd".into()], tolerance: 0.03 };
+    let question = Question { limit, vary: vec!["accelerometer.bias_mg.sd".into()], tolerance: 0.03, most: None };
     let (mut hits, mut wrong, seeds) = (0, 0, 60);
     for seed in 1..=seeds {
         let overrides = Overrides { seed: Some(seed), ..Overrides::default() };
@@ -93,7 +93,10 @@ fn beside_noise() -> Result<(), Failed> {
     near("value", value, expected, 2.0 * 0.5 * (high - low))?;
     check(0.5 * (high - low) <= 0.01 * value && low < value && value < high, format!("{low} {value} {high}"))?;
     check(document["schema"] == "proofmass.require/1" && document["meets"] == true, document.to_string())?;
-    check(document["members"].as_u64().is_some_and(|m| m > 50_000), document["members"].to_string())
+    check(document["members"].as_u64().is_some_and(|m| m > 50_000), document["members"].to_string())?;
+    let few = json(program().args(ask).args(["--members", "4096"]))?;
+    check(document["settled"] == true && few["settled"] == false, "4096 members are said to settle it")?;
+    check(few["members"].as_u64() < document["members"].as_u64(), few["members"].to_string())
 }
 
 fn never() -> Result<(), Failed> {

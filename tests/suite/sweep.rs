@@ -1,7 +1,8 @@
 //! A sweep follows the closed form from value to value, and crosses its limit where theory does.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
@@ -10,7 +11,7 @@ use super::world::{check, near, program, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
-    vec![
+    let mut all = vec![
         test(
             "sweep: along a bias, the spread is that of ½bt² at every value, and the limit is crossed where theory has it",
             curve,
@@ -18,7 +19,10 @@ pub fn tests() -> Vec<Trial> {
         test("sweep: [sweep] in study.toml is the same sweep, bit for bit", section),
         test("sweep: over two keys there is a map, with the crossing of each row", map),
         test("sweep: what cannot be swept is refused in words", refused),
-    ]
+    ];
+    #[cfg(unix)]
+    all.push(test("sweep: stopped and resumed, the same bits", resumed));
+    all
 }
 
 /// g, m/s².
@@ -133,4 +137,39 @@ fn refused() -> Result<(), Failed> {
         check(!out.exists(), format!("{arguments:?} left a folder behind"))?;
     }
     Ok(())
+}
+
+/// Stopped once the first point is kept.
+#[cfg(unix)]
+fn resumed() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("study.toml");
+    std::fs::write(&path, format!("{}[gyro]\nbias_instability_deg_h = 5.0\n", STUDY.replace("0.1", "0.01")))?;
+    let ask = |out: &Path| {
+        let mut command = program();
+        command.arg("study").arg(&path).args(["--members", "8192", "--backend", "cpu", "--json", "--out"]).arg(out);
+        command.args(["--sweep", "accelerometer.bias_mg.sd=0.5:8:log8"]).env("PROOFMASS_STATE_INTERVAL_S", "0.01");
+        command
+    };
+    let whole = ask(&folder.path().join("whole")).output()?;
+    check(whole.status.success(), String::from_utf8_lossy(&whole.stderr).into_owned())?;
+    let out = folder.path().join("stopped");
+    for _ in 0..5 {
+        let mut child = ask(&out).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        while !out.join("interrupted-2.json").exists() && child.try_wait()?.is_none() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status()?;
+        let stopped = child.wait_with_output()?;
+        // Done before it was stopped: again.
+        if stopped.status.success() {
+            continue;
+        }
+        check(stopped.status.code() == Some(130), format!("{:?}", stopped.status))?;
+        let resumed = ask(&out).arg("--resume").output()?;
+        check(resumed.status.success(), String::from_utf8_lossy(&resumed.stderr).into_owned())?;
+        check(resumed.stdout == whole.stdout, "resumed and uninterrupted answers differ")?;
+        return check(!out.join("interrupted-1.json").exists(), "a state file was left behind");
+    }
+    Err("no sweep was long enough to be stopped".into())
 }
