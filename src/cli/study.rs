@@ -64,7 +64,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", conflicts_with_all = ["members", "sweep"],
           value_parser = clap::value_parser!(u32).range(1..=4))]
     pub digits: Option<u32>,
-    /// With --sweep: where this requirement is just kept, e.g. 'p95(position_error_m, 60) < 10'
+    /// With --sweep: where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Option<Limit>,
     /// Where to write report.html and the figures [default: reports/NAME]
