@@ -1,10 +1,11 @@
 //! Motion in six axes: where trajectories come from, the Earth under them, and what a navigator makes of readings.
 //!
 //! `earth`: gravity and rates of the local level · `sources`: the kinds of `[trajectory]`, each a list of poses · `spline`:
-//! the continuous motion through them · `trajectory`: that motion over the Earth, sampled as `truth` · `mechanisation`: the
+//! the continuous motion through them · `file`: poses out of files, and what is wrong with them · `trajectory`: that motion over the Earth, sampled as `truth` · `mechanisation`: the
 //! strapdown navigator in f64, and its own error. Local level is north-east-down. Not for errors of sensors.
 
 pub mod earth;
+pub mod file;
 pub mod mechanisation;
 pub mod pose;
 pub mod sources;
@@ -13,6 +14,7 @@ pub mod trajectory;
 pub mod truth;
 
 pub use earth::{Earth, Place};
+pub use file::finding::Finding;
 pub use mechanisation::Integrator;
 pub use sources::Section;
 pub use trajectory::{Sampling, Trajectory};

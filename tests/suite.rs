@@ -31,6 +31,7 @@ mod suite {
     pub mod laws;
     pub mod limits;
     pub mod mistakes;
+    pub mod motion;
     pub mod near_laws;
     pub mod noise_law;
     pub mod outputs;
@@ -83,6 +84,8 @@ fn main() {
         suite::mistakes::tests(),
         // law: random numbers and error growth follow their laws, and the controls fail.
         suite::law::tests(),
+        // motion: trajectories from files, and what is wrong with them.
+        suite::motion::tests(),
         // convergence: integrators have their order, f32 stays below the noise.
         suite::convergence::tests(),
         // parity: CPU and GPU agree.

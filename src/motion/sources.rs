@@ -8,6 +8,7 @@ pub mod car;
 pub mod circle;
 pub mod drone;
 pub mod figure_eight;
+pub mod file;
 pub mod ramp;
 pub mod rest;
 pub mod section;
@@ -24,7 +25,8 @@ use crate::error::Result;
 use source::{POSES, fail};
 
 /// Every kind.
-pub const KINDS: [Kind; 6] = [Kind::Rest, Kind::Circle, Kind::FigureEight, Kind::Waypoints, Kind::Car, Kind::Drone];
+pub const KINDS: [Kind; 7] =
+    [Kind::Rest, Kind::Circle, Kind::FigureEight, Kind::Waypoints, Kind::Car, Kind::Drone, Kind::File];
 
 /// What a kind declares.
 pub fn source(kind: Kind) -> &'static Source {
@@ -35,13 +37,14 @@ pub fn source(kind: Kind) -> &'static Source {
         Kind::Waypoints => &waypoints::SOURCE,
         Kind::Car => &car::SOURCE,
         Kind::Drone => &drone::SOURCE,
+        Kind::File => &file::SOURCE,
     }
 }
 
 /// The motion that a section describes, for at least so many seconds.
 ///
 /// # Errors
-/// A key of another kind, or a value that makes no sense.
+/// A key of another kind, a value that makes no sense, a file of poses that cannot be used.
 pub fn trajectory(section: &Section, duration_s: f64) -> Result<Trajectory> {
     let own = source(section.kind);
     if let Some(foreign) = section.given().into_iter().find(|key| !own.keys.contains(key)) {
@@ -52,14 +55,15 @@ pub fn trajectory(section: &Section, duration_s: f64) -> Result<Trajectory> {
             format!("keys of this kind: {}", own.keys.join(", ")),
         ));
     }
-    let poses = (own.poses)(section, duration_s)?;
+    let Some(computed) = own.poses else { return file::trajectory(section, duration_s) };
+    let poses = computed(section, duration_s)?;
     let last = poses.last().map_or(0.0, |pose| pose.time_s);
     let knot_s = if poses.len() > 2 { POSES.0 * POSES.1 } else { last };
     let spline = fit(&poses, Knots::over(0.0, last, knot_s)).ok_or_else(|| {
         fail("its poses are too far apart to make a motion of", "are the radius, the speed and the times sensible?")
     })?;
     let departure = Departure::of(&spline, &poses);
-    Ok(Trajectory::new(spline, departure))
+    Ok(Trajectory::new(spline, departure, Vec::new()))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 
 use super::earth::{Earth, Place};
+use super::file::finding::Finding;
 use super::spline::{Departure, Motion, Spline};
 use super::truth::{Sample, Truth};
 use crate::error::{Error, Result};
@@ -19,6 +20,8 @@ pub struct Trajectory {
     pub departure: Departure,
     /// How long it lasts, s.
     pub duration_s: f64,
+    /// What was found about the file that it comes from.
+    pub findings: Vec<Finding>,
 }
 
 /// How a motion is sampled.
@@ -36,10 +39,10 @@ pub struct Sampling {
 const ROUNDING: f64 = 1e-6;
 
 impl Trajectory {
-    /// The motion of a spline that begins at zero.
-    pub fn new(spline: Spline, departure: Departure) -> Self {
+    /// The motion of a spline from zero on.
+    pub fn new(spline: Spline, departure: Departure, findings: Vec<Finding>) -> Self {
         let duration_s = spline.end_s();
-        Self { spline, departure, duration_s }
+        Self { spline, departure, duration_s, findings }
     }
 
     /// From one knot of its spline to the next, s.

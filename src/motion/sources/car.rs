@@ -15,7 +15,7 @@ use crate::units::DEGREE;
 use rand::Rng as _;
 
 /// The kind.
-pub const SOURCE: Source = Source { name: "car", keys: &["speed_m_s", "still_s", "seed"], poses };
+pub const SOURCE: Source = Source { name: "car", keys: &["speed_m_s", "still_s", "seed"], poses: Some(poses) };
 
 /// Mean acceleration and braking, m/s², and sideways acceleration in turns, m/s².
 const ACCELERATION_M_S2: f64 = 1.5;

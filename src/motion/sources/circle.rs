@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::motion::pose::Pose;
 
 /// The kind.
-pub const SOURCE: Source = Source { name: "circle", keys: &["radius_m", "speed_m_s", "still_s"], poses };
+pub const SOURCE: Source = Source { name: "circle", keys: &["radius_m", "speed_m_s", "still_s"], poses: Some(poses) };
 
 fn poses(section: &Section, duration_s: f64) -> Result<Vec<Pose>> {
     let radius = positive("radius_m", section.radius_m, 50.0)?;

@@ -15,7 +15,8 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 use rand::Rng as _;
 
 /// The kind.
-pub const SOURCE: Source = Source { name: "drone", keys: &["speed_m_s", "extent_m", "still_s", "seed"], poses };
+pub const SOURCE: Source =
+    Source { name: "drone", keys: &["speed_m_s", "extent_m", "still_s", "seed"], poses: Some(poses) };
 
 /// Waves per axis, and how long the motion takes to come up, s.
 const WAVES: usize = 6;

@@ -10,7 +10,8 @@ use crate::error::Result;
 use crate::motion::pose::Pose;
 
 /// The kind.
-pub const SOURCE: Source = Source { name: "figure-eight", keys: &["radius_m", "speed_m_s", "still_s"], poses };
+pub const SOURCE: Source =
+    Source { name: "figure-eight", keys: &["radius_m", "speed_m_s", "still_s"], poses: Some(poses) };
 
 /// North r sin q, east r/2 sin 2q: from the crossing north-eastward.
 struct Lemniscate {

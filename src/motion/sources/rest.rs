@@ -9,7 +9,7 @@ use crate::motion::pose::Pose;
 use crate::units::DEGREE;
 
 /// The kind.
-pub const SOURCE: Source = Source { name: "rest", keys: &["heading_deg"], poses };
+pub const SOURCE: Source = Source { name: "rest", keys: &["heading_deg"], poses: Some(poses) };
 
 /// Two poses hold it.
 fn poses(section: &Section, duration_s: f64) -> Result<Vec<Pose>> {

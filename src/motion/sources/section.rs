@@ -1,6 +1,10 @@
 //! `[trajectory]` as it is written.
 
+use std::path::{Path, PathBuf};
+
 use serde::Deserialize;
+
+use crate::motion::file::format::{Format, Order, Up};
 
 /// The kinds, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -18,6 +22,8 @@ pub enum Kind {
     Car,
     /// A random flight.
     Drone,
+    /// Recorded poses.
+    File,
 }
 
 /// The section as it is written.
@@ -42,9 +48,29 @@ pub struct Section {
     pub extent_m: Option<f64>,
     /// Of a drive or a flight drawn at random.
     pub seed: Option<u64>,
+    /// Recorded poses, relative to the study.
+    pub file: Option<PathBuf>,
+    /// What the file is; recognised where it is not given.
+    pub format: Option<Format>,
+    /// Where in the file to begin, s after its first pose.
+    pub from_s: Option<f64>,
+    /// The file of times beside one of poses.
+    pub times: Option<PathBuf>,
+    /// The axis of the file's reference that points up.
+    pub up: Option<Up>,
+    /// The order of the file's quaternions, to insist on it.
+    pub quaternion: Option<Order>,
 }
 
 impl Section {
+    /// The same, with its files found from the folder of the study that names them.
+    pub fn in_folder(mut self, folder: &Path) -> Self {
+        for file in [&mut self.file, &mut self.times].into_iter().flatten() {
+            *file = folder.join(&*file);
+        }
+        self
+    }
+
     /// The keys that were given, but `kind`.
     pub fn given(&self) -> Vec<&'static str> {
         let keys = [
@@ -56,6 +82,12 @@ impl Section {
             ("acceleration_m_s2", self.acceleration_m_s2.is_some()),
             ("extent_m", self.extent_m.is_some()),
             ("seed", self.seed.is_some()),
+            ("file", self.file.is_some()),
+            ("format", self.format.is_some()),
+            ("from_s", self.from_s.is_some()),
+            ("times", self.times.is_some()),
+            ("up", self.up.is_some()),
+            ("quaternion", self.quaternion.is_some()),
         ];
         keys.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect()
     }

@@ -11,8 +11,8 @@ pub struct Source {
     pub name: &'static str,
     /// The keys that it takes.
     pub keys: &'static [&'static str],
-    /// Its poses over so many seconds.
-    pub poses: fn(&Section, f64) -> Result<Vec<Pose>>,
+    /// Its poses over so many seconds; none: they come from a file.
+    pub poses: Option<fn(&Section, f64) -> Result<Vec<Pose>>>,
 }
 
 /// Between poses of a computed motion, s, and poses to a knot of its spline.

@@ -14,7 +14,7 @@ use crate::numerics::banded::Banded;
 
 /// The kind.
 pub const SOURCE: Source =
-    Source { name: "waypoints", keys: &["points_m", "speed_m_s", "acceleration_m_s2", "still_s"], poses };
+    Source { name: "waypoints", keys: &["points_m", "speed_m_s", "acceleration_m_s2", "still_s"], poses: Some(poses) };
 
 /// A cubic spline through points.
 struct Cubic {

@@ -1,0 +1,133 @@
+//! Poses from files: EuRoC, TUM, KITTI, and tables with headings, in any format that recordings have.
+//!
+//! `format` → `layout` → `read` → `rotation`: which columns say what, and what the rows say; then `hand` and `judge` tell what
+//! is wrong with them. Body axes stay the file's. Not for readings of sensors (`recording`).
+
+pub mod finding;
+pub mod format;
+mod hand;
+mod judge;
+mod layout;
+mod read;
+mod refusal;
+mod rotation;
+
+use std::path::Path;
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::pose::Pose;
+use crate::error::{Error, Result};
+use crate::recording::formats;
+use finding::Finding;
+use format::{Format, Order, Up};
+use layout::{Axes, Layout, Rotation};
+use read::Stretch;
+use refusal::Refusal;
+
+/// What is wanted of a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// What the user says it is.
+    pub format: Option<Format>,
+    /// The file of times that belongs to it.
+    pub times: Option<&'a Path>,
+    /// The axis that points up; none: what the format has.
+    pub up: Option<Up>,
+    /// The order of quaternions, which is then not questioned.
+    pub quaternion: Option<Order>,
+    /// Where to begin, s after its first pose.
+    pub from_s: f64,
+    /// How long, s.
+    pub duration_s: f64,
+}
+
+/// Poses of a file in north, east and down; time counts from where the user begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Poses {
+    /// In order of time.
+    pub poses: Vec<Pose>,
+    /// What was found and survived.
+    pub findings: Vec<Finding>,
+}
+
+/// Poses are read this long beyond the end, s, so that the spline does not end there.
+const BEYOND_S: f64 = 1.0;
+
+/// Reads them.
+///
+/// # Errors
+/// A file that cannot be read, columns that are not there, and poses that cannot be one motion: which, where, what to do.
+pub fn read(request: &Request<'_>) -> Result<Poses> {
+    let path = request.path;
+    let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
+    let opened = formats::open(path, None)?;
+    let mut layout = Layout::of(opened.headings(), request.format).map_err(fail)?;
+    drop(opened);
+    let said = layout.insist(request.quaternion);
+    let stretch = Stretch { from_s: request.from_s - BEYOND_S, to_s: request.from_s + request.duration_s + BEYOND_S };
+    let (rows, mut findings) = read::rows(path, &layout, request.times, stretch)?;
+    let scalar_first = said.map(|order| order == Order::ScalarFirst);
+    findings.insert(0, Finding::Recognised { format: layout.format, scalar_first });
+    let numbers: Vec<Vec<f64>> = rows.iter().map(|row| row.attitude.clone()).collect();
+    let attitudes = rotation::attitudes(layout.rotation, &numbers).map_err(fail)?;
+    let (mut poses, mut places, mut lost) = (Vec::new(), Vec::new(), Vec::new());
+    for (row, attitude) in rows.iter().zip(attitudes) {
+        match attitude {
+            Some(attitude) => {
+                poses.push(Pose { time_s: row.time_s - request.from_s, position_m: row.position_m, attitude });
+                places.push(row.row);
+            }
+            None => lost.push(row.row),
+        }
+    }
+    findings.extend(lost.first().map(|first_row| Finding::Dropped { rows: lost.len(), first_row: *first_row }));
+    findings.extend(judge::judge(&poses, &places).map_err(fail)?);
+    let to_level = to_level(&layout, request.up, &mut findings);
+    if let (Some(order), None) = (said, request.quaternion) {
+        let up = to_level.transpose() * -Vector3::z();
+        hand::check(&poses, order, up).map_err(fail)?;
+    }
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(to_level));
+    for pose in &mut poses {
+        pose.position_m = to_level * pose.position_m;
+        pose.attitude = turn * pose.attitude;
+    }
+    Ok(Poses { poses, findings })
+}
+
+/// From the file's reference to north, east and down, and what is to be said of it.
+fn to_level(layout: &Layout, up: Option<Up>, findings: &mut Vec<Finding>) -> Matrix3<f64> {
+    match (layout.axes, up) {
+        (Axes::NorthEastDown, None) => {
+            findings.push(Finding::NamedAxes);
+            Matrix3::identity()
+        }
+        (Axes::EastNorthUp, None) => {
+            findings.push(Finding::NamedAxes);
+            Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0)
+        }
+        (_, up) => {
+            let up = up.unwrap_or(if layout.format == Format::Kitti { Up::MinusY } else { Up::Z });
+            findings.push(Finding::Turned { up });
+            up.to_level()
+        }
+    }
+}
+
+impl Layout {
+    /// Takes the user's order of quaternions for the file's; the order that holds, where there are quaternions.
+    fn insist(&mut self, order: Option<Order>) -> Option<Order> {
+        let Rotation::Quaternion(found) = self.rotation else { return None };
+        let Some(order) = order.filter(|order| *order != found) else { return Some(found) };
+        // The numbers stand in the file where they are; their meaning moves by one place.
+        match order {
+            Order::ScalarFirst => self.columns[3..].rotate_left(1),
+            Order::ScalarLast => self.columns[3..].rotate_right(1),
+        }
+        self.rotation = Rotation::Quaternion(order);
+        Some(order)
+    }
+}

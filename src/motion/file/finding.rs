@@ -1,0 +1,145 @@
+//! What was found about the poses of a file and survived: typed; the sentence stands beside it.
+
+use std::fmt;
+
+use super::format::{Format, Up};
+use crate::number::rounded;
+
+/// One thing that a person should know. Rows are counted from zero after the header.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Finding {
+    /// Which file this is.
+    Recognised {
+        /// Its format.
+        format: Format,
+        /// Whether the scalar of its quaternions comes first; none: it has none.
+        scalar_first: Option<bool>,
+    },
+    /// How its axes became north, east and down.
+    Turned {
+        /// The axis that points up in the file.
+        up: Up,
+    },
+    /// Its axes are called north, east and down, or east, north and up.
+    NamedAxes,
+    /// Rows without a pose were left out.
+    Dropped {
+        /// How many.
+        rows: usize,
+        /// The first.
+        first_row: usize,
+    },
+    /// Rows that repeat the stamp before were left out.
+    Repeated {
+        /// How many.
+        rows: usize,
+        /// The first.
+        first_row: usize,
+    },
+    /// Poses are missing, and the motion was carried on through the hole.
+    Bridged {
+        /// How often.
+        holes: usize,
+        /// The longest, s.
+        longest_s: f64,
+    },
+    /// Poses come so rarely that little of the motion is in them.
+    Slow {
+        /// Poses per second.
+        rate_hz: f64,
+    },
+    /// The poses jump as no body does.
+    Jumps {
+        /// How often.
+        jumps: usize,
+        /// The widest.
+        largest: Leap,
+        /// The row before it.
+        first_row: usize,
+        /// Its time in the study, s.
+        at_s: f64,
+    },
+    /// How the file's poses were smoothed.
+    Knots {
+        /// From one knot of the spline to the next, s.
+        knot_s: f64,
+        /// Root mean square of the departure, m.
+        rms_m: f64,
+        /// Largest departure, m.
+        largest_m: f64,
+        /// Root mean square of the departure, rad.
+        rms_rad: f64,
+        /// Largest departure, rad.
+        largest_rad: f64,
+    },
+}
+
+/// How far poses jump.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Leap {
+    /// In position, m.
+    Metres(f64),
+    /// In attitude, rad.
+    Radians(f64),
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Recognised { format, scalar_first } => {
+                write!(f, "the trajectory is read as a {} file", format.name())?;
+                match scalar_first {
+                    Some(true) => write!(f, "; its quaternions have the scalar first"),
+                    Some(false) => write!(f, "; its quaternions have the scalar last"),
+                    None => Ok(()),
+                }
+            }
+            Self::Turned { up } => write!(
+                f,
+                "the trajectory's reference has {} up: {} here (trajectory.up = \"{}\")",
+                up.axis(),
+                up.in_words(),
+                up.name()
+            ),
+            Self::NamedAxes => write!(f, "the trajectory's columns name their axes, north and east, themselves"),
+            Self::Dropped { rows, first_row } => {
+                write!(f, "{rows} rows of the trajectory hold no pose and were left out, the first is row {first_row}")
+            }
+            Self::Repeated { rows, first_row } => {
+                write!(f, "{rows} rows repeat the stamp before them and were left out, the first is row {first_row}")
+            }
+            Self::Bridged { holes, longest_s } => write!(
+                f,
+                "poses are missing in {holes} places, up to {} s long: the motion there is the spline's guess",
+                rounded(longest_s, 3)
+            ),
+            Self::Slow { rate_hz } => write!(
+                f,
+                "the poses come at {} Hz: motion faster than {} Hz is not in them, nor in what the sensors read",
+                rounded(rate_hz, 3),
+                rounded(0.5 * rate_hz, 3)
+            ),
+            Self::Jumps { jumps, largest, first_row, at_s } => {
+                match largest {
+                    Leap::Metres(metres) => write!(f, "position jumps by {} m", rounded(metres, 3))?,
+                    Leap::Radians(angle) => write!(f, "attitude jumps by {}°", rounded(angle.to_degrees(), 3))?,
+                }
+                write!(f, " behind row {first_row} (at {} s of the study)", rounded(at_s, 4))?;
+                if jumps > 1 {
+                    write!(f, ", the widest of {jumps} jumps")?;
+                }
+                Ok(())
+            }
+            Self::Knots { knot_s, rms_m, largest_m, rms_rad, largest_rad } => write!(
+                f,
+                "a spline with a knot every {} s follows the poses within {} mm and {} mrad (rms), {} mm and {} mrad \
+                 at most",
+                rounded(knot_s, 3),
+                rounded(rms_m * 1e3, 3),
+                rounded(rms_rad * 1e3, 3),
+                rounded(largest_m * 1e3, 3),
+                rounded(largest_rad * 1e3, 3)
+            ),
+        }
+    }
+}

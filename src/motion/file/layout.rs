@@ -1,0 +1,164 @@
+//! Which columns of a file hold the pose, by their headings.
+
+use super::format::{Format, Order};
+use super::refusal::{Refusal, refusal};
+use crate::recording::headings::Headings;
+use crate::recording::time_unit::TimeUnit;
+use crate::units::DEGREE;
+
+/// How a row says its attitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rotation {
+    /// Four numbers, given here with the scalar first; and where it stands in the file.
+    Quaternion(Order),
+    /// Roll, pitch and yaw; what one unit is in rad, where the headings say it.
+    Euler(Option<f64>),
+    /// A matrix, row by row.
+    Matrix,
+}
+
+/// The axes of the positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axes {
+    /// x, y, z.
+    Xyz,
+    /// North, east, down.
+    NorthEastDown,
+    /// East, north, up.
+    EastNorthUp,
+}
+
+/// Where everything stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// What the file is.
+    pub format: Format,
+    /// Heading of the stamps, and their unit where it is known.
+    pub time: Option<(String, Option<TimeUnit>)>,
+    /// Headings of the numbers wanted: position, then attitude.
+    pub columns: Vec<String>,
+    /// How they say attitude.
+    pub rotation: Rotation,
+    /// The axes of position.
+    pub axes: Axes,
+}
+
+const NUMBERED: &str = "columns without headings are read as TUM (8 numbers) or KITTI (12 numbers); give the file a header, \
+                        e.g. t_s,x,y,z,qw,qx,qy,qz";
+
+impl Layout {
+    /// Of a file with these headings; `insisted` is what the user says it is.
+    ///
+    /// # Errors
+    /// Columns that are not there.
+    pub fn of(headings: &Headings, insisted: Option<Format>) -> Result<Self, Refusal> {
+        let names = &headings.names;
+        let counted = (1..).zip(names).all(|(k, name): (usize, _)| *name == k.to_string());
+        let matrix = names.iter().any(|n| n == "r11");
+        let format = insisted.unwrap_or(match (counted, names.len()) {
+            _ if matrix => Format::Kitti,
+            (true, 8) => Format::Tum,
+            (true, 12) => Format::Kitti,
+            _ if names.iter().any(|n| clean(n) == "p_rs_r_x") => Format::Euroc,
+            _ if names.iter().map(String::as_str).eq(TUM) => Format::Tum,
+            _ => Format::Csv,
+        });
+        let place = |k: usize| names.get(k).cloned();
+        let all = |places: &[usize]| places.iter().map(|k| place(*k)).collect::<Option<Vec<_>>>();
+        let few = || refusal(format!("a {} file needs more columns than {}", format.name(), names.len()), NUMBERED);
+        let by_place = |unit, order: [usize; 4], says| -> Result<Self, Refusal> {
+            let columns = all(&[1, 2, 3].iter().chain(&order).copied().collect::<Vec<_>>()).ok_or_else(few)?;
+            let time = place(0).map(|name| (name, Some(unit)));
+            Ok(Self { format, time, columns, rotation: Rotation::Quaternion(says), axes: Axes::Xyz })
+        };
+        match format {
+            Format::Kitti => {
+                let columns = all(&[3, 7, 11, 0, 1, 2, 4, 5, 6, 8, 9, 10]).ok_or_else(few)?;
+                Ok(Self { format, time: None, columns, rotation: Rotation::Matrix, axes: Axes::Xyz })
+            }
+            Format::Tum => by_place(TimeUnit::Second, [7, 4, 5, 6], Order::ScalarLast),
+            Format::Euroc if counted => by_place(TimeUnit::Nanosecond, [4, 5, 6, 7], Order::ScalarFirst),
+            Format::Csv if counted => Err(refusal("its columns have no headings", NUMBERED)),
+            Format::Euroc | Format::Csv => by_heading(headings, format),
+        }
+    }
+}
+
+const TUM: [&str; 8] = ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"];
+
+/// A heading without its unit and in small letters.
+fn clean(name: &str) -> String {
+    let name = name.split(['[', '(']).next().unwrap_or_default().trim();
+    name.trim_start_matches(['#', '%']).trim().to_lowercase()
+}
+
+fn by_heading(headings: &Headings, format: Format) -> Result<Layout, Refusal> {
+    let names: Vec<String> = headings.names.iter().map(|n| clean(n)).collect();
+    let find = |holds: &dyn Fn(&str) -> bool| names.iter().position(|n| holds(n));
+    let triple = |of: [&dyn Fn(&str) -> bool; 3]| Some([find(of[0])?, find(of[1])?, find(of[2])?]);
+    let turns = |n: &str| n.starts_with('q') || n.contains("quat") || n.contains("orient") || n.starts_with("rot");
+    let place = |n: &str, axis: char| {
+        let front = n.strip_suffix(axis).unwrap_or("-").trim_end_matches(['_', '.', ' ']);
+        let known = ["", "t", "p", "pos", "position", "translation"];
+        n.ends_with(axis)
+            && !turns(n)
+            && (known.contains(&front) || front.starts_with("p_") || front.ends_with("position"))
+    };
+    let begins = |n: &str, word: &str| n == word || n.strip_prefix(word).is_some_and(|rest| rest.starts_with('_'));
+    let position = [
+        (Axes::Xyz, triple([&|n| place(n, 'x'), &|n| place(n, 'y'), &|n| place(n, 'z')])),
+        (Axes::NorthEastDown, triple([&|n| begins(n, "north"), &|n| begins(n, "east"), &|n| begins(n, "down")])),
+        (Axes::EastNorthUp, triple([&|n| begins(n, "east"), &|n| begins(n, "north"), &|n| begins(n, "up")])),
+    ];
+    let known = || format!("it has: {}", headings.names.iter().take(20).cloned().collect::<Vec<_>>().join(", "));
+    let found = position.into_iter().find_map(|(axes, places)| Some((axes, places?)));
+    let (axes, position) =
+        found.ok_or_else(|| refusal("no columns x, y, z (or north, east, down) hold a position", known()))?;
+    for k in position {
+        let unit = headings.units[k].as_deref().unwrap_or("m");
+        if !["m", "meter", "meters", "metre", "metres"].contains(&unit) {
+            return Err(refusal(
+                format!("column `{}` is in {unit}: need m", headings.names[k]),
+                "convert it to metres",
+            ));
+        }
+    }
+    let part = |axis: char| find(&|n| turns(n) && n.ends_with(axis));
+    let scalar = part('w').or_else(|| find(&|n| n == "q0" || n == "q_0"));
+    let numbered = |digit: char, axis: char| part(axis).or_else(|| find(&|n| turns(n) && n.ends_with(digit)));
+    let quaternion = [scalar, numbered('1', 'x'), numbered('2', 'y'), numbered('3', 'z')];
+    let euler =
+        triple([&|n| begins(n, "roll"), &|n| begins(n, "pitch"), &|n| begins(n, "yaw") || begins(n, "heading")]);
+    let (rotation, attitude) = match (quaternion, euler) {
+        ([Some(w), Some(x), Some(y), Some(z)], _) => {
+            let order = if w < x { Order::ScalarFirst } else { Order::ScalarLast };
+            (Rotation::Quaternion(order), vec![w, x, y, z])
+        }
+        (_, Some(places)) => (Rotation::Euler(angle_unit(headings, places[0])), places.to_vec()),
+        _ => {
+            let cause = "no columns hold an attitude: qw, qx, qy, qz, or roll, pitch, yaw";
+            return Err(refusal(cause, known()));
+        }
+    };
+    let clock = |n: &str| ["t", "time", "timestamp", "stamp"].iter().any(|word| begins(n, word)) || n == "secs";
+    let time = find(&clock).ok_or_else(|| refusal("no column `t_s` or `timestamp` holds the time", known()))?;
+    let heading = headings.clock_heading(time);
+    Ok(Layout {
+        format,
+        time: Some((headings.names[time].clone(), TimeUnit::of_heading(&heading))),
+        columns: position.iter().chain(&attitude).map(|k| headings.names[*k].clone()).collect(),
+        rotation,
+        axes,
+    })
+}
+
+/// What a unit of an angle's column is, rad, where its heading says it.
+fn angle_unit(headings: &Headings, place: usize) -> Option<f64> {
+    let name = headings.names[place].to_lowercase();
+    let unit = headings.units[place].as_deref().unwrap_or(&name);
+    match unit {
+        u if u.contains("deg") || u.contains('°') => Some(DEGREE),
+        u if u.contains("rad") => Some(1.0),
+        _ => None,
+    }
+}

@@ -1,0 +1,57 @@
+//! `file`: poses that were recorded, as EuRoC, TUM, KITTI or a table with headings.
+
+use std::path::Path;
+
+use super::section::Section;
+use super::source::{Source, fail};
+use crate::error::Result;
+use crate::motion::file::{self, Request, finding::Finding};
+use crate::motion::spline::{Departure, through};
+use crate::motion::trajectory::Trajectory;
+use crate::numerics::order;
+
+/// The kind.
+pub const SOURCE: Source =
+    Source { name: "file", keys: &["file", "format", "from_s", "times", "up", "quaternion"], poses: None };
+
+/// The motion that a file holds, from `from_s` on.
+///
+/// # Errors
+/// As [`file::read`], and a motion that ends too early.
+pub fn trajectory(section: &Section, duration_s: f64) -> Result<Trajectory> {
+    let Some(path) = &section.file else {
+        return Err(fail("trajectory.file is missing", "name the file of poses: file = \"ground_truth.csv\""));
+    };
+    let from_s = section.from_s.unwrap_or_default();
+    if !(from_s.is_finite() && from_s >= 0.0) {
+        return Err(fail(format!("trajectory.from_s: need zero or more, got {from_s}"), "e.g. from_s = 5.0"));
+    }
+    let request = Request {
+        path,
+        format: section.format,
+        times: section.times.as_deref(),
+        up: section.up,
+        quaternion: section.quaternion,
+        from_s,
+        duration_s,
+    };
+    let file::Poses { poses, mut findings } = file::read(&request)?;
+    let (first, last) = (poses.first().map_or(0.0, |p| p.time_s), poses.last().map_or(0.0, |p| p.time_s));
+    if last < duration_s - 1e-9 || first > 1e-9 {
+        return Err(short(path, from_s, last, duration_s));
+    }
+    let usual = order::median(poses.windows(2).map(|p| p[1].time_s - p[0].time_s).collect()).unwrap_or_default();
+    let spline = through(&poses, usual)
+        .ok_or_else(|| fail("no spline goes along its poses", "are the positions metres and the stamps right?"))?;
+    let departure = Departure::of(&spline, &poses);
+    let Departure { rms_m, largest_m, rms_rad, largest_rad } = departure;
+    findings.push(Finding::Knots { knot_s: spline.knot_s(), rms_m, largest_m, rms_rad, largest_rad });
+    Ok(Trajectory::new(spline, departure, findings))
+}
+
+fn short(path: &Path, from_s: f64, last_s: f64, duration_s: f64) -> crate::error::Error {
+    fail(
+        format!("{} holds {:.3} s from {from_s} s on, the study needs {duration_s} s", path.display(), last_s.max(0.0)),
+        "shorten duration_s, or begin earlier (trajectory.from_s)",
+    )
+}
