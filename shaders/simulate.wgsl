@@ -1,6 +1,7 @@
 // One tile: each invocation takes one member through the samples, from state to state. Twin of
 // `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …` are replaced by what
-// the sensor terms have to say there, see `src/kernel/source/terms.rs`.
+// the sensor terms have to say there, see `src/kernel/source/terms.rs`; lines `#trace …` by the writing of every reading's
+// errors, where `navigate` reads them, and by nothing elsewhere.
 
 override INTEGRATOR: u32 = 0u;
 override SUBSTEPS: u32 = 1u;
@@ -18,6 +19,7 @@ override HAS_STILL: bool = false;
 // memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
+#trace declare
 
 fn column(i: u32, which: u32) -> f32 {
     return columns[which * tile.stride + i];
@@ -196,6 +198,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     error -= mean;
                 }
 
+#trace accelerometer
+
                 // The gyro, the tilt and what gravity makes of it.
                 if HAS_GYRO {
                     var turn = gyro_bias;
@@ -203,6 +207,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     if HAS_STILL {
                         turn -= gyro_mean;
                     }
+#trace gyro
                     error = fma(tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
                     rate += turn;
                 }

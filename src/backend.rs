@@ -10,6 +10,7 @@ use crate::statistics::{Bins, Machine};
 
 pub mod adapter;
 pub mod cpu;
+pub mod flight;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 #[cfg(not(feature = "gpu"))]

@@ -13,7 +13,7 @@ pub mod windows;
 use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::kernel::integrator::{Choice, Integrator};
-use crate::kernel::job::Job;
+use crate::kernel::job::{Clock, Job};
 use crate::navigation::closed_form::Process;
 use crate::navigation::power_law;
 use crate::sensor::source::Source;
@@ -78,7 +78,7 @@ pub fn answer(
     mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
 ) -> Result<Drift> {
     let choice = integrator(study)?;
-    let samples = curve_samples(study);
+    let samples = curve_samples(&study.clock);
     let statistics = run(&study.job(choice.integrator, samples.clone()), "simulating")?;
     if statistics.failed + 2 > statistics.members {
         return Err(Error::new(
@@ -104,7 +104,7 @@ pub fn answer(
 /// Mechanics that no integrator can step; a log that is there and cannot be read.
 pub fn jobs(study: &Study) -> Result<Vec<Job>> {
     let integrator = integrator(study)?.integrator;
-    let samples = curve_samples(study);
+    let samples = curve_samples(&study.clock);
     let mut jobs = vec![study.job(integrator, samples.clone())];
     jobs.extend(budget::jobs(study, integrator, &samples));
     jobs.extend(compare::jobs(study)?);
@@ -112,6 +112,7 @@ pub fn jobs(study: &Study) -> Result<Vec<Job>> {
 }
 
 fn integrator(study: &Study) -> Result<Choice> {
+    study.along_one_axis()?;
     let stiffest = study.stiffest();
     let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
     choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
@@ -119,14 +120,14 @@ fn integrator(study: &Study) -> Result<Choice> {
 }
 
 /// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.
-fn curve_samples(study: &Study) -> Vec<u64> {
-    let last = study.clock.samples as f64;
+pub fn curve_samples(clock: &Clock) -> Vec<u64> {
+    let last = clock.samples as f64;
     let first = (last / 1000.0).max(1.0);
     let [by_ratio, by_time] = CURVE_POINTS;
     let rising = (0..by_ratio).map(|k| first * (last / first).powf(k as f64 / (by_ratio - 1) as f64));
     let even = (1..=by_time).map(|k| last * k as f64 / by_time as f64);
-    let curve = rising.chain(even).map(|place| (place.round() as u64).clamp(1, study.clock.samples));
-    let mut samples: Vec<u64> = curve.chain(study.clock.report_samples.clone()).collect();
+    let curve = rising.chain(even).map(|place| (place.round() as u64).clamp(1, clock.samples));
+    let mut samples: Vec<u64> = curve.chain(clock.report_samples.clone()).collect();
     samples.sort_unstable();
     samples.dedup();
     samples

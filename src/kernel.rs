@@ -4,6 +4,7 @@
 
 pub mod cpu;
 pub mod flicker;
+pub mod flight;
 pub mod force;
 pub mod fragment;
 pub mod integrator;
@@ -11,4 +12,5 @@ pub mod job;
 pub mod layout;
 pub mod member;
 pub mod orbit;
+pub mod passage;
 pub mod source;

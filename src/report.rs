@@ -11,6 +11,7 @@ pub mod inspection;
 pub mod map;
 pub mod paper;
 pub mod require;
+pub mod strapdown;
 pub mod study;
 pub mod sweep;
 pub mod table;

@@ -58,6 +58,8 @@ pub enum Stream {
     Excitation = 8,
     /// Resampling and synthetic data on the host.
     Host = 9,
+    /// Attitude at the start of a run in six axes.
+    Start = 10,
 }
 
 /// A stream of random numbers for one member, usable wherever `rand` asks for a generator.

@@ -4,6 +4,7 @@
 //! Zero switches a term off (`range_m_s2`: infinity). White levels are two-sided coefficients N as in IEEE 952:
 //! N = n/√2 for a one-sided density n, and a white sequence at rate f has σ = N√f.
 
+pub mod coupling;
 pub mod error_law;
 pub mod mechanics;
 pub mod source;
@@ -37,6 +38,17 @@ impl ProofMass {
     /// Whether there is anything beyond the linear and the cubic spring.
     pub fn has_further_terms(&self) -> bool {
         self.laws.acting().any(|law| law.given()[0].key.slot != mechanics::CUBIC_STIFFNESS.slot)
+    }
+
+    /// One as hard to step as either: higher resonance, lower damping, stronger further terms.
+    pub fn stiffer(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        Self {
+            natural_frequency_rad_s: self.natural_frequency_rad_s.max(other.natural_frequency_rad_s),
+            damping_ratio: self.damping_ratio.min(other.damping_ratio),
+            laws: self.laws.zip(&other.laws, larger),
+            force_noise_m_s_rts: larger(self.force_noise_m_s_rts, other.force_noise_m_s_rts),
+        }
     }
 
     /// The same proof mass with another coefficient of one law, SI.

@@ -7,7 +7,9 @@ mod check;
 mod compare;
 mod draw;
 pub mod file;
+pub mod in_motion;
 pub mod overrides;
+mod per_axis;
 mod preset;
 pub mod section;
 pub mod source;
@@ -24,10 +26,12 @@ use crate::error::{Error, Result};
 use crate::excitation;
 use crate::excitation::plan::Plan;
 use crate::excitation::reader::Run;
+use crate::kernel::flight::Flight;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
 use crate::sensor::ProofMass;
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
+use in_motion::InMotion;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
 use section::Section;
@@ -57,6 +61,8 @@ pub struct Study {
     pub excitation: Plan,
     /// A static log to lay beside the simulation.
     pub compare: Option<file::Compare>,
+    /// What makes it one of six axes, where a trajectory carries it.
+    pub in_motion: Option<InMotion>,
     /// What relative paths start from.
     pub folder: PathBuf,
     /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies with the same one give the
@@ -116,7 +122,7 @@ pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, folder: &
 /// As [`read`], of what concerns the sensor.
 pub fn sensor(name: &str, text: &str) -> Result<(Tolerances, f64)> {
     let file: file::File = parse_toml(name, text)?;
-    Ok((check::tolerances(name, &file)?, check::rate_hz(name, &file)?))
+    Ok((check::tolerances(name, &file, 0)?, check::rate_hz(name, &file)?))
 }
 
 impl Study {
@@ -141,8 +147,9 @@ impl Study {
         let seed = overrides.seed.or(file.seed).unwrap_or(1);
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
-        let mut tolerances = check::tolerances(source, &file)?;
-        let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s())?;
+        let mut tolerances = check::tolerances(source, &file, 0)?;
+        let in_motion = in_motion::read(source, &file, &clock, seed)?;
+        let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s(), in_motion.is_some())?;
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
         let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);
@@ -168,6 +175,7 @@ impl Study {
             tolerances,
             excitation,
             compare: file.compare,
+            in_motion,
             folder,
             identity,
             reads,
@@ -184,7 +192,7 @@ impl Study {
         let name = format!("compare.axis {}", axis.column);
         let mut still = self.clone();
         for (section, numbers) in [(Section::Accelerometer, &axis.accelerometer), (Section::Gyro, &axis.gyro)] {
-            numbers.iter().for_each(|numbers| numbers.replace(section, &mut still.tolerances));
+            numbers.iter().for_each(|numbers| numbers.replace(section, 0, &mut still.tolerances));
         }
         check::numbers(&name, &still.tolerances)?;
         still.members = members;
@@ -214,13 +222,32 @@ impl Study {
     /// members, where mechanics are drawn. `None` without mechanics.
     pub fn stiffest(&self) -> Option<ProofMass> {
         let masses = (0..self.members.min(1000)).filter_map(|m| self.member(m).sensor.proof_mass);
-        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        masses.reduce(|a, b| ProofMass {
-            natural_frequency_rad_s: a.natural_frequency_rad_s.max(b.natural_frequency_rad_s),
-            damping_ratio: a.damping_ratio.min(b.damping_ratio),
-            laws: a.laws.zip(&b.laws, larger),
-            force_noise_m_s_rts: larger(a.force_noise_m_s_rts, b.force_noise_m_s_rts),
-        })
+        masses.reduce(|a, b| a.stiffer(&b))
+    }
+
+    /// Refuses a study in six axes where one of a single axis is meant.
+    ///
+    /// # Errors
+    /// It has a trajectory.
+    pub fn along_one_axis(&self) -> Result<()> {
+        match &self.in_motion {
+            None => Ok(()),
+            Some(_) => Err(Error::new(
+                format!("could not simulate {} along one axis", self.name),
+                "it has a [trajectory], which only a plain `proofmass study` follows",
+                "run it without shards, sweeps, digits and limits, or take the [trajectory] out",
+            )),
+        }
+    }
+
+    /// The ensemble of six axes to integrate, with statistics at `report_samples` after the end of the still start.
+    ///
+    /// # Errors
+    /// A proof mass that no integrator can step.
+    pub fn flight(&self, motion: &InMotion, report_samples: Vec<u64>) -> Result<Flight> {
+        let still_samples = self.alignment.still_samples();
+        let run = in_motion::Run { seed: self.seed, members: self.members, clock: &self.clock, still_samples };
+        motion.flight(run, report_samples)
     }
 
     /// Length of the still start, s; 0 without one.

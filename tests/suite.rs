@@ -49,6 +49,7 @@ mod suite {
     pub mod shards_map_trial;
     pub mod start_search;
     pub mod still_start;
+    pub mod strapdown;
     pub mod study;
     pub mod study_cli;
     pub mod sweep;
@@ -133,6 +134,8 @@ fn main() {
         suite::several_recordings::tests(),
         // benchmarks: public ones, and a body without a spring.
         suite::benchmarks::tests(),
+        // strapdown: six axes drift as theory says, at rest and over the Earth.
+        suite::strapdown::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

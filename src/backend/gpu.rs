@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::kernel::source::{self, Shader};
 
 mod adapter;
+pub mod flight;
 mod guard;
 pub mod orbits;
 pub mod peak;

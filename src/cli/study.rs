@@ -2,6 +2,7 @@
 
 pub mod answer;
 mod emit;
+mod in_motion;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod shard;
@@ -121,6 +122,13 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let source = source(arguments)?;
     let study = source.study()?;
+    if arguments.shard.is_some()
+        || arguments.emit.is_some()
+        || arguments.digits.is_some()
+        || !arguments.sweep.is_empty()
+    {
+        study.along_one_axis()?;
+    }
     let path = folder(arguments, &study);
     if let (Some(target), Some(shards)) = (arguments.emit, arguments.shards) {
         let study = of_one_value(study)?;
@@ -156,6 +164,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         None => study,
     };
     let path = folder(arguments, &study);
+    if let Some(motion) = &study.in_motion {
+        let request = outputs(arguments, &study);
+        let asked = in_motion::Asked { request, resume: arguments.resume, backend: arguments.backend, path: &path };
+        return in_motion::run(asked, &study, motion, json);
+    }
     let mut keeper = match arguments.resume {
         true => Keeper::resume(&path, &study.identity)?,
         false => Keeper::new(&path, &study.identity),

@@ -93,6 +93,7 @@ pub fn run(
         let set: Vec<Assignment> =
             plan.axes.iter().zip(&values).map(|(axis, value)| Assignment::number(&axis.key, *value)).collect();
         let here = source.with(&set)?;
+        here.along_one_axis()?;
         let stiffest = here.stiffest();
         let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;
         integrator.check(stiffest.as_ref(), here.clock.step_s)?;

@@ -88,6 +88,7 @@ impl<'a> Work<'a> {
     /// # Errors
     /// A member that cannot be stepped; stopped.
     pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
+        study.along_one_axis()?;
         let stiffest = study.stiffest();
         let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
         choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;

@@ -8,7 +8,7 @@ use super::expected::Expected;
 use super::windows::{self, Drifted};
 use crate::navigation::power_law::EXPONENTS;
 use crate::statistics::jcgm101::{Linear, Stated};
-use crate::statistics::{Origin, Summary, quantity};
+use crate::statistics::{Machine, Origin, Summary, quantity};
 use crate::study::Study;
 
 /// The schema's name.
@@ -54,8 +54,9 @@ struct Jcgm101 {
     linear: Linear,
 }
 
+/// On what an ensemble was integrated.
 #[derive(Debug, Clone, Serialize)]
-struct Backend {
+pub struct Backend {
     kind: String,
     name: String,
     driver: String,
@@ -76,8 +77,9 @@ struct Part {
     reason: Option<String>,
 }
 
+/// The distribution of one quantity; every list runs along the report times.
 #[derive(Debug, Clone, Serialize)]
-struct Distribution {
+pub struct Distribution {
     mean: Vec<f64>,
     sd: Vec<f64>,
     min: Vec<f64>,
@@ -172,14 +174,7 @@ impl Document {
             seed: study.seed,
             members: drift.statistics.members,
             failed: drift.statistics.failed,
-            backend: Backend {
-                kind: machine.kind.clone(),
-                name: machine.name.clone(),
-                driver: machine.driver.clone(),
-                precision: machine.precision.clone(),
-                fused_multiply_add: machine.fused_multiply_add.clone(),
-                parts: parts(&drift.statistics.origins),
-            },
+            backend: Backend { parts: parts(&drift.statistics.origins), ..Backend::of(machine) },
             integrator: machine.integrator.clone(),
             time_s: drift.report_times_s(),
             position_error_m: distribution(quantity::POSITION),
@@ -243,8 +238,23 @@ impl Windows {
     }
 }
 
+impl Backend {
+    /// A machine that did all of it.
+    pub fn of(machine: &Machine) -> Self {
+        Self {
+            kind: machine.kind.clone(),
+            name: machine.name.clone(),
+            driver: machine.driver.clone(),
+            precision: machine.precision.clone(),
+            fused_multiply_add: machine.fused_multiply_add.clone(),
+            parts: Vec::new(),
+        }
+    }
+}
+
 impl Distribution {
-    fn of(at: &[&Summary]) -> Self {
+    /// Of a quantity's summaries at the report times.
+    pub fn of(at: &[&Summary]) -> Self {
         let series = |pick: fn(&Summary) -> f64| at.iter().map(|s| pick(s)).collect();
         Self {
             mean: series(|s| s.mean),

@@ -36,15 +36,14 @@ pub const KIND: Kind = Kind {
 /// The table of the section, checked.
 fn table(given: &Reader<'_>) -> Result<Spectrum> {
     let points: Vec<(f64, f64)> = given.pairs("psd_g2_hz")?.iter().map(|p| (p[0], p[1])).collect();
-    let increasing = points.windows(2).all(|w| w[0].0 < w[1].0);
-    let positive = points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());
-    if points.len() < 2 || !increasing || !positive {
+    let spectrum = Spectrum { points };
+    if !spectrum.is_sound() {
         return Err(given.refuse(
             "`excitation.psd_g2_hz` needs two points or more, frequencies increasing, all numbers above zero",
             "e.g. psd_g2_hz = [[20.0, 0.01], [2000.0, 0.01]] in Hz and g²/Hz",
         ));
     }
-    Ok(Spectrum { points })
+    Ok(spectrum)
 }
 
 /// Points per cycle of the highest line; cubic interpolation between them then errs by less than 0.3 % there.
@@ -60,6 +59,13 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
+    /// Whether it has two points or more, increasing and positive.
+    pub fn is_sound(&self) -> bool {
+        let increasing = self.points.windows(2).all(|w| w[0].0 < w[1].0);
+        let positive = self.points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());
+        self.points.len() >= 2 && increasing && positive
+    }
+
     /// Density at a frequency, g²/Hz.
     pub fn density_g2_hz(&self, frequency_hz: f64) -> f64 {
         let segment = self.points.windows(2).find(|w| frequency_hz >= w[0].0 && frequency_hz <= w[1].0);

@@ -8,9 +8,11 @@
 
 pub mod flicker;
 mod general;
+pub mod imu;
 pub mod lanes;
 pub mod lyapunov;
 pub mod members;
+pub mod navigate;
 pub mod noise;
 pub mod oscillator;
 pub mod poincare;

@@ -32,9 +32,12 @@ pub fn table<T: Real>(job: &Job, first_sample: u64, count: u64) -> Vec<Force<T>>
     let first = first_sample * per_sample;
     let at = |half: u64| job.waveform.specific_force_m_s2(half as f64 * half_s);
     let still = job.clock.still_samples * per_sample;
+    let standing = T::of(job.waveform.standing_m_s2());
     let one = |substep: u64| {
         // Nothing moves during a still start; the waveform begins at its end.
-        let Some(substep) = substep.checked_sub(still) else { return Force::default() };
+        let Some(substep) = substep.checked_sub(still) else {
+            return Force { begin: standing, middle: standing, end: standing, ..Force::default() };
+        };
         let [begin, middle, end] = [at(2 * substep), at(2 * substep + 1), at(2 * substep + 2)];
         Force {
             begin: T::of(begin),

@@ -87,6 +87,32 @@ pub struct Tile {
     pub flicker: [f32; 16],
 }
 
+/// Invocations of a workgroup of `navigate`.
+pub const NAVIGATE_WORKGROUP: u32 = 64;
+/// Numbers of a member's state in `navigate`: three vectors of parts, three compensated totals, and whether it failed.
+pub const NAVIGATE_STATE: usize = 28;
+/// Where the totals of the attitude begin in it.
+pub const NAVIGATE_ATTITUDE: usize = 9;
+/// Vectors of the uniform array of passages, 16 bytes each.
+pub const PASSAGES: usize = 4096;
+
+/// Mirror of `Flight`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct Flight {
+    pub members: u32,
+    pub stride: u32,
+    pub samples: u32,
+    pub since: u32,
+    pub sample_s: f32,
+    pub free: f32,
+    pub zero: u32,
+    pub cosine: f32,
+    pub sine: f32,
+    pub padding: [u32; 3],
+}
+
 /// Invocations of a workgroup of `lyapunov` and `poincare`.
 pub const ORBIT_WORKGROUP: u32 = 64;
 

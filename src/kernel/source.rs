@@ -7,6 +7,7 @@ pub mod laws;
 mod mirror;
 pub mod terms;
 
+use super::cpu::navigate::BOUND_M_S;
 use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::{METHODS, Reach};
@@ -41,7 +42,26 @@ pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shade
 
 /// The ensemble kernel for proof masses that follow these laws.
 pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
-    let own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
+    ensemble(int64, laws, false)
+}
+
+/// The same, writing the errors of every reading of a tile for `navigate`: binding 6.
+pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
+    ensemble(int64, laws, true)
+}
+
+/// What stands at the lines `#trace …`.
+const TRACE: [(&str, &str); 3] = [
+    ("#trace declare", "@group(0) @binding(6) var<storage, read_write> trace: array<f32>;"),
+    ("#trace accelerometer", "trace[2u * (n - tile.first_sample) * stride + i] = error;"),
+    ("#trace gyro", "trace[(2u * (n - tile.first_sample) + 1u) * stride + i] = turn;"),
+];
+
+fn ensemble(int64: bool, laws: &[StudyLaw], traced: bool) -> Shader {
+    let mut own = terms::expand(include_str!("../../shaders/simulate.wgsl"));
+    for (line, text) in TRACE {
+        own = own.replace(line, if traced { text } else { "" });
+    }
     let text =
         [&constants(), LAYOUT, cubic_stiffness::WGSL, OSCILLATOR, &laws::text(laws), &advance(), ACCUMULATE, &own]
             .join("\n");
@@ -101,6 +121,13 @@ pub fn poincare(int64: bool) -> Shader {
         &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
         int64,
     )
+}
+
+/// The navigation in six axes.
+pub fn navigate() -> Shader {
+    let bound = format!("const BOUND_M_S = {BOUND_M_S:?};\n");
+    let text = [&bound, ACCUMULATE, include_str!("../../shaders/navigate.wgsl")].join("\n");
+    Shader { name: "navigate", text }
 }
 
 /// The reduction.

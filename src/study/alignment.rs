@@ -1,4 +1,5 @@
-//! How a run begins: ideal, or with a still start.
+//! How a run begins: ideal, drawn (six axes only: the attitude is wrong by draws, readings are as given), or with a still
+//! start.
 //!
 //! During a still start the sensor stands still and level for the first seconds of each member's run, and the mean errors
 //! over them are what the alignment believes to be zero:
@@ -44,8 +45,28 @@ impl Alignment {
 /// # Errors
 /// A still start without a length, or with one that is not a positive multiple of the sample period; a length without a
 /// still start.
-pub(super) fn alignment(name: &str, section: Option<&file::Alignment>, sample_s: f64) -> Result<Alignment> {
+pub(super) fn alignment(
+    name: &str,
+    section: Option<&file::Alignment>,
+    sample_s: f64,
+    in_motion: bool,
+) -> Result<Alignment> {
     let Some(section) = section else { return Ok(Alignment::Ideal) };
+    let six = [("tilt_sd_deg", section.tilt_sd_deg), ("heading_sd_deg", section.heading_sd_deg)];
+    if let Some((key, _)) = six.iter().find(|(_, given)| given.is_some()).filter(|_| !in_motion) {
+        let cause = format!("`alignment.{key}` is given without a [trajectory]");
+        return Err(refuse(
+            name,
+            cause,
+            "a study of one axis has no heading: add a [trajectory], e.g. kind = \"rest\"",
+        ));
+    }
+    for (key, given) in six {
+        if given.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite())) {
+            let cause = format!("`alignment.{key}` = {:?}°: need zero or more", given.unwrap_or_default());
+            return Err(refuse(name, cause, "give a standard deviation in degrees, e.g. 0.5"));
+        }
+    }
     let example = "e.g. kind = \"still\" and still_s = 10.0";
     match (section.kind, section.still_s) {
         (None, None) => {
@@ -54,12 +75,18 @@ pub(super) fn alignment(name: &str, section: Option<&file::Alignment>, sample_s:
         (None, Some(_)) => {
             Err(refuse(name, "`alignment.still_s` is given without `kind`", format!("add kind = \"still\": {example}")))
         }
-        (Some(AlignmentKind::Ideal), Some(_)) => Err(refuse(
+        (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), Some(_)) => Err(refuse(
             name,
-            "`alignment.still_s` does not belong to kind = \"ideal\"",
+            "`alignment.still_s` belongs to kind = \"still\" only",
             "take it out, or use kind = \"still\"",
         )),
         (Some(AlignmentKind::Ideal), None) => Ok(Alignment::Ideal),
+        (Some(AlignmentKind::Drawn), None) if in_motion => Ok(Alignment::Ideal),
+        (Some(AlignmentKind::Drawn), None) => Err(refuse(
+            name,
+            "`alignment.kind` = \"drawn\" needs a [trajectory]",
+            "a study of one axis begins ideal or with a still start",
+        )),
         (Some(AlignmentKind::Still), None) => Err(refuse(
             name,
             "`alignment.still_s` is missing: kind = \"still\" needs the length of the still start",

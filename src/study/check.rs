@@ -21,12 +21,12 @@ pub(super) fn refuse(name: &str, cause: impl Into<String>, hint: impl Into<Strin
     Error::new(format!("could not use {name}"), cause, hint)
 }
 
-/// The numbers of a study by key, each checked for its sign and pairs that mean the same refused.
-pub(super) fn tolerances(name: &str, file: &File) -> Result<Tolerances> {
+/// The numbers of one axis of a study by key, each checked for its sign and pairs that mean the same refused.
+pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Tolerances> {
     let mut all = Tolerances::default();
-    file.sensor.numbers.replace(Section::Sensor, &mut all);
+    file.sensor.numbers.replace(Section::Sensor, axis, &mut all);
     for (section, numbers) in [(Section::Accelerometer, &file.accelerometer), (Section::Gyro, &file.gyro)] {
-        numbers.iter().for_each(|numbers| numbers.replace(section, &mut all));
+        numbers.iter().for_each(|numbers| numbers.replace(section, axis, &mut all));
     }
     mechanics(name, &all)?;
     numbers(name, &all)?;

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::section::{self, Numbers};
 use crate::excitation;
+use crate::motion;
 use crate::sensor::Sense;
 use crate::units::{DEGREE, MILLI_G};
 
@@ -45,6 +46,70 @@ pub struct File {
     pub compare: Option<Compare>,
     /// Keys that take several values, one after the other: see `sweep`.
     pub sweep: Option<toml::Table>,
+    /// What carries the sensor in six axes.
+    pub trajectory: Option<motion::Section>,
+    /// The navigator whose own error is a row of the budget.
+    pub navigator: Option<Navigator>,
+    /// The Earth under the trajectory.
+    pub earth: Option<Earth>,
+    /// Where the sensor sits in the body that moves.
+    pub mounting: Option<Mounting>,
+    /// What shakes the sensor beside the motion.
+    pub vibration: Option<Vibration>,
+}
+
+/// `[mounting]`
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mounting {
+    /// From the body's origin to the sensor, in body axes.
+    pub lever_arm_m: Option<[f64; 3]>,
+    /// Roll, pitch and yaw of the sensor's axes against the body's.
+    pub rotation_deg: Option<[f64; 3]>,
+}
+
+/// `[vibration]`: along each axis of the sensor a power spectral density, pairs of frequency and g²/Hz.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Vibration {
+    /// Along x.
+    pub x_g2_hz: Option<Vec<[f64; 2]>>,
+    /// Along y.
+    pub y_g2_hz: Option<Vec<[f64; 2]>>,
+    /// Along z.
+    pub z_g2_hz: Option<Vec<[f64; 2]>>,
+}
+
+/// `[navigator]`
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Navigator {
+    /// What it makes of motion within a sample.
+    pub integrator: Option<motion::Integrator>,
+}
+
+/// `[earth]`
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Earth {
+    /// Geodetic latitude of the start; absent, the Earth is flat and still.
+    pub latitude_deg: Option<f64>,
+    /// Height of the start over the ellipsoid.
+    pub height_m: Option<f64>,
+    /// Whether it turns; it does.
+    pub rotation: Option<bool>,
+    /// How height is kept.
+    pub vertical: Option<VerticalKind>,
+}
+
+/// Ways to keep height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum VerticalKind {
+    /// By the inertial sensors alone.
+    Free,
+    /// By an aid without error.
+    Held,
 }
 
 /// `[report]`
@@ -63,6 +128,10 @@ pub struct Alignment {
     pub kind: Option<AlignmentKind>,
     /// Length of a still start.
     pub still_s: Option<f64>,
+    /// Six axes: spread of the drawn tilt about north and about east, °.
+    pub tilt_sd_deg: Option<f64>,
+    /// Six axes: spread of the heading, drawn or after a still start, °.
+    pub heading_sd_deg: Option<f64>,
 }
 
 /// Ways to begin.
@@ -71,6 +140,8 @@ pub struct Alignment {
 pub enum AlignmentKind {
     /// Level, and with the biases that the study gives.
     Ideal,
+    /// Six axes: wrong by a tilt and a heading that are drawn per member.
+    Drawn,
     /// Bias and levelling from the mean of the first seconds, during which the sensor stands still.
     Still,
 }

@@ -9,19 +9,24 @@ use std::sync::OnceLock;
 
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
+use super::per_axis::PerAxis;
 use super::tolerances::{Tolerances, keys};
 use crate::units::key::Key;
-use crate::units::number::Number;
 
 /// The numbers given in one section, by key.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Numbers(Vec<(&'static Key, Number)>);
+pub struct Numbers(Vec<(&'static Key, PerAxis)>);
 
 impl Numbers {
-    /// Puts them in their places and empties the places of the section's other keys.
-    pub fn replace(&self, section: Section, all: &mut Tolerances) {
+    /// Puts those of an axis in their places and empties the places of the section's other keys.
+    pub fn replace(&self, section: Section, axis: usize, all: &mut Tolerances) {
         keys().filter(|key| key.section() == section.name()).for_each(|key| all[key] = None);
-        self.0.iter().for_each(|(key, number)| all[key] = Some(*number));
+        self.0.iter().for_each(|(key, number)| all[key] = Some(number.of(axis)));
+    }
+
+    /// The first key that is given axis by axis, if one is.
+    pub fn by_axis(&self) -> Option<&'static Key> {
+        self.0.iter().find(|(_, number)| matches!(number, PerAxis::Each(_))).map(|(key, _)| *key)
     }
 }
 

@@ -6,7 +6,7 @@ use std::ops::{Index, IndexMut};
 
 use crate::excitation;
 use crate::rng::{Stream, philox4x32_10};
-use crate::sensor::{SensorTerm, mechanics};
+use crate::sensor::{SensorTerm, coupling, mechanics};
 use crate::units::key::{Key, SLOTS};
 use crate::units::number::Number;
 
@@ -17,7 +17,9 @@ pub fn keys() -> impl Iterator<Item = &'static Key> {
         keys.filter(move |key| key.section() == section)
     };
     let excitation = [&excitation::SIZE, &excitation::FREQUENCY, &excitation::PHASE];
-    mechanics::keys().chain(of("sensor")).chain(of("accelerometer")).chain(of("gyro")).chain(excitation)
+    let coupling = |section: &'static str| coupling::KEYS.into_iter().filter(move |key| key.section() == section);
+    let both = move |section: &'static str| of(section).chain(coupling(section));
+    mechanics::keys().chain(of("sensor")).chain(both("accelerometer")).chain(both("gyro")).chain(excitation)
 }
 
 /// One number per key, in datasheet units as written; absent ones are switched off.

@@ -92,6 +92,41 @@ pub mod simulate {
     }
 }
 
+/// Six-axis ensembles on a GPU.
+pub mod flight {
+    use std::sync::Arc;
+
+    use super::Gpu;
+    use crate::backend::flight::{FlightBackend, FlightBatch, Sums};
+    use crate::error::Result;
+    use crate::kernel::flight::Flight;
+    use crate::statistics::Machine;
+
+    /// Six-axis ensembles on a GPU.
+    pub struct Flights(Arc<Gpu>);
+
+    impl Flights {
+        /// On an open device.
+        pub fn on(gpu: Arc<Gpu>) -> Self {
+            Self(gpu)
+        }
+    }
+
+    impl FlightBackend for Flights {
+        fn machine(&self, _: &Flight) -> Machine {
+            match self.0.never {}
+        }
+
+        fn batch_members(&self) -> u64 {
+            match self.0.never {}
+        }
+
+        fn run(&mut self, _: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>> {
+            match self.0.never {}
+        }
+    }
+}
+
 /// Map kernels on a GPU.
 pub mod orbits {
     use super::Gpu;

@@ -27,7 +27,7 @@ use crate::physics::coefficients;
 use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
 use crate::statistics::histogram::BINS;
-use crate::statistics::{Histogram, Machine, Moments};
+use crate::statistics::{Bins, Histogram, Machine, Moments};
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
@@ -109,7 +109,7 @@ impl Backend for Ensembles {
     }
 
     fn run(&mut self, batch: &Batch<'_>) -> Result<Ran> {
-        let mut plan = Plan::new(&self.gpu, batch)?;
+        let mut plan = Plan::new(&self.gpu, batch, false)?;
         let before = plan.resumed(&self.gpu, batch)?;
         let from = before.map_or(0, |before| before.samples);
         let samples = plan.integrate(&self.gpu, batch, from, self.tile_samples)?;
@@ -129,24 +129,25 @@ impl Backend for Ensembles {
 }
 
 /// A batch on the device.
-struct Plan {
-    members: u32,
-    stride: u32,
-    simulate: Kernel,
+pub(super) struct Plan {
+    pub members: u32,
+    pub stride: u32,
+    pub simulate: Kernel,
     reduce: Kernel,
-    tile: layout::Tile,
-    columns: Buffer,
-    turns: Buffer,
-    state: Buffer,
+    pub tile: layout::Tile,
+    pub columns: Buffer,
+    pub turns: Buffer,
+    pub state: Buffer,
     state_bytes: u64,
-    errors: Buffer,
+    pub errors: Buffer,
     bins: Buffer,
     partials: Buffer,
     counts: Buffer,
 }
 
 impl Plan {
-    fn new(gpu: &Gpu, batch: &Batch<'_>) -> Result<Self> {
+    /// Members drawn and sent; `traced`: every reading's errors are written as well.
+    pub fn new(gpu: &Gpu, batch: &Batch<'_>, traced: bool) -> Result<Self> {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
@@ -197,11 +198,12 @@ impl Plan {
             batch.bins.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
         bins.resize(reports as usize * 4, layout::Bins::zeroed());
         let blocks = stride / u64::from(BLOCK);
+        let shader = if traced { source::simulate_traced } else { source::simulate };
         let state_bytes = 4 * stride * (state::TERMS + sets * amplitudes.len()) as u64;
         Ok(Self {
             members: members as u32,
             stride: stride as u32,
-            simulate: gpu.kernel(&source::simulate(gpu.adapter.int64, &laws), &named)?,
+            simulate: gpu.kernel(&shader(gpu.adapter.int64, &laws), &named)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             tile,
             columns: gpu.upload(cast_slice(&columns))?,
@@ -294,20 +296,39 @@ impl Plan {
     }
 
     fn partials(&self, gpu: &Gpu, batch: &Batch<'_>) -> Result<Vec<Partial>> {
-        let (reports, blocks) = (batch.job.clock.report_samples.len(), (self.stride / BLOCK) as usize);
-        let bytes = gpu.read(&self.partials, (reports * blocks * 4 * size_of::<layout::Partial>()) as u64)?;
+        let shape = Shape {
+            reports: batch.job.clock.report_samples.len(),
+            blocks: (self.stride / BLOCK) as usize,
+            members: self.members,
+        };
+        shape.partials(gpu, [&self.partials, &self.counts], batch.bins)
+    }
+}
+
+/// How much `reduce` has summed.
+pub(super) struct Shape {
+    pub reports: usize,
+    pub blocks: usize,
+    pub members: u32,
+}
+
+impl Shape {
+    /// Reads what it has written to partials and counts.
+    pub fn partials(&self, gpu: &Gpu, [partials, counts]: [&Buffer; 2], bins: &[[Bins; 4]]) -> Result<Vec<Partial>> {
+        let Self { reports, blocks, members } = *self;
+        let bytes = gpu.read(partials, (reports * blocks * 4 * size_of::<layout::Partial>()) as u64)?;
         let moments: Vec<layout::Partial> = bytemuck::pod_collect_to_vec(&bytes);
-        let counts: Vec<u32> = if batch.bins.is_empty() {
+        let counts: Vec<u32> = if bins.is_empty() {
             Vec::new()
         } else {
-            bytemuck::pod_collect_to_vec(&gpu.read(&self.counts, (reports * 4 * (BINS + 2) * 4) as u64)?)
+            bytemuck::pod_collect_to_vec(&gpu.read(counts, (reports * 4 * (BINS + 2) * 4) as u64)?)
         };
         let partial = |report: usize| {
             let of_report = &moments[report * blocks * 4..(report + 1) * blocks * 4];
             let blocks: Vec<[Moments; 4]> =
                 of_report.chunks(4).map(|b| std::array::from_fn(|q| finish(&b[q]))).collect();
             let counted: u64 = blocks.iter().map(|b| b[0].count).sum();
-            let histograms = batch.bins.get(report).map_or_else(Vec::new, |bins| {
+            let histograms = bins.get(report).map_or_else(Vec::new, |bins| {
                 let counts = counts[report * 4 * (BINS + 2)..].chunks(BINS + 2);
                 let histogram = |(bins, counts): (_, &[u32])| Histogram {
                     bins,
@@ -315,7 +336,7 @@ impl Plan {
                 };
                 bins.iter().copied().zip(counts).map(histogram).collect()
             });
-            Partial { blocks, histograms, failed: u64::from(self.members) - counted }
+            Partial { blocks, histograms, failed: u64::from(members) - counted }
         };
         Ok((0..reports).map(partial).collect())
     }
@@ -340,7 +361,7 @@ impl Number {
 }
 
 /// The force over some samples as the kernel reads it.
-fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
+pub(super) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let table = force::table::<f32>(job, first, count);
     let begin = table.first().map(|f| [f.begin, 0.0, 0.0, 0.0]);
     let rest = table.iter().map(|f| [f.end, f.middle, f.to_middle, f.to_end]);

@@ -219,6 +219,18 @@ impl<T: Real> Members<T> {
         self.sums = Sums { failed: sums.failed, ..Sums::new() };
     }
 
+    /// Mean errors of accelerometer (m/s²) and gyro (rad/s) of one member over a still start that has just ended.
+    pub(super) fn standing_mean(&self, shared: &Shared<T>, lane: usize) -> (f64, f64) {
+        let sums = &self.sums;
+        let mean = |total: &Lane<f64>, part: &Lane<T>| shared.still_share * (total[lane] + part[lane].f64());
+        (mean(&sums.velocity_total, &sums.velocity), mean(&sums.rate_total, &sums.rate))
+    }
+
+    /// Whether a member's reading has left the range of its model.
+    pub(super) fn has_failed(&self, lane: usize) -> bool {
+        self.sums.failed[lane] || self.e[lane].beyond(BOUND_M_S2)
+    }
+
     /// The errors after `samples` samples of `sample_s` seconds.
     pub fn snapshot(&self, samples: u64, sample_s: f64) -> Snapshot {
         let sums = &self.sums;

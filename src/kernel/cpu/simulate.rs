@@ -41,25 +41,33 @@ pub struct Simulate<'a, T: Real> {
 }
 
 /// What the samples of a stretch are, phase by phase; those of sample n are at n modulo [`STRETCH`].
-struct Stretch<T> {
+pub(super) struct Stretch<T> {
     numbers: [Lane<T>; STRETCH],
     slow: [Lane<T>; STRETCH / 2],
     felt: [Lane<T>; STRETCH],
-    error: [Lane<T>; STRETCH],
-    turn: [Lane<T>; STRETCH],
+}
+
+impl<T: Real> Stretch<T> {
+    /// Room for a stretch.
+    pub(super) fn new() -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        Self { numbers: [zero; STRETCH], slow: [zero; STRETCH / 2], felt: [zero; STRETCH] }
+    }
+}
+
+/// Errors of the readings of consecutive samples.
+pub(super) struct Errors<'a, T> {
+    /// Of the accelerometer, m/s².
+    pub error: &'a mut [Lane<T>],
+    /// Of the gyro, rad/s; left alone where none of the members has any.
+    pub turn: &'a mut [Lane<T>],
 }
 
 impl<T: Real> Simulate<'_, T> {
     /// Does the work with an instruction set.
     pub fn run(mut self, level: Level) {
         let zero = Lane::splat(T::of(0.0));
-        let mut stretch = Stretch {
-            numbers: [zero; STRETCH],
-            slow: [zero; STRETCH / 2],
-            felt: [zero; STRETCH],
-            error: [zero; STRETCH],
-            turn: [zero; STRETCH],
-        };
+        let (mut stretch, mut error, mut turn) = (Stretch::new(), [zero; STRETCH], [zero; STRETCH]);
         if self.first == self.shared.still_samples && self.first > 0 {
             self.members.level(self.shared);
         }
@@ -67,21 +75,52 @@ impl<T: Real> Simulate<'_, T> {
         let mut from = self.first;
         while from < end {
             let until = end.min((from / STRETCH as u64 + 1) * STRETCH as u64);
-            self.samples(level, from, until, &mut stretch);
+            let count = (until - from) as usize;
+            let out = Errors { error: &mut error[..count], turn: &mut turn[..count] };
+            self.samples(level, from, until, &mut stretch, out);
             from = until;
         }
     }
 
     /// Samples `from` to `until`, all of one stretch.
-    fn samples(&mut self, level: Level, from: u64, until: u64, stretch: &mut Stretch<T>) {
+    fn samples(&mut self, level: Level, from: u64, until: u64, stretch: &mut Stretch<T>, out: Errors<'_, T>) {
+        let Errors { error, turn } = out;
+        let turns = self.read(level, from, until, stretch, Errors { error: &mut *error, turn: &mut *turn });
+        let (shared, m) = (self.shared, &mut *self.members);
+        let still = from < shared.still_samples;
+        if shared.still_samples > 0 && !still {
+            level.run(TakeOff { mean: &m.mean, out: error });
+            if turns {
+                level.run(TakeOff { mean: &m.gyro_mean, out: turn });
+            }
+        }
+        let tilt_gain = if still { T::of(0.0) } else { shared.tilt_gain };
+        let turn = turns.then_some(&*turn);
+        level.run(Integrate { sums: &mut m.sums, end: until, error, turn, tilt_gain, e: &m.e });
+        if let Some(last) = error.last() {
+            m.acceleration = *last;
+        }
+    }
+
+    /// Errors of the readings of samples `from` to `until`, all of one stretch, with what a still start will take off; returns
+    /// whether some gyro has any.
+    pub(super) fn read(
+        &mut self,
+        level: Level,
+        from: u64,
+        until: u64,
+        stretch: &mut Stretch<T>,
+        out: Errors<'_, T>,
+    ) -> bool {
         let (shared, m) = (self.shared, &mut *self.members);
         // While a still start lasts, nothing moves and no tilt is integrated.
         let still = from < shared.still_samples;
         let on = m.active;
         let at = (from % STRETCH as u64) as usize;
         let here = at..at + (until - from) as usize;
-        let Stretch { numbers, slow, felt, error, turn } = stretch;
-        let (felt, error, turn) = (&mut felt[here.clone()], &mut error[here.clone()], &mut turn[here.clone()]);
+        let Stretch { numbers, slow, felt } = stretch;
+        let felt = &mut felt[here.clone()];
+        let Errors { error, turn } = out;
         let mut numbers = Numbers { level, drawer: m.draw, from, until, each: numbers, pairs: slow };
 
         let substeps = shared.substeps as usize;
@@ -128,17 +167,6 @@ impl<T: Real> Simulate<'_, T> {
         if let Some(observer) = &mut self.observer {
             error.iter().zip(&*turn).for_each(|(error, turn)| observer(error, turn));
         }
-        if shared.still_samples > 0 && !still {
-            level.run(TakeOff { mean: &m.mean, out: error });
-            if turns {
-                level.run(TakeOff { mean: &m.gyro_mean, out: turn });
-            }
-        }
-        let tilt_gain = if still { T::of(0.0) } else { shared.tilt_gain };
-        let turn = turns.then_some(&*turn);
-        level.run(Integrate { sums: &mut m.sums, end: until, error, turn, tilt_gain, e: &m.e });
-        if let Some(last) = error.last() {
-            m.acceleration = *last;
-        }
+        turns
     }
 }

@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::Shader;
-use crate::kernel::layout::{self, Bins, OrbitTile, Partial, Report, Tile};
+use crate::kernel::layout::{self, Bins, Flight, OrbitTile, Partial, Report, Tile};
 use crate::kernel::source;
 use crate::physics::coefficients::laws;
 use crate::sensor::SensorTerm;
@@ -23,7 +23,8 @@ fn parsed(shader: &Shader) -> naga::Module {
 fn all() -> Vec<Shader> {
     let drawing =
         [false, true].map(|int64| [source::simulate(int64, laws()), source::lyapunov(int64), source::poincare(int64)]);
-    let others = [source::reduce(), source::compensation(), source::peak()];
+    let traced = source::simulate_traced(false, laws());
+    let others = [source::reduce(), source::compensation(), source::peak(), source::navigate(), traced];
     drawing.into_iter().flatten().chain(others).collect()
 }
 
@@ -106,12 +107,15 @@ fn structs_have_the_same_members_at_the_same_places() {
     let orbit = || mirror!(OrbitTile { seed, first, points, steps, begin, periods, counted, strobe, padding });
     let report = mirror!(Report { members, stride, number, blocks, counts }
         "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
+    let flight = mirror!(Flight { members, stride, samples, since, sample_s, free, zero, cosine, sine }
+        "padding_0" at 36, "padding_1" at 40, "padding_2" at 44);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [
         (source::simulate(false, laws()), "Tile", tile()),
         (source::simulate(false, laws()), "Bins", mirror!(Bins { begin, per_unit })),
         (source::simulate(false, laws()), "Partial", partial),
         (source::reduce(), "Report", report),
+        (source::navigate(), "Flight", flight),
         (source::lyapunov(false), "OrbitTile", orbit()),
         (source::poincare(false), "OrbitTile", orbit()),
     ] {
@@ -130,6 +134,8 @@ fn a_shifted_member_is_noticed() {
 fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
         (source::simulate(false, laws()), 6, layout::SIMULATE_WORKGROUP),
+        (source::simulate_traced(false, laws()), 7, layout::SIMULATE_WORKGROUP),
+        (source::navigate(), 10, layout::NAVIGATE_WORKGROUP),
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
         (source::poincare(false), 5, layout::ORBIT_WORKGROUP),
@@ -173,6 +179,7 @@ fn has(shader: &Shader, name: &str, value: &str) {
 fn columns_and_bounds_agree() {
     let simulate = source::simulate(false, laws());
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
+    assert!(source::navigate().text.contains(&format!("array<vec4<f32>, {}>", layout::PASSAGES)));
     let reduce = source::reduce();
     has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
     has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));

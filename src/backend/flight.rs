@@ -1,0 +1,230 @@
+//! Six-axis ensembles on the CPU: lanes × threads, as `cpu` has them for one axis.
+//!
+//! What every member is summed to stands here as well. Not for batches, pilots or progress over them: that is `strapdown`.
+
+use std::ops::Range;
+
+use super::cpu::{Precision, column, processor_name};
+use super::tile;
+use crate::error::Result;
+use crate::kernel::cpu::imu::{Imu, Row, Tile};
+use crate::kernel::cpu::lanes::{LANES, Level};
+use crate::kernel::cpu::members::{Members, Shared};
+use crate::kernel::cpu::reduce::BLOCK;
+use crate::kernel::flight::Flight;
+use crate::kernel::force;
+use crate::kernel::job::Job;
+use crate::numerics::elementary::Real;
+use crate::parallel;
+use crate::statistics::{Bins, Histogram, Machine, Moments};
+
+/// What is summed of every member at every report time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Position error along an axis of north-east-down, m.
+    Position(usize),
+    /// Velocity error along one, m/s.
+    Velocity(usize),
+    /// Attitude error: roll, pitch, heading, rad.
+    Attitude(usize),
+    /// Horizontal distance from the truth, m.
+    Horizontal,
+    /// Distance from the truth, m.
+    Spherical,
+    /// North plus east position error, m: its variance holds their covariance.
+    NorthPlusEast,
+}
+
+/// How many quantities there are.
+pub const QUANTITIES: usize = 12;
+
+impl Quantity {
+    /// Its place in a row of sums.
+    pub const fn place(self) -> usize {
+        match self {
+            Self::Position(axis) => axis,
+            Self::Velocity(axis) => 3 + axis,
+            Self::Attitude(axis) => 6 + axis,
+            Self::Horizontal => 9,
+            Self::Spherical => 10,
+            Self::NorthPlusEast => 11,
+        }
+    }
+}
+
+fn quantities(row: &Row) -> [f64; QUANTITIES] {
+    let [north, east, down, ..] = *row;
+    let horizontal = north.hypot(east);
+    let mut all = [0.0; QUANTITIES];
+    all[..9].copy_from_slice(row);
+    all[Quantity::Horizontal.place()] = horizontal;
+    all[Quantity::Spherical.place()] = horizontal.hypot(down);
+    all[Quantity::NorthPlusEast.place()] = north + east;
+    all
+}
+
+/// A batch at one report time.
+#[derive(Debug, Clone, Default)]
+pub struct Sums {
+    /// Moments of each block of 256 members, in order.
+    pub blocks: Vec<[Moments; QUANTITIES]>,
+    /// Counts per quantity; empty where no bins were given.
+    pub histograms: Vec<Histogram>,
+    /// Members that have failed by then.
+    pub failed: u64,
+}
+
+impl Sums {
+    /// Sums up members in their order; a row is missing where one failed.
+    pub fn of(rows: &[Option<Row>], bins: Option<&[Bins; QUANTITIES]>) -> Self {
+        let mut sums =
+            Self { histograms: bins.map_or_else(Vec::new, |b| b.map(Histogram::new).into()), ..Self::default() };
+        for block in rows.chunks(BLOCK) {
+            let there = block.iter().flatten().map(quantities);
+            sums.blocks.push(Moments::of_each(there.clone()));
+            sums.failed += (block.len() - there.clone().count()) as u64;
+            for row in there {
+                sums.histograms.iter_mut().zip(row).for_each(|(h, v)| h.add(v));
+            }
+        }
+        sums
+    }
+}
+
+/// Members of a flight to integrate in one go.
+pub struct FlightBatch<'a> {
+    /// The ensemble.
+    pub flight: &'a Flight,
+    /// Which members; begins at a multiple of 256.
+    pub members: Range<u64>,
+    /// Bins per report time; empty when only moments are wanted.
+    pub bins: &'a [[Bins; QUANTITIES]],
+    /// Asked after each tile whether to stop there.
+    pub stop: &'a (dyn Fn() -> bool + Sync),
+    /// Told how many member-samples were done since the last call.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+}
+
+/// The CPU.
+#[derive(Debug, Clone, Copy)]
+pub struct FlightCpu {
+    /// Precision.
+    pub precision: Precision,
+    /// Instruction set.
+    pub level: Level,
+    /// Most samples per tile.
+    pub tile_samples: u64,
+}
+
+impl Default for FlightCpu {
+    fn default() -> Self {
+        Self { precision: Precision::F32, level: Level::best(), tile_samples: 512 }
+    }
+}
+
+/// Substeps of an axis tabulated at a time.
+const MOST_SUBSTEPS: u64 = 8192;
+
+/// Something that integrates flights.
+pub trait FlightBackend {
+    /// What it is, for provenance.
+    fn machine(&self, flight: &Flight) -> Machine;
+
+    /// Members per batch that suit it.
+    fn batch_members(&self) -> u64;
+
+    /// Integrates a batch; nothing where it was stopped.
+    ///
+    /// # Errors
+    /// A member that the integrator cannot step; a device that was lost.
+    fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>>;
+
+    /// Whether the device itself has failed.
+    fn has_failed(&self) -> bool {
+        false
+    }
+}
+
+impl FlightBackend for FlightCpu {
+    fn machine(&self, flight: &Flight) -> Machine {
+        Machine {
+            kind: "cpu".to_owned(),
+            name: processor_name(),
+            driver: format!("{}, {} threads", self.level.name(), parallel::threads()),
+            precision: if self.precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
+            fused_multiply_add: if self.level.fused() { "yes" } else { "no" }.to_owned(),
+            integrator: flight.axes[0].integrator.to_string(),
+        }
+    }
+
+    fn batch_members(&self) -> u64 {
+        8192
+    }
+
+    fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>> {
+        let mut reports = Vec::new();
+        let sum = |at: usize, rows: &[Option<Row>]| reports.push(Sums::of(rows, batch.bins.get(at)));
+        let done = match self.precision {
+            Precision::F32 => self.integrate::<f32>(batch, sum)?,
+            Precision::F64 => self.integrate::<f64>(batch, sum)?,
+        };
+        Ok(done.then_some(reports))
+    }
+}
+
+impl FlightCpu {
+    /// Integrates a batch and hands over the members' errors at every report time; `false` where it was stopped.
+    ///
+    /// # Errors
+    /// A member that the integrator cannot step.
+    pub fn integrate<T: Real>(
+        &self,
+        batch: &FlightBatch<'_>,
+        mut report: impl FnMut(usize, &[Option<Row>]),
+    ) -> Result<bool> {
+        let flight = batch.flight;
+        let clock = flight.clock();
+        let shared = flight.axes.each_ref().map(Shared::<T>::of);
+        let size = batch.members.end - batch.members.start;
+        let starts: Vec<u64> = batch.members.clone().step_by(LANES).collect();
+        let mut groups =
+            parallel::map(&starts, |first| draw::<T>(flight, *first, batch.members.end, shared[0].flicker.len()))
+                .into_iter()
+                .collect::<Result<Vec<Imu<T>>>>()?;
+        let substeps = shared.iter().map(|s| u64::from(s.substeps)).max().unwrap_or(1);
+        let most = self.tile_samples.min(MOST_SUBSTEPS / substeps).max(4);
+        let mut from = 0;
+        while let Some(next) = tile::next(clock, from, most) {
+            let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
+            let force = flight.axes.each_ref().map(|job| force::table::<T>(job, first, count));
+            let passages = match first.checked_sub(clock.still_samples) {
+                Some(passed) => flight.course.table::<T>(passed, count),
+                None => Vec::new(),
+            };
+            let tile = Tile { flight, shared: &shared, force: &force, passages: &passages, first, count };
+            parallel::for_each_mut(&mut groups, |_, group| group.run(&tile, self.level));
+            from = next.samples.end;
+            (batch.progress)(count * size);
+            if let Some(at) = next.report {
+                let snapshots = parallel::map(&groups, |group| group.snapshot(flight, from));
+                let mut rows: Vec<Option<Row>> = snapshots.into_iter().flatten().collect();
+                rows.truncate(size as usize);
+                report(at, &rows);
+            }
+            if from < clock.samples && (batch.stop)() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// The 64 members from `first` on, below `end`.
+fn draw<T: Real>(flight: &Flight, first: u64, end: u64, flicker_terms: usize) -> Result<Imu<T>> {
+    let axis = |job: &Job| {
+        let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i));
+        Members::new(job.seed, first, columns, flicker_terms)
+    };
+    let [x, y, z] = &flight.axes;
+    Ok(Imu::new(flight, first, [axis(x)?, axis(y)?, axis(z)?]))
+}

@@ -1,0 +1,345 @@
+//! Six-axis ensembles on a device: three one-axis ensembles that write every reading's errors, and the navigation that reads
+//! them, tile by tile.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use bytemuck::{bytes_of, cast_slice};
+
+use super::simulate::{Plan, Shape, forces};
+use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
+use crate::backend::flight::{FlightBackend, FlightBatch, QUANTITIES, Sums};
+use crate::backend::{Batch, tile};
+use crate::error::{Error, Result};
+use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
+use crate::kernel::layout::{
+    self, BLOCK, NAVIGATE_ATTITUDE, NAVIGATE_STATE, NAVIGATE_WORKGROUP, SIMULATE_WORKGROUP, state,
+};
+use crate::kernel::passage::NUMBERS;
+use crate::kernel::source;
+use crate::statistics::histogram::BINS;
+use crate::statistics::{Bins, Machine};
+
+/// Samples of a tile: what the three axes write of it stays in the cache of a software adapter.
+const TILE: u64 = 64;
+/// Samples summed before they are added to totals, as `navigate` does it.
+const CHUNK: u64 = 64;
+/// Seconds a submission should take.
+const TARGET_S: f64 = 0.08;
+/// Most samples of a submission.
+const MOST_SAMPLES: u64 = 1 << 14;
+/// Groups of four quantities, as the reduction takes them.
+const GROUPS: usize = QUANTITIES / 4;
+
+/// Six-axis ensembles on a GPU.
+pub struct Flights {
+    gpu: Arc<Gpu>,
+}
+
+impl Flights {
+    /// On an open device.
+    pub fn on(gpu: Arc<Gpu>) -> Self {
+        Self { gpu }
+    }
+}
+
+impl FlightBackend for Flights {
+    fn machine(&self, flight: &Flight) -> Machine {
+        Machine {
+            kind: "gpu".to_owned(),
+            name: self.gpu.adapter.name.clone(),
+            driver: self.gpu.adapter.driver.clone(),
+            precision: "f32".to_owned(),
+            fused_multiply_add: "as the driver compiles fma()".to_owned(),
+            integrator: flight.axes[0].integrator.to_string(),
+        }
+    }
+
+    fn batch_members(&self) -> u64 {
+        if self.gpu.adapter.hardware { 1 << 17 } else { 1 << 12 }
+    }
+
+    fn run(&mut self, batch: &FlightBatch<'_>) -> Result<Option<Vec<Sums>>> {
+        Carried::new(&self.gpu, batch)?.run(&self.gpu)
+    }
+
+    fn has_failed(&self) -> bool {
+        self.gpu.has_failed()
+    }
+}
+
+/// What one group of quantities is summed to.
+struct Group {
+    errors: Buffer,
+    bins: Buffer,
+    each: Vec<[Bins; 4]>,
+    partials: Buffer,
+    counts: Buffer,
+}
+
+impl Group {
+    fn new(gpu: &Gpu, batch: &FlightBatch<'_>, stride: u32, group: usize) -> Result<Self> {
+        let reports = batch.flight.clock().report_samples.len() as u64;
+        let each: Vec<[Bins; 4]> = batch.bins.iter().map(|bins| std::array::from_fn(|q| bins[4 * group + q])).collect();
+        let mut bins: Vec<layout::Bins> =
+            each.iter().flatten().map(|b| layout::Bins { begin: b.from, per_unit: b.per_unit }).collect();
+        bins.resize(reports as usize * 4, layout::Bins { begin: 0.0, per_unit: 0.0 });
+        let blocks = u64::from(stride / BLOCK);
+        Ok(Self {
+            errors: gpu.zeros(4 * u64::from(stride) * 5)?,
+            bins: gpu.upload(cast_slice(&bins))?,
+            partials: gpu.zeros(reports * blocks * 4 * size_of::<layout::Partial>() as u64)?,
+            counts: gpu.zeros(if each.is_empty() { 4 } else { reports * 4 * 4 * (BINS as u64 + 2) })?,
+            each,
+        })
+    }
+}
+
+/// A batch on the device.
+struct Carried<'a> {
+    batch: &'a FlightBatch<'a>,
+    axes: Vec<Plan>,
+    traces: Vec<Buffer>,
+    navigate: Kernel,
+    reduce: Kernel,
+    given: Buffer,
+    state: Buffer,
+    groups: Vec<Group>,
+    members: u32,
+    stride: u32,
+}
+
+/// Uniforms of one tile.
+struct Uniforms {
+    tiles: Vec<[Buffer; 2]>,
+    flight: Buffer,
+    passages: Buffer,
+    report: Buffer,
+}
+
+impl<'a> Carried<'a> {
+    fn new(gpu: &Gpu, batch: &'a FlightBatch<'a>) -> Result<Self> {
+        let flight = batch.flight;
+        if flight.axes.iter().any(|job| job.steps_per_sample() * TILE >= layout::FORCES as u64) {
+            return Err(Error::new(
+                "could not simulate on the GPU",
+                format!("a sample has more than {} substeps", layout::FORCES as u64 / TILE),
+                "use --backend cpu, or a longer step_s",
+            ));
+        }
+        let plan = |axis: usize| Plan::new(gpu, &Batch::whole(&flight.axes[axis], batch.members.clone()), true);
+        let axes: Vec<Plan> = (0..3).map(plan).collect::<Result<_>>()?;
+        let (members, stride) = (axes[0].members, axes[0].stride);
+        let flags = [
+            ("ROUND", flight.course.earth.latitude_rad.is_some()),
+            ("COUPLED", flight.coupling.is_some()),
+            ("TAKEN", flight.clock().still_samples > 0),
+        ];
+        let constants = flags.map(|(name, on)| (name, f64::from(u8::from(on))));
+        let trace = || gpu.zeros(4 * 2 * TILE * u64::from(stride));
+        let carried = Self {
+            batch,
+            traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
+            navigate: gpu.kernel(&source::navigate(), &constants)?,
+            reduce: gpu.kernel(&source::reduce(), &[])?,
+            given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS as u64))?,
+            state: gpu.zeros(4 * u64::from(stride) * NAVIGATE_STATE as u64)?,
+            groups: (0..GROUPS).map(|g| Group::new(gpu, batch, stride, g)).collect::<Result<_>>()?,
+            axes,
+            members,
+            stride,
+        };
+        if flight.clock().still_samples == 0 {
+            carried.begin(gpu, None)?;
+        }
+        Ok(carried)
+    }
+
+    /// Sends what the members begin to navigate with; `means`: what the still start of each axis has found, accelerometers and
+    /// gyros, member by member.
+    fn begin(&self, gpu: &Gpu, means: Option<&[Vec<(f32, f32)>]>) -> Result<()> {
+        let (flight, stride) = (self.batch.flight, self.stride as usize);
+        let mut given = vec![0.0_f32; stride * (6 + COUPLINGS)];
+        let mut state = vec![0.0_f32; stride * NAVIGATE_STATE];
+        for i in 0..self.members as usize {
+            let member = self.batch.members.start + i as u64;
+            let begin = match means {
+                None => flight.begin(member, None),
+                Some(means) => {
+                    let of = |axis: usize| (f64::from(means[axis][i].0), f64::from(means[axis][i].1));
+                    let begin = flight.aligned(member, std::array::from_fn(of));
+                    for axis in 0..3 {
+                        // The readings come without their means: what is taken off instead is the difference.
+                        let (accelerometer, gyro) = of(axis);
+                        given[axis * stride + i] = (begin.accelerometer[axis] - accelerometer) as f32;
+                        given[(3 + axis) * stride + i] = (begin.gyro[axis] - gyro) as f32;
+                    }
+                    begin
+                }
+            };
+            for axis in 0..3 {
+                let value = begin.attitude[axis];
+                state[(NAVIGATE_ATTITUDE + axis) * stride + i] = value as f32;
+                state[(NAVIGATE_ATTITUDE + 3 + axis) * stride + i] = (value - f64::from(value as f32)) as f32;
+            }
+            if let Some(coupling) = &flight.coupling {
+                let numbers = coupling(member).numbers();
+                numbers.iter().enumerate().for_each(|(k, v)| given[(6 + k) * stride + i] = *v as f32);
+            }
+        }
+        gpu.write(&self.given, cast_slice(&given))?;
+        gpu.write(&self.state, cast_slice(&state))
+    }
+
+    /// The mean errors of an axis over the still start, as its kernel takes them off.
+    fn means(&self, gpu: &Gpu, axis: usize) -> Result<Vec<(f32, f32)>> {
+        let (plan, stride) = (&self.axes[axis], self.stride as usize);
+        let bytes = gpu.read(&plan.state, 4 * u64::from(self.stride) * state::TERMS as u64)?;
+        let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+        let at = |place: usize, i: usize| numbers[place * stride + i];
+        let share = self.batch.flight.clock().still_share() as f32;
+        let mean = |total: usize, part: usize, i: usize| share * (at(total, i) + (at(part, i) + at(total + 1, i)));
+        let of = |i: usize| (mean(state::VELOCITY_TOTAL, state::VELOCITY, i), mean(state::RATE_TOTAL, state::RATE, i));
+        Ok((0..self.members as usize).map(of).collect())
+    }
+
+    /// All of it; nothing where it was stopped.
+    fn run(&self, gpu: &Gpu) -> Result<Option<Vec<Sums>>> {
+        let clock = self.batch.flight.clock();
+        let (mut from, mut samples) = (0, 4 * TILE);
+        while from < clock.samples {
+            let still = from < clock.still_samples;
+            let budget = if still { samples.min(clock.still_samples - from) } else { samples };
+            let tiles = self.tiles(from, budget);
+            let Some(last) = tiles.last() else { break };
+            if from == clock.still_samples && from > 0 {
+                let means = (0..3).map(|axis| self.means(gpu, axis)).collect::<Result<Vec<_>>>()?;
+                self.begin(gpu, Some(&means))?;
+            }
+            let begun = Instant::now();
+            let count = last.samples.end - from;
+            from = last.samples.end;
+            let submitted = self.submit(gpu, &tiles)?;
+            gpu.wait(&submitted)?;
+            samples = tile::adapt(count, begun.elapsed().as_secs_f64(), TARGET_S).clamp(TILE, MOST_SAMPLES);
+            (self.batch.progress)(count * u64::from(self.members));
+            if from < clock.samples && (self.batch.stop)() {
+                return Ok(None);
+            }
+        }
+        self.sums(gpu).map(Some)
+    }
+
+    /// The tiles from a sample on: none of them passes the end of the still start, a multiple of [`CHUNK`] after it or a report.
+    fn tiles(&self, mut from: u64, budget: u64) -> Vec<tile::Tile> {
+        let clock = self.batch.flight.clock();
+        let (mut tiles, until) = (Vec::new(), from + budget);
+        while from < until {
+            let room = match from.checked_sub(clock.still_samples) {
+                Some(passed) => CHUNK - passed % CHUNK,
+                None => TILE,
+            };
+            let Some(next) = tile::next(clock, from, TILE.min(room)) else { break };
+            if next.samples.start < clock.still_samples && next.samples.end == clock.still_samples {
+                tiles.push(next);
+                break;
+            }
+            from = next.samples.end;
+            tiles.push(next);
+        }
+        tiles
+    }
+
+    fn uniforms(&self, gpu: &Gpu, next: &tile::Tile) -> Result<Uniforms> {
+        let flight = self.batch.flight;
+        let clock = flight.clock();
+        let (first, count) = (next.samples.start, next.samples.end - next.samples.start);
+        let axis = |axis: usize| -> Result<[Buffer; 2]> {
+            let tile = layout::Tile { first_sample: first as u32, samples: count as u32, ..self.axes[axis].tile };
+            let force = forces(&flight.axes[axis], first, count);
+            Ok([gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?])
+        };
+        let passed = first.saturating_sub(clock.still_samples);
+        let heading_rad = flight.heading_rad(passed + count);
+        let shared = layout::Flight {
+            members: self.members,
+            stride: self.stride,
+            samples: count as u32,
+            since: (passed % CHUNK) as u32,
+            sample_s: clock.sample_s() as f32,
+            free: if flight.vertical == Vertical::Free { 1.0 } else { 0.0 },
+            zero: 0,
+            cosine: heading_rad.cos() as f32,
+            sine: heading_rad.sin() as f32,
+            padding: [0; 3],
+        };
+        let mut passages = vec![0.0_f32; 4 * layout::PASSAGES];
+        if first >= clock.still_samples {
+            for (n, numbers) in passages.chunks_exact_mut(NUMBERS).take(count as usize).enumerate() {
+                let passage = flight.course.passage(passed + n as u64).numbers();
+                numbers.iter_mut().zip(passage).for_each(|(to, from)| *to = from as f32);
+            }
+        }
+        let report = layout::Report {
+            members: self.members,
+            stride: self.stride,
+            number: next.report.unwrap_or(0) as u32,
+            blocks: self.stride / BLOCK,
+            counts: u32::from(!self.batch.bins.is_empty()),
+            padding: [0; 3],
+        };
+        Ok(Uniforms {
+            tiles: (0..3).map(axis).collect::<Result<_>>()?,
+            flight: gpu.uniform(bytes_of(&shared))?,
+            passages: gpu.uniform(cast_slice(&passages))?,
+            report: gpu.uniform(bytes_of(&report))?,
+        })
+    }
+
+    /// Hands tiles to the device: three axes, then the navigation, then the sums of the report that a tile ends with.
+    fn submit(&self, gpu: &Gpu, tiles: &[tile::Tile]) -> Result<Submission> {
+        let still_samples = self.batch.flight.clock().still_samples;
+        let uniforms = tiles.iter().map(|tile| self.uniforms(gpu, tile)).collect::<Result<Vec<_>>>()?;
+        let mut buffers: Vec<(&Kernel, Vec<&Buffer>, u32)> = Vec::new();
+        for (tile, shared) in tiles.iter().zip(&uniforms) {
+            for (axis, [uniform, force]) in shared.tiles.iter().enumerate() {
+                let plan = &self.axes[axis];
+                let bound =
+                    vec![uniform, &plan.columns, &plan.turns, &plan.state, force, &plan.errors, &self.traces[axis]];
+                buffers.push((&plan.simulate, bound, self.stride / SIMULATE_WORKGROUP));
+            }
+            if tile.samples.start < still_samples {
+                continue;
+            }
+            let [x, y, z] = [&self.traces[0], &self.traces[1], &self.traces[2]];
+            let errors = self.groups.iter().map(|group| &group.errors);
+            let bound = [&shared.flight, &shared.passages, x, y, z, &self.given, &self.state];
+            buffers.push((&self.navigate, bound.into_iter().chain(errors).collect(), self.stride / NAVIGATE_WORKGROUP));
+            if tile.report.is_some() {
+                for group in &self.groups {
+                    let bound = vec![&shared.report, &group.errors, &group.bins, &group.partials, &group.counts];
+                    buffers.push((&self.reduce, bound, self.stride / BLOCK));
+                }
+            }
+        }
+        let work: Vec<Dispatch<'_>> = buffers
+            .iter()
+            .map(|(kernel, buffers, workgroups)| Dispatch { kernel, buffers, workgroups: *workgroups })
+            .collect();
+        gpu.submit(&work)
+    }
+
+    fn sums(&self, gpu: &Gpu) -> Result<Vec<Sums>> {
+        let reports = self.batch.flight.clock().report_samples.len();
+        let shape = Shape { reports, blocks: (self.stride / BLOCK) as usize, members: self.members };
+        let groups = self.groups.iter().map(|g| shape.partials(gpu, [&g.partials, &g.counts], &g.each));
+        let groups = groups.collect::<Result<Vec<_>>>()?;
+        let report = |k: usize| {
+            let blocks = groups[0][k].blocks.iter().enumerate();
+            let blocks = blocks.map(|(b, _)| std::array::from_fn(|q| groups[q / 4][k].blocks[b][q % 4])).collect();
+            let histograms = groups.iter().flat_map(|g| g[k].histograms.clone()).collect();
+            Sums { blocks, histograms, failed: groups[0][k].failed }
+        };
+        Ok((0..reports).map(report).collect())
+    }
+}

@@ -1,0 +1,57 @@
+//! `proofmass study` of a study with a trajectory.
+
+use std::path::Path;
+
+use crate::cli::say::{say, sayln};
+use crate::document::to_json;
+use crate::ensemble::Choice;
+use crate::error::{Error, Result};
+use crate::output::{self, Folder};
+use crate::progress;
+use crate::report::strapdown as page;
+use crate::strapdown::answer::answer;
+use crate::strapdown::document::Document;
+use crate::study::Study;
+use crate::study::in_motion::InMotion;
+
+const REPORT: &str = "report.html";
+
+/// What the command line asks for.
+pub struct Asked<'a> {
+    /// The run, as its outputs are listed for a study of one axis.
+    pub request: output::Request,
+    /// Whether to go on with one that was stopped.
+    pub resume: bool,
+    /// Where to integrate.
+    pub backend: Choice,
+    /// Where to write.
+    pub path: &'a Path,
+}
+
+/// Runs it, prints the answer and writes the report.
+///
+/// # Errors
+/// As `study`; a run to resume was asked for.
+pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
+    let Asked { request, resume, backend, path } = asked;
+    if resume {
+        return Err(Error::new(
+            "could not resume",
+            "a study with a [trajectory] keeps no state when it is stopped",
+            "leave --resume out to begin anew",
+        ));
+    }
+    let mut folder = Folder::open(path, output::Request { writes: [REPORT].map(str::to_owned).into(), ..request })?;
+    let answer = answer(study, motion, backend, &progress::terminal())?;
+    if json {
+        sayln!("{}", to_json(&Document::of(study, &answer, page::findings(&answer)))?)?;
+    } else {
+        say(format_args!("{}", page::terminal(&answer)))?;
+    }
+    folder.write(REPORT, page::page(study, &answer).finish().as_bytes())?;
+    folder.finish()?;
+    if !json {
+        sayln!("report:     {}", path.join(REPORT).display())?;
+    }
+    Ok(())
+}

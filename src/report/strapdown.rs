@@ -1,0 +1,223 @@
+//! The page and the terminal text of a study in motion.
+
+mod figures;
+
+use super::html::Page;
+use super::table::Table;
+use crate::backend::flight::Quantity;
+use crate::number::{duration, significant, worth};
+use crate::statistics::Summary;
+use crate::strapdown::answer::Answer;
+use crate::strapdown::covariance::{Cause, Part};
+use crate::study::Study;
+use crate::units::DEGREE;
+
+/// The whole page.
+pub fn page(study: &Study, answer: &Answer) -> Page {
+    let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
+    page.section("How far it drifts");
+    let distance = figures::distance(answer).draw();
+    let names = ["north", "east", "down"];
+    let position = figures::spreads(answer, "Position error", "position error, sd / m", 0, names, 1.0).draw();
+    page.figure_row(&[
+        (&distance, "Distance from the truth that half and 95 of 100 navigators stay within: CEP and SEP over time."),
+        (&position, "Standard deviation along each axis, over the covariance of the linear error model."),
+    ]);
+    page.table(&position_table(answer));
+    page.list(&findings(answer));
+    page.section("Where it drifts to");
+    let (map, magnified) = figures::map(answer);
+    let scale = if magnified == 1.0 { String::new() } else { format!(", magnified {magnified} times") };
+    let caption = format!("The track from above, with the ellipses that hold 95 % of the position errors{scale}.");
+    page.figure(&map.draw(), &caption);
+    page.section("Velocity and attitude");
+    let names = ["north", "east", "down"];
+    let velocity = figures::spreads(answer, "Velocity error", "velocity error, sd / (m/s)", 3, names, 1.0).draw();
+    page.figure_row(&[
+        (&velocity, "Standard deviation of the velocity error."),
+        (&figures::attitude(answer).draw(), "Standard deviation of the attitude error about the vehicle's level axes."),
+    ]);
+    page.table(&attitude_table(answer));
+    page.section("Which error is to blame");
+    page.figure(&figures::shares(answer).draw(), "Fraction of the mean square of the horizontal position error.");
+    page.paragraph(
+        "Fraction of the mean square of the horizontal position error due to each source, and the root mean square of \
+         the position error that each makes alone at the last report time, by the linear error model.",
+    );
+    page.table(&budget_table(answer));
+    page.section("How this was made");
+    page.table(&provenance(study, answer));
+    page
+}
+
+/// The answer in a sentence.
+pub fn lede(answer: &Answer) -> String {
+    let Some(last) = answer.report.last().copied() else { return String::new() };
+    let horizontal = answer.ensemble.summary(last, Quantity::Horizontal);
+    let doubt = doubt(horizontal);
+    format!(
+        "After {} without aiding, half of {} simulated navigators are within {} m of the truth horizontally, and 95 of \
+         100 within {} m.",
+        duration(answer.ensemble.time_s[last]),
+        answer.ensemble.members - answer.ensemble.failed,
+        worth(horizontal.percentiles[2], doubt),
+        worth(horizontal.percentiles[3], 2.0 * doubt),
+    )
+}
+
+/// Standard error of a standard deviation.
+fn doubt(summary: &Summary) -> f64 {
+    summary.sd / (2.0 * summary.count.max(2) as f64).sqrt()
+}
+
+/// Position errors at the report times.
+pub fn position_table(answer: &Answer) -> Table {
+    let mut table = Table::new(&[
+        "time / s",
+        "north sd / m",
+        "east sd / m",
+        "down sd / m",
+        "CEP50 / m",
+        "CEP95 / m",
+        "SEP50 / m",
+        "SEP95 / m",
+    ]);
+    for k in &answer.report {
+        let at = |quantity| answer.ensemble.summary(*k, quantity);
+        let mut row = vec![significant(answer.ensemble.time_s[*k], 6)];
+        row.extend((0..3).map(|axis| at(Quantity::Position(axis))).map(|s| worth(s.sd, doubt(s))));
+        for quantity in [Quantity::Horizontal, Quantity::Spherical] {
+            row.extend([2, 3].map(|p| worth(at(quantity).percentiles[p], 2.0 * doubt(at(quantity)))));
+        }
+        table.row(row);
+    }
+    table
+}
+
+/// Velocity and attitude errors at the report times.
+pub fn attitude_table(answer: &Answer) -> Table {
+    let mut table = Table::new(&[
+        "time / s",
+        "north sd / (m/s)",
+        "east sd / (m/s)",
+        "down sd / (m/s)",
+        "roll sd / °",
+        "pitch sd / °",
+        "heading sd / °",
+    ]);
+    for k in &answer.report {
+        let at = |quantity, unit: f64| {
+            let summary = answer.ensemble.summary(*k, quantity);
+            worth(summary.sd / unit, doubt(summary) / unit)
+        };
+        let mut row = vec![significant(answer.ensemble.time_s[*k], 6)];
+        row.extend((0..3).map(|axis| at(Quantity::Velocity(axis), 1.0)));
+        row.extend((0..3).map(|axis| at(Quantity::Attitude(axis), DEGREE)));
+        table.row(row);
+    }
+    table
+}
+
+/// What each source does to the position.
+pub fn budget_table(answer: &Answer) -> Table {
+    let covariance = &answer.covariance;
+    let times = answer.report_times_s();
+    let mut headings = vec!["source".to_owned()];
+    headings.extend(times.iter().map(|t| format!("{} s", significant(*t, 6))));
+    headings.extend(["horizontal / m".to_owned(), "down / m".to_owned()]);
+    let mut table = Table { headings, rows: Vec::new() };
+    let Some(last) = answer.report.last().copied() else { return table };
+    let mut parts: Vec<&Part> = answer.parts().collect();
+    parts.sort_by(|a, b| covariance.horizontal_m2(b, last).total_cmp(&covariance.horizontal_m2(a, last)));
+    for part in parts {
+        let mut row = vec![part.cause.name().to_owned()];
+        row.extend(answer.report.iter().map(|k| format!("{:.1} %", 100.0 * covariance.fraction(part, *k))));
+        let down_m = (part.variance[last][2] + part.mean[last][2].powi(2)).sqrt();
+        row.extend([covariance.horizontal_m2(part, last).sqrt(), down_m].map(|m| significant(m, 3)));
+        table.row(row);
+    }
+    table
+}
+
+/// Whether the ensemble is what the linear model says, and what that model leaves out.
+pub fn findings(answer: &Answer) -> Vec<String> {
+    let mut all = Vec::new();
+    let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
+    if let Some(apart) = worst {
+        let left_out = names(&answer.covariance.left_out);
+        let cause = match left_out.is_empty() {
+            true => "the errors are no longer small".to_owned(),
+            false => {
+                format!("the errors are no longer small, or {left_out}, which the linear model leaves out, matters")
+            }
+        };
+        all.push(format!(
+            "The ensemble departs from the linear covariance: after {} the standard deviation of the {} is {} times the \
+             linear one ({} standard errors), so {cause}. The ensemble is the answer.",
+            duration(apart.time_s),
+            quantity_name(apart.quantity),
+            significant(apart.ratio, 4),
+            significant(apart.standard_errors, 2),
+        ));
+    }
+    all
+}
+
+fn names(causes: &[Cause]) -> String {
+    causes.iter().map(|cause| cause.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn quantity_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Position(0) => "position error north",
+        Quantity::Position(1) => "position error east",
+        Quantity::Position(_) => "position error down",
+        Quantity::Velocity(0) => "velocity error north",
+        Quantity::Velocity(1) => "velocity error east",
+        Quantity::Velocity(_) => "velocity error down",
+        Quantity::Attitude(0) => "roll error",
+        Quantity::Attitude(1) => "pitch error",
+        Quantity::Attitude(_) => "heading error",
+        Quantity::Horizontal => "horizontal distance",
+        Quantity::Spherical => "distance",
+        Quantity::NorthPlusEast => "north plus east error",
+    }
+}
+
+fn provenance(study: &Study, answer: &Answer) -> Table {
+    let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
+    let rate = ensemble.member_steps as f64 / ensemble.seconds.max(1e-9);
+    let mut table = Table::new(&["what", "value"]);
+    for (what, value) in [
+        ("version", format!("proofmass {}", env!("CARGO_PKG_VERSION"))),
+        ("seed", study.seed.to_string()),
+        ("members", format!("{} ({} failed and left out)", ensemble.members, ensemble.failed)),
+        ("run", format!("{} s in steps of {} s", study.duration_s(), study.clock.step_s)),
+        ("backend", format!("{}: {}, {}", machine.kind, machine.name, machine.driver)),
+        ("precision", machine.precision.clone()),
+        ("integrator of the proof mass", machine.integrator.clone()),
+        ("speed", format!("{} million member-steps/s", significant(rate / 1e6, 3))),
+    ] {
+        table.row([what.to_owned(), value]);
+    }
+    table
+}
+
+/// What the terminal shows.
+pub fn terminal(answer: &Answer) -> String {
+    let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
+    let findings: String = findings(answer).iter().map(|sentence| format!("{sentence}\n\n")).collect();
+    format!(
+        "{}\n\nposition error\n{}\nvelocity and attitude error\n{}\nerror budget: share of the mean square horizontal error; rms alone at the end\n{}\n{findings}integrator: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        lede(answer),
+        position_table(answer),
+        attitude_table(answer),
+        budget_table(answer),
+        machine.integrator,
+        machine.name,
+        machine.kind,
+        machine.precision,
+        duration(ensemble.seconds),
+        significant(ensemble.member_steps as f64 / 1e6, 3),
+    )
+}

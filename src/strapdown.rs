@@ -1,0 +1,13 @@
+//! Six axes along a trajectory: how far a strapdown navigator drifts, in which direction, and which error is to blame.
+//!
+//! Study in motion × backend → sums → envelopes, with the linear covariance beside each. Not for one axis at rest on a flat
+//! Earth: that is `drift`.
+
+pub mod answer;
+pub mod backends;
+pub mod covariance;
+pub mod document;
+mod family;
+mod held;
+mod linear;
+pub mod run;

@@ -1,0 +1,39 @@
+//! Which backend a flight gets, and what happens where a device fails.
+
+use std::sync::Arc;
+
+use super::run::{Ensemble, run};
+use crate::backend::flight::FlightCpu;
+use crate::backend::gpu::Gpu;
+use crate::backend::gpu::flight::Flights;
+use crate::control::Control;
+use crate::ensemble::Choice;
+use crate::error::Result;
+use crate::kernel::flight::Flight;
+
+/// Member-steps below which the CPU is done before a GPU is open.
+const WORTH_A_GPU: u64 = 500_000_000;
+
+/// Integrates a flight where the choice says. Where it is automatic and a GPU fails, the CPU begins anew.
+///
+/// # Errors
+/// A GPU was asked for and there is none, or it fails; whatever stops a run.
+pub fn run_on(choice: Choice, flight: &Flight, control: &Control) -> Result<Ensemble> {
+    let gpu = match choice {
+        Choice::Cpu => None,
+        Choice::Gpu => Some(Gpu::open()?),
+        Choice::Auto if flight.member_steps() < WORTH_A_GPU => None,
+        Choice::Auto => Gpu::hardware().unwrap_or_else(|error| {
+            control.remark(&format!("note: {}: {}. The CPU is used instead.", error.attempt, error.cause));
+            None
+        }),
+    };
+    let Some(gpu) = gpu.map(Arc::new) else { return run(flight, &mut FlightCpu::default(), control) };
+    match run(flight, &mut Flights::on(gpu.clone()), control) {
+        Err(error) if choice == Choice::Auto && gpu.has_failed() => {
+            control.remark(&format!("note: {} failed: {}. The CPU begins anew.", gpu.adapter.name, error.cause));
+            run(flight, &mut FlightCpu::default(), control)
+        }
+        done => done,
+    }
+}

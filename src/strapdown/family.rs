@@ -1,0 +1,168 @@
+//! Errors of one law on all axes of one instrument, as the covariance carries them: a constant with a gain that follows the
+//! motion, white noise, a random walk, a held process.
+//!
+//! After a still start what it has found is taken off: a constant input c beside the process itself, correlated with it.
+
+use nalgebra::{SMatrix, Vector3};
+
+use super::linear::{Drive, Square, Step};
+
+type Inputs = SMatrix<f64, 6, 6>;
+
+/// The response to one constant that is drawn: a column of a root of the covariance.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Errors per unit of the constant.
+    pub state: SMatrix<f64, 9, 1>,
+    /// What a still start takes off the inputs, per unit.
+    pub taken: SMatrix<f64, 6, 1>,
+    /// The input that it acts on, and how.
+    pub gain: Gain,
+    /// Mean of the constant.
+    pub mean: f64,
+    /// Its variance.
+    pub variance: f64,
+}
+
+/// What a constant is multiplied by to be an input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gain {
+    /// It is no input; it acts by what was taken off or by where the state began.
+    None,
+    /// One, on this input.
+    One(usize),
+    /// Specific force along a body axis to a power, on this input.
+    Force(usize, usize, i32),
+    /// Angular rate about a body axis, on this input.
+    Rate(usize, usize),
+    /// Time from the beginning of the run, on this input; the still start lasted so long, s.
+    Time(usize, f64),
+}
+
+impl Gain {
+    /// The inputs at a time after the end of the still start, with this body force and rate.
+    pub fn inputs(self, [force, rate]: &[Vector3<f64>; 2], time_s: f64) -> SMatrix<f64, 6, 1> {
+        let mut inputs = SMatrix::zeros();
+        match self {
+            Self::None => {}
+            Self::One(input) => inputs[input] = 1.0,
+            Self::Force(input, axis, power) => inputs[input] = force[axis].powi(power),
+            Self::Rate(input, axis) => inputs[input] = rate[axis],
+            Self::Time(input, still_s) => inputs[input] = still_s + time_s,
+        }
+        inputs
+    }
+}
+
+impl Column {
+    /// Takes it through a step that begins `time_s` after the end of the still start.
+    pub fn advance(&mut self, step: &Step, time_s: f64) {
+        let inputs = self.gain.inputs(&step.body(), time_s + 0.5 * step.seconds) - self.taken;
+        self.state = step.transition * self.state + step.response * inputs;
+    }
+}
+
+/// How the inputs of a family go on.
+#[derive(Debug, Clone)]
+pub enum Process {
+    /// White noise of these densities, unit²·s.
+    White([f64; 6]),
+    /// Random walks with these K², unit²/s.
+    Walk([f64; 6]),
+    /// Held for so many steps, beginning at a phase, then renewed: e⁻¹ is kept; with these variances.
+    Held {
+        /// Steps between renewals.
+        every: u64,
+        /// Steps before the first.
+        first: u64,
+        /// Of each input.
+        variance: [f64; 6],
+    },
+}
+
+/// Covariance of errors x, of the process s and of what was taken off c.
+#[derive(Debug, Clone)]
+pub struct Family {
+    process: Process,
+    /// Share of it in the whole: one over the phases of a held process.
+    pub share: f64,
+    /// x xᵀ.
+    pub errors: Square,
+    with_process: Drive,
+    with_taken: Drive,
+    process_process: Inputs,
+    process_taken: Inputs,
+    taken_taken: Inputs,
+}
+
+impl Family {
+    /// Without errors, before anything was found.
+    pub fn new(process: Process, share: f64) -> Self {
+        let process_process = match &process {
+            Process::Held { variance, .. } => Inputs::from_diagonal(&(*variance).into()),
+            _ => Inputs::zeros(),
+        };
+        Self {
+            process,
+            share,
+            errors: Square::zeros(),
+            with_process: Drive::zeros(),
+            with_taken: Drive::zeros(),
+            process_process,
+            process_taken: Inputs::zeros(),
+            taken_taken: Inputs::zeros(),
+        }
+    }
+
+    /// Begins after a still start: the means over it have these variances, and these covariances with the process at its end;
+    /// per unit of mean, the errors begin so, and so much is taken off.
+    pub fn found(&mut self, mean: &[f64; 6], with_end: &[f64; 6], state: &Drive, taken: &Inputs) {
+        let (mean, cross) = (Inputs::from_diagonal(&(*mean).into()), Inputs::from_diagonal(&(*with_end).into()));
+        self.errors = state * mean * state.transpose();
+        self.with_process = state * cross;
+        self.with_taken = state * mean * taken.transpose();
+        self.process_taken = cross * taken.transpose();
+        self.taken_taken = taken * mean * taken.transpose();
+    }
+
+    /// The process itself has these variances at the end of a still start.
+    pub fn began(&mut self, variance: &[f64; 6]) {
+        self.process_process = Inputs::from_diagonal(&(*variance).into());
+    }
+
+    /// What happens to the process at the beginning of step `k`.
+    pub fn renew(&mut self, k: u64) {
+        if let Process::Held { every, first, variance } = &self.process
+            && k > 0
+            && k % every == first % every
+        {
+            let kept = (-1.0f64).exp();
+            self.with_process *= kept;
+            self.process_taken *= kept;
+            self.process_process *= kept * kept;
+            (0..6).for_each(|i| self.process_process[(i, i)] += variance[i] * (1.0 - kept * kept));
+        }
+    }
+
+    /// Takes it through a step.
+    pub fn advance(&mut self, step: &Step) {
+        // A walk grows half before and half after.
+        self.walk(0.5 * step.seconds);
+        let (phi, gamma) = (&step.transition, &step.response);
+        let net = self.with_process - self.with_taken;
+        let half = phi * self.errors + gamma * net.transpose();
+        self.with_process = phi * self.with_process + gamma * (self.process_process - self.process_taken.transpose());
+        self.with_taken = phi * self.with_taken + gamma * (self.process_taken - self.taken_taken);
+        self.errors = half * phi.transpose() + (self.with_process - self.with_taken) * gamma.transpose();
+        if let Process::White(density) = &self.process {
+            self.errors += step.white(density);
+        }
+        self.walk(0.5 * step.seconds);
+    }
+
+    fn walk(&mut self, seconds: f64) {
+        if let Process::Walk(k) = &self.process {
+            (0..6).for_each(|i| self.process_process[(i, i)] += k[i] * seconds);
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! A study with a `[trajectory]`: the same sensor on each of three axes, each drawn apart, carried over the Earth.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::check::{self, refuse};
+use super::draw;
+use super::file::{AlignmentKind, File, VerticalKind};
+use super::tolerances::Tolerances;
+use crate::error::Result;
+use crate::excitation::Waveform;
+use crate::excitation::plan::Variation;
+use crate::excitation::random::{RandomVibration, Spectrum};
+use crate::kernel::flight::{Coupling, Flight, Misalignment, Vertical, axis_seed};
+use crate::kernel::integrator::Integrator;
+use crate::kernel::job::{Clock, Job};
+use crate::kernel::passage::{Along, Course};
+use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
+use crate::sensor::{ProofMass, coupling};
+use crate::units::DEGREE;
+
+/// Members that are asked for the stiffest proof mass.
+const ASKED: u64 = 1000;
+
+/// How many members run, and over what time.
+#[derive(Debug, Clone, Copy)]
+pub struct Run<'a> {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Number of members.
+    pub members: u64,
+    /// Discrete time from the end of the still start.
+    pub clock: &'a Clock,
+    /// Samples of the still start.
+    pub still_samples: u64,
+}
+
+/// What makes a study one of six axes.
+#[derive(Clone)]
+pub struct InMotion {
+    /// The numbers of each axis.
+    pub tolerances: [Tolerances; 3],
+    /// Where the sensor goes.
+    pub course: Arc<Course>,
+    /// How height is kept.
+    pub vertical: Vertical,
+    /// Attitude errors at the start.
+    pub misalignment: Misalignment,
+    /// What the navigator makes of motion within a sample.
+    pub mechanisation: Mechanisation,
+    /// What shakes each axis beside the motion.
+    vibration: [Option<Arc<dyn Waveform>>; 3],
+}
+
+/// What stands in a file about motion, checked; `None` for a study of one axis.
+///
+/// # Errors
+/// Sections or lists that need a trajectory, sections that have no place beside one, values that make no sense.
+pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<Option<InMotion>> {
+    let Some(trajectory) = &file.trajectory else { return one_axis(name, file).map(|()| None) };
+    if file.excitation.kind.is_some() {
+        return Err(refuse(
+            name,
+            "[excitation] has no place beside [trajectory], which says what moves the sensor",
+            "take one of the two out",
+        ));
+    }
+    if file.compare.is_some() {
+        return Err(refuse(
+            name,
+            "[compare] is for a log at rest, without a [trajectory]",
+            "use a study of one axis for it",
+        ));
+    }
+    let tolerances: Vec<Tolerances> = (0..3).map(|axis| check::tolerances(name, file, axis)).collect::<Result<_>>()?;
+    let [x, y, z] = tolerances.try_into().unwrap_or_default();
+    let earth = earth(name, file)?;
+    let (lever_arm_m, rotation) = mounting(name, file)?;
+    let sampling = Sampling { rate_hz: 1.0 / clock.sample_s(), duration_s: clock.duration_s(), lever_arm_m };
+    let truth = sources::trajectory(trajectory, clock.duration_s())?.truth(&earth, sampling)?;
+    let alignment = file.alignment.clone().unwrap_or_default();
+    let drawn = alignment.kind == Some(AlignmentKind::Drawn);
+    let ideal = !drawn && alignment.kind != Some(AlignmentKind::Still);
+    if ideal && alignment.heading_sd_deg.is_some() || !drawn && alignment.tilt_sd_deg.is_some() {
+        return Err(refuse(
+            name,
+            "spreads of tilt and heading belong to kind = \"drawn\"; a still start takes heading_sd_deg alone",
+            "e.g. kind = \"drawn\", tilt_sd_deg = 0.05, heading_sd_deg = 0.5",
+        ));
+    }
+    let radians = |sd_deg: Option<f64>| sd_deg.unwrap_or(0.0) * DEGREE;
+    let misalignment =
+        Misalignment { tilt_sd_rad: radians(alignment.tilt_sd_deg), heading_sd_rad: radians(alignment.heading_sd_deg) };
+    let vertical = match file.earth.as_ref().and_then(|e| e.vertical) {
+        Some(VerticalKind::Held) => Vertical::Held,
+        _ => Vertical::Free,
+    };
+    let course = Arc::new(Course::new(truth, earth, rotation));
+    let vibration = vibration(name, file, clock.duration_s(), seed)?;
+    let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
+    Ok(Some(InMotion { tolerances: [x, y, z], course, vertical, misalignment, vibration, mechanisation }))
+}
+
+/// Refuses what a study of one axis has no place for.
+fn one_axis(name: &str, file: &File) -> Result<()> {
+    let sections = [Some(&file.sensor.numbers), file.accelerometer.as_ref(), file.gyro.as_ref()];
+    if let Some(key) = sections.into_iter().flatten().find_map(|numbers| numbers.by_axis()) {
+        let cause = format!("`{}` is a list of three, and the study has one axis", key.path);
+        return Err(refuse(name, cause, "give one number, or add a [trajectory], e.g. kind = \"rest\""));
+    }
+    let all = check::tolerances(name, file, 0)?;
+    if let Some(key) = coupling::KEYS.into_iter().find(|key| all[key].is_some()) {
+        let cause = format!("`{}` acts between axes, and the study has one axis", key.path);
+        return Err(refuse(name, cause, "add a [trajectory], e.g. kind = \"rest\""));
+    }
+    let sections = [
+        ("earth", file.earth.is_some()),
+        ("mounting", file.mounting.is_some()),
+        ("vibration", file.vibration.is_some()),
+        ("navigator", file.navigator.is_some()),
+    ];
+    match sections.into_iter().find(|(_, given)| *given) {
+        Some((section, _)) => {
+            Err(refuse(name, format!("[{section}] needs a [trajectory]"), "add one, e.g. kind = \"rest\""))
+        }
+        None => Ok(()),
+    }
+}
+
+fn earth(name: &str, file: &File) -> Result<Earth> {
+    let Some(section) = &file.earth else { return Ok(Earth::FLAT) };
+    match section.latitude_deg {
+        // At a pole north has no direction; beyond this the tangent of latitude leaves the range of f32 sums.
+        Some(latitude) if !(latitude.abs() <= 89.0) => Err(refuse(
+            name,
+            format!("`earth.latitude_deg` = {latitude:?}: need -89 to 89"),
+            "north-east-down has no direction at a pole",
+        )),
+        None if section.height_m.is_some() || section.rotation == Some(true) => Err(refuse(
+            name,
+            "[earth] has no `latitude_deg`, and without it the Earth is flat and still",
+            "add latitude_deg, e.g. latitude_deg = 47.4",
+        )),
+        latitude_deg => match section.height_m.unwrap_or(0.0) {
+            height_m if !(-1e4..=1e5).contains(&height_m) => Err(refuse(
+                name,
+                format!("`earth.height_m` = {height_m:?} m: need -10 km to 100 km"),
+                "give the height over the ellipsoid in metres",
+            )),
+            height_m => Ok(Earth {
+                latitude_rad: latitude_deg.map(|d| d * DEGREE),
+                height_m,
+                rotation: section.rotation.unwrap_or(true) && latitude_deg.is_some(),
+            }),
+        },
+    }
+}
+
+/// Where the sensor sits: lever arm, m, and the turn from its axes to the body's.
+fn mounting(name: &str, file: &File) -> Result<(Vector3<f64>, UnitQuaternion<f64>)> {
+    let mounting = file.mounting.clone().unwrap_or_default();
+    let (arm, angles) = (mounting.lever_arm_m.unwrap_or_default(), mounting.rotation_deg.unwrap_or_default());
+    if !arm.iter().chain(&angles).all(|v| v.is_finite()) {
+        return Err(refuse(name, "[mounting] holds a number that is not finite", "give metres and degrees"));
+    }
+    let [roll, pitch, yaw] = angles.map(|a| a * DEGREE);
+    Ok((arm.into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw)))
+}
+
+/// What shakes each axis.
+fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Option<Arc<dyn Waveform>>; 3]> {
+    let section = file.vibration.clone().unwrap_or_default();
+    let mut axes = [None, None, None];
+    let given = [("x_g2_hz", section.x_g2_hz), ("y_g2_hz", section.y_g2_hz), ("z_g2_hz", section.z_g2_hz)];
+    for (axis, (key, points)) in given.into_iter().enumerate() {
+        let Some(points) = points else { continue };
+        let spectrum = Spectrum { points: points.iter().map(|p| (p[0], p[1])).collect() };
+        if !spectrum.is_sound() {
+            return Err(refuse(
+                name,
+                format!("`vibration.{key}` needs two points or more, frequencies increasing, all numbers above zero"),
+                format!("e.g. {key} = [[20.0, 0.001], [80.0, 0.001]] in Hz and g²/Hz"),
+            ));
+        }
+        let waveform = RandomVibration::new(&spectrum, duration_s, axis_seed(seed, axis as u64));
+        axes[axis] = Some(Arc::new(waveform) as Arc<dyn Waveform>);
+    }
+    Ok(axes)
+}
+
+impl InMotion {
+    /// A proof mass of one axis as hard to step as any of the members'.
+    fn stiffest(&self, seed: u64, members: u64, axis: usize) -> Option<ProofMass> {
+        let masses = (0..members.min(ASKED)).filter_map(|m| {
+            draw::member(&self.tolerances[axis], Variation::None, axis_seed(seed, axis as u64), m).sensor.proof_mass
+        });
+        masses.reduce(|a, b| a.stiffer(&b))
+    }
+
+    /// What one member's readings take from other axes and instruments.
+    fn coupling(all: &[Tolerances; 3], seed: u64, member: u64) -> Coupling {
+        // Each element is drawn apart: under a seed of its own, which no axis has.
+        let draw = |key, axis: usize, element: usize| {
+            all[axis].draw(key, axis_seed(seed, (3 + 3 * element + axis) as u64), member)
+        };
+        let below = |axis: usize, from: usize| {
+            if from < axis { draw(&coupling::ACCELEROMETER_MISALIGNMENT, axis, from) } else { 0.0 }
+        };
+        let turned = |axis: usize, from: usize| match axis == from {
+            true => draw(&coupling::GYRO_SCALE_FACTOR, axis, axis),
+            false => draw(&coupling::GYRO_MISALIGNMENT, axis, from),
+        };
+        Coupling {
+            force_to_force: Matrix3::from_fn(below),
+            rate_to_rate: Matrix3::from_fn(turned),
+            force_to_rate: Matrix3::from_fn(|axis, from| draw(&coupling::G_SENSITIVITY, axis, from)),
+        }
+    }
+
+    /// The ensemble of a run, with statistics at `report_samples` after the end of the still start.
+    ///
+    /// # Errors
+    /// A proof mass that no integrator can step.
+    pub fn flight(&self, run: Run<'_>, mut report_samples: Vec<u64>) -> Result<Flight> {
+        let still_samples = run.still_samples;
+        report_samples.iter_mut().for_each(|sample| *sample += still_samples);
+        let clock =
+            Clock { samples: run.clock.samples + still_samples, report_samples, still_samples, ..run.clock.clone() };
+        let axis = |axis: usize| -> Result<Job> {
+            let seed = axis_seed(run.seed, axis as u64);
+            let stiffest = self.stiffest(run.seed, run.members, axis);
+            let integrator = Integrator::choose(stiffest.as_ref(), clock.step_s).integrator;
+            integrator.check(stiffest.as_ref(), clock.step_s)?;
+            let tolerances = self.tolerances[axis].clone();
+            Ok(Job {
+                seed,
+                members: run.members,
+                clock: clock.clone(),
+                draw: Arc::new(move |member| draw::member(&tolerances, Variation::None, seed, member)),
+                waveform: Arc::new(Along {
+                    truth: self.course.truth.clone(),
+                    axis,
+                    standing_m_s2: self.course.standing()[0][axis],
+                    vibration: self.vibration[axis].clone(),
+                }),
+                integrator,
+                // Tilt and gravity are the navigation's.
+                gravity_m_s2: 0.0,
+            })
+        };
+        let (seed, all) = (run.seed, self.tolerances.clone());
+        let couples = all.iter().any(|t| coupling::KEYS.into_iter().any(|key| t[key].is_some_and(|n| !n.is_zero())));
+        let draws = move |member: u64| Self::coupling(&all, seed, member);
+        Ok(Flight {
+            axes: [axis(0)?, axis(1)?, axis(2)?],
+            coupling: couples.then(|| Arc::new(draws) as Arc<dyn Fn(u64) -> Coupling + Send + Sync>),
+            course: self.course.clone(),
+            vertical: self.vertical,
+            misalignment: self.misalignment,
+        })
+    }
+}
