@@ -1,10 +1,11 @@
-//! Figures: a description of a chart, drawn to SVG in one uniform style.
+//! Figures: a description of a chart, drawn to SVG in one uniform style, its data by plotters.
 //!
 //! A figure says what is plotted (`Chart`); this module decides how it looks: ticks, legend above the data, colours that
 //! follow the reader's light or dark setting. The same plot stands in a page, where it fills the width it is given, and in
 //! a file of its own. Not for computing what is plotted.
 
 pub mod axis;
+mod canvas;
 mod chart;
 mod frame;
 mod inline;

@@ -1,5 +1,9 @@
 //! An axis: label with unit, linear or logarithmic, range and ticks.
 
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
 use crate::number::{rounded, significant, superscript};
 
 /// How values are spaced.
@@ -171,6 +175,29 @@ impl Span {
                 if shrink == 1.0 { body } else { format!("{body}·10{}", superscript(power)) }
             }
         }
+    }
+}
+
+impl Ranged for Span {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        limit.0 + (self.fraction(*value) * f64::from(limit.1 - limit.0)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Span {
+    fn format_ext(&self, value: &f64) -> String {
+        self.tick_label(*value)
     }
 }
 

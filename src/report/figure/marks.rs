@@ -1,22 +1,11 @@
-//! The data of a chart as SVG: one group per series, in the plot's own coordinates to a hundredth of a px.
+//! The data of a chart as SVG: one group per series, drawn by plotters in the plot's own coordinates.
 
+use plotters::prelude::*;
+
+use super::axis::Span;
+use super::canvas::{Canvas, UNITS};
 use super::chart::{Mark, Series};
-use super::frame::{Frame, hundredths};
-use super::simplify::simplified;
-
-/// No point of a curve is moved by more than this, px.
-const UNSEEN_PX: f64 = 0.04;
-
-/// Points as "x,y x,y".
-fn pairs(points: impl IntoIterator<Item = (f64, f64)>) -> String {
-    let pair = |(x, y): (f64, f64)| format!("{},{}", hundredths(x), hundredths(y));
-    points.into_iter().map(pair).collect::<Vec<_>>().join(" ")
-}
-
-/// "x y" for a path.
-fn at((x, y): (f64, f64)) -> String {
-    format!("{} {}", hundredths(x), hundredths(y))
-}
+use super::frame::Frame;
 
 /// What a reader's script needs to know of a mark, and the class of its legend entry.
 pub(super) fn kind(mark: &Mark) -> &'static str {
@@ -32,44 +21,65 @@ pub(super) fn kind(mark: &Mark) -> &'static str {
 
 /// The shapes of one series.
 pub(super) fn shapes(series: &Series, frame: &Frame) -> String {
-    let ink = series.ink.class();
-    let runs = || series.points.split(|p| !frame.holds(p)).filter(|run| !run.is_empty());
+    let (ink, kind) = (series.ink.class(), kind(&series.mark));
+    let (mut curves, mut path) = (String::new(), String::new());
+    let canvas = Canvas {
+        size: ((UNITS * frame.width) as u32, (UNITS * frame.height) as u32),
+        classes: [format!("s-{ink} {kind}"), format!("f-{ink} {kind}")],
+        curves: &mut curves,
+        path: &mut path,
+        joined: matches!(series.mark, Mark::Whiskers(_)),
+    };
+    // Nothing is drawn on a plot without area.
+    let _ = draw(series, frame, canvas);
+    match series.mark {
+        Mark::Dots(radius) => {
+            curves += &format!("<path class=\"s-{ink} dots\" stroke-width=\"{}\" d=\"{path}\"/>", 2 * radius);
+        }
+        Mark::Bars(_) => curves += &format!("<path class=\"f-{ink} bars\" d=\"{path}\"/>"),
+        Mark::Whiskers(_) => curves += &format!("<path class=\"s-{ink} line\" d=\"{path}\"/>"),
+        _ => {}
+    }
+    curves
+}
+
+type Failure = DrawingAreaErrorKind<std::convert::Infallible>;
+
+fn draw(series: &Series, frame: &Frame, canvas: Canvas<'_>) -> Result<(), Failure> {
+    let area = canvas.into_drawing_area();
+    let (x, y): (Span, Span) = (frame.x, frame.y);
+    let mut context = ChartBuilder::on(&area).build_cartesian_2d(x, y)?;
+    let (line, fill) = (BLACK.stroke_width(1), BLACK.filled());
+    let pairs = |upper: &[f64]| -> Vec<((f64, f64), f64)> {
+        let both = series.points.iter().copied().zip(upper.iter().copied());
+        both.filter(|(p, u)| frame.holds(p) && frame.y.holds(*u)).collect()
+    };
     match &series.mark {
         Mark::Line | Mark::Dashed => {
-            let class = kind(&series.mark);
-            let line = |run: &[(f64, f64)]| {
-                let placed: Vec<(f64, f64)> = run.iter().map(|p| frame.place(*p)).collect();
-                format!("<polyline class=\"s-{ink} {class}\" points=\"{}\"/>", pairs(simplified(&placed, UNSEEN_PX)))
-            };
-            runs().map(line).collect()
+            for run in series.points.split(|p| !frame.holds(p)).filter(|run| !run.is_empty()) {
+                context.draw_series(LineSeries::new(run.iter().copied(), line))?;
+            }
         }
-        Mark::Dots(radius) => {
+        Mark::Dots(_) => {
             let inside = series.points.iter().filter(|p| frame.holds(p) && frame.shows(p));
-            let dots: String = inside.map(|p| format!("M{}h0", at(frame.place(*p)))).collect();
-            format!("<path class=\"s-{ink} dots\" stroke-width=\"{}\" d=\"{dots}\"/>", 2 * radius)
+            context.draw_series(inside.map(|p| Circle::new(*p, 1, fill)))?;
         }
         Mark::Band(upper) => {
-            let both = series.points.iter().zip(upper).filter(|(p, u)| frame.holds(p) && frame.y.holds(**u));
-            let (low, high): (Vec<_>, Vec<_>) = both.map(|(p, u)| (frame.place(*p), frame.place((p.0, *u)))).unzip();
-            let mut edge = simplified(&low, UNSEEN_PX);
-            edge.extend(simplified(&high, UNSEEN_PX).into_iter().rev());
-            format!("<polygon class=\"f-{ink} band\" points=\"{}\"/>", pairs(edge))
+            let pairs = pairs(upper);
+            let edge = pairs.iter().map(|(p, _)| *p).chain(pairs.iter().rev().map(|(p, u)| (p.0, *u)));
+            context.draw_series(std::iter::once(Polygon::new(edge.collect::<Vec<_>>(), fill)))?;
         }
         Mark::Bars(width) => {
             let floor = if frame.y.low > 0.0 { frame.y.low } else { 0.0 };
-            let bar = |p: &(f64, f64)| {
-                let (left, right) = (p.0 - width / 2.0, p.0 + width / 2.0);
-                let corners = [(left, floor), (left, p.1), (right, p.1), (right, floor)].map(|c| at(frame.place(c)));
-                format!("M{}Z", corners.join("L"))
-            };
-            let bars: String = series.points.iter().filter(|p| frame.holds(p)).map(bar).collect();
-            format!("<path class=\"f-{ink} bars\" d=\"{bars}\"/>")
+            let bars = series.points.iter().filter(|p| frame.holds(p));
+            context.draw_series(
+                bars.map(|p| Rectangle::new([(p.0 - width / 2.0, floor), (p.0 + width / 2.0, p.1)], fill)),
+            )?;
         }
         Mark::Whiskers(upper) => {
-            let both = series.points.iter().zip(upper).filter(|(p, u)| frame.holds(p) && frame.y.holds(**u));
-            let whisker =
-                |(p, u): (&(f64, f64), &f64)| format!("M{}L{}", at(frame.place(*p)), at(frame.place((p.0, *u))));
-            format!("<path class=\"s-{ink} line\" d=\"{}\"/>", both.map(whisker).collect::<String>())
+            let pairs = pairs(upper);
+            context.draw_series(pairs.into_iter().map(|(p, u)| PathElement::new([p, (p.0, u)], line)))?;
         }
     }
+    Ok(())
 }
