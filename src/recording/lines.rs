@@ -82,7 +82,7 @@ impl Lines {
             self.aside.clear();
             self.aside.extend_from_slice(&self.piece.bytes[kept]);
         }
-        let Some(piece) = self.pieces.next().map_err(|e| failed(&self.input, self.pack, &e))? else { return Ok(false) };
+        let Some(piece) = self.pieces.take().map_err(|e| failed(&self.input, self.pack, &e))? else { return Ok(false) };
         (self.piece, self.at, self.line, self.row) = (piece, 0, 0..0, 0);
         Ok(true)
     }

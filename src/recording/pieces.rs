@@ -60,7 +60,7 @@ impl Pieces {
     ///
     /// # Errors
     /// As the reader's, once the pieces before are given.
-    pub fn next(&mut self) -> io::Result<Option<Piece>> {
+    pub fn take(&mut self) -> io::Result<Option<Piece>> {
         while self.failed.is_none()
             && let Some(parsers) = &self.parsers
             && self.parsed.len() < AHEAD * parsers.threads
@@ -182,7 +182,7 @@ mod tests {
                 pieces.parse(Layout { separator: b',', width: 2, choice });
             }
             let (mut bytes, mut values) = (Vec::new(), Vec::new());
-            while let Some(piece) = pieces.next().expect("read") {
+            while let Some(piece) = pieces.take().expect("read") {
                 assert!(piece.bytes.ends_with(b"\n") && piece.regular.is_some() == parsed);
                 values.extend(piece.regular.map(|r| r.values).unwrap_or_default());
                 bytes.extend(piece.bytes);
@@ -196,9 +196,9 @@ mod tests {
     #[test]
     fn returns_end_lines_too_and_a_line_without_end_is_given_up() {
         let mut returns = pieces(&b"12345\r".repeat(100_000));
-        let first = returns.next().expect("read").expect("a piece");
+        let first = returns.take().expect("read").expect("a piece");
         assert!(first.bytes.len() <= PIECE_BYTES && first.bytes.ends_with(b"\r"));
-        let first = pieces(&vec![b'1'; 3 << 20]).next().expect("read").expect("a piece");
+        let first = pieces(&vec![b'1'; 3 << 20]).take().expect("read").expect("a piece");
         assert!(first.bytes.len() > 1 << 20 && first.bytes.len() < 2 << 20);
     }
 }
