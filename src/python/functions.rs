@@ -23,6 +23,7 @@ use crate::ensemble::{Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
 use crate::recording::{self, Recording, Request};
 use crate::report;
+use crate::strapdown;
 use crate::study::{self as studies, Overrides, Preset, Study};
 
 /// The command, from its words to its exit code. A defect that panics ends it as it ends the binary, with 101.
@@ -93,6 +94,13 @@ pub fn study(py: Python<'_>, given: Option<Document<'_>>, changes: Changes<'_>, 
     let prepared = read_study(given, &changes).and_then(|study| Ok((study, choice(backend)?)));
     let (study, backend) = prepared.map_err(|error| raised(py, error))?;
     detached(py, move |control| {
+        if let Some(motion) = &study.in_motion {
+            let answer = strapdown::answer::answer(&study, motion, backend, control)?;
+            let findings = report::strapdown::findings(&answer);
+            let json = to_json(&strapdown::document::Document::of(&study, &answer, findings))?;
+            let draw = move || report::strapdown::page(&study, &answer).finish();
+            return Ok(Answer { json, repaired: None, draw: Box::new(draw) });
+        }
         let options = Options { backend, control: control.clone(), ..Options::default() };
         let mut backends = Backends::default();
         let run = |job: &_, _: &str| backends.run(job, &options, &mut Keeper::none());
