@@ -191,7 +191,7 @@ pub fn allan(bytes: &[u8]) -> Verdict {
             toml::from_str::<toml::Table>(&fragment.toml)
                 .map_err(|e| format!("{}: {e}\n{}", fragment.name, fragment.toml))?;
         }
-        let page = report::allan::page("still.csv", &noise, &fragments);
+        let page = report::allan::page("still.csv", &noise, &fragments).finish();
         ensure(page.trim_end().ends_with("</html>"), || "half a page".into())?;
         report::allan::study(&path, &noise).map_or(Ok(()), |text| is_a_study(&text))?;
         parses_as_json(&report::allan::document("still.csv", &noise).to_string())
@@ -323,7 +323,7 @@ pub fn diagnose(bytes: &[u8]) -> Verdict {
             let costs = consequence::costs(diagnosis.repair.as_ref(), &Control::default());
             let costs = costs.map_err(|_| "it stopped, and nobody asked".to_owned())?;
             let exhibits = report::diagnosis::exhibits(&diagnosis.detail);
-            let page = report::diagnosis::page(&diagnosis, &costs, &exhibits, study.as_deref());
+            let page = report::diagnosis::page(&diagnosis, &costs, &exhibits, study.as_deref()).finish();
             ensure(page.trim_end().ends_with("</html>"), || "half a page".into())
         })
     })

@@ -260,7 +260,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     errors[i] = tile.sample_s * tile.sample_s * moved;
     errors[stride + i] = tile.sample_s * (velocity_total.x + (velocity + velocity_total.y));
     errors[2u * stride + i] = error;
-    // Levelling by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean.
-    errors[3u * stride + i] = fma(-tile.level, mean, tile.sample_s * (rate_total.x + (rate + rate_total.y)));
+    // Levelling by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean; a drawn tilt
+    // is the one that lets its share in.
+    errors[3u * stride + i] = fma(tile.level, initial_tilt_offset - mean, tile.sample_s * (rate_total.x + (rate + rate_total.y)));
     errors[4u * stride + i] = failed;
 }

@@ -21,9 +21,12 @@ pub mod inspect;
 mod launched;
 pub mod map;
 pub mod merge;
+mod numbers;
 pub mod paper;
 pub mod require;
+mod samples;
 pub mod say;
+pub mod schema;
 mod sharded;
 pub mod shell;
 pub mod study;
@@ -92,6 +95,8 @@ pub enum Command {
     Bench(bench::Arguments),
     /// Print a complete, commented file to begin from
     Template(template::Arguments),
+    /// Print the JSON Schema of a file, for editors
+    Schema(schema::Arguments),
     /// Print completions for a shell
     Completions(shell::Completions),
     /// Print the manual page
@@ -187,6 +192,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Command::Adapters(a)) => adapters::run(a, json),
         Some(Command::Bench(a)) => bench::run(a, json),
         Some(Command::Template(a)) => template::run(a, json),
+        Some(Command::Schema(a)) => schema::run(a),
         Some(Command::Completions(a)) => shell::completions(a, Arguments::command()),
         Some(Command::Man(a)) => shell::man(a, Arguments::command()),
     }

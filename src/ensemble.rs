@@ -15,6 +15,7 @@ mod keeper;
 mod kept;
 mod options;
 mod packed;
+mod samples;
 mod sound;
 mod state;
 mod state_file;
@@ -24,6 +25,7 @@ pub use integrate::{run_kept, run_on, run_or_fall_back, times_s};
 pub use keeper::Keeper;
 pub use kept::Kept;
 pub use options::{Choice, Options};
+pub use samples::samples;
 
 /// Integrates an ensemble and sums it up.
 ///

@@ -22,6 +22,8 @@ pub mod waveform;
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "cli")]
+use schemars::{Schema, SchemaGenerator};
 use serde::Deserializer;
 
 use crate::error::Result;
@@ -45,6 +47,26 @@ pub const KINDS: &[Kind] =
 pub fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
     static KNOWN: OnceLock<Known> = OnceLock::new();
     section::read(deserializer, KNOWN.get_or_init(|| Known::of(KINDS.iter().map(|k| (k.name, k.keys)))))
+}
+
+/// `[excitation]` as JSON Schema: one alternative a kind, with the keys that it takes.
+#[cfg(feature = "cli")]
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    let mut kinds = Vec::new();
+    for kind in KINDS {
+        let mut properties = serde_json::Map::new();
+        properties.insert("kind".into(), serde_json::json!({ "const": kind.name }));
+        for (key, form) in kind.keys {
+            properties.insert((*key).into(), form.schema(generator).into());
+        }
+        kinds.push(schemars::json_schema!({
+            "type": "object",
+            "properties": properties,
+            "required": ["kind"],
+            "additionalProperties": false,
+        }));
+    }
+    schemars::json_schema!({ "oneOf": kinds })
 }
 
 /// Makes the excitation of a run.

@@ -14,7 +14,7 @@
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
-//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `output` `shard` `parallel` | how we name, round, fail, read, write and share work among threads |
+//! | 0 | `units` `number` `escape` `signal` `error` `control` `progress` `document` `columns` `output` `shard` `parallel` | how we name, round, fail, read, write and share work among threads |
 //! | 1 | `numerics` | mathematics without a domain |
 //! | 2 | `rng` `statistics` | random numbers and what ensembles are summed to |
 //! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `motion` `dynamics` | the physics, one idea each |
@@ -53,6 +53,7 @@ pub mod backend;
 pub mod benchmark;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod columns;
 pub mod control;
 pub mod decision;
 pub mod diagnosis;

@@ -28,10 +28,13 @@ pub struct Request {
     pub inputs: Vec<PathBuf>,
     /// Further files that it reads.
     pub reads: Vec<PathBuf>,
-    /// Files that it will write, as far as is known beforehand.
+    /// Files that it will write, as far as is known beforehand; `*` is any text in a name.
     pub writes: Vec<String>,
     /// Replace the user's files too.
     pub force: bool,
+    /// What an earlier run of the same command has written here under other names stays: each run writes one file of the
+    /// user's naming.
+    pub keeps: bool,
 }
 
 /// A folder that one run writes into. Dropped without [`Folder::finish`], it has replaced nothing.
@@ -44,6 +47,8 @@ pub struct Folder {
     /// Full paths of the files that are read.
     read: Vec<PathBuf>,
     force: bool,
+    keeps: bool,
+    announced: Vec<String>,
     staged: BTreeMap<String, (Staged, String)>,
     /// Files of the run's own making.
     recorded: Vec<String>,
@@ -121,13 +126,16 @@ impl Folder {
             identity: Identity { command: request.command.into(), inputs },
             read: request.inputs.iter().chain(&request.reads).map(|p| full(p)).collect(),
             force: request.force,
+            keeps: request.keeps,
+            announced: request.writes.clone(),
             staged: BTreeMap::new(),
             recorded: Vec::new(),
             _lock: lock,
             _made: made,
         };
-        let earlier = folder.earlier();
-        folder.check(request.writes.iter().chain(earlier.files.keys()).map(String::as_str))?;
+        let earlier = if request.keeps { Run::new(folder.identity.clone()) } else { folder.earlier() };
+        let there: Vec<String> = request.writes.iter().flat_map(|pattern| folder.matching(pattern)).collect();
+        folder.check(request.writes.iter().chain(&there).chain(earlier.files.keys()).map(String::as_str))?;
         Ok(folder)
     }
 
@@ -149,15 +157,25 @@ impl Folder {
         self.manifest.write(&self.path)
     }
 
-    /// Files in the folder whose names match a pattern.
+    /// Files whose names match a pattern, in the folder or in the one below it that the pattern names.
     fn matching(&self, pattern: &str) -> Vec<String> {
-        let names = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
-        names.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|n| manifest::matches(pattern, n)).collect()
+        let (below, place) = match pattern.rsplit_once('/') {
+            Some((below, _)) => (format!("{below}/"), self.path.join(below)),
+            None => (String::new(), self.path.clone()),
+        };
+        let names = std::fs::read_dir(place).into_iter().flatten().flatten();
+        let names = names.map(|e| format!("{below}{}", e.file_name().to_string_lossy()));
+        names.filter(|n| manifest::matches(pattern, n)).collect()
     }
 
     /// Lists a file that the run has written itself among its results: changed after [`finish`](Self::finish), it is the user's.
     pub fn record(&mut self, name: &str) {
         self.recorded.push(name.into());
+    }
+
+    /// Whether the run said beforehand that it will write files of this name or pattern.
+    pub fn announces(&self, pattern: &str) -> bool {
+        self.announced.iter().any(|name| name == pattern)
     }
 
     /// Where it is.
@@ -187,6 +205,10 @@ impl Folder {
     /// Why a file must not be replaced, if it must not.
     fn reason(&self, name: &str) -> Option<refusal::Reason> {
         let path = self.path.join(name);
+        let below = path.parent().filter(|below| *below != self.path);
+        if below.is_some_and(|below| below.exists() && !below.is_dir()) {
+            return Some(refusal::Reason::File);
+        }
         let about = std::fs::symlink_metadata(&path).ok()?;
         if self.read.contains(&full(&path)) {
             return Some(refusal::Reason::Input);
@@ -214,7 +236,7 @@ impl Folder {
     /// # Errors
     /// The folder cannot be written.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<()> {
-        let staged = Staged::new(&self.path.join(name), bytes)?;
+        let staged = Staged::within(&self.path, &self.path.join(name), bytes)?;
         self.staged.insert(name.into(), (staged, checksum(bytes)));
         Ok(())
     }
@@ -231,7 +253,11 @@ impl Folder {
         run.states = earlier.states.clone();
         run.states.retain(|pattern| !self.recorded.contains(pattern));
         let recorded = self.recorded.iter().filter_map(|n| Some((n.clone(), checksum_of(&self.path.join(n))?)));
-        run.files = self.staged.iter().map(|(n, (_, sha256))| (n.clone(), sha256.clone())).chain(recorded).collect();
+        let kept = earlier.files.iter().filter(|_| self.keeps).map(|(n, sha256)| (n.clone(), sha256.clone()));
+        run.files = kept
+            .chain(self.staged.iter().map(|(n, (_, sha256))| (n.clone(), sha256.clone())))
+            .chain(recorded)
+            .collect();
         let known = earlier.files.keys().chain(earlier.replaced.keys()).chain(run.files.keys());
         run.replaced = known.filter_map(|n| Some((n.clone(), checksum_of(&self.path.join(n))?))).collect();
         let stale = |(name, sha256): &(&String, &String)| !run.files.contains_key(*name) && earlier.wrote(name, sha256);
@@ -243,6 +269,10 @@ impl Folder {
         }
         for path in stale.iter().filter(|path| !self.read.contains(&full(path))) {
             std::fs::remove_file(path).map_err(|e| Error::io("remove", path, &e))?;
+            // A folder below goes with its last file; it stays while something stands in it.
+            if let Some(below) = path.parent().filter(|below| *below != self.path) {
+                let _ = std::fs::remove_dir(below);
+            }
         }
         run.replaced.clear();
         self.manifest.set(run);

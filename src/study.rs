@@ -28,7 +28,7 @@ use crate::excitation::plan::Plan;
 use crate::excitation::reader::Run;
 use crate::kernel::flight::Flight;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
-use crate::sensor::ProofMass;
+use crate::sensor::{ProofMass, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
 use in_motion::InMotion;
@@ -150,6 +150,11 @@ impl Study {
         let mut tolerances = check::tolerances(source, &file, 0)?;
         let in_motion = in_motion::read(source, &file, &clock, seed)?;
         let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s(), in_motion.is_some())?;
+        if in_motion.is_none()
+            && let Some(tilt) = alignment::tilt(source, file.alignment.as_ref())?
+        {
+            tolerances[&SensorTerm::InitialTilt.row().keys[0]] = Some(tilt);
+        }
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
         let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);

@@ -34,6 +34,7 @@ mod suite {
     pub mod motion;
     pub mod near_laws;
     pub mod noise_law;
+    pub mod numbers;
     pub mod outputs;
     pub mod pages;
     pub mod paper;
@@ -43,7 +44,9 @@ mod suite {
     pub mod recording;
     pub mod require;
     pub mod rows;
+    pub mod samples;
     pub mod scale;
+    pub mod schema;
     pub mod several_recordings;
     pub mod shards;
     pub mod shards_map_trial;
@@ -161,6 +164,12 @@ fn main() {
         suite::device_faults::tests(),
         // formats: one log gives one answer in every format; what is damaged ends in words.
         suite::formats::tests(),
+        // numbers: a table behind every figure.
+        suite::numbers::tests(),
+        // schema: editors know the keys that the tool knows.
+        suite::schema::tests(),
+        // samples: simulated readings are a recording.
+        suite::samples::tests(),
         // export: what other tools make of an exported file is the study's noise.
         suite::export::tests(),
         // fuzz: any bytes are read as they are or refused in words, and what is written can be read.

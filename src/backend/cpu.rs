@@ -8,10 +8,10 @@ use super::tile;
 use super::{Backend, Batch, Partial, Ran, Unfinished};
 use crate::control::{Control, Stopped};
 use crate::error::{Error, Result};
-use crate::kernel::cpu::lanes::{LANES, Lane, Level};
+use crate::kernel::cpu::lanes::{LANES, Level};
 use crate::kernel::cpu::members::{Members, Shared, Snapshot};
 use crate::kernel::cpu::reduce::{self, BLOCK};
-use crate::kernel::cpu::simulate::Simulate;
+use crate::kernel::cpu::simulate::{Seen, Simulate};
 use crate::kernel::force;
 use crate::kernel::job::Job;
 use crate::kernel::member::Column;
@@ -91,7 +91,9 @@ type Group<T> = Box<Members<T>>;
 /// The 64 members from `first` on, below `end`, ready to integrate.
 fn draw<T: Real>(job: &Job, first: u64, end: u64, flicker_terms: usize) -> Result<Group<T>> {
     let columns = (first..end.min(first + LANES as u64)).map(|i| column(job, i));
-    Members::new(job.seed, first, columns, flicker_terms)
+    let mut members = Members::new(job.seed, first, columns, flicker_terms)?;
+    members.tilt(job.level_rad_per_m_s2());
+    Ok(members)
 }
 
 /// One member, drawn and checked.
@@ -276,17 +278,11 @@ pub fn outcomes_at<T: Real>(job: &Job, range: Range<u64>, samples: u64, control:
     Ok(all.take((range.end - range.start) as usize).collect())
 }
 
-/// Reading errors of 64 members, from the multiple of 64 at or below `member` on, sample by sample: `sink` is given the
-/// accelerometer's (m/s²) and the gyro's (rad/s).
+/// Readings of 64 members, from the multiple of 64 at or below `member` on, sample by sample.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.
-pub fn readings<T: Real>(
-    job: &Job,
-    member: u64,
-    control: &Control,
-    mut sink: impl FnMut(&Lane<T>, &Lane<T>),
-) -> Result<()> {
+pub fn readings<T: Real>(job: &Job, member: u64, control: &Control, mut sink: impl FnMut(&Seen<'_, T>)) -> Result<()> {
     let first = member / LANES as u64 * LANES as u64;
     let shared = Shared::<T>::of(job);
     let mut members = draw::<T>(job, first, job.members.max(first + 1), shared.flicker.len())?;

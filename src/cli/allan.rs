@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::say::{remark, say, sayln};
+use super::numbers;
+use super::say::{remark, say, sayln, screen};
 use crate::error::{Error, Result};
 use crate::export::imu::Imu;
 use crate::export::{self, Target};
@@ -60,6 +61,9 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     force: bool,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long, requires = "out")]
+    parquet: bool,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -86,11 +90,12 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             false => say(format_args!("{text}")),
         };
     }
-    let written = folder.map(|folder| write(folder, &arguments.recording, &file, &noise, configuration)).transpose();
+    let written = folder.map(|folder| arguments.write(folder, &file, &noise, configuration)).transpose();
     if json {
         sayln!("{:#}", report::document(&file, &noise))?;
     } else {
-        report::tables(&noise).iter().try_for_each(|table| sayln!("{table}"))?;
+        let tables: String = report::tables(&noise).iter().map(|table| format!("\n{table}")).collect();
+        screen(format_args!("{}\n{tables}\n", report::answer(&noise)))?;
         report::notes(&noise).iter().try_for_each(|note| sayln!("{note}"))?;
     }
     let Some((folder, files)) = arguments.out.as_ref().zip(written?) else { return Ok(()) };
@@ -191,6 +196,11 @@ fn inertial(recording: &Path, request: &Request) -> Result<Inertial> {
             known.findings.push(Finding::UnitAssumed { columns: assumed, unit: usual, option });
         }
     }
+    for (name, _) in names.iter().zip(&stated).filter(|(_, stated)| stated.is_none()) {
+        if known.units.iter().all(|(other, _)| other != name) {
+            known.units.extend(roles::alone(name).map(|unit| (name.clone(), unit)));
+        }
+    }
     Ok(known)
 }
 
@@ -223,41 +233,52 @@ impl Arguments {
         let scaled = !self.accelerometer.is_empty() || !self.gyro.is_empty();
         let target = self.to.as_deref().and_then(|to| export::target(to).ok());
         let files = [REPORT, "sensor.toml"].into_iter().chain(scaled.then_some(STUDY)).chain(target.map(|t| t.file));
+        let files = files.map(str::to_owned).chain(numbers::files(self.parquet));
         output::Request {
             command: "allan",
             inputs: vec![self.recording.clone()],
-            writes: files.map(str::to_owned).collect(),
+            writes: files.collect(),
             force: self.force,
             ..output::Request::default()
         }
     }
+
+    /// Writes the results and gives the files' names.
+    fn write(
+        &self,
+        mut folder: Folder,
+        file: &str,
+        noise: &Noise,
+        configuration: Option<(String, String)>,
+    ) -> Result<Vec<String>> {
+        let fragments = report::fragments(file, noise);
+        numbers::write(&mut folder, REPORT, report::page(file, noise, &fragments))?;
+        let mut files: Vec<_> = fragments.into_iter().map(|fragment| (fragment.name, fragment.toml)).collect();
+        files.extend(report::study(&self.recording, noise).map(|study| (STUDY.to_owned(), study)));
+        files.extend(configuration);
+        files.iter().try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+        folder.finish()?;
+        Ok(std::iter::once(REPORT.to_owned()).chain(files.into_iter().map(|(name, _)| name)).collect())
+    }
 }
 
-/// The sensor of the first accelerometer and gyro as a tool's configuration: its file's name and text.
+/// The sensor of the accelerometers and gyros, three of each by axis, or the first of each, as a tool's configuration: its file's name and text.
 fn configuration(target: &Target, file: &str, noise: &Noise) -> Result<(String, String)> {
-    let fragments = report::fragments(file, noise);
-    let sensor = fragments.first().map_or("", |fragment| fragment.toml.as_str());
-    let imu = Imu::parse(file, sensor).map_err(|error| {
-        let hint = "name the columns and their scales with --accelerometer and --gyro; see `proofmass allan --help`";
-        Error::new(format!("could not export the noise of {file}"), error.cause, hint)
-    })?;
+    let axes: Vec<Imu> = report::fragments(file, noise)
+        .iter()
+        .map(|fragment| Imu::parse(file, &fragment.toml))
+        .collect::<Result<_>>()
+        .map_err(|error| {
+            let hint =
+                "name the columns and their scales with --accelerometer and --gyro; see `proofmass allan --help`";
+            Error::new(format!("could not export the noise of {file}"), error.cause, hint)
+        })?;
+    let imu = match &axes[..] {
+        [x, y, z] => x.clone().with_axes([x, y, z].map(|axis| [axis.accelerometer, axis.gyro])),
+        [x, ..] => x.clone(),
+        [] => {
+            return Err(Error::new(format!("could not export the noise of {file}"), "it has no channel", "give a log"));
+        }
+    };
     Ok((target.file.to_owned(), target.export(&imu)))
-}
-
-/// Writes the results and gives the files' names.
-fn write(
-    mut folder: Folder,
-    recording: &Path,
-    file: &str,
-    noise: &Noise,
-    configuration: Option<(String, String)>,
-) -> Result<Vec<String>> {
-    let fragments = report::fragments(file, noise);
-    let mut files = vec![(REPORT.to_owned(), report::page(file, noise, &fragments))];
-    files.extend(fragments.into_iter().map(|fragment| (fragment.name, fragment.toml)));
-    files.extend(report::study(recording, noise).map(|study| (STUDY.to_owned(), study)));
-    files.extend(configuration);
-    files.iter().try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
-    folder.finish()?;
-    Ok(files.into_iter().map(|(name, _)| name).collect())
 }

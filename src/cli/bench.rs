@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::device::open;
+use super::numbers;
 use super::say::{remark, say, sayln};
 use crate::backend::gpu::simulate::Ensembles;
 use crate::benchmark::others::Ticks;
@@ -41,7 +42,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let request = || output::Request {
         command: "bench",
-        writes: FILES.map(str::to_owned).into(),
+        writes: FILES.map(str::to_owned).into_iter().chain(numbers::files(false)).collect(),
         force: arguments.force,
         ..output::Request::default()
     };
@@ -76,12 +77,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 const FILES: [&str; 4] = ["report.html", "summary.md", "sizes.svg", "lengths.svg"];
 
 fn write(mut folder: Folder, rows: &[Row], others: Option<f64>) -> Result<()> {
-    let texts = [
-        bench::page(rows, others),
-        bench::summary(rows, others),
-        bench::sizes(rows).file_svg(),
-        bench::lengths(rows).file_svg(),
-    ];
-    FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+    let texts = [bench::summary(rows, others), bench::sizes(rows).file_svg(), bench::lengths(rows).file_svg()];
+    numbers::write(&mut folder, FILES[0], bench::page(rows, others))?;
+    FILES.iter().skip(1).zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
     folder.finish()
 }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::say::{remark, say, sayln};
+use super::numbers;
+use super::say::{remark, sayln, screen};
 use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::recordings::Recordings;
 use crate::diagnosis::{self, consequence, repair};
@@ -34,12 +35,15 @@ pub struct Arguments {
     /// Use each recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub to_s: Option<f64>,
-    /// Where to write report.html, verdict.json, repaired.toml and the figures
+    /// Where to write report.html, verdict.json, repaired.toml, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long, requires = "out")]
+    pub parquet: bool,
 }
 
 /// Diagnoses, prints the verdict and writes the report.
@@ -70,7 +74,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if json {
         sayln!("{}", to_json(&diagnosis.verdict)?)?;
     } else {
-        say(format_args!("{}", page::terminal(&diagnosis, &costs)))?;
+        screen(format_args!("{}", page::terminal(&diagnosis, &costs)))?;
         if let (Some(folder), Ok(())) = (&arguments.out, &written) {
             sayln!("report: {}", folder.join(REPORT).display())?;
         }
@@ -89,8 +93,13 @@ fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
         command: "diagnose",
         inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
         reads: poses.into_iter().collect(),
-        writes: [REPORT, VERDICT, REPAIRED].map(str::to_owned).into(),
+        writes: [REPORT, VERDICT, REPAIRED]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(numbers::files(arguments.parquet))
+            .collect(),
         force: arguments.force,
+        keeps: false,
     }
 }
 
@@ -104,6 +113,6 @@ fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> R
     if let Some(study) = &study {
         folder.write(REPAIRED, study.as_bytes())?;
     }
-    folder.write(REPORT, page::page(diagnosis, costs, &exhibits, study.as_deref()).as_bytes())?;
+    numbers::write(&mut folder, REPORT, page::page(diagnosis, costs, &exhibits, study.as_deref()))?;
     folder.finish()
 }

@@ -50,6 +50,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         command: "export",
         inputs: vec![path.clone()],
         force: arguments.force,
+        keeps: true,
         ..output::Request::default()
     };
     deliver(&target.export(&imu), arguments.out.as_deref(), request, json)

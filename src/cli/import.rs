@@ -43,6 +43,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         command: "import",
         inputs: vec![path.clone()],
         force: arguments.force,
+        keeps: true,
         ..output::Request::default()
     };
     deliver(&imu.sensor_toml(target.name), arguments.out.as_deref(), request, json)

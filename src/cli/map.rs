@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::device::on_device;
 use super::launched::refuse_ranks;
+use super::numbers;
 use super::say::{remark, say, sayln};
 use super::sharded::tell;
 use crate::document::{parse_toml, read_text};
@@ -54,7 +55,7 @@ const EXAMPLE: &str = "map.toml:
 pub struct Arguments {
     /// What to map (map.toml)
     pub map: PathBuf,
-    /// Where to write report.html, one CSV per map and the figures
+    /// Where to write report.html, one CSV per map, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
@@ -63,6 +64,9 @@ pub struct Arguments {
     /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
     #[arg(long, value_name = "K/N", requires = "out")]
     pub shard: Option<Shard>,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long, requires = "out")]
+    pub parquet: bool,
     /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     pub backend: Choice,
@@ -81,7 +85,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     refuse_ranks(divided::COMMAND)?;
     let inputs = std::slice::from_ref(&arguments.map);
-    let open = |path| Folder::open(path, outputs("map", inputs, &document, arguments.force));
+    let open = |path| Folder::open(path, outputs("map", inputs, &document, arguments.force, arguments.parquet));
     let folder = arguments.out.as_deref().map(open).transpose()?;
     let control = progress::terminal();
     let atlas = on_device(arguments.backend, |device| compute(document.clone(), device, &control))?;
@@ -124,19 +128,25 @@ pub(super) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&Path, boo
     if devices.len() > 1 {
         remark!("note: the shards were computed on {}: each has the bits of its own.", devices.join(" and "));
     }
-    let open = |(path, force)| Folder::open(path, outputs("merge", places, &atlas.document, force));
+    let open = |(path, force)| Folder::open(path, outputs("merge", places, &atlas.document, force, false));
     answer(&atlas, out.map(open).transpose()?, json)
 }
 
 const REPORT: &str = "report.html";
 
-fn outputs(command: &'static str, inputs: &[PathBuf], document: &Document, force: bool) -> output::Request {
+fn outputs(
+    command: &'static str,
+    inputs: &[PathBuf],
+    document: &Document,
+    force: bool,
+    parquet: bool,
+) -> output::Request {
     let tables = (0..document.map.len()).map(csv_name);
     let figures = page::file_names(document).into_iter().flatten();
     output::Request {
         command,
         inputs: inputs.to_vec(),
-        writes: tables.chain(figures).chain([REPORT.to_owned()]).collect(),
+        writes: tables.chain(figures).chain([REPORT.to_owned()]).chain(numbers::files(parquet)).collect(),
         force,
         ..output::Request::default()
     }
@@ -192,6 +202,6 @@ fn write(mut folder: Folder, atlas: &Atlas) -> Result<()> {
     for (name, figure) in page::figures(atlas) {
         folder.write(&name, figure.file_svg().as_bytes())?;
     }
-    folder.write(REPORT, paper.finish().as_bytes())?;
+    numbers::write(&mut folder, REPORT, paper)?;
     folder.finish()
 }

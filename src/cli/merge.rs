@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::numbers;
 use super::study::answer;
 use crate::drift::divided as study;
 use crate::error::{Error, Result};
@@ -55,8 +56,9 @@ fn of_study(found: &[Found], arguments: &Arguments, json: bool) -> Result<()> {
         command: "merge",
         inputs: arguments.shards.clone(),
         reads: found.iter().map(|f| f.path.clone()).collect(),
-        writes: answer::FILES.map(str::to_owned).into(),
+        writes: answer::FILES.map(str::to_owned).into_iter().chain(numbers::files(false)).collect(),
         force: arguments.force,
+        keeps: false,
     };
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
     let (study, drift) = study::merged(found, &progress::terminal())?;

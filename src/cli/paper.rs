@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::device::on_device;
+use super::numbers;
 use super::say::{say, sayln};
 use crate::ensemble::Choice;
 use crate::error::{Error, Result};
@@ -17,12 +18,15 @@ use crate::trial::real;
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Where to write report.html
+    /// Where to write report.html and the numbers behind its figures
     #[arg(long, value_name = "DIR", default_value = "reports/paper")]
     pub out: PathBuf,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long)]
     pub force: bool,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long)]
+    pub parquet: bool,
     /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
@@ -45,7 +49,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let request = output::Request {
         command: "paper",
-        writes: vec![REPORT.into()],
+        writes: [REPORT.to_owned()].into_iter().chain(numbers::files(arguments.parquet)).collect(),
         force: arguments.force,
         ..output::Request::default()
     };
@@ -54,7 +58,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let control = progress::terminal();
     let paper = on_device(arguments.backend, |device| compute(data.as_deref(), true, device, &control))
         .map_err(|e| e.within("could not finish the paper", "run it again; it takes about a minute"))?;
-    let written = folder.write(REPORT, page::page(&paper).as_bytes()).and_then(|()| folder.finish());
+    let written = numbers::write(&mut folder, REPORT, page::page(&paper)).and_then(|()| folder.finish());
     if json {
         sayln!("{:#}", json!({ "schema": "proofmass.paper/1", "figures": paper.exhibits() }))?;
     } else {

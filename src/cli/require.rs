@@ -140,5 +140,6 @@ fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
         reads: study.reads.clone(),
         writes: [REPORT, CURVE].map(str::to_owned).into(),
         force: arguments.force,
+        keeps: false,
     }
 }

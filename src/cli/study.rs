@@ -7,12 +7,15 @@ mod in_motion;
 mod ranks;
 mod shard;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
 use super::launched;
+use super::numbers;
+use super::samples;
 use super::sweep;
 use crate::decision::digits;
 use crate::decision::statistic::Limit;
@@ -33,6 +36,7 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --shard 3/16 --out shards         one of sixteen shares, for `proofmass merge shards`
   proofmass study study.toml --emit slurm --shards 64 > run.sh  all of them as a Slurm job array, and the merge
   proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
+  proofmass study study.toml --samples 3 log.csv && proofmass allan log.csv
 
 Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
@@ -84,6 +88,12 @@ pub struct Arguments {
     /// How many shards such a script runs
     #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     pub shards: Option<u64>,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long)]
+    pub parquet: bool,
+    /// Write simulated readings of N members as a recording too: FILE ends in .csv, .parquet or .npy
+    #[arg(long, num_args = 2, value_names = ["N", "FILE"], allow_negative_numbers = true)]
+    pub samples: Vec<OsString>,
     /// Go on with a run that was stopped by Ctrl-C
     #[arg(long)]
     pub resume: bool,
@@ -163,6 +173,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         Some(digits) => digits::sized(&source, digits, &control)?,
         None => study,
     };
+    let Arguments { samples, force, .. } = arguments;
+    samples::write(&samples::Request { samples, study: arguments.study.as_deref(), force: *force }, &study)?;
     let path = folder(arguments, &study);
     if let Some(motion) = &study.in_motion {
         let request = outputs(arguments, &study);
@@ -242,7 +254,8 @@ fn outputs(arguments: &Arguments, study: &Study) -> output::Request {
         command: "study",
         inputs: arguments.study.iter().cloned().collect(),
         reads: study.reads.clone(),
-        writes: answer::FILES.map(str::to_owned).into(),
+        writes: answer::FILES.map(str::to_owned).into_iter().chain(numbers::files(arguments.parquet)).collect(),
         force: arguments.force,
+        keeps: false,
     }
 }

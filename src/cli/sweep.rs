@@ -114,6 +114,7 @@ fn outputs(asked: &Asked<'_>, study: &Study, plan: &Plan) -> output::Request {
         reads: study.reads.clone(),
         writes: figures.chain([REPORT, TABLE].map(str::to_owned)).collect(),
         force: asked.force,
+        keeps: false,
     }
 }
 

@@ -19,7 +19,7 @@ const EXAMPLES: &str = "Examples:
 
 /// The files that can be written by hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Kind {
+pub(super) enum Kind {
     /// study.toml for `study`
     Study,
     /// model.toml for `diagnose`: one proof mass, shaken or ringing

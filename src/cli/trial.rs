@@ -7,6 +7,7 @@ pub(super) mod shard;
 use std::path::{Path, PathBuf};
 
 use super::launched::refuse_ranks;
+use super::numbers;
 use super::say::{remark, say, sayln};
 use crate::control::Control;
 use crate::diagnosis::recordings::Recordings;
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
+    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    #[arg(long, requires = "out")]
+    pub parquet: bool,
     /// Fewer and shorter recordings: at most two minutes instead of twenty
     #[arg(long)]
     pub quick: bool,
@@ -178,7 +182,7 @@ fn keep(path: &Path, arguments: &Arguments, recipe: Option<&Recipe>) -> Result<F
     let request = output::Request {
         command: "trial",
         reads: arguments.recordings.iter().cloned().chain(models).collect(),
-        writes: FILES.map(str::to_owned).into(),
+        writes: FILES.map(str::to_owned).into_iter().chain(numbers::files(arguments.parquet)).collect(),
         force: arguments.force,
         ..output::Request::default()
     };
@@ -200,7 +204,11 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool, contr
     let request = || output::Request {
         command: "trial --like",
         inputs: vec![recording.into(), model.into()],
-        writes: ["power.json", "power.html"].map(str::to_owned).into(),
+        writes: ["power.json", "power.html"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(numbers::files(arguments.parquet))
+            .collect(),
         force: arguments.force,
         ..output::Request::default()
     };
@@ -209,7 +217,7 @@ fn like(recording: &Path, model: &Path, arguments: &Arguments, json: bool, contr
     let document = to_json(&power)?;
     let written = folder.map_or(Ok(()), |mut folder| {
         folder.write("power.json", document.as_bytes())?;
-        folder.write("power.html", report::like::page(&power).as_bytes())?;
+        numbers::write(&mut folder, "power.html", report::like::page(&power))?;
         folder.finish()
     });
     if json {

@@ -4,6 +4,8 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::diagnosis::candidate::Kind;
@@ -57,6 +59,7 @@ pub type Ranges = Vec<[usize; 2]>;
 
 /// Which samples are fitted and which judge; absent means interleaved blocks.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Split {
     /// Fitted.
@@ -102,6 +105,7 @@ impl Split {
 
 /// kind = "driven".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
     /// Topic, message or array, where the recording has several.
@@ -125,6 +129,7 @@ pub struct Driven {
 
 /// Columns of a driven recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DrivenColumns {
     /// Time in s.
@@ -140,6 +145,7 @@ pub struct DrivenColumns {
 
 /// Hints for the base model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Start {
     /// ω₀/2π.
@@ -150,6 +156,7 @@ pub struct Start {
 
 /// kind = "static".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Static {
     /// Topic, message or array, where the recording has several.
@@ -177,6 +184,7 @@ pub struct Static {
 
 /// Columns of a static recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StaticColumns {
     /// Time in s.
@@ -190,6 +198,7 @@ pub struct StaticColumns {
 
 /// Noise as a datasheet states it.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
     /// One-sided, unit/√Hz.
@@ -204,6 +213,7 @@ pub struct Noise {
 
 /// kind = "tumble".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tumble {
     /// Topic, message or array, where the recording has several.
@@ -226,6 +236,7 @@ pub struct Tumble {
 
 /// Columns of a tumble recording.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TumbleColumns {
     /// Time in s.

@@ -30,7 +30,15 @@ impl Staged {
     /// # Errors
     /// The folder cannot be made or written.
     pub fn new(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let folder = folder_of(path);
+        Self::within(folder_of(path), path, bytes)
+    }
+
+    /// Writes the bytes in a folder above `path` on the same disk, down to the disk; what lies between is made when the file
+    /// is put in its place.
+    ///
+    /// # Errors
+    /// The folder cannot be made or written.
+    pub fn within(folder: &Path, path: &Path, bytes: &[u8]) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(UNFINISHED);
@@ -49,6 +57,8 @@ impl Staged {
     /// A folder stands there, or the file system refuses.
     pub fn publish(self) -> Result<()> {
         let Self { file, path } = self;
+        let folder = folder_of(&path);
+        std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
         file.persist(&path).map_err(|e| Error::io("write", &path, &e.error))
     }
 }

@@ -171,8 +171,8 @@ fn likeness(study: &Study, axis: &Axis, log: &Recording, control: &Control) -> R
     let choice = Integrator::choose(mass.as_ref(), still.clock.step_s);
     let job = still.job(choice.integrator, vec![still.clock.samples]);
     let mut members = vec![Accumulator::new(); LANES];
-    cpu::readings::<f32>(&job, 0, control, |accelerometer, gyro| {
-        let lane = if sense == Sense::Accelerometer { accelerometer } else { gyro };
+    cpu::readings::<f32>(&job, 0, control, |seen| {
+        let lane = if sense == Sense::Accelerometer { seen.accelerometer } else { seen.gyro };
         members.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(f64::from(*value)));
     })
     .map_err(|e| e.within("could not finish the comparison with the recording", "run it again"))?;

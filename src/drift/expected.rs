@@ -60,7 +60,14 @@ impl Expected {
                     };
                     let found = if still_s > 0.0 { mean_of_still_start(integrals, still_s) } else { 0.0 };
                     let levelled = Moment { mean: mean * found, variance: variance * found * found };
-                    sources.push((source, chain(source, &time_s, moment, levelled)));
+                    let mut rows = chain(source, &time_s, moment, levelled);
+                    if source == Source::Term(SensorTerm::InitialTilt) {
+                        // Its SI value is the gravity that the tilt lets in.
+                        let g = STANDARD_GRAVITY_M_S2;
+                        let tilt = Moment { mean: mean / g, variance: variance / (g * g) };
+                        rows.iter_mut().for_each(|row| row[quantity::TILT] = tilt);
+                    }
+                    sources.push((source, rows));
                 }
                 Law::Random(processes) => {
                     let moment = |t: f64, n: u32| Moment {
@@ -76,11 +83,9 @@ impl Expected {
                 }
                 Law::Motion { power, mean, variance } => {
                     let at = |k: usize| {
-                        let mut row = [Moment::default(); 4];
-                        for (q, integrals) in motion.integrals[power - 1][k].iter().enumerate() {
-                            row[q] = Moment { mean: mean * integrals, variance: variance * integrals * integrals };
-                        }
-                        row
+                        let integrals = motion.integrals[power - 1][k];
+                        let integrals = if source.is_gyro() { integrals.through_tilt() } else { integrals.direct() };
+                        integrals.map(|i| Moment { mean: mean * i, variance: variance * i * i })
                     };
                     sources.push((source, (0..time_s.len()).map(at).collect()));
                 }
@@ -191,6 +196,7 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
         ErrorLaw::Proportional(power) => motion(study, key, power as usize),
+        ErrorLaw::Force => motion(study, key, 1),
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),
@@ -255,11 +261,33 @@ fn motion(study: &Study, key: &Key, power: usize) -> Law {
     }
 }
 
+/// The force to a power at a time, and its integrals up to there.
+#[derive(Clone, Copy)]
+struct Integrals {
+    now: f64,
+    once: f64,
+    twice: f64,
+    thrice: f64,
+}
+
+impl Integrals {
+    /// Position, velocity and acceleration of an accelerometer's error, and no tilt.
+    fn direct(self) -> [f64; 4] {
+        [self.twice, self.once, self.now, 0.0]
+    }
+
+    /// The same of a gyro's: tilt is its integral, and gravity makes an acceleration of that.
+    fn through_tilt(self) -> [f64; 4] {
+        let g = STANDARD_GRAVITY_M_S2;
+        [g * self.thrice, g * self.twice, g * self.once, self.once]
+    }
+}
+
 /// Integrals of the shared force and of its square.
 #[derive(Default)]
 struct Motion {
-    /// Per power (1, 2), per time: position, velocity, acceleration, and 0 for tilt.
-    integrals: [Vec<[f64; 4]>; 2],
+    /// Per power (1, 2), per time.
+    integrals: [Vec<Integrals>; 2],
 }
 
 impl Motion {
@@ -273,7 +301,7 @@ impl Motion {
             let f = waveform.specific_force_m_s2(t);
             [f, f * f]
         };
-        let (mut velocity, mut position, mut now_s) = ([0.0; 2], [0.0; 2], 0.0);
+        let (mut velocity, mut position, mut area, mut now_s) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
         let mut before = force(0.0);
         for time_s in time_s {
             let parts = ((time_s - now_s) / step_s).round().max(1.0);
@@ -282,6 +310,8 @@ impl Motion {
                 let after = force(now_s + h * part as f64);
                 for p in 0..2 {
                     // Exact for a force that is linear over the step.
+                    let third = h * h * h * (before[p] / 8.0 + after[p] / 24.0);
+                    area[p] += h * position[p] + 0.5 * h * h * velocity[p] + third;
                     position[p] += h * velocity[p] + h * h * (before[p] / 3.0 + after[p] / 6.0);
                     velocity[p] += 0.5 * h * (before[p] + after[p]);
                 }
@@ -289,7 +319,8 @@ impl Motion {
             }
             now_s = *time_s;
             for p in 0..2 {
-                integrals[p].push([position[p], velocity[p], before[p], 0.0]);
+                let (once, twice, thrice) = (velocity[p], position[p], area[p]);
+                integrals[p].push(Integrals { now: before[p], once, twice, thrice });
             }
         }
         Self { integrals }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+#[cfg(feature = "cli")]
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
@@ -136,6 +138,20 @@ impl<'de> DeserializeSeed<'de> for Kind {
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<&'static str, D::Error> {
         let (name, kinds) = (String::deserialize(deserializer)?, &self.0.kinds);
         kinds.iter().find(|k| **k == name).copied().ok_or_else(|| de::Error::unknown_variant(&name, kinds))
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Form {
+    /// As JSON Schema.
+    pub fn schema(self, generator: &mut SchemaGenerator) -> Schema {
+        match self {
+            Self::Number => Number::json_schema(generator),
+            Self::Real => f64::json_schema(generator),
+            Self::Whole => u32::json_schema(generator),
+            Self::Text => String::json_schema(generator),
+            Self::Pairs => <Vec<[f64; 2]>>::json_schema(generator),
+        }
     }
 }
 

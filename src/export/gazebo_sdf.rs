@@ -14,16 +14,14 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.note("update_rate: Hz; stddev holds for this rate alone");
     sheet.line(&format!("<update_rate>{:?}</update_rate>", imu.rate_hz));
     sheet.line("<imu>");
-    for (element, errors, unit) in
-        [("angular_velocity", &imu.gyro, "rad/s"), ("linear_acceleration", &imu.accelerometer, "m/s^2")]
-    {
+    for (element, sense, unit) in [("angular_velocity", 1, "rad/s"), ("linear_acceleration", 0, "m/s^2")] {
         sheet.indent(4);
         sheet.line(&format!("<{element}>"));
-        for axis in ["x", "y", "z"] {
+        for (number, axis) in ["x", "y", "z"].into_iter().enumerate() {
             sheet.indent(6);
             sheet.line(&format!("<{axis}>"));
             sheet.indent(8);
-            noise(errors, unit, imu.rate_hz, axis == "x", sheet);
+            noise(&imu.axis(number)[sense], unit, imu.rate_hz, imu.axes.is_some() || axis == "x", sheet);
             sheet.indent(6);
             sheet.line(&format!("</{axis}>"));
         }
@@ -76,18 +74,29 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
     let rate_hz = number(&text, "update_rate")?.filter(|r| *r > 0.0);
     let rate_hz =
         rate_hz.ok_or_else(|| fail("it has no <update_rate> above 0, without which stddev has no density".into()))?;
-    let mut imu = Imu::new(name, rate_hz);
-    for (tag, errors) in [("angular_velocity", &mut imu.gyro), ("linear_acceleration", &mut imu.accelerometer)] {
-        let Some(axis) = element(&text, tag).and_then(|sense| element(sense, "x")) else {
-            return Err(fail(format!("it has no <{tag}> with an <x>")));
+    let imu = Imu::new(name, rate_hz);
+    let mut axes = [[imu.accelerometer, imu.gyro]; 3];
+    let places = [("angular_velocity", 1), ("linear_acceleration", 0)];
+    let places = places
+        .into_iter()
+        .flat_map(|(tag, sense)| ["x", "y", "z"].into_iter().enumerate().map(move |a| (tag, sense, a)));
+    for (tag, sense, (number_of_axis, name)) in places {
+        let Some(axis) = element(&text, tag).and_then(|sense| element(sense, name)) else {
+            if number_of_axis == 0 {
+                return Err(fail(format!("it has no <{tag}> with an <x>")));
+            }
+            // An axis that is left out has no noise in Gazebo; a sensor that gives x alone means x for all.
+            axes[number_of_axis][sense] = axes[0][sense];
+            continue;
         };
+        let errors = &mut axes[number_of_axis][sense];
         let or_zero = |tag| Ok::<f64, Error>(number(axis, tag)?.unwrap_or(0.0));
         let fixed = |mean| Value { mean, sd: 0.0 };
         errors.white = fixed(or_zero("stddev")? / rate_hz.sqrt());
         errors.walk = fixed(or_zero("dynamic_bias_stddev")?);
         errors.bias = Value { mean: or_zero("bias_mean")?, sd: or_zero("bias_stddev")? };
     }
-    Ok(imu)
+    Ok(imu.with_axes(axes))
 }
 
 fn without_comments(text: &str) -> String {

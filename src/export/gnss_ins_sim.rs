@@ -2,7 +2,7 @@
 //! τ, which walks with K for σ = K√(τ/2) (function `bias_drift`).
 
 use super::drift::{self, Form};
-use super::imu::Imu;
+use super::imu::{Errors, Imu};
 use super::sheet::{Sheet, number};
 use crate::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
 
@@ -20,20 +20,21 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let white = "random-walk coefficient N as sigma (one-sided density / sqrt 2), continuous, not per sample";
     let sigma = "stationary sigma of a Gauss-Markov bias: K sqrt(corr / 2)";
     let corr = "correlation time; 1e6 s makes the bias a random walk";
-    let stationary = |p: &drift::Process| p.drive * (p.correlation_s / 2.0).sqrt();
-    for (key, value, unit, means) in [
-        ("gyro_b", imu.gyro.bias.mean / DEGREE_PER_HOUR, "deg/h", "constant bias"),
-        ("gyro_arw", imu.gyro.white.mean / DEGREE_PER_ROOT_HOUR, "deg/sqrt(h)", white),
-        ("gyro_b_stability", stationary(&g) / DEGREE_PER_HOUR, "deg/h", sigma),
-        ("gyro_b_corr", g.correlation_s, "s", corr),
-        ("accel_b", imu.accelerometer.bias.mean, "m/s^2", "constant bias"),
-        ("accel_vrw", imu.accelerometer.white.mean * 60.0, "m/s/sqrt(h)", white),
-        ("accel_b_stability", stationary(&a), "m/s^2", sigma),
-        ("accel_b_corr", a.correlation_s, "s", corr),
+    let process = |errors: &Errors| drift::process(errors, Form::GaussMarkov);
+    let stationary = |errors: &Errors| process(errors).drive * (process(errors).correlation_s / 2.0).sqrt();
+    let [accelerometers, gyros] = [0, 1].map(|sense| [0, 1, 2].map(|axis| imu.axis(axis)[sense]));
+    for (key, values, unit, means) in [
+        ("gyro_b", gyros.map(|e| e.bias.mean / DEGREE_PER_HOUR), "deg/h", "constant bias"),
+        ("gyro_arw", gyros.map(|e| e.white.mean / DEGREE_PER_ROOT_HOUR), "deg/sqrt(h)", white),
+        ("gyro_b_stability", gyros.map(|e| stationary(&e) / DEGREE_PER_HOUR), "deg/h", sigma),
+        ("gyro_b_corr", gyros.map(|e| process(&e).correlation_s), "s", corr),
+        ("accel_b", accelerometers.map(|e| e.bias.mean), "m/s^2", "constant bias"),
+        ("accel_vrw", accelerometers.map(|e| e.white.mean * 60.0), "m/s/sqrt(h)", white),
+        ("accel_b_stability", accelerometers.map(|e| stationary(&e)), "m/s^2", sigma),
+        ("accel_b_corr", accelerometers.map(|e| process(&e).correlation_s), "s", corr),
     ] {
         sheet.note(&format!("{key}: {unit}; {means}; documented in the README, section IMU"));
-        let value = number(value);
-        sheet.line(&format!("'{key}': np.array([{value}, {value}, {value}]),"));
+        sheet.line(&format!("'{key}': np.array([{}]),", values.map(number).join(", ")));
     }
     sheet.indent(0);
     sheet.line("}");

@@ -16,7 +16,7 @@ pub struct Value {
     pub sd: f64,
 }
 
-/// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes.
+/// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes or of one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
     /// Its unit, for people.
@@ -59,6 +59,8 @@ pub struct Imu {
     pub gyro: Errors,
     /// What else was given and is not zero.
     pub others: Vec<Other>,
+    /// Accelerometer and gyro of x, y and z where they differ; `accelerometer` and `gyro` are then their root mean squares.
+    pub axes: Option<[[Errors; 2]; 3]>,
 }
 
 impl Errors {
@@ -73,7 +75,19 @@ impl Imu {
     /// A bare one.
     pub fn new(source: &str, rate_hz: f64) -> Self {
         let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
-        Self { source: source.into(), rate_hz, accelerometer, gyro, others: Vec::new() }
+        Self { source: source.into(), rate_hz, accelerometer, gyro, others: Vec::new(), axes: None }
+    }
+
+    /// The errors of an axis: accelerometer and gyro.
+    pub fn axis(&self, axis: usize) -> [Errors; 2] {
+        self.axes.and_then(|axes| axes.get(axis).copied()).unwrap_or([self.accelerometer, self.gyro])
+    }
+
+    /// The same unit with these axes: noise and steps by their root mean square, biases by their mean, the smallest range.
+    pub fn with_axes(mut self, axes: [[Errors; 2]; 3]) -> Self {
+        [self.accelerometer, self.gyro] = [0, 1].map(|sense| together(axes.map(|axis| axis[sense])));
+        self.axes = (axes[0] != axes[1] || axes[0] != axes[2]).then_some(axes);
+        self
     }
 
     /// The sensor of a study.toml, a sensor.toml or a repaired.toml; recordings that it names are not read.
@@ -123,12 +137,36 @@ impl Imu {
                 toml += &format!("\n[{}]\n{lines}", sense.name());
             }
         }
+        for (name, axis) in ["x", "y", "z"].into_iter().zip(self.axes.into_iter().flatten()) {
+            toml += &format!("\n# {name} alone:\n");
+            for (sense, errors) in [Sense::Accelerometer, Sense::Gyro].into_iter().zip(&axis) {
+                let lines = SensorTerm::ALL.into_iter().filter(|term| term.sense() == sense);
+                let lines = lines.filter_map(|term| line(term, errors));
+                lines.for_each(|line| toml += &format!("#   {}.{line}", sense.name()));
+            }
+        }
         if self.accelerometer.range.is_finite() {
             let key = SensorTerm::Range.row().keys[0];
             let range = digits(self.accelerometer.range / key.factor);
             toml = toml.replacen("\n[sensor]\n", &format!("\n[sensor]\n{} = {range:?}\n", key.key()), 1);
         }
         toml
+    }
+}
+
+/// One accelerometer or gyro for three axes.
+fn together(axes: [Errors; 3]) -> Errors {
+    let rms = |of: fn(&Errors) -> f64| (axes.iter().map(|a| of(a).powi(2)).sum::<f64>() / 3.0).sqrt();
+    let fixed = |mean| Value { mean, sd: 0.0 };
+    let bias = axes.iter().map(|a| a.bias.mean).sum::<f64>() / 3.0;
+    Errors {
+        unit: axes[0].unit,
+        white: fixed(rms(|a| a.white.mean)),
+        flicker: fixed(rms(|a| a.flicker.mean)),
+        walk: fixed(rms(|a| a.walk.mean)),
+        bias: Value { mean: bias, sd: rms(|a| a.bias.sd) },
+        step: rms(|a| a.step),
+        range: axes.iter().fold(f64::INFINITY, |least, a| least.min(a.range)),
     }
 }
 
@@ -171,7 +209,7 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
             ErrorLaw::Constant => errors.bias = value,
             ErrorLaw::Rounding => errors.step = value.mean,
             ErrorLaw::FullScale => errors.range = value.mean,
-            ErrorLaw::Proportional(_) | ErrorLaw::Ramp => {}
+            ErrorLaw::Proportional(_) | ErrorLaw::Ramp | ErrorLaw::Offset | ErrorLaw::Force => {}
         }
     }
     errors

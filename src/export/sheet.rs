@@ -1,7 +1,7 @@
 //! A configuration being written: numbers in the tool's syntax, and beside each its unit, convention and source.
 
 use super::drift::Process;
-use super::imu::Imu;
+use super::imu::{Errors, Imu};
 use crate::number::short;
 use crate::sensor::SensorTerm;
 
@@ -82,6 +82,20 @@ impl Sheet {
             for (what, value) in drawn.into_iter().filter(|(_, value)| value.sd > 0.0) {
                 let percent = 100.0 * value.sd / value.mean;
                 head.push(format!("{name} {what} differs between sensors (sd {percent:.0} %); this is the mean"));
+            }
+        }
+        if imu.axes.is_some() {
+            let three = |of: fn(&Errors) -> f64, sense: usize| {
+                [0, 1, 2].map(|axis| short(of(&imu.axis(axis)[sense]))).join(", ")
+            };
+            for (sense, name, errors) in [(0, "accelerometer", &imu.accelerometer), (1, "gyro", &imu.gyro)] {
+                head.push(format!(
+                    "{name}: x, y, z differ, N = {} {unit}*sqrt(s), K = {} {unit}/sqrt(s); where the tool takes one \
+                     number for all it is their root mean square",
+                    three(|e| e.white.mean, sense),
+                    three(|e| e.walk.mean, sense),
+                    unit = errors.unit
+                ));
             }
         }
         for other in imu.others.iter().filter(|o| !o.term.is_some_and(|t| keeps.contains(&t))) {

@@ -1,5 +1,7 @@
 //! map.toml: the oscillator, its drive, and which parameters are laid out over which ranges.
 
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::dynamics::duffing::Oscillator;
@@ -7,6 +9,7 @@ use crate::error::{Error, Result};
 
 /// A whole map.toml.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Document {
     /// Name of the report.
@@ -33,6 +36,7 @@ fn unnamed() -> String {
 
 /// `[oscillator]`: m x″ + D₀x′ + kx + εx³ = F.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Coefficients {
     /// m.
@@ -63,6 +67,7 @@ impl From<Coefficients> for Oscillator {
 
 /// `[drive]`: F₀ cos ωt, with either frequency key.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Force {
     /// F₀.
@@ -82,6 +87,7 @@ impl Force {
 
 /// What an axis may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// F₀, N.
@@ -114,6 +120,7 @@ impl Quantity {
 
 /// One axis of a map: evenly spaced cells from `from` to `to`, values at the cells' centres.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// Which parameter.
@@ -135,6 +142,7 @@ impl Range {
 
 /// `[[map]]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Map {
     /// Heading in the report.
@@ -160,6 +168,7 @@ fn hundred() -> u32 {
 
 /// `[[bifurcation]]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Diagram {
     /// Heading in the report.

@@ -1,5 +1,6 @@
 //! Why a file in a folder of results must not be replaced, in words.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::manifest::Identity;
@@ -15,6 +16,8 @@ pub enum Reason {
     Input,
     /// A folder stands there.
     Folder,
+    /// A file stands where its folder would go.
+    File,
     /// It has been changed since this run wrote it.
     Changed,
     /// Another run wrote it.
@@ -26,13 +29,14 @@ pub enum Reason {
 impl Reason {
     /// Whether it holds for a run that is forced too.
     pub fn stands_against_force(&self) -> bool {
-        matches!(self, Self::Input | Self::Folder)
+        matches!(self, Self::Input | Self::Folder | Self::File)
     }
 
     fn words(&self) -> String {
         match self {
             Self::Input => "read by this very run".into(),
             Self::Folder => "a folder, where a file would go".into(),
+            Self::File => "its folder's name is that of a file".into(),
             Self::Changed => "changed since proofmass wrote it".into(),
             Self::Unknown => "not written by proofmass".into(),
             Self::Other(Identity { command, inputs }) if inputs.is_empty() => {
@@ -45,13 +49,29 @@ impl Reason {
     }
 }
 
+/// Names as they are said: of several files in a folder below, the folder and their number.
+fn together<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let (mut plain, mut below) = (Vec::new(), BTreeMap::<&str, Vec<&str>>::new());
+    for name in names {
+        match name.rsplit_once('/') {
+            None => plain.push(name.to_owned()),
+            Some((folder, _)) => below.entry(folder).or_default().push(name),
+        }
+    }
+    plain.extend(below.into_iter().map(|(folder, names)| match names[..] {
+        [only] => only.to_owned(),
+        _ => format!("{folder}/ ({} files)", names.len()),
+    }));
+    plain
+}
+
 /// The error that names the files.
 pub fn refuse(folder: &Path, found: &[(String, Reason)]) -> Error {
     let mut reasons: Vec<&Reason> = found.iter().map(|(_, reason)| reason).collect();
     reasons.sort();
     reasons.dedup();
     let sentence = |reason: &&Reason| {
-        let names: Vec<&str> = found.iter().filter(|(_, r)| r == *reason).map(|(name, _)| name.as_str()).collect();
+        let names = together(found.iter().filter(|(_, r)| r == *reason).map(|(name, _)| name.as_str()));
         let more = match names.len().saturating_sub(NAMED) {
             0 => String::new(),
             more => format!(" and {more} more"),

@@ -119,7 +119,7 @@ pub fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> 
         let noise = Asked::new(request, &scales.into())?.analyse(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let json = format!("{:#}", report::allan::document(&name, &noise));
-        let draw = move || report::allan::page(&name, &noise, &report::allan::fragments(&name, &noise));
+        let draw = move || report::allan::page(&name, &noise, &report::allan::fragments(&name, &noise)).finish();
         Ok(Answer { json, repaired: None, draw: Box::new(draw) })
     })
 }
@@ -215,7 +215,7 @@ fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Contr
     let study = repaired.clone();
     let draw = move || {
         let exhibits = report::diagnosis::exhibits(&found.detail);
-        report::diagnosis::page(&found, &costs, &exhibits, study.as_deref())
+        report::diagnosis::page(&found, &costs, &exhibits, study.as_deref()).finish()
     };
     Ok(Answer { json, repaired, draw: Box::new(draw) })
 }

@@ -68,6 +68,8 @@ pub struct Channel {
     pub lines: Vec<Line>,
     /// Step its numbers are rounded to.
     pub step: Option<f64>,
+    /// Mean of its readings.
+    pub mean: f64,
 }
 
 impl Channel {
@@ -119,11 +121,32 @@ pub fn analyse(path: &Path, request: &Request, unit_of: impl Fn(&str) -> Unit + 
     Ok(Noise { source, channels })
 }
 
+/// A mean about the first value, so that an offset costs no digits.
+#[derive(Debug, Default)]
+struct Mean {
+    first: Option<f64>,
+    beyond: f64,
+    count: u64,
+}
+
+impl Mean {
+    fn push(&mut self, value: f64) {
+        self.beyond += value - *self.first.get_or_insert(value);
+        self.count += 1;
+    }
+
+    /// 0 of no values.
+    fn value(&self) -> f64 {
+        self.first.unwrap_or(0.0) + self.beyond / self.count.max(1) as f64
+    }
+}
+
 /// Gathers one channel as it passes.
 struct Meter {
     watch: Watch,
     glitch: Glitch,
     allan: Accumulator,
+    mean: Mean,
     /// Long and short segments: a short log may not fill a long one.
     spectra: [Welch; 2],
 }
@@ -131,13 +154,20 @@ struct Meter {
 impl Meter {
     fn new(name: &str) -> Option<Self> {
         let spectra = [Welch::new(SEGMENT)?, Welch::new(SEGMENT / 16)?];
-        Some(Self { watch: Watch::new(name), glitch: Glitch::default(), allan: Accumulator::new(), spectra })
+        Some(Self {
+            watch: Watch::new(name),
+            glitch: Glitch::default(),
+            allan: Accumulator::new(),
+            mean: Mean::default(),
+            spectra,
+        })
     }
 
     fn push(&mut self, value: f64) {
         self.watch.push(value);
         self.glitch.push(value);
         self.allan.push(value);
+        self.mean.push(value);
         self.spectra.iter_mut().for_each(|s| s.push(value));
     }
 
@@ -168,6 +198,7 @@ impl Meter {
             lines,
             density,
             step: self.watch.step(),
+            mean: self.mean.value(),
         }
     }
 }

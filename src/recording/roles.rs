@@ -107,6 +107,21 @@ pub fn of(names: &[String]) -> Roles {
     Roles { gyro: triple(Quantity::Gyro), accelerometer: triple(Quantity::Accelerometer) }
 }
 
+/// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and quantity: `gyro_rad_s`, or
+/// with a sensor's number `accelerometer_2_m_s2`.
+pub fn alone(name: &str) -> Option<Unit> {
+    let (stem, unit) = stem(name);
+    let unit = Unit::of_file(unit?)?;
+    let plain = stem.trim_end_matches(|c: char| c.is_ascii_digit());
+    let of = plain.strip_suffix('_').unwrap_or(plain);
+    let names = match unit.quantity {
+        Quantity::Gyro => &GYRO[..],
+        Quantity::Accelerometer => &ACCELEROMETER[..],
+        Quantity::Unknown => &[],
+    };
+    names.contains(&of).then_some(unit)
+}
+
 /// The unit of a column of this name: what its file states, else what its name ends with. `Some(None)` where that is no unit
 /// of an inertial sensor, as counts are.
 pub fn unit(name: &str, stated: Option<&str>) -> Option<Option<Unit>> {
@@ -148,6 +163,16 @@ mod tests {
         assert_eq!(roles(&["gx", "gy", "gz", "wx"]).gyro, None, "two columns for one axis");
         let nested = ["gyro.1", "gyro.2", "gyro.3", "imu.gyro.1", "imu.gyro.2", "imu.gyro.3"];
         assert_eq!(roles(&nested).gyro, Some([0, 1, 2]), "a variable wins over a field");
+    }
+
+    #[test]
+    fn a_lone_column_is_known_where_its_name_says_quantity_and_unit() {
+        let quantity = |name| alone(name).map(|u| u.quantity);
+        assert_eq!(quantity("gyro_12_rad_s"), Some(Quantity::Gyro));
+        assert_eq!(quantity("accelerometer_m_s2"), Some(Quantity::Accelerometer));
+        for other in ["gyro_1", "t_s", "temperature_1_g", "gyro_m_s2", "x_mg"] {
+            assert_eq!(quantity(other), None, "{other}");
+        }
     }
 
     #[test]

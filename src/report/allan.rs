@@ -9,7 +9,7 @@ mod words;
 pub use document::document;
 pub use fragment::{Fragment, fragments};
 pub use study::study;
-pub use words::{notes, tables};
+pub use words::{answer, notes, tables};
 
 use super::html::Page;
 use crate::number::rounded;
@@ -17,13 +17,20 @@ use crate::recording::finding::sentences;
 use crate::recording::noise::Noise;
 
 /// The page.
-pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
+pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> Page {
     let mut page = Page::new(&format!("Noise of {file}"), &words::lede(noise));
     words::tables(noise).iter().for_each(|t| page.table(t));
     page.paragraph(words::TABLE_NOTE);
     if !noise.source.findings.is_empty() {
         page.subsection("Found in the file");
         page.list(&sentences(&noise.source.findings));
+    }
+    let together = figure::together(noise);
+    if !together.is_empty() {
+        page.section("All axes");
+        let drawn: Vec<_> = together.iter().map(|chart| chart.draw()).collect();
+        let row: Vec<_> = drawn.iter().map(|figure| (figure, figure::TOGETHER)).collect();
+        page.figure_row(&row);
     }
     for channel in &noise.channels {
         page.section(&channel.name);
@@ -56,5 +63,5 @@ pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> String {
         format!("{file}, SHA-256 {}", noise.source.sha256),
         format!("{} samples at {} Hz", noise.source.samples, rounded(noise.source.rate_hz, 6)),
     ]);
-    page.finish()
+    page
 }

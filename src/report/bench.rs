@@ -182,7 +182,7 @@ const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integr
                            members and sums included. Sixty-four members share a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
-pub fn page(rows: &[Row], others: Option<f64>) -> String {
+pub fn page(rows: &[Row], others: Option<f64>) -> Page {
     let mut page = Page::new("How fast proofmass is here", LEAD);
     page.section("Measurements");
     page.paragraph(&busy(others));
@@ -197,7 +197,7 @@ pub fn page(rows: &[Row], others: Option<f64>) -> String {
     page.section("On a card that is not here");
     page.paragraph(&prediction_words());
     page.table(&predicted());
-    page.finish()
+    page
 }
 
 /// The same in Markdown.

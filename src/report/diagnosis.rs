@@ -44,6 +44,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         let names = std::iter::once(exhibit.name.clone()).chain((2..).map(|n| format!("{}-{n}", exhibit.name)));
         if let Some(free) = names.into_iter().find(|name| !taken.contains(&name.to_lowercase())) {
             taken.insert(free.to_lowercase());
+            exhibit.figure = exhibit.figure.clone().named(&free);
             exhibit.name = free;
         }
     }
@@ -69,7 +70,7 @@ pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
 }
 
 /// The whole page.
-pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: Option<&str>) -> String {
+pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: Option<&str>) -> Page {
     let verdict = &diagnosis.verdict;
     let file = std::path::Path::new(&verdict.recording.file);
     let name = file.file_name().map_or(verdict.recording.file.clone(), |n| n.to_string_lossy().into_owned());
@@ -155,7 +156,7 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     table.row(["rate", &format!("{} Hz", rounded(recording.rate_hz, 6))]);
     table.row(["proofmass", env!("CARGO_PKG_VERSION")]);
     page.table(&table);
-    page.finish()
+    page
 }
 
 fn headline(verdict: &Verdict) -> &'static str {

@@ -11,6 +11,8 @@ mod frame;
 mod inline;
 mod legend;
 mod marks;
+mod name;
+mod numbers;
 mod plot;
 pub mod raster;
 mod sheet;
@@ -24,6 +26,7 @@ use plot::Plot;
 
 pub use axis::{Axis, Scale, labelled};
 pub use chart::{Chart, Mark, Note, Series};
+pub use numbers::Numbers;
 pub use raster::Raster;
 pub use theme::Ink;
 
@@ -33,6 +36,7 @@ impl Chart {
         let legend = Legend::of(self);
         let plot = Plot::of(self, &legend);
         Figure {
+            numbers: numbers::behind(self),
             inline: inline::inline(self, &legend, &plot),
             svg: xml(&sheet::sheet(self, &legend, &plot)).into_owned(),
         }
@@ -46,13 +50,32 @@ pub struct Figure {
     inline: String,
     /// An `<svg>` element without its style.
     svg: String,
+    numbers: Vec<Numbers>,
 }
 
 impl Figure {
     /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes (`f-ink`, `s-c1`, …).
     pub fn from_svg(svg: String) -> Self {
         let svg = xml(&svg).into_owned();
-        Self { inline: format!("<div class=\"drawing\">{svg}</div>"), svg }
+        Self { inline: format!("<div class=\"drawing\">{svg}</div>"), svg, numbers: Vec::new() }
+    }
+
+    /// The same figure, its numbers under this name; without, they have that of the chart's title.
+    pub fn named(mut self, name: &str) -> Self {
+        // Further tables of one chart go on from the name of the first; charts side by side keep theirs.
+        let first = self.numbers.first().map(|part| part.name.clone()).unwrap_or_default();
+        for part in &mut self.numbers {
+            part.name = match part.name.strip_prefix(&first) {
+                Some(rest) => format!("{name}{rest}"),
+                None => format!("{name}-{}", part.name),
+            };
+        }
+        self
+    }
+
+    /// The numbers behind it.
+    pub fn numbers(&self) -> &[Numbers] {
+        &self.numbers
     }
 
     /// Figures side by side as one; each keeps its own size.
@@ -67,10 +90,11 @@ impl Figure {
             left += size(figure, "width");
             height = height.max(size(figure, "height"));
         }
-        Self::from_svg(format!(
+        let row = Self::from_svg(format!(
             "<svg width=\"{left}\" height=\"{height}\" viewBox=\"0 0 {left} {height}\" \
              xmlns=\"http://www.w3.org/2000/svg\">\n{inner}</svg>\n"
-        ))
+        ));
+        Self { numbers: figures.iter().flat_map(|figure| figure.numbers.clone()).collect(), ..row }
     }
 
     /// The figure as one element of a page that carries the theme's style.

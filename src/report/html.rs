@@ -3,11 +3,13 @@
 //! It loads nothing: its one style and its one script, which makes figures answer, stand in it and are the only ones that
 //! its content security policy allows, by their digests. Without the script the figures stand as they were drawn.
 
+use std::collections::HashSet;
+
 use base64::Engine as _;
 use sha2::{Digest, Sha256};
 
-use super::figure::Figure;
 use super::figure::theme;
+use super::figure::{Figure, Numbers};
 use super::table::Table;
 use crate::escape::html;
 
@@ -17,13 +19,31 @@ pub struct Page {
     title: String,
     contents: Vec<(String, String)>,
     body: String,
+    prefix: String,
+    numbers: Vec<Numbers>,
 }
 
 impl Page {
     /// A page that opens with its title and the answer in a sentence or two.
     pub fn new(title: &str, lede: &str) -> Self {
         let body = format!("<header><h1>{}</h1><p class=\"lede\">{}</p></header>\n", html(title), html(lede));
-        Self { title: title.into(), contents: Vec::new(), body }
+        Self { title: title.into(), contents: Vec::new(), body, prefix: String::new(), numbers: Vec::new() }
+    }
+
+    /// From here on, the names of the figures' numbers begin so.
+    pub fn prefix(&mut self, prefix: String) {
+        self.prefix = prefix;
+    }
+
+    /// The numbers behind its figures, no two of one name.
+    pub fn numbers(&self) -> Vec<Numbers> {
+        let mut taken = HashSet::new();
+        let unique = |numbers: &Numbers| {
+            let mut names = std::iter::once(numbers.name.clone()).chain((2..).map(|n| format!("{}-{n}", numbers.name)));
+            let name = names.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default();
+            Numbers { name, columns: numbers.columns.clone() }
+        };
+        self.numbers.iter().map(unique).collect()
     }
 
     /// Begins a section; it also appears in the contents when there are four or more.
@@ -66,6 +86,8 @@ impl Page {
 
     /// A figure with its caption.
     pub fn figure(&mut self, figure: &Figure, caption: &str) {
+        let named = |n: &Numbers| Numbers { name: format!("{}{}", self.prefix, n.name), columns: n.columns.clone() };
+        self.numbers.extend(figure.numbers().iter().map(named));
         self.body += &format!("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.inline(), html(caption));
     }
 

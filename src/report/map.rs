@@ -119,9 +119,15 @@ pub fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
 
 /// Writes maps and diagrams onto a page.
 pub fn write(page: &mut Page, atlas: &Atlas) {
+    let mut names = file_names(&atlas.document).into_iter();
+    let mut named = |figures: [Figure; 2]| {
+        let names = names.next().unwrap_or_default();
+        let [first, second] = figures;
+        [first.named(names[0].trim_end_matches(".svg")), second.named(names[1].trim_end_matches(".svg"))]
+    };
     for g in &atlas.grids {
         page.subsection(&g.map.title);
-        let [exponent, period] = grid(atlas, g);
+        let [exponent, period] = named(grid(atlas, g));
         let noise = if g.map.noise_n_rts > 0.0 {
             format!(" White force noise of {} N·√s acts throughout.", significant(g.map.noise_n_rts, 2))
         } else {
@@ -147,7 +153,7 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
     }
     for b in &atlas.diagrams {
         page.subsection(&format!("Bifurcation diagram: {}", b.diagram.title));
-        let [up, down] = diagram(b);
+        let [up, down] = named(diagram(b));
         let apart = b.hysteresis_n();
         let words = match (apart.first(), apart.last()) {
             (Some(first), Some(last)) => format!(

@@ -47,7 +47,7 @@ fn words(source: Source) -> &'static str {
 }
 
 /// The whole page.
-pub fn page(paper: &Paper) -> String {
+pub fn page(paper: &Paper) -> Page {
     let exhibits = paper.exhibits();
     let all: usize = exhibits.iter().map(|e| e.checks.len()).sum();
     let hold: usize = exhibits.iter().flat_map(|e| &e.checks).filter(|c| c.holds).count();
@@ -77,5 +77,5 @@ pub fn page(paper: &Paper) -> String {
     for failure in failures(paper) {
         page.callout(&failure);
     }
-    page.finish()
+    page
 }

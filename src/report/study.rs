@@ -31,7 +31,8 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
     page.paragraph(SCOPE);
     page.section("How far it drifts");
-    let (linear, log) = (envelope::linear(drift).draw(), envelope::log_log(drift).draw());
+    let (linear, log) =
+        (envelope::linear(drift).draw().named("percentiles"), envelope::log_log(drift).draw().named("envelope"));
     page.figure_row(&[
         (&linear, "Position error over time. Half of all sensors lie on each side of the line; the bands hold the middle 90 and 98 of 100. Dashed: where the closed form puts the edges of the inner band."),
         (&log, "The standard deviation on logarithmic axes, over the closed form of all sources together. Thin dashes: pure t² and t³, the paper's guides."),
@@ -48,7 +49,8 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     }
     page.section("Which error is to blame");
     page.paragraph(&blame(drift));
-    let (shares, alone) = (share::shares(drift).draw(), share::alone(drift).draw());
+    let (shares, alone) =
+        (share::shares(drift).draw().named("budget"), share::alone(drift).draw().named("budget-alone"));
     page.figure_row(&[
         (
             &shares,

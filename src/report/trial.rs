@@ -211,7 +211,7 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
 }
 
 /// The whole report as a page.
-pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> String {
+pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> Page {
     let lede = format!(
         "Blind trial of the diagnosis: {} of the effects above their detection limit were named correctly; false alarms on \
          {} recordings with nothing planted: {}; unknown physics flagged: {}.",
@@ -280,7 +280,7 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
         table.row(std::iter::once(case.number.to_string()).chain(cells));
     }
     page.table(&table);
-    page.finish()
+    page
 }
 
 /// The short summary that is committed.

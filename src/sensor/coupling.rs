@@ -1,5 +1,5 @@
-//! The keys of study.toml by which a reading takes from another axis or instrument: a gyro's scale factor, misalignment and
-//! g-sensitivity. They act in six axes only.
+//! The keys of study.toml by which a reading takes from another axis or instrument: a gyro's scale factor, misalignments and
+//! g-sensitivity. Along one axis the last two are sensor terms of their own, in the same slots.
 
 use crate::units::key::Key;
 use crate::units::key::Sign::Any;
@@ -22,3 +22,6 @@ pub const ACCELEROMETER_MISALIGNMENT: Key =
 
 /// All of them, in the order of a sensor table.
 pub const KEYS: [&Key; 4] = [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
+
+/// Those that mean something only where there are other axes, or a turn.
+pub const BETWEEN_AXES: [&Key; 2] = [&GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT];

@@ -10,6 +10,10 @@ use crate::rng::Stream;
 pub enum ErrorLaw {
     /// A constant, unit.
     Constant,
+    /// A further constant beside the bias, unit: what geometry adds to it.
+    Offset,
+    /// In proportion to the specific force along the axis, unit/(m/s²): in an instrument that should not feel it.
+    Force,
     /// In proportion to the true signal to a power, unit^(1 − power).
     Proportional(u32),
     /// White noise with random-walk coefficient N, unit·√s.
@@ -60,17 +64,19 @@ impl ErrorLaw {
             Self::Rounding => 5,
             Self::FullScale => 6,
             Self::Ramp => 7,
+            Self::Offset => 8,
+            Self::Force => 9,
         }
     }
 
     /// What it is an integral of, where theory has a closed form for it.
     pub fn growth(self) -> Growth {
         match self {
-            Self::Constant => Growth::OfAConstant(0),
+            Self::Constant | Self::Offset => Growth::OfAConstant(0),
             Self::Ramp => Growth::OfAConstant(1),
             Self::White(_) => Growth::OfWhiteNoise(0),
             Self::Walk(_) => Growth::OfWhiteNoise(1),
-            Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => Growth::Other,
+            Self::Force | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => Growth::Other,
         }
     }
 
@@ -97,7 +103,9 @@ impl ErrorLaw {
             Self::Walk(_) => coefficient * sample_s.sqrt(),
             Self::Ramp => coefficient * sample_s,
             Self::FullScale => coefficient.min(NO_LIMIT),
-            Self::Constant | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding => coefficient,
+            Self::Constant | Self::Offset | Self::Force | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding => {
+                coefficient
+            }
         }
     }
 

@@ -9,6 +9,7 @@
 //! From the row follow the field and its default, reading, checking and drawing the keys, the kernels' columns, states
 //! and switches on both backends, the error budget, the closed form, the sensor table and the repaired sensor.
 
+use super::coupling::G_SENSITIVITY;
 use super::error_law::ErrorLaw;
 use crate::rng::Stream;
 use crate::units::key::Key;
@@ -150,7 +151,22 @@ sensor_terms! {
         bias_m_s2: AccelerometerBias = Row {
             name: "accelerometer bias",
             law: ErrorLaw::Constant,
-            keys: &[Key::new(13, "accelerometer.bias_mg", "accelerometer bias", "mg", MILLI_G, Any)],
+            keys: &[
+                Key::new(13, "accelerometer.bias_mg", "accelerometer bias", "mg", MILLI_G, Any),
+                Key::new(44, "accelerometer.bias_m_s2", "accelerometer bias", "m/s²", 1.0, Any),
+            ],
+        };
+        /// Misalignment out of the horizontal plane, m/s²: the gravity that it lets in.
+        misalignment_m_s2: AccelerometerMisalignment = Row {
+            name: "accelerometer misalignment",
+            law: ErrorLaw::Offset,
+            keys: &[Key::new(43, "accelerometer.misalignment_mrad", "accelerometer misalignment", "mrad", 1e-3 * STANDARD_GRAVITY_M_S2, Any)],
+        };
+        /// Initial tilt, m/s²: the gravity that it lets in.
+        initial_tilt_m_s2: InitialTilt = Row {
+            name: "initial tilt",
+            law: ErrorLaw::Offset,
+            keys: &[Key::new(45, "alignment.tilt_deg", "initial tilt", "°", DEGREE * STANDARD_GRAVITY_M_S2, Any)],
         };
         /// Scale-factor error, 1.
         scale_factor: ScaleFactor = Row {
@@ -212,6 +228,12 @@ sensor_terms! {
             name: "gyro bias",
             law: ErrorLaw::Constant,
             keys: &[Key::new(21, "gyro.bias_deg_h", "gyro bias", "°/h", DEGREE_PER_HOUR, Any)],
+        };
+        /// Sensitivity to the specific force along the accelerometer's axis, rad/s per m/s².
+        g_sensitivity_rad_s_per_m_s2: GSensitivity = Row {
+            name: "gyro g-sensitivity",
+            law: ErrorLaw::Force,
+            keys: &[G_SENSITIVITY],
         };
         /// Angle random walk N, rad/√s.
         angle_random_walk_rad_rts: AngleRandomWalk = Row {

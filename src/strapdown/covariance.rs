@@ -303,7 +303,7 @@ fn alignment(flight: &Flight, found: Option<&Found>) -> Vec<Column> {
 fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight: &Flight) -> Vec<Column> {
     let mut columns = Vec::new();
     for axis in 0..3 {
-        let moments = motion.tolerances[axis].moments(key);
+        let moments = motion.between[axis].moments(key);
         if moments == (0.0, 0.0) {
             continue;
         }
@@ -373,11 +373,12 @@ impl Given {
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {
             ErrorLaw::Rounding | ErrorLaw::FullScale => return None,
-            ErrorLaw::Constant => constants(&|axis| Gain::One(first + axis)),
+            ErrorLaw::Constant | ErrorLaw::Offset => constants(&|axis| Gain::One(first + axis)),
             ErrorLaw::Proportional(power) => constants(&|axis| match sense {
                 Sense::Accelerometer => Gain::Force(axis, axis, power as i32),
                 Sense::Gyro => Gain::Rate(3 + axis, axis),
             }),
+            ErrorLaw::Force => constants(&|axis| Gain::Force(first + axis, axis, 1)),
             ErrorLaw::Ramp => constants(&|axis| Gain::Time(first + axis, found.map_or(0.0, |f| f.seconds))),
             ErrorLaw::White(_) => (Vec::new(), vec![white(self.squares(sense), found)]),
             ErrorLaw::Walk(_) => (Vec::new(), vec![walk(self.squares(sense), found)]),

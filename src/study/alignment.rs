@@ -1,5 +1,7 @@
-//! How a run begins: ideal, drawn (six axes only: the attitude is wrong by draws, readings are as given), or with a still
-//! start.
+//! How a run begins: ideal, drawn, or with a still start.
+//!
+//! A drawn tilt is normal about level and stays. Along one axis it lets in its share of gravity, a constant acceleration
+//! error; in six axes the attitude begins wrong by it, and by a drawn heading.
 //!
 //! During a still start the sensor stands still and level for the first seconds of each member's run, and the mean errors
 //! over them are what the alignment believes to be zero:
@@ -14,6 +16,7 @@
 use super::check::{refuse, whole};
 use super::file::{self, AlignmentKind};
 use crate::error::Result;
+use crate::units::number::Number;
 
 /// Longest still start, samples: what is left of the 2³² that a run may have is enough for the run.
 const MOST_SAMPLES: f64 = 2e9;
@@ -21,7 +24,7 @@ const MOST_SAMPLES: f64 = 2e9;
 /// How a run begins, checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {
-    /// Level, and with the biases that the study gives.
+    /// With the biases that the study gives: level, or tilted as drawn.
     Ideal,
     /// Bias and levelling from the mean of the first samples.
     Still {
@@ -40,6 +43,27 @@ impl Alignment {
     }
 }
 
+/// The tilt that a member begins with, °, where it is drawn.
+///
+/// # Errors
+/// `kind = "drawn"` without a standard deviation, or one without it.
+pub(super) fn tilt(name: &str, section: Option<&file::Alignment>) -> Result<Option<Number>> {
+    let Some(section) = section else { return Ok(None) };
+    let drawn = section.kind == Some(AlignmentKind::Drawn);
+    let example = "e.g. kind = \"drawn\" and tilt_sd_deg = 0.2";
+    match section.tilt_sd_deg {
+        Some(_) if !drawn => {
+            Err(refuse(name, "`alignment.tilt_sd_deg` belongs to kind = \"drawn\"", format!("use {example}")))
+        }
+        None if drawn => Err(refuse(
+            name,
+            "`alignment.tilt_sd_deg` is missing: kind = \"drawn\" needs the standard deviation of the tilt",
+            example,
+        )),
+        sd => Ok(sd.map(|sd| Number::Normal { mean: 0.0, sd })),
+    }
+}
+
 /// Checks `[alignment]`.
 ///
 /// # Errors
@@ -52,16 +76,15 @@ pub(super) fn alignment(
     in_motion: bool,
 ) -> Result<Alignment> {
     let Some(section) = section else { return Ok(Alignment::Ideal) };
-    let six = [("tilt_sd_deg", section.tilt_sd_deg), ("heading_sd_deg", section.heading_sd_deg)];
-    if let Some((key, _)) = six.iter().find(|(_, given)| given.is_some()).filter(|_| !in_motion) {
-        let cause = format!("`alignment.{key}` is given without a [trajectory]");
+    let spreads = [("tilt_sd_deg", section.tilt_sd_deg), ("heading_sd_deg", section.heading_sd_deg)];
+    if section.heading_sd_deg.is_some() && !in_motion {
         return Err(refuse(
             name,
-            cause,
+            "`alignment.heading_sd_deg` is given without a [trajectory]",
             "a study of one axis has no heading: add a [trajectory], e.g. kind = \"rest\"",
         ));
     }
-    for (key, given) in six {
+    for (key, given) in spreads {
         if given.is_some_and(|sd| !(sd >= 0.0 && sd.is_finite())) {
             let cause = format!("`alignment.{key}` = {:?}°: need zero or more", given.unwrap_or_default());
             return Err(refuse(name, cause, "give a standard deviation in degrees, e.g. 0.5"));
@@ -80,13 +103,7 @@ pub(super) fn alignment(
             "`alignment.still_s` belongs to kind = \"still\" only",
             "take it out, or use kind = \"still\"",
         )),
-        (Some(AlignmentKind::Ideal), None) => Ok(Alignment::Ideal),
-        (Some(AlignmentKind::Drawn), None) if in_motion => Ok(Alignment::Ideal),
-        (Some(AlignmentKind::Drawn), None) => Err(refuse(
-            name,
-            "`alignment.kind` = \"drawn\" needs a [trajectory]",
-            "a study of one axis begins ideal or with a still start",
-        )),
+        (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), None) => Ok(Alignment::Ideal),
         (Some(AlignmentKind::Still), None) => Err(refuse(
             name,
             "`alignment.still_s` is missing: kind = \"still\" needs the length of the still start",

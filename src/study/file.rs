@@ -3,6 +3,8 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::section::{self, Numbers};
@@ -13,6 +15,7 @@ use crate::units::{DEGREE, MILLI_G};
 
 /// The whole file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct File {
     /// Name of the report's folder.
@@ -22,20 +25,25 @@ pub struct File {
     /// Sensors in the ensemble.
     pub members: Option<u64>,
     /// Length of the run.
+    #[cfg_attr(feature = "cli", schemars(required))]
     pub duration_s: Option<f64>,
     /// Integration step.
     pub step_s: Option<f64>,
     /// Mechanics, sampling and range.
     #[serde(default, deserialize_with = "section::sensor")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_sensor"))]
     pub sensor: section::Sensor,
     /// The accelerometer's reading errors.
     #[serde(default, deserialize_with = "section::accelerometer")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
     /// The gyro's errors.
     #[serde(default, deserialize_with = "section::gyro")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
     /// What the sensor is subjected to.
     #[serde(default, deserialize_with = "excitation::section")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "excitation::schema"))]
     pub excitation: excitation::section::Section,
     /// When to look.
     #[serde(default)]
@@ -45,10 +53,13 @@ pub struct File {
     /// A static log to lay beside the simulation.
     pub compare: Option<Compare>,
     /// Keys that take several values, one after the other: see `sweep`.
+    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub sweep: Option<toml::Table>,
     /// What carries the sensor in six axes.
+    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub trajectory: Option<motion::Section>,
     /// The navigator whose own error is a row of the budget.
+    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub navigator: Option<Navigator>,
     /// The Earth under the trajectory.
     pub earth: Option<Earth>,
@@ -59,6 +70,7 @@ pub struct File {
 }
 
 /// `[mounting]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mounting {
@@ -69,6 +81,7 @@ pub struct Mounting {
 }
 
 /// `[vibration]`: along each axis of the sensor a power spectral density, pairs of frequency and g²/Hz.
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vibration {
@@ -89,6 +102,7 @@ pub struct Navigator {
 }
 
 /// `[earth]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Earth {
@@ -103,6 +117,7 @@ pub struct Earth {
 }
 
 /// Ways to keep height.
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VerticalKind {
@@ -114,6 +129,7 @@ pub enum VerticalKind {
 
 /// `[report]`
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Report {
     /// Report times; absent: four, evenly spaced on a log axis up to the end.
@@ -122,13 +138,14 @@ pub struct Report {
 
 /// `[alignment]`
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Alignment {
     /// Ideal without one.
     pub kind: Option<AlignmentKind>,
     /// Length of a still start.
     pub still_s: Option<f64>,
-    /// Six axes: spread of the drawn tilt about north and about east, °.
+    /// Standard deviation of a drawn tilt; in six axes about north and about east, °.
     pub tilt_sd_deg: Option<f64>,
     /// Six axes: spread of the heading, drawn or after a still start, °.
     pub heading_sd_deg: Option<f64>,
@@ -136,11 +153,12 @@ pub struct Alignment {
 
 /// Ways to begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum AlignmentKind {
     /// Level, and with the biases that the study gives.
     Ideal,
-    /// Six axes: wrong by a tilt and a heading that are drawn per member.
+    /// Wrong by a tilt, and in six axes a heading, that are drawn per member.
     Drawn,
     /// Bias and levelling from the mean of the first seconds, during which the sensor stands still.
     Still,
@@ -148,6 +166,7 @@ pub enum AlignmentKind {
 
 /// `[compare]`: a static log of the sensor that the study describes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Compare {
     /// The log, relative to the study.
@@ -167,6 +186,7 @@ pub struct Compare {
 
 /// `[[compare.axis]]`: one column, and what is special about this axis of the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Heading in the file.
@@ -177,9 +197,11 @@ pub struct Axis {
     pub scale_deg_s: Option<f64>,
     /// Takes the place of the study's `[accelerometer]` for this axis.
     #[serde(default, deserialize_with = "section::accelerometer")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
     /// Takes the place of the study's `[gyro]` for this axis.
     #[serde(default, deserialize_with = "section::gyro")]
+    #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
 }
 

@@ -39,8 +39,10 @@ pub struct Run<'a> {
 /// What makes a study one of six axes.
 #[derive(Clone)]
 pub struct InMotion {
-    /// The numbers of each axis.
+    /// The numbers of each axis, without what it takes from the others.
     pub tolerances: [Tolerances; 3],
+    /// The same with it.
+    pub between: [Tolerances; 3],
     /// Where the sensor goes.
     pub course: Arc<Course>,
     /// How height is kept.
@@ -74,7 +76,11 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
         ));
     }
     let tolerances: Vec<Tolerances> = (0..3).map(|axis| check::tolerances(name, file, axis)).collect::<Result<_>>()?;
-    let [x, y, z] = tolerances.try_into().unwrap_or_default();
+    let between: [Tolerances; 3] = tolerances.try_into().unwrap_or_default();
+    let mut tolerances = between.clone();
+    for axis in &mut tolerances {
+        coupling::KEYS.into_iter().for_each(|key| axis[key] = None);
+    }
     let earth = earth(name, file)?;
     let (lever_arm_m, rotation) = mounting(name, file)?;
     let sampling = Sampling { rate_hz: 1.0 / clock.sample_s(), duration_s: clock.duration_s(), lever_arm_m };
@@ -99,7 +105,7 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let course = Arc::new(Course::new(truth, earth, rotation));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
-    Ok(Some(InMotion { tolerances: [x, y, z], course, vertical, misalignment, vibration, mechanisation }))
+    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation }))
 }
 
 /// Refuses what a study of one axis has no place for.
@@ -110,7 +116,7 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
         return Err(refuse(name, cause, "give one number, or add a [trajectory], e.g. kind = \"rest\""));
     }
     let all = check::tolerances(name, file, 0)?;
-    if let Some(key) = coupling::KEYS.into_iter().find(|key| all[key].is_some()) {
+    if let Some(key) = coupling::BETWEEN_AXES.into_iter().find(|key| all[key].is_some()) {
         let cause = format!("`{}` acts between axes, and the study has one axis", key.path);
         return Err(refuse(name, cause, "add a [trajectory], e.g. kind = \"rest\""));
     }
@@ -249,7 +255,7 @@ impl InMotion {
                 gravity_m_s2: 0.0,
             })
         };
-        let (seed, all) = (run.seed, self.tolerances.clone());
+        let (seed, all) = (run.seed, self.between.clone());
         let couples = all.iter().any(|t| coupling::KEYS.into_iter().any(|key| t[key].is_some_and(|n| !n.is_zero())));
         let draws = move |member: u64| Self::coupling(&all, seed, member);
         Ok(Flight {

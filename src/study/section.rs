@@ -7,11 +7,17 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::OnceLock;
 
+#[cfg(feature = "cli")]
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
 use super::per_axis::PerAxis;
 use super::tolerances::{Tolerances, keys};
 use crate::units::key::Key;
+#[cfg(feature = "cli")]
+use crate::units::key::Sign;
+#[cfg(feature = "cli")]
+use crate::units::number::Number;
 
 /// The numbers given in one section, by key.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -98,6 +104,52 @@ pub fn accelerometer<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Optio
 /// As [`sensor`].
 pub fn gyro<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Numbers>, D::Error> {
     deserializer.deserialize_map(Reading(Section::Gyro)).map(|s| Some(s.numbers))
+}
+
+/// `[sensor]` as JSON Schema.
+#[cfg(feature = "cli")]
+pub fn schema_of_sensor(generator: &mut SchemaGenerator) -> Schema {
+    schema(generator, Section::Sensor)
+}
+
+/// `[accelerometer]` as JSON Schema.
+#[cfg(feature = "cli")]
+pub fn schema_of_accelerometer(generator: &mut SchemaGenerator) -> Schema {
+    schema(generator, Section::Accelerometer)
+}
+
+/// `[gyro]` as JSON Schema.
+#[cfg(feature = "cli")]
+pub fn schema_of_gyro(generator: &mut SchemaGenerator) -> Schema {
+    schema(generator, Section::Gyro)
+}
+
+/// A section's keys, each with its name, its unit and the values that make sense.
+#[cfg(feature = "cli")]
+fn schema(generator: &mut SchemaGenerator, section: Section) -> Schema {
+    let mut properties = serde_json::Map::new();
+    if section == Section::Sensor {
+        let about = "Readings per second";
+        properties.insert(
+            SAMPLE_RATE.into(),
+            serde_json::json!({ "type": "number", "exclusiveMinimum": 0, "description": about }),
+        );
+    }
+    for key in keys().filter(|key| key.section() == section.name()) {
+        let unit = if key.unit == "1" { String::new() } else { format!(", {}", key.unit) };
+        let mut number = Number::json_schema(generator);
+        number.insert("description".into(), format!("{}{unit}", key.name).into());
+        let fixed = number.get_mut("anyOf").and_then(|any| any.get_mut(0)).and_then(serde_json::Value::as_object_mut);
+        if let Some(fixed) = fixed {
+            match key.sign {
+                Sign::Any => None,
+                Sign::NotNegative => fixed.insert("minimum".into(), 0.into()),
+                Sign::Positive => fixed.insert("exclusiveMinimum".into(), 0.into()),
+            };
+        }
+        properties.insert(key.key().into(), number.into());
+    }
+    schemars::json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
 /// A section being read.

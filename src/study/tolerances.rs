@@ -17,9 +17,15 @@ pub fn keys() -> impl Iterator<Item = &'static Key> {
         keys.filter(move |key| key.section() == section)
     };
     let excitation = [&excitation::SIZE, &excitation::FREQUENCY, &excitation::PHASE];
-    let coupling = |section: &'static str| coupling::KEYS.into_iter().filter(move |key| key.section() == section);
-    let both = move |section: &'static str| of(section).chain(coupling(section));
-    mechanics::keys().chain(of("sensor")).chain(both("accelerometer")).chain(both("gyro")).chain(excitation)
+    let between =
+        |section: &'static str| coupling::BETWEEN_AXES.into_iter().filter(move |key| key.section() == section);
+    let both = move |section: &'static str| of(section).chain(between(section));
+    mechanics::keys()
+        .chain(of("sensor"))
+        .chain(both("accelerometer"))
+        .chain(both("gyro"))
+        .chain(of("alignment"))
+        .chain(excitation)
 }
 
 /// One number per key, in datasheet units as written; absent ones are switched off.

@@ -3,8 +3,12 @@
 //! A normal tolerance of a quantity that cannot be negative is cut at zero (drawn from the truncated normal), which is
 //! harmless while the mean lies two standard deviations or more above zero and refused by `check` when it does not.
 
+#[cfg(feature = "cli")]
+use std::borrow::Cow;
 use std::fmt;
 
+#[cfg(feature = "cli")]
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
@@ -101,6 +105,29 @@ impl fmt::Display for Number {
 }
 
 const KEYS: &[&str] = &["mean", "sd", "min", "max"];
+
+#[cfg(feature = "cli")]
+impl JsonSchema for Number {
+    fn schema_name() -> Cow<'static, str> {
+        "Number".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let of = |a: &str, b: &str| {
+            schemars::json_schema!({
+                "type": "object",
+                "properties": { a: { "type": "number" }, b: { "type": "number" } },
+                "required": [a, b],
+                "additionalProperties": false,
+            })
+        };
+        schemars::json_schema!({ "anyOf": [{ "type": "number" }, of("mean", "sd"), of("min", "max")] })
+    }
+}
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -51,11 +51,14 @@ pub fn everything() -> Sensor {
     a.acceleration_random_walk_m_s2_rts = 10.0 * MICRO_G;
     a.quantisation_m_s2 = 0.5 * MILLI_G;
     a.range_m_s2 = 4.9;
+    a.misalignment_m_s2 = MILLI_G;
+    a.initial_tilt_m_s2 = 0.5 * MILLI_G;
     let g = &mut sensor.gyro;
     g.bias_rad_s = 5.0 * DEGREE_PER_HOUR;
     g.angle_random_walk_rad_rts = 1e-4;
     g.bias_instability_rad_s = 10.0 * DEGREE_PER_HOUR;
     g.rate_random_walk_rad_s_rts = 1e-5;
+    g.g_sensitivity_rad_s_per_m_s2 = DEGREE_PER_HOUR;
     sensor
 }
 

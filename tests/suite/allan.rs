@@ -105,6 +105,14 @@ fn command() -> Result<(), Failed> {
     check(document["findings"].to_string().contains("dead channel"), document["findings"].to_string())?;
     let channels = document["channels"].as_array().ok_or("channels")?;
     let ax = channels.iter().find(|c| c["name"] == "ax").ok_or("ax")?;
+    let answer = document["answer"].as_str().unwrap_or_default();
+    check(answer.starts_with("Accelerometer: N = "), answer)?;
+    let dead = channels.iter().find(|c| c["name"] == "dead").ok_or("dead")?;
+    check(dead["mean"] == 1.0, format!("the mean of a constant 1: {}", dead["mean"]))?;
+    for term in ax["terms"].as_array().into_iter().flatten() {
+        let says = term["value"].is_number() == (term["supported"] == true);
+        check(says, format!("a value of a term that is not supported, or none of one that is: {term}"))?;
+    }
     let interval = |n: usize| ax["terms"][1]["ci95"][n].as_f64().unwrap_or(f64::NAN) / 60.0;
     check(interval(0) < 0.1 && 0.1 < interval(1), format!("N of 0.1 m/s/√s: {}", ax["terms"][1]))?;
     let sensor = std::fs::read_to_string(folder.path().join("noise/sensor.toml"))?;

@@ -54,6 +54,20 @@ const CASES: &[Case] = &[
     ("rate random walk", "[gyro]\nrate_random_walk_deg_h_rth = 100.0", |t| {
         G * 8.080_228e-6 * t.powf(3.5) / 252f64.sqrt()
     }),
+    // ½ b t², the bias in m/s²
+    ("accelerometer bias in m/s²", "[accelerometer]\nbias_m_s2 = { mean = 0.0, sd = 0.02 }", |t| 0.5 * 0.02 * t * t),
+    // An axis that is m out of the horizontal plane reads g m: ½ g m t²
+    ("accelerometer misalignment", "[accelerometer]\nmisalignment_mrad = { mean = 0.0, sd = 2.0 }", |t| {
+        0.5 * G * 2e-3 * t * t
+    }),
+    // The same of a tilt δ: ½ g δ t²
+    ("initial tilt", "[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 0.2", |t| 0.5 * G * 0.2f64.to_radians() * t * t),
+    // A rate error k a under a constant force a: g k a t³/6; 1 °/h/g under 2 m/s² = 4.8481e-6 × 2/9.80665 rad/s
+    (
+        "gyro g-sensitivity",
+        "[gyro]\ng_sensitivity_deg_h_g = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
+        |t| G * 50.0 * 4.848_136_8e-6 * 2.0 / G * t.powi(3) / 6.0,
+    ),
     // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the noise itself.
     ("quantisation over noise", "[accelerometer]\nquantisation_mg = 5.0\nnoise_density_ug_rthz = 400.0", |t| {
         let (noise, rounding) = (400e-6 * G / 2f64.sqrt(), 5e-3 * G / 12f64.sqrt() / 10.0);
@@ -74,6 +88,7 @@ pub fn tests() -> Vec<Trial> {
     }));
     all.push(test("closed form: bias instability follows the sum of its held processes", flicker));
     all.push(test("closed form: mixed sources add in variance", mixed));
+    all.push(test("closed form: a drawn tilt is the tilt error, and a start of another kind has none", tilt));
     all.push(test("closed form: the paper's 0.034 m/s² is 1.7 m after 10 s", paper));
     all.push(test("error budget: the sources add up to the whole and each owns what its closed form says", budget));
     all.push(test("growth: a source alone grows by its power of time", growth));
@@ -139,6 +154,25 @@ fn mixed() -> Result<(), Failed> {
          [gyro]\nbias_deg_h = { mean = 3.0, sd = 8.0 }\nangle_random_walk_deg_rth = 0.4",
         TOLERANCE,
     )
+}
+
+fn tilt() -> Result<(), Failed> {
+    let drawn = "[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 0.5";
+    against_expected(drawn, TOLERANCE)?;
+    let statistics = simulate(&study(drawn)?, Choice::Cpu)?;
+    near("sd of the tilt error, °", statistics.at[0][quantity::TILT].sd.to_degrees(), 0.5, TOLERANCE * 0.5)?;
+    for (sections, words) in [
+        ("[alignment]\nkind = \"drawn\"", "`alignment.tilt_sd_deg` is missing"),
+        ("[alignment]\nkind = \"drawn\"\ntilt_sd_deg = -1.0", "need zero or more"),
+        ("[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 1.0\nstill_s = 1.0", "does not belong to kind = \"drawn\""),
+        ("[alignment]\nkind = \"ideal\"\ntilt_sd_deg = 1.0", "belongs to kind = \"drawn\""),
+        ("[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 1.0\nheading_sd_deg = 1.0", "has no heading"),
+    ] {
+        let refused = study::parse("study.toml", &format!("members = 64\nduration_s = 1.0\n{sections}"), Path::new(""));
+        let cause = refused.err().map(|e| e.cause).unwrap_or_default();
+        check(cause.contains(words), format!("{sections}: {cause}"))?;
+    }
+    Ok(())
 }
 
 fn paper() -> Result<(), Failed> {

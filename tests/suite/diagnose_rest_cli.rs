@@ -14,6 +14,7 @@ use super::world::{check, near, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("diagnose static: report, verdict and figures are written, and the named walk runs in a study", contract),
+        test("diagnose static: a named ramp runs in a study, and drifts as R t³/6", ramp_runs_in_study),
         test("diagnose static: a recording that cannot be judged is refused with attempt, cause and hint", refused),
         test("diagnose static: a damaged recording is survived, and the damage mentioned", survived),
         test("diagnose tumble: poses that lie in the moves are refused, one that moved is mentioned", poses_that_move),
@@ -182,6 +183,25 @@ fn duffing() -> String {
         }
     }
     text
+}
+
+/// 0.05 mg/s on white noise of 1 mg, 80 s at 100 Hz.
+fn ramp_runs_in_study() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let out = bench.path("out");
+    let mut rng = Philox::new(78, 0, Stream::Host);
+    let rows: String = (0..8000).map(|n| format!("{:.6}\n", 0.05 * f64::from(n) / 100.0 + rng.normal())).collect();
+    let model = MODEL.replace("[\"x\", \"y\", \"z\"]", "[\"x\"]");
+    let arguments = ["--json", "--out", &out.display().to_string()];
+    let verdict = bench.diagnose(&format!("x\n{rows}"), &model, &arguments)?.json()?;
+    check(verdict["effects"][0]["id"] == "rate-ramp", format!("{}", verdict["sentence"]))?;
+    let repaired = fs::read_to_string(out.join("repaired.toml"))?;
+    check(repaired.contains("\nacceleration_ramp_mg_h = "), format!("no ramp in\n{repaired}"))?;
+    check(!repaired.contains("A study cannot run: rate-ramp"), "a study is said not to run it")?;
+    let drift = study(&out.join("repaired.toml"), &bench.path("study"), 256)?;
+    let mean = drift["position_error_m"]["mean"][2].as_f64().unwrap_or(f64::NAN);
+    // The rate itself is estimated to about a per cent.
+    near("position after 60 s, R t³/6", mean, 0.05e-3 * 9.80665 * 60f64.powi(3) / 6.0, 0.6)
 }
 
 fn driven_runs_in_study() -> Result<(), Failed> {

@@ -43,6 +43,7 @@ pub fn tests() -> Vec<Trial> {
     all.push(test("export: generators' check sees a density taken for N and a sample for a density", controls));
     all.push(test("export: estimators form the study's covariance per step", covariances));
     all.push(test("export: importing what was exported changes no digit", round_trip));
+    all.push(test("export: axes that differ are kept apart where the tool has them, and come back", by_axis));
     all.push(test("export: each number has its unit, convention and source beside it", commented));
     all.push(test("export: what a tool cannot represent is said, with the error of what stands for it", said));
     all.push(test("export command: lists, writes, and refuses in sentences", command));
@@ -232,8 +233,8 @@ fn simulated(sensor: &str) -> Result<[Vec<(f64, f64)>; 2], Failed> {
     let study = study::parse("study.toml", &(head + sensor), Path::new(""))?;
     let job = study.job(Integrator::Ideal, vec![study.clock.samples]);
     let mut both: [Vec<Vec<f64>>; 2] = std::array::from_fn(|_| vec![Vec::new(); LANES]);
-    cpu::readings::<f64>(&job, 0, &Control::silent(), |accelerometer, gyro| {
-        for (series, lane) in both.iter_mut().zip([accelerometer, gyro]) {
+    cpu::readings::<f64>(&job, 0, &Control::silent(), |seen| {
+        for (series, lane) in both.iter_mut().zip([seen.accelerometer, seen.gyro]) {
             series.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(*value));
         }
     })?;
@@ -394,6 +395,38 @@ fn round_trip() -> Result<(), Failed> {
     check(error.to_string().contains("accelerometer_noise_densty"), error.to_string())
 }
 
+/// Axes with N, 2 N and 3 N.
+fn by_axis() -> Result<(), Failed> {
+    let imu = Imu::parse("sensor.toml", WHITE_SENSOR)?;
+    let times = |factor: f64| {
+        let mut axis = [imu.accelerometer, imu.gyro];
+        axis.iter_mut().for_each(|errors| errors.white.mean *= factor);
+        axis
+    };
+    let apart = imu.clone().with_axes([times(1.0), times(2.0), times(3.0)]);
+    // √((1 + 4 + 9)/3)
+    near("rms over axes", apart.gyro.white.mean / imu.gyro.white.mean, (14f64 / 3.0).sqrt(), 1e-12)?;
+    let sdf = export::target("gazebo-sdf")?.export(&apart);
+    for (nth, factor) in [(0, 1.0), (1, 2.0), (2, 3.0)] {
+        near("stddev of an axis", number(&sdf, "stddev", nth)?, factor * WHITE[1] * RATE_HZ.sqrt(), 1e-8)?;
+    }
+    let back = export::target("gazebo-sdf")?.import("imu.sdf", &sdf)?;
+    for axis in 0..3 {
+        for sense in 0..2 {
+            let [found, given] = [&back, &apart].map(|imu| imu.axis(axis)[sense].white.mean);
+            near("N of an axis, read back", found / given, 1.0, 2e-8)?;
+        }
+    }
+    check(back.sensor_toml("gazebo-sdf").contains("# y alone:"), "the other axes are not said")?;
+    for target in &TARGETS {
+        let text = target.export(&apart);
+        check(text.contains("x, y, z differ"), format!("{}: nothing is said of the axes\n{text}", target.name))?;
+    }
+    // Control: axes that are alike are one sensor.
+    let alike = imu.clone().with_axes([times(1.0); 3]);
+    check(alike.axes.is_none() && !export::target("kalibr")?.export(&alike).contains("differ"), "alike axes differ")
+}
+
 fn commented() -> Result<(), Failed> {
     for target in &TARGETS {
         let text = target.export(&Imu::parse("sensor.toml", SENSOR)?);
@@ -452,6 +485,8 @@ fn command() -> Result<(), Failed> {
     for _ in 0..2 {
         check(to("kalibr", "imu.yaml")?.status.success(), "its own file is not replaced")?;
     }
+    check(to("vins", "vins.yaml")?.status.success(), "a second file is not written")?;
+    check(folder.path().join("imu.yaml").is_file(), "a second file takes the first one away")?;
     std::fs::write(folder.path().join("imu.yaml"), "mine")?;
     check(to("kalibr", "imu.yaml")?.status.code() == Some(2), "the user's file was replaced")?;
     check(std::fs::read_to_string(folder.path().join("imu.yaml"))? == "mine", "the user's file was replaced")?;

@@ -99,8 +99,8 @@ fn readings(sections: &str, samples: usize) -> Result<[Vec<Vec<f64>>; 2], Failed
     let study = study::parse("study.toml", &(head + sections), Path::new(""))?;
     let job = study.job(Integrator::Ideal, vec![study.clock.samples]);
     let mut both: [Vec<Vec<f64>>; 2] = std::array::from_fn(|_| vec![Vec::new(); LANES]);
-    cpu::readings::<f64>(&job, 0, &Control::silent(), |accelerometer, gyro| {
-        for (series, lane) in both.iter_mut().zip([accelerometer, gyro]) {
+    cpu::readings::<f64>(&job, 0, &Control::silent(), |seen| {
+        for (series, lane) in both.iter_mut().zip([seen.accelerometer, seen.gyro]) {
             series.iter_mut().zip(&lane.0).for_each(|(member, value)| member.push(*value));
         }
     })?;

@@ -45,7 +45,7 @@ fn simulated() -> Result<(), Failed> {
     let numbers: Vec<u32> = exhibits.iter().map(|e| e.figure).collect();
     check(numbers == (1..=20).collect::<Vec<u32>>(), format!("figures are {numbers:?}"))?;
     check(exhibits.iter().all(|e| e.source == Source::Simulated), "nothing was recorded here")?;
-    let page = report::paper::page(&paper);
+    let page = report::paper::page(&paper).finish();
     check(page.len() < 5_000_000, format!("the page has {} bytes", page.len()))?;
     check(!without_own_script(&page)?.contains("<script"), "the page holds a script that is not its own")?;
     let json = serde_json::to_value(exhibits[0])?;

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::say::{say, sayln};
+use crate::cli::numbers;
+use crate::cli::say::{sayln, screen};
 use crate::document::to_json;
 use crate::drift::Drift;
 use crate::drift::document::Document;
@@ -45,7 +46,7 @@ pub fn print(
         (true, None) => sayln!("{}", to_json(&document())?),
         (true, Some(shards)) => sayln!("{}", to_json(&Merged { document: document(), shards })?),
         (false, _) => {
-            say(format_args!("{}", page::terminal(study, drift)))?;
+            screen(format_args!("{}", page::terminal(study, drift)))?;
             stated.map_or(Ok(()), |(stated, linear)| {
                 sayln!("{}", page::jcgm101::sentence(stated))?;
                 sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))
@@ -67,7 +68,7 @@ pub fn write(folder: &mut Folder, study: &Study, drift: &Drift, stated: Option<&
     if let Some((stated, linear)) = stated {
         page::jcgm101::section(&mut page, stated, linear, drift);
     }
-    folder.write(REPORT, page.finish().as_bytes())?;
+    numbers::write(folder, REPORT, page)?;
     folder.finish()
 }
 

@@ -1,5 +1,6 @@
 //! The outcome of a trial, whoever ran it: on stdout, and as files.
 
+use crate::cli::numbers;
 use crate::cli::say::{say, sayln};
 use crate::document::to_json;
 use crate::error::Result;
@@ -60,13 +61,13 @@ pub fn give(run: &Run<'_>, command: &str, folder: Option<Folder>, more: &[(&str,
 fn write(mut folder: Folder, run: &Run<'_>, command: &str, document: &str) -> Result<()> {
     let Run { plan, outcome, cases, verdicts, real } = run;
     let texts = [
-        report::page(plan, outcome, cases, verdicts, real),
         report::summary(plan, outcome, command, real),
         report::figures::power(outcome).file_svg(),
         report::figures::limits(outcome).file_svg(),
         document.to_owned(),
     ];
-    FILES.iter().zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
+    numbers::write(&mut folder, FILES[0], report::page(plan, outcome, cases, verdicts, real))?;
+    FILES.iter().skip(1).zip(texts).try_for_each(|(name, text)| folder.write(name, text.as_bytes()))?;
     STATES.iter().for_each(|name| folder.record(name));
     folder.finish()
 }

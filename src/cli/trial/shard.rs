@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::numbers;
 use super::answer::{self, FILES, Run, STATES};
 use crate::cli::say::remark;
 use crate::cli::sharded::tell;
@@ -83,8 +84,9 @@ pub(in crate::cli) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&P
         command: "merge",
         inputs: places.to_vec(),
         reads: found.iter().map(|f| f.path.clone()).collect(),
-        writes: FILES.into_iter().chain([STATES[0]]).map(str::to_owned).collect(),
+        writes: FILES.into_iter().chain([STATES[0]]).map(str::to_owned).chain(numbers::files(false)).collect(),
         force,
+        keeps: false,
     };
     let folder = out.map(|(path, force)| Folder::open(path, request(force))).transpose()?;
     let merged = divided::merged(found)?;

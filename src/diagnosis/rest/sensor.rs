@@ -35,24 +35,31 @@ pub(super) fn repair(
     // What was not found to be otherwise stays as promised.
     let flicker = strength(Cause::FlickerNoise).unwrap_or(promised[1]);
     let walk = strength(Cause::RandomWalk).map_or(promised[2], |k| k * channel.rate_hz.sqrt());
-    let sensor = |[white, flicker, walk]: [f64; 3]| {
+    let rate_of = |e: &Found| e.parameters[0].value * unit.si;
+    let ramps = || effects.iter().filter(|e| e.cause == Cause::RateRamp);
+    let found_ramp = ramps().find(|e| e.channels.contains(&worst)).map_or(0.0, rate_of);
+    let sensor = |[white, flicker, walk]: [f64; 3], ramp: f64| {
         let mut sensor = Sensor::default();
         if unit.quantity == Quantity::Accelerometer {
             sensor.accelerometer.velocity_random_walk_m_s_rts = white;
             sensor.accelerometer.bias_instability_m_s2 = flicker;
             sensor.accelerometer.acceleration_random_walk_m_s2_rts = walk;
+            sensor.accelerometer.ramp_m_s3 = ramp;
         } else {
             sensor.gyro.angle_random_walk_rad_rts = white;
             sensor.gyro.bias_instability_rad_s = flicker;
             sensor.gyro.rate_random_walk_rad_s_rts = walk;
+            sensor.gyro.ramp_rad_s2 = ramp;
         }
         sensor
     };
-    let expressible = |cause| matches!(cause, Cause::FlickerNoise | Cause::RandomWalk | Cause::WhiteNoise);
+    let expressible =
+        |cause| matches!(cause, Cause::FlickerNoise | Cause::RandomWalk | Cause::WhiteNoise | Cause::RateRamp);
     let entries = effects.iter().filter_map(|e| Some((e, row(e.cause).entry?)));
-    let ramps = entries.clone().filter(|(e, _)| e.cause == Cause::RateRamp && unit.quantity == Quantity::Accelerometer);
-    let own_cost = ramps.map(|(e, entry)| {
-        let rate = e.parameters[0].value.abs() * unit.si;
+    // Of a channel that does not stand for the sensor: the study has the other's.
+    let elsewhere = entries.clone().filter(|(e, _)| e.cause == Cause::RateRamp && !e.channels.contains(&worst));
+    let own_cost = elsewhere.filter(|_| unit.quantity == Quantity::Accelerometer).map(|(e, entry)| {
+        let rate = rate_of(e).abs();
         let names: Vec<&str> = e.channels.iter().map(|i| channels[*i].name.as_str()).collect();
         Cost {
             row: Row::Own,
@@ -64,8 +71,8 @@ pub(super) fn repair(
         }
     });
     Some(Repair {
-        before: sensor(promised),
-        after: sensor([white, flicker, walk]),
+        before: sensor(promised, 0.0),
+        after: sensor([white, flicker, walk], found_ramp),
         relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
         own_cost: own_cost.collect(),
         not_expressible: entries

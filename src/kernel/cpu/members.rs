@@ -101,7 +101,7 @@ pub struct Members<T> {
     /// Mean errors of accelerometer and gyro that a still start takes off.
     pub(super) mean: Lane<T>,
     pub(super) gyro_mean: Lane<T>,
-    /// The tilt it leaves.
+    /// The tilt that a run begins with: the drawn one, or what a still start leaves.
     pub(super) start_tilt: Lane<f64>,
     /// Errors of the last reading.
     pub(super) acceleration: Lane<T>,
@@ -207,6 +207,14 @@ impl<T: Real> Members<T> {
         (self.e[lane].f64(), self.q[lane].f64())
     }
 
+    /// The tilt that a run begins with: the drawn one, less what a still start has found.
+    pub fn tilt(&mut self, level_rad_per_m_s2: f64) {
+        let initial = &self.columns[column::of(SensorTerm::InitialTilt)];
+        for l in 0..LANES {
+            self.start_tilt[l] = level_rad_per_m_s2 * (initial[l].f64() - self.mean[l].f64());
+        }
+    }
+
     /// Ends the still start: the mean errors so far are what is taken off from here on, and the integrals begin. Levelling
     /// by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean.
     pub(super) fn level(&mut self, shared: &Shared<T>) {
@@ -214,9 +222,10 @@ impl<T: Real> Members<T> {
         for l in 0..LANES {
             self.mean[l] = T::of(shared.still_share * (sums.velocity_total[l] + sums.velocity[l].f64()));
             self.gyro_mean[l] = T::of(shared.still_share * (sums.rate_total[l] + sums.rate[l].f64()));
-            self.start_tilt[l] = -shared.level_rad_per_m_s2 * self.mean[l].f64();
         }
         self.sums = Sums { failed: sums.failed, ..Sums::new() };
+        // Of an initial tilt, levelling takes away what the mean has of it.
+        self.tilt(shared.level_rad_per_m_s2);
     }
 
     /// Mean errors of accelerometer (m/s²) and gyro (rad/s) of one member over a still start that has just ended.

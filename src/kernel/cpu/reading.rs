@@ -48,8 +48,18 @@ pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::Flicker(_) => Some(&flicker::FLICKER),
         ErrorLaw::Walk(_) => Some(&WALK),
         ErrorLaw::Ramp => Some(&RAMP),
+        ErrorLaw::Offset => Some(&OFFSET),
+        ErrorLaw::Force => Some(&FORCE),
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
     }
+}
+
+/// What the terms are added to: the errors of consecutive samples, and the specific force that was felt at each.
+pub(super) struct Samples<'a, T> {
+    /// Specific force along the axis.
+    pub felt: &'a [Lane<T>],
+    /// The instrument's error.
+    pub out: &'a mut [Lane<T>],
 }
 
 /// Adds one term to consecutive samples; laws that act on the reading as a whole are added elsewhere.
@@ -59,8 +69,9 @@ pub(super) fn add<T: Real>(
     columns: &[Lane<T>; COLUMNS],
     state: &mut State<T>,
     amplitudes: &[T],
-    out: &mut [Lane<T>],
+    samples: Samples<'_, T>,
 ) {
+    let Samples { felt, out } = samples;
     let (level, scale) = (numbers.level, &columns[column::of(term)]);
     match term.law() {
         ErrorLaw::White(stream) => level.run(AddWhite { scale, numbers: numbers.each(stream), out }),
@@ -72,6 +83,8 @@ pub(super) fn add<T: Real>(
             flicker::add(numbers, stream, &mut state.flickers[term.rank()], amplitudes, scale, out);
         }
         ErrorLaw::Ramp => level.run(AddRamp { scale, first: numbers.from, out }),
+        ErrorLaw::Offset => level.run(AddOffset { scale, out }),
+        ErrorLaw::Force => level.run(AddForce { scale, felt, out }),
         // In `oscillator` with the reading itself, and in `Limit`.
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
     }
@@ -207,6 +220,71 @@ impl<T: Real> Kernel for AddRamp<'_, T> {
             let time = T::of((self.first + i as u64) as f64) + T::of(0.5);
             for l in 0..LANES {
                 out[l] = fma::<T, FMA>(self.scale[l], time, out[l]);
+            }
+        }
+    }
+}
+
+/// A constant in the shader.
+pub const OFFSET: Fragment = Fragment {
+    begin: "
+    let $term_offset = column(i, $TERM);
+",
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out += $term_offset;
+                }
+",
+    end: "",
+};
+
+/// A constant.
+struct AddOffset<'a, T> {
+    scale: &'a Lane<T>,
+    out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for AddOffset<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for out in self.out.iter_mut() {
+            for l in 0..LANES {
+                out[l] = out[l] + self.scale[l];
+            }
+        }
+    }
+}
+
+/// What follows the specific force, in the shader.
+pub const FORCE: Fragment = Fragment {
+    begin: "
+    let $term_share = column(i, $TERM);
+",
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_share, felt, $out);
+                }
+",
+    end: "",
+};
+
+/// What follows the specific force.
+struct AddForce<'a, T> {
+    scale: &'a Lane<T>,
+    felt: &'a [Lane<T>],
+    out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for AddForce<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (out, felt) in self.out.iter_mut().zip(self.felt) {
+            for l in 0..LANES {
+                out[l] = fma::<T, FMA>(self.scale[l], felt[l], out[l]);
             }
         }
     }

@@ -9,7 +9,7 @@ use super::general::General;
 use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
 use super::oscillator::{ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, Step};
-use super::reading::{self, Limit, TakeOff};
+use super::reading::{self, Limit, Samples, TakeOff};
 use super::stretch::{Numbers, STRETCH};
 use super::sums::Integrate;
 use crate::kernel::force::Force;
@@ -20,8 +20,19 @@ use crate::rng::Stream;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::{Sense, SensorTerm};
 
-/// Sees every sample: reading errors of the accelerometer (m/s²) and of the gyro (rad/s).
-pub type Observer<'a, T> = dyn FnMut(&Lane<T>, &Lane<T>) + 'a;
+/// One sample of 64 members, before a still start's means are taken off.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<'a, T> {
+    /// Specific force along the axis, m/s².
+    pub felt: &'a Lane<T>,
+    /// What the accelerometer's reading has more than that, m/s².
+    pub accelerometer: &'a Lane<T>,
+    /// What the gyro's reading has more than the rate, rad/s.
+    pub gyro: &'a Lane<T>,
+}
+
+/// Sees every sample.
+pub type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
 
 /// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force`
 /// holds their substeps.
@@ -156,7 +167,7 @@ impl<T: Real> Simulate<'_, T> {
         let k = &m.columns;
         for term in SensorTerm::ALL.into_iter().filter(|t| on.has(*t)) {
             let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
-            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, out);
+            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, Samples { felt, out });
         }
         let (range, rounded) = (on.has(SensorTerm::Range), on.has(SensorTerm::Quantisation));
         if range || rounded {
@@ -165,7 +176,8 @@ impl<T: Real> Simulate<'_, T> {
             level.run(Limit { range, steps, felt, error });
         }
         if let Some(observer) = &mut self.observer {
-            error.iter().zip(&*turn).for_each(|(error, turn)| observer(error, turn));
+            let samples = felt.iter().zip(&*error).zip(&*turn);
+            samples.for_each(|((felt, accelerometer), gyro)| observer(&Seen { felt, accelerometer, gyro }));
         }
         turns
     }

@@ -68,9 +68,14 @@ impl Fit {
         self.coefficients.map(|c| c.value * c.value)
     }
 
-    /// Fitted Allan deviation.
+    /// Squared coefficients of the terms that the data support, 0 of the others.
+    pub fn supported_squares(&self) -> [f64; 5] {
+        self.coefficients.map(|c| if c.supported() { c.value * c.value } else { 0.0 })
+    }
+
+    /// Allan deviation of the terms that the data support.
     pub fn deviation(&self, tau_s: f64) -> f64 {
-        law::variance(&self.squares(), tau_s).sqrt()
+        law::variance(&self.supported_squares(), tau_s).sqrt()
     }
 
     /// Whether the five terms describe the curve.

@@ -1,4 +1,5 @@
-//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside them.
+//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside them; a term that the data do
+//! not support has none (null), only the upper end of its interval.
 
 use serde_json::{Value, json};
 
@@ -20,6 +21,7 @@ pub fn document(file: &str, noise: &Noise) -> Value {
             "rate_hz": noise.source.rate_hz,
             "dropped": noise.source.dropped,
         },
+        "answer": words::answer(noise),
         "findings": sentences(&noise.source.findings),
         "channels": noise.channels.iter().map(of_channel).collect::<Vec<_>>(),
     })
@@ -53,6 +55,7 @@ fn of_channel(channel: &Channel) -> Value {
         "name": channel.name,
         "quantity": quantity,
         "unit": unit,
+        "mean": channel.mean * factor,
         "terms": TERMS.map(|term| of_term(channel, term)),
         "noise_density": density(channel),
         "deviation_at_1_s": channel.at_one_second().map(|d| {
@@ -73,7 +76,8 @@ fn of_term(channel: &Channel, term: Term) -> Value {
     let (unit, factor) = channel.unit.coefficient(term);
     let Some(fit) = &channel.fit else { return Value::Null };
     let c = fit.coefficients[term as usize];
-    json!({ "symbol": term.symbol(), "name": words::name(term), "value": c.value * factor, "unit": unit,
+    let value = c.supported().then_some(c.value * factor);
+    json!({ "symbol": term.symbol(), "name": words::name(term), "value": value, "unit": unit,
             "ci95": c.ci95.map(|e| e * factor), "p_value": c.p_value, "supported": c.supported() })
 }
 
@@ -82,5 +86,6 @@ fn density(channel: &Channel) -> Value {
     let Some(fit) = &channel.fit else { return Value::Null };
     let c = fit.coefficients[Term::White as usize];
     let to_density = factor * 2f64.sqrt();
-    json!({ "value": c.value * to_density, "unit": unit, "ci95": c.ci95.map(|e| e * to_density), "sided": "one" })
+    let value = c.supported().then_some(c.value * to_density);
+    json!({ "value": value, "unit": unit, "ci95": c.ci95.map(|e| e * to_density), "sided": "one" })
 }

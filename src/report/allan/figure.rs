@@ -3,8 +3,38 @@
 use super::words;
 use crate::number::significant;
 use crate::numerics::moments::mean;
-use crate::recording::noise::Channel;
+use crate::recording::noise::{Channel, Deviation, Noise};
+use crate::recording::unit::Quantity;
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
+
+pub(super) const TOGETHER: &str =
+    "Overlapping Allan deviation of each axis. Filled dots: its value at 1 s and its minimum.";
+
+/// The curves of the gyros and of the accelerometers, each on one plot; a channel alone has its own.
+pub(super) fn together(noise: &Noise) -> Vec<Chart> {
+    let of = |(quantity, name): (Quantity, &str)| {
+        let channels: Vec<&Channel> =
+            noise.channels.iter().filter(|c| c.unit.quantity == quantity && !c.curve.is_empty()).collect();
+        let (unit, _) = channels.first().filter(|_| channels.len() > 1)?.unit.signal();
+        let mut chart = Chart::new(
+            &format!("Allan deviation of the {name}s"),
+            Axis::log("averaging time τ / s"),
+            Axis::log(&labelled("Allan deviation", unit)),
+        );
+        for (n, channel) in channels.iter().enumerate() {
+            let (_, factor) = channel.unit.signal();
+            let point = |d: &Deviation| (d.tau_s, d.value * factor);
+            let ink = Ink::nth(n);
+            chart.add(&channel.name, ink, Mark::Line, channel.curve.iter().map(point).collect());
+            let marks: Vec<_> = channel.at_one_second().iter().chain(&channel.minimum).map(point).collect();
+            if !marks.is_empty() {
+                chart.add("", ink, Mark::Dots(5), marks);
+            }
+        }
+        Some(chart)
+    };
+    [(Quantity::Gyro, "gyro"), (Quantity::Accelerometer, "accelerometer")].into_iter().filter_map(of).collect()
+}
 
 pub(super) fn curve(channel: &Channel) -> Chart {
     let (unit, factor) = channel.unit.signal();

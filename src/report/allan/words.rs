@@ -2,7 +2,8 @@
 
 use crate::number::{duration, rounded, significant, superscript};
 use crate::numerics::allan::law::{TERMS, Term};
-use crate::recording::noise::{Channel, Noise};
+use crate::recording::noise::{Channel, Deviation, Noise};
+use crate::recording::unit::Quantity;
 use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
@@ -53,7 +54,7 @@ fn interval(value: f64, ci95: [f64; 2]) -> String {
 /// white noise and bias instability, then what is slower or faster.
 pub fn tables(noise: &Noise) -> [Table; 2] {
     let mut first = Table::new(&["channel", "N", "density n", "B by minimum", "B"]);
-    let mut second = Table::new(&["channel", "σ(1 s)", "K", "R", "Q"]);
+    let mut second = Table::new(&["channel", "mean", "σ(1 s)", "K", "R", "Q"]);
     for channel in &noise.channels {
         let with_unit = |term| format!("{} {}", coefficient(channel, term), channel.unit.coefficient(term).0);
         let density = channel.fit.as_ref().map_or("–".into(), |fit| {
@@ -75,7 +76,9 @@ pub fn tables(noise: &Noise) -> [Table; 2] {
         let name = format!("{}{star}", channel.name);
         first.row([name.clone(), with_unit(Term::White), density, stability, with_unit(Term::Flicker)]);
         let slower = [Term::Walk, Term::Ramp, Term::Quantisation].map(with_unit);
-        second.row([name, at_one_second].into_iter().chain(slower));
+        let (unit, factor) = channel.unit.signal();
+        let mean = format!("{} {unit}", significant(channel.mean * factor, 5));
+        second.row([name, mean, at_one_second].into_iter().chain(slower));
     }
     [first, second]
 }
@@ -98,9 +101,45 @@ pub fn notes(noise: &Noise) -> Vec<String> {
     out
 }
 
-/// The page's first sentence.
-pub(super) fn lede(noise: &Noise) -> String {
+/// The answer in numbers: white noise and lowest Allan deviation of the gyros, the accelerometers and the others.
+pub fn answer(noise: &Noise) -> String {
+    let kinds = [(Quantity::Gyro, "Gyro"), (Quantity::Accelerometer, "Accelerometer"), (Quantity::Unknown, "Channel")];
+    let of = |(quantity, name): (Quantity, &str)| {
+        let channels: Vec<&Channel> = noise.channels.iter().filter(|c| c.unit.quantity == quantity).collect();
+        let (_, factor) = channels.first()?.unit.coefficient(Term::White);
+        let white = |c: &&Channel| Some(c.fit.as_ref()?.coefficients[Term::White as usize]).filter(|n| n.supported());
+        let white: Vec<f64> = channels.iter().filter_map(white).map(|n| n.value * factor).collect();
+        let lowest: Vec<Deviation> = channels.iter().filter_map(|c| c.minimum).collect();
+        let mut parts = Vec::new();
+        if !white.is_empty() {
+            parts.push(format!("N = {} {}", range(&white), channels[0].unit.coefficient(Term::White).0));
+        }
+        if !lowest.is_empty() {
+            let (unit, factor) = channels[0].unit.coefficient(Term::Flicker);
+            let values: Vec<f64> = lowest.iter().map(|d| d.value * factor).collect();
+            let times: Vec<f64> = lowest.iter().map(|d| d.tau_s).collect();
+            parts.push(format!("lowest Allan deviation {} {unit} at {} s", range(&values), range(&times)));
+        }
+        let plural = if channels.len() == 1 { "" } else { "s" };
+        (!parts.is_empty()).then(|| format!("{name}{plural}: {}", parts.join(", ")))
+    };
     let length = duration(noise.source.samples as f64 / noise.source.rate_hz);
+    let groups: Vec<String> = kinds.into_iter().filter_map(of).collect();
+    match groups.is_empty() {
+        true => format!("{length} at rest are too short for any coefficient."),
+        false => format!("{}. From {length} at rest.", groups.join(". ")),
+    }
+}
+
+/// The least and the largest of values, or the one that they round to.
+fn range(values: &[f64]) -> String {
+    let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(*v), h.max(*v)));
+    let [low, high] = [low, high].map(|v| significant(v, 3));
+    if low == high { low } else { format!("{low} to {high}") }
+}
+
+/// The page's first sentences.
+pub(super) fn lede(noise: &Noise) -> String {
     let bad: Vec<&str> =
         noise.channels.iter().filter(|c| c.fit.as_ref().is_some_and(|f| !f.good())).map(|c| c.name.as_str()).collect();
     let judged = match bad.len() {
@@ -112,7 +151,7 @@ pub(super) fn lede(noise: &Noise) -> String {
             )
         }
     };
-    format!("{length} at rest, {} channels. {judged}", noise.channels.len())
+    format!("{} {judged}", answer(noise))
 }
 
 /// Whether the laws hold for a channel.

@@ -16,6 +16,17 @@ pub struct Raster {
     pub y: (f64, f64),
     /// Colour bar: label, low, high. Absent for clouds.
     pub bar: Option<(String, f64, f64)>,
+    /// What the pixels show.
+    pub shown: Shown,
+}
+
+/// The numbers behind a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shown {
+    /// A value a cell, rows from the bottom up.
+    Cells(Vec<f64>),
+    /// The points of a cloud.
+    Points(Vec<(f64, f64)>),
 }
 
 impl Raster {
@@ -37,13 +48,14 @@ impl Raster {
             }
         }
         let bar = Some((label.to_owned(), limits.0, limits.1));
-        Self { pixels, shape: (columns as u32, rows as u32), x, y, bar }
+        Self { pixels, shape: (columns as u32, rows as u32), x, y, bar, shown: Shown::Cells(values.to_vec()) }
     }
 
     /// A cloud: each pixel stronger the more points fall on it.
     pub fn cloud(points: impl Iterator<Item = (f64, f64)>, shape: (u32, u32), x: (f64, f64), y: (f64, f64)) -> Self {
         let mut counts = vec![0u8; (shape.0 * shape.1) as usize];
-        for (px, py) in points {
+        let points: Vec<(f64, f64)> = points.collect();
+        for (px, py) in &points {
             let column = ((px - x.0) / (x.1 - x.0) * f64::from(shape.0)).floor();
             let row = ((y.1 - py) / (y.1 - y.0) * f64::from(shape.1)).floor();
             if column >= 0.0 && row >= 0.0 && column < f64::from(shape.0) && row < f64::from(shape.1) {
@@ -51,7 +63,7 @@ impl Raster {
                 *count = count.saturating_add(1);
             }
         }
-        Self { pixels: counts, shape, x, y, bar: None }
+        Self { pixels: counts, shape, x, y, bar: None, shown: Shown::Points(points) }
     }
 
     /// A heat map as a PNG data URI.

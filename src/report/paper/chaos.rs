@@ -25,6 +25,7 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
             "One force and one frequency are one point. The maps show what surrounds it: every cell is a proof mass of its own, \
              started from rest. Noise does not abolish the pattern, it softens its edges and closes the narrow windows.",
         );
+        page.prefix(String::new());
         map::write(page, atlas);
     }
     twenty(page, &paper.bifurcation, &paper.parting, &paper.attractor);

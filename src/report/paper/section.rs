@@ -20,6 +20,7 @@ pub fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
 /// Heading of a figure's section.
 pub fn head(page: &mut Page, exhibit: &Exhibit) {
     page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
+    page.prefix(format!("figure-{:02}-", exhibit.figure));
 }
 
 /// The checks of a figure: what is expected, what came out, and whether they agree.

@@ -1,6 +1,7 @@
 //! Simulation beside a recording: Allan deviation axis by axis, and where the two leave each other.
 
 use crate::drift::compare::{Departure, Likeness, Outcome};
+use crate::escape::file_name;
 use crate::number::{duration, significant};
 use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 use crate::report::html::Page;
@@ -25,7 +26,10 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
          agreement shows that simulation and estimation close the circle; a departure is physics that the noise model leaves out.",
     );
     page.list(&axes.iter().map(sentence).collect::<Vec<_>>());
-    let figures: Vec<_> = axes.iter().map(|a| (chart(a).draw(), caption(a))).collect();
+    let figures: Vec<_> = axes
+        .iter()
+        .map(|a| (chart(a).draw().named(&format!("allan-{}", file_name(&a.column, 80))), caption(a)))
+        .collect();
     page.figure_row(&figures.iter().map(|(f, c)| (f, c.as_str())).collect::<Vec<_>>());
     if !findings.is_empty() {
         page.subsection("Found while reading the log");

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::drift::compare::{Comparison, Outcome};
 use crate::drift::windows::{BANDS, Drifted, Windows};
+use crate::escape::file_name;
 use crate::number::{rounded, significant};
 use crate::numerics::special::exact_interval;
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
@@ -39,7 +40,10 @@ pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
         rounded(study.still_s(), 6),
         axes[0].members
     ));
-    let figures: Vec<_> = axes.iter().map(|a| (chart(a).draw(), caption(a))).collect();
+    let figures: Vec<_> = axes
+        .iter()
+        .map(|a| (chart(a).draw().named(&format!("windows-{}", file_name(&a.column, 80))), caption(a)))
+        .collect();
     page.figure_row(&figures.iter().map(|(f, c)| (f, c.as_str())).collect::<Vec<_>>());
     page.table(&table(axes, false));
     page.paragraph(

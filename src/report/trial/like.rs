@@ -93,7 +93,8 @@ fn ladder(power: &Power) -> Figure {
     let from = |e: &Revealed| e.named_from.or(e.noticed_from.map(|s| 10.0 * s)).unwrap_or(f64::INFINITY);
     order::sort_by_key(&mut rows, |e| -from(e));
     let x = Axis::log("size of the effect / noise (rms)").within(least, most);
-    let y = Axis::linear("").within(0.0, rows.len() as f64 + 1.0);
+    let names = rows.iter().enumerate().map(|(n, effect)| (n as f64 + 1.0, effect.id.clone())).collect();
+    let y = Axis::linear("").named(names).within(0.0, rows.len() as f64 + 1.0);
     let mut chart = Chart::new("What would have been said", x, y);
     let mut dots: [Vec<(f64, f64)>; 4] = Default::default();
     for (n, effect) in rows.iter().enumerate() {
@@ -107,8 +108,6 @@ fn ladder(power: &Power) -> Figure {
             };
             dots[way].push((tried.effect_over_noise.clamp(least, most), rank));
         }
-        let right = effect.tried.iter().map(|t| t.effect_over_noise).fold(least, f64::max);
-        chart.note((1.4 * right, rank - 0.25), &effect.id);
     }
     let ways = [
         ("silent", Ink::Soft, 2),
@@ -126,7 +125,7 @@ fn ladder(power: &Power) -> Figure {
 }
 
 /// The same as a page.
-pub fn page(power: &Power) -> String {
+pub fn page(power: &Power) -> Page {
     let mut page = Page::new("What this recording could reveal", &sentence(power));
     page.paragraph(&made_of(power));
     page.figure(&ladder(power), "One dot per copy. Effects that are named at the smallest size stand at the top.");
@@ -144,5 +143,5 @@ pub fn page(power: &Power) -> String {
         }
     }
     page.table(&every);
-    page.finish()
+    page
 }

@@ -11,6 +11,7 @@ use crate::numerics::spectrum;
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
 use crate::physics::dimension::Units;
 use crate::physics::law::Noise;
+use crate::physics::library::Term;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
@@ -83,6 +84,8 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
                 accelerometer.acceleration_random_walk_m_s2_rts =
                     p[0] * readout * to_acceleration / data.interval_s().sqrt();
             }
+            // The offset of the displacement, as acceleration with its sign.
+            None if matches!(term, Term::BiasDrift(_)) => accelerometer.ramp_m_s3 = p[0] * omega * omega / gain,
             None => {
                 if let Some(list) = not_expressible.as_deref_mut() {
                     list.push(format!("{}: {}", term.id(), term.candidate().equation));

@@ -1,0 +1,28 @@
+//! A page into a folder, with the numbers behind its figures beside it: `numbers/<figure>.csv`, and Parquet on request.
+
+use crate::columns::Format;
+use crate::error::Result;
+use crate::output::Folder;
+use crate::report::html::Page;
+
+const PARQUET: &str = "numbers/*.parquet";
+
+/// What is announced beside the page itself.
+pub fn files(parquet: bool) -> impl Iterator<Item = String> {
+    ["numbers/*.csv", PARQUET].into_iter().take(if parquet { 2 } else { 1 }).map(str::to_owned)
+}
+
+/// Writes a page under this name, and its numbers in the formats that were announced.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn write(folder: &mut Folder, name: &str, page: Page) -> Result<()> {
+    let parquet = folder.announces(PARQUET);
+    for numbers in page.numbers() {
+        folder.write(&format!("numbers/{}.csv", numbers.name), &Format::Csv.bytes(&numbers.columns))?;
+        if parquet {
+            folder.write(&format!("numbers/{}.parquet", numbers.name), &Format::Parquet.bytes(&numbers.columns))?;
+        }
+    }
+    folder.write(name, page.finish().as_bytes())
+}

@@ -1,0 +1,64 @@
+//! `proofmass schema`: the keys of a file as JSON Schema (draft 2020-12), for editors that complete and check.
+//!
+//! Made of the structs and key tables that the files are read with, so that it knows the same keys.
+
+use schemars::{Schema, schema_for};
+use serde_json::json;
+
+use super::say::sayln;
+use super::template::Kind;
+use crate::diagnosis::model::{Driven, Static, Tumble};
+use crate::document::to_json;
+use crate::error::Result;
+use crate::map::document::Document;
+use crate::study::file::File;
+
+/// Arguments of `schema`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Which file
+    #[arg(value_enum)]
+    kind: Kind,
+}
+
+const EXAMPLES: &str = "Examples:
+  proofmass schema study > study.schema.json
+In an editor with TOML schemas (taplo, Even Better TOML), the first line of study.toml:
+  #:schema ./study.schema.json";
+
+/// Prints it.
+///
+/// # Errors
+/// Stdout cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    sayln!("{}", to_json(&schema(arguments.kind))?)
+}
+
+fn schema(kind: Kind) -> Schema {
+    match kind {
+        Kind::Study => titled(schema_for!(File), "study.toml"),
+        Kind::Driven => model(schema_for!(Driven), "driven"),
+        Kind::Static => model(schema_for!(Static), "static"),
+        Kind::Tumble => model(schema_for!(Tumble), "tumble"),
+        Kind::Map => titled(schema_for!(Document), "map.toml"),
+    }
+}
+
+fn titled(mut schema: Schema, title: &str) -> Schema {
+    schema.insert("title".into(), title.into());
+    schema
+}
+
+/// A model's first key says which kind it is; it is read before the rest.
+fn model(schema: Schema, kind: &str) -> Schema {
+    let mut schema = titled(schema, "model.toml");
+    if let Some(properties) = schema.get_mut("properties").and_then(serde_json::Value::as_object_mut) {
+        properties.insert("kind".into(), json!({ "const": kind, "description": "What was recorded" }));
+    }
+    match schema.get_mut("required").and_then(serde_json::Value::as_array_mut) {
+        Some(required) => required.push("kind".into()),
+        None => drop(schema.insert("required".into(), json!(["kind"]))),
+    }
+    schema
+}
