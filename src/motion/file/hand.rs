@@ -19,7 +19,8 @@ enum Reading {
     OtherEnd,
     /// The rotation goes the other way.
     Inverse,
-    /// One axis of the reference points the other way.
+    /// One axis of the reference points the other way for positions, not for attitudes; where both are mirrored alike, the
+    /// motion is as regular as it was, and nothing can be told.
     Mirrored,
 }
 
@@ -40,11 +41,10 @@ impl Reading {
         let q = pose.attitude;
         let (attitude, mut position_m) = (
             match (self, order) {
-                (Self::AsSaid, _) => q,
+                (Self::AsSaid | Self::Mirrored, _) => q,
                 (Self::OtherEnd, Order::ScalarLast) => unit(q.i, q.j, q.k, q.w),
                 (Self::OtherEnd, Order::ScalarFirst) => unit(q.k, q.w, q.i, q.j),
                 (Self::Inverse, _) => q.inverse(),
-                (Self::Mirrored, _) => unit(q.w, -q.i, q.j, -q.k),
             },
             pose.position_m,
         );
