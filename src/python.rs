@@ -15,5 +15,5 @@ mod _proofmass {
     #[pymodule_export]
     use super::answer::Answer;
     #[pymodule_export]
-    use super::functions::{allan, diagnose, main, study};
+    use super::functions::{allan, diagnose, main, simulate, study};
 }

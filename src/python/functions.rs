@@ -3,8 +3,9 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
 use super::answer::Answer;
 use super::arrays::{Given, Recorded};
@@ -12,6 +13,7 @@ use super::value::{self, Document};
 use super::work::{detached, raised};
 use crate::cli;
 use crate::cli::allan::{Asked, Scales};
+use crate::columns::Values;
 use crate::control::Control;
 use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::recordings::Recordings;
@@ -19,8 +21,9 @@ use crate::diagnosis::{self, consequence, repair};
 use crate::document::to_json;
 use crate::drift;
 use crate::drift::document;
-use crate::ensemble::{Backends, Choice, Keeper, Options};
+use crate::ensemble::{self, Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
+use crate::kernel::integrator::Integrator;
 use crate::recording::{self, Recording, Request};
 use crate::report;
 use crate::strapdown;
@@ -218,4 +221,25 @@ fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Contr
         report::diagnosis::page(&found, &costs, &exhibits, study.as_deref()).finish()
     };
     Ok(Answer { json, repaired, draw: Box::new(draw) })
+}
+
+/// `proofmass study --samples`: names and values of columns, the clock first.
+#[pyfunction]
+pub fn simulate<'py>(
+    py: Python<'py>,
+    given: Option<Document<'py>>,
+    changes: Changes<'py>,
+    members: u64,
+) -> PyResult<Bound<'py, PyList>> {
+    let study = read_study(given, &changes).map_err(|error| raised(py, error))?;
+    let columns = detached(py, move |control| {
+        let choice = Integrator::choose(study.stiffest().as_ref(), study.clock.step_s);
+        let job = study.job(choice.integrator, vec![study.clock.samples]);
+        ensemble::samples(&job, members, control)
+    })?;
+    let numbers = columns.all().iter().filter_map(|column| match &column.values {
+        Values::Numbers(values) => Some((&column.name, PyArray1::from_slice(py, values))),
+        Values::Words(_) => None,
+    });
+    PyList::new(py, numbers.collect::<Vec<_>>())
 }

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 from ._error import Error
 
 if TYPE_CHECKING:
-    from ._results import Allan, Diagnosis, Study
+    from ._results import Allan, Diagnosis, Simulation, Study
 
-__all__ = ["Error", "allan", "diagnose", "main", "study"]
+__all__ = ["Error", "allan", "diagnose", "main", "simulate", "study"]
 
 
 def study(
@@ -41,6 +41,25 @@ def study(
 
     changes = {"members": members, "seed": seed, "preset": preset, "set": set}
     return Study(_proofmass.study(study, changes, backend))
+
+
+def simulate(
+    study: Any = None,
+    *,
+    members: int = 1,
+    seed: int | None = None,
+    preset: str | None = None,
+    set: dict | None = None,
+) -> Simulation:
+    """Readings of the first ``members`` sensors of a study, as they would have been logged: ``proofmass study --samples``.
+
+    ``study``, ``preset`` and ``set`` as for :func:`study`. Of a still start, too, every sample is given.
+    """
+    from . import _proofmass
+    from ._results import Simulation
+
+    changes = {"members": None, "seed": seed, "preset": preset, "set": set}
+    return Simulation(_proofmass.simulate(study, changes, members))
 
 
 def allan(
@@ -119,7 +138,7 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("proofmass")
-    if name in ("Allan", "Diagnosis", "Study"):
+    if name in ("Allan", "Diagnosis", "Simulation", "Study"):
         from . import _results
 
         return getattr(_results, name)

@@ -88,6 +88,17 @@ class Diagnosis(_Result):
     @property
     def repaired(self) -> Union[str, None]: ...
 
+class Simulation(Mapping[str, _Array]):
+    accelerometer_m_s2: _Array
+    gyro_rad_s: _Array
+    @property
+    def time_s(self) -> _Array: ...
+    def __getitem__(self, name: str) -> _Array: ...
+    def __getattr__(self, name: str) -> _Array: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def to_dataframe(self) -> Any: ...
+
 def study(
     study: Union[dict[str, Any], _Path, None] = None,
     *,
@@ -97,6 +108,14 @@ def study(
     set: Union[dict[str, Any], None] = None,
     backend: str = "auto",
 ) -> Study: ...
+def simulate(
+    study: Union[dict[str, Any], _Path, None] = None,
+    *,
+    members: int = 1,
+    seed: Union[int, None] = None,
+    preset: Union[str, None] = None,
+    set: Union[dict[str, Any], None] = None,
+) -> Simulation: ...
 def allan(
     recording: Union[ArrayLike, Mapping[str, ArrayLike], _Path, Any],
     rate_hz: Union[float, None] = None,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import html
 import json
+import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -119,3 +121,53 @@ class Diagnosis(Result):
         ]
         names = ["effect", "channels", "parameter", "value", "ci95_low", "ci95_high", "unit", "held_out_gain", "p_value"]
         return _pandas().DataFrame(rows, columns=names)
+
+
+class Simulation(Mapping):
+    """Simulated readings: an array per column of the recording, by its name.
+
+    ``time_s`` is the clock; columns of one quantity stand together too, members × samples: ``gyro_rad_s``,
+    ``accelerometer_m_s2``.
+    """
+
+    def __init__(self, columns: list):
+        self._columns = dict(columns)
+        self._stacked: dict = {}
+        for name, values in columns:
+            values.setflags(write=False)
+            quantity = re.sub(r"_\d+_", "_", name, count=1)
+            self._stacked.setdefault(quantity, []).append(values)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def time_s(self) -> Any:
+        """Time of each sample, s."""
+        return self._columns["t_s"]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._stacked:
+            raise AttributeError(f"`{name}` is no quantity of this simulation")
+        import numpy
+
+        array = numpy.stack(self._stacked[name])
+        array.setflags(write=False)
+        setattr(self, name, array)
+        return array
+
+    def to_dataframe(self) -> Any:
+        """One row per sample and one column per member and quantity."""
+        return _pandas().DataFrame(self._columns).set_index("t_s")
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"Simulation({', '.join(self._columns)})"
