@@ -148,6 +148,7 @@ impl Study {
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file, 0)?;
+        file.trajectory = file.trajectory.take().map(|section| section.in_folder(&folder));
         let in_motion = in_motion::read(source, &file, &clock, seed)?;
         let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s(), in_motion.is_some())?;
         if in_motion.is_none()

@@ -75,8 +75,8 @@ impl Factor {
         for row in (0..lower.size()).rev() {
             x[row] /= lower.get(row, row);
             let value = x[row];
-            for k in lower.first(row)..row {
-                x[k] -= lower.get(row, k) * value;
+            for (k, x) in x.iter_mut().enumerate().take(row).skip(lower.first(row)) {
+                *x -= lower.get(row, k) * value;
             }
         }
     }

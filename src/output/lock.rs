@@ -21,7 +21,7 @@ impl Lock {
     /// # Errors
     /// Another run holds it, or the folder cannot be written.
     pub fn take(folder: &Path) -> Result<Self> {
-        Self::lock(folder, NAME, || busy(folder))
+        Self::locked(folder, NAME, || busy(folder))
     }
 
     /// Takes the lock of one file in a folder that exists, of which others may be written meanwhile.
@@ -29,10 +29,10 @@ impl Lock {
     /// # Errors
     /// As [`take`](Self::take).
     pub fn take_for(folder: &Path, file: &str) -> Result<Self> {
-        Self::lock(folder, &format!(".{file}.lock"), || busy(&folder.join(file)))
+        Self::locked(folder, &format!(".{file}.lock"), || busy(&folder.join(file)))
     }
 
-    fn lock(folder: &Path, name: &str, busy: impl Fn() -> Error) -> Result<Self> {
+    fn locked(folder: &Path, name: &str, busy: impl Fn() -> Error) -> Result<Self> {
         let path = folder.join(name);
         loop {
             let file = OpenOptions::new()

@@ -138,7 +138,7 @@ fn earth(name: &str, file: &File) -> Result<Earth> {
     let Some(section) = &file.earth else { return Ok(Earth::FLAT) };
     match section.latitude_deg {
         // At a pole north has no direction; beyond this the tangent of latitude leaves the range of f32 sums.
-        Some(latitude) if !(latitude.abs() <= 89.0) => Err(refuse(
+        Some(latitude) if latitude.is_nan() || latitude.abs() > 89.0 => Err(refuse(
             name,
             format!("`earth.latitude_deg` = {latitude:?}: need -89 to 89"),
             "north-east-down has no direction at a pole",

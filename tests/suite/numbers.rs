@@ -32,7 +32,7 @@ fn table(text: &str) -> Result<Table, Failed> {
         let letters = h.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         letters && !h.is_empty() && !h.ends_with('_')
     };
-    check(headings.iter().all(|h| plain(&h)), format!("headings {headings:?}"))?;
+    check(headings.iter().all(|h| plain(h)), format!("headings {headings:?}"))?;
     let mut columns = vec![Vec::new(); headings.len()];
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();

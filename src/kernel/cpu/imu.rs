@@ -53,7 +53,7 @@ impl<T: Real> Imu<T> {
             }
             lanes
         });
-        let mut imu = Self { axes, coupling, state: Box::new(State::new()), found: None, first_member };
+        let mut imu = Self { axes, coupling, state: Box::new(State::default()), found: None, first_member };
         if flight.clock().still_samples == 0 {
             (0..LANES).for_each(|l| imu.state.begin(l, &flight.begin(first_member + l as u64, None)));
         }

@@ -42,12 +42,14 @@ const POSITION: usize = 2;
 /// A velocity error above this, m/s, means that the member has left the range of its model.
 pub const BOUND_M_S: f32 = 1e7;
 
-impl<T: Real> State<T> {
+impl<T: Real> Default for State<T> {
     /// Without any error.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { parts: [[Lane::splat(T::of(0.0)); 3]; 3], totals: [[Lane::splat(0.0); 3]; 3] }
     }
+}
 
+impl<T: Real> State<T> {
     /// Begins one member.
     pub fn begin(&mut self, lane: usize, begin: &Begin) {
         (0..3).for_each(|i| self.totals[ATTITUDE][i][lane] = begin.attitude[i]);

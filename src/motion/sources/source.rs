@@ -4,6 +4,9 @@ use super::section::Section;
 use crate::error::{Error, Result};
 use crate::motion::pose::Pose;
 
+/// Poses of a computed motion over so many seconds.
+pub type Computed = fn(&Section, f64) -> Result<Vec<Pose>>;
+
 /// A kind of trajectory.
 #[derive(Debug)]
 pub struct Source {
@@ -12,7 +15,7 @@ pub struct Source {
     /// The keys that it takes.
     pub keys: &'static [&'static str],
     /// Its poses over so many seconds; none: they come from a file.
-    pub poses: Option<fn(&Section, f64) -> Result<Vec<Pose>>>,
+    pub poses: Option<Computed>,
 }
 
 /// Between poses of a computed motion, s, and poses to a knot of its spline.

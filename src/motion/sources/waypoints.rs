@@ -93,7 +93,8 @@ fn poses(section: &Section, duration_s: f64) -> Result<Vec<Pose>> {
     if points.len() < 2 {
         return Err(fail(format!("trajectory.points_m: need two points or more, got {}", points.len()), example));
     }
-    if let Some(at) = points.windows(2).position(|p| !((p[1] - p[0]).norm() > 1e-3)) {
+    if let Some(at) = points.windows(2).map(|p| (p[1] - p[0]).norm()).position(|apart| apart.is_nan() || apart <= 1e-3)
+    {
         let cause = format!("trajectory.points_m: points {} and {} are the same, or not finite", at + 1, at + 2);
         return Err(fail(cause, "leave one of them out"));
     }

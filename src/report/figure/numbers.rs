@@ -66,9 +66,7 @@ fn part<'a>(chart: &Chart, series: &'a Series, called: &str) -> Part<'a> {
 
 fn columns(chart: &Chart) -> Option<Columns> {
     let drawn = || chart.series.iter().enumerate().filter(|(_, s)| !s.points.is_empty());
-    if drawn().next().is_none() {
-        return None;
-    }
+    drawn().next()?;
     if !chart.y.names.is_empty() {
         return Some(list(chart));
     }
