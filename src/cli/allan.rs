@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     parquet: bool,
 }

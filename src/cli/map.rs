@@ -64,7 +64,7 @@ pub struct Arguments {
     /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
     #[arg(long, value_name = "K/N", requires = "out")]
     pub shard: Option<Shard>,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
     /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long)]
     pub force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
     #[arg(long)]
     pub parquet: bool,
     /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated

@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn schema(kind: Kind) -> Schema {
     match kind {
-        Kind::Study => titled(schema_for!(File), "study.toml"),
+        Kind::Study | Kind::Trajectory => titled(schema_for!(File), "study.toml"),
         Kind::Driven => model(schema_for!(Driven), "driven"),
         Kind::Static => model(schema_for!(Static), "static"),
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),

@@ -88,7 +88,7 @@ pub struct Arguments {
     /// How many shards such a script runs
     #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     pub shards: Option<u64>,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
     #[arg(long)]
     pub parquet: bool,
     /// Write simulated readings of N members as a recording too: FILE ends in .csv, .parquet or .npy

@@ -22,6 +22,8 @@ const EXAMPLES: &str = "Examples:
 pub(super) enum Kind {
     /// study.toml for `study`
     Study,
+    /// study.toml in six axes, along a trajectory
+    Trajectory,
     /// model.toml for `diagnose`: one proof mass, shaken or ringing
     Driven,
     /// model.toml for `diagnose`: sensors at rest
@@ -36,6 +38,7 @@ impl Kind {
     fn text(self) -> &'static str {
         match self {
             Self::Study => include_str!("template/study.toml"),
+            Self::Trajectory => include_str!("template/trajectory.toml"),
             Self::Driven => include_str!("template/driven.toml"),
             Self::Static => include_str!("template/static.toml"),
             Self::Tumble => include_str!("template/tumble.toml"),
@@ -68,7 +71,7 @@ mod tests {
 
     fn parsed(kind: Kind, text: &str) -> Result<()> {
         match kind {
-            Kind::Study => study::parse("the template", text, Path::new("")).map(drop),
+            Kind::Study | Kind::Trajectory => study::parse("the template", text, Path::new("")).map(drop),
             Kind::Map => parse_toml::<Document>("the template", text).map(drop),
             _ => model::parse("the template", text).map(drop),
         }

@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/<figure>.csv
+    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
     /// Fewer and shorter recordings: at most two minutes instead of twenty

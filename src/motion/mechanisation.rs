@@ -15,6 +15,7 @@ use super::earth::{Earth, Place};
 use super::truth::{Sample, Truth};
 
 /// What a navigator makes of motion within a sampling interval.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {

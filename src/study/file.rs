@@ -56,10 +56,8 @@ pub struct File {
     #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub sweep: Option<toml::Table>,
     /// What carries the sensor in six axes.
-    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub trajectory: Option<motion::Section>,
     /// The navigator whose own error is a row of the budget.
-    #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub navigator: Option<Navigator>,
     /// The Earth under the trajectory.
     pub earth: Option<Earth>,
@@ -94,6 +92,7 @@ pub struct Vibration {
 }
 
 /// `[navigator]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Navigator {

@@ -147,6 +147,12 @@ fn schema(generator: &mut SchemaGenerator, section: Section) -> Schema {
                 Sign::Positive => fixed.insert("exclusiveMinimum".into(), 0.into()),
             };
         }
+        if section != Section::Sensor {
+            let three = serde_json::json!({ "type": "array", "minItems": 3, "maxItems": 3, "items": number.clone() });
+            if let Some(forms) = number.get_mut("anyOf").and_then(serde_json::Value::as_array_mut) {
+                forms.push(three);
+            }
+        }
         properties.insert(key.key().into(), number.into());
     }
     schemars::json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })

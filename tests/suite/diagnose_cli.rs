@@ -98,7 +98,9 @@ fn contract() -> Result<(), Failed> {
         check(page.contains(words), format!("the page does not say \"{words}\""))?;
     }
     check(
-        ["=\"http", "url(http", "<script", "<link"].iter().all(|load| !page.replace("xmlns=\"http", "").contains(load)),
+        ["=\"http", "url(http", "<script src", "<link"]
+            .iter()
+            .all(|load| !page.replace("xmlns=\"http", "").contains(load)),
         "the page loads something",
     )?;
     check(fs::read_to_string(out.join("residual-by-pose.svg"))?.contains("<svg"), "no figure file")?;

@@ -28,11 +28,11 @@ type Table = BTreeMap<String, Vec<Option<f64>>>;
 fn table(text: &str) -> Result<Table, Failed> {
     let mut lines = text.lines();
     let headings: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let plain = |h: &&str| {
+    let plain = |h: &str| {
         let letters = h.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         letters && !h.is_empty() && !h.ends_with('_')
     };
-    check(headings.iter().all(|h| plain(h)), format!("headings {headings:?}"))?;
+    check(headings.iter().copied().all(plain), format!("headings {headings:?}"))?;
     let mut columns = vec![Vec::new(); headings.len()];
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();

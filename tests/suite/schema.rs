@@ -37,6 +37,15 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
         &[("output =", "outputs ="), ("kind = \"driven\"", "kind = \"static\""), ("rate_hz = 6", "rate_hz = \"a\" #")],
     ),
     ("static", &[("channels =", "channel ="), ("channels = [", "channels = [1, ")]),
+    (
+        "trajectory",
+        &[
+            ("kind = \"car\"", "kind = \"cart\""),
+            ("latitude_deg", "latitude"),
+            ("lever_arm_m = [0.0, ", "lever_arm_m = ["),
+            ("[100.0, 100.0, 150.0]", "[100.0, 150.0]"),
+        ],
+    ),
     ("tumble", &[("gravity_m_s2", "gravity"), ("[\"gx\", ", "[")]),
     ("map", &[("cubic_n_m3 = 0.3", ""), ("quantity = \"amplitude_n\"", "quantity = \"amplitude\"")]),
 ];

@@ -28,18 +28,20 @@ const MAP: &str = "name = \"m\"\nseed = 3\n[oscillator]\nmass_kg = 1.0\ndamping_
                    transient_periods = 5\nperiods = 8\n[[bifurcation]]\ntitle = \"c\"\nfrom_n = 1.0\nto_n = 60.0\n\
                    points = 6\ntransient_periods = 5\nstrobes = 4\nnoise_n_rts = 0.1\n";
 
-/// Files of a folder that are not hidden, by name.
+/// Files of a folder and of those in it that are not hidden, by name.
 fn files(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failed> {
-    let mut files = Vec::new();
+    let mut found = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if !name.starts_with('.') {
-            files.push((name, std::fs::read(entry.path())?));
+        if entry.path().is_dir() {
+            found.extend(files(&entry.path())?.into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else if !name.starts_with('.') {
+            found.push((name, std::fs::read(entry.path())?));
         }
     }
-    files.sort();
-    Ok(files)
+    found.sort();
+    Ok(found)
 }
 
 fn map() -> Result<(), Failed> {

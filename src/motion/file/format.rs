@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 use serde::Deserialize;
 
 /// A layout.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -33,6 +34,7 @@ impl Format {
 }
 
 /// Where the scalar of a quaternion stands.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Order {
@@ -43,6 +45,7 @@ pub enum Order {
 }
 
 /// The axis of the file's reference that points up.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub enum Up {
     /// z, as most robots have it.

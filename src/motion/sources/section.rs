@@ -7,6 +7,7 @@ use serde::Deserialize;
 use crate::motion::file::format::{Format, Order, Up};
 
 /// The kinds, by name.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -27,6 +28,7 @@ pub enum Kind {
 }
 
 /// The section as it is written.
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
