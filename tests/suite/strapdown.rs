@@ -232,9 +232,10 @@ fn exact() -> Result<(), Failed> {
                     let got = series(&answer, Quantity::Position(axis), |s| s.mean)[at];
                     near(&format!("axis {axis}, {bias_deg_h} deg/h"), got, position[axis], 1e-3 * position.norm())?;
                 }
-                // Control: the linear model is not exact.
+                // Control: the linear model is not exact where the attitude turns by more than half a circle.
                 let linear = answer.covariance.mean(answer.report[at], 2);
-                check((linear - position.z).abs() > 1e-3 * position.norm(), "large errors are linear")?;
+                let large = bias_deg_h > 1e4;
+                check(!large || (linear - position.z).abs() > 1e-3 * position.norm(), "large errors are linear")?;
             }
         }
     }
@@ -356,7 +357,7 @@ fn refusals() -> Result<(), Failed> {
         ("[trajectory]\nkind = \"rest\"\n[earth]\nlatitude_deg = 90.0\n", "pole"),
         ("[trajectory]\nkind = \"rest\"\n[earth]\nheight_m = 90.0\n", "latitude_deg"),
         ("[trajectory]\nkind = \"rest\"\n[excitation]\nkind = \"sine\"\n", "no place beside"),
-        ("[alignment]\nkind = \"drawn\"\n", "needs a [trajectory]"),
+        ("[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 1.0\nheading_sd_deg = 1.0\n", "without a [trajectory]"),
         ("[trajectory]\nkind = \"rest\"\n[alignment]\nkind = \"ideal\"\nheading_sd_deg = 1.0\n", "belong to kind"),
     ];
     for (text, expected) in cases {
