@@ -100,7 +100,7 @@ pub(super) fn alignment(
         }
         (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), Some(_)) => Err(refuse(
             name,
-            "`alignment.still_s` belongs to kind = \"still\" only",
+            "`alignment.still_s` does not belong here: only kind = \"still\" takes it",
             "take it out, or use kind = \"still\"",
         )),
         (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), None) => Ok(Alignment::Ideal),
