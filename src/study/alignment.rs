@@ -80,8 +80,8 @@ pub(super) fn alignment(
     if section.heading_sd_deg.is_some() && !in_motion {
         return Err(refuse(
             name,
-            "`alignment.heading_sd_deg` is given without a [trajectory]",
-            "a study of one axis has no heading: add a [trajectory], e.g. kind = \"rest\"",
+            "`alignment.heading_sd_deg` is given without a [trajectory], and a study of one axis has no heading",
+            "take it out, or add a [trajectory], e.g. kind = \"rest\"",
         ));
     }
     for (key, given) in spreads {
@@ -98,9 +98,12 @@ pub(super) fn alignment(
         (None, Some(_)) => {
             Err(refuse(name, "`alignment.still_s` is given without `kind`", format!("add kind = \"still\": {example}")))
         }
-        (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), Some(_)) => Err(refuse(
+        (Some(kind @ (AlignmentKind::Ideal | AlignmentKind::Drawn)), Some(_)) => Err(refuse(
             name,
-            "`alignment.still_s` does not belong here: only kind = \"still\" takes it",
+            match kind {
+                AlignmentKind::Drawn => "`alignment.still_s` does not belong to kind = \"drawn\"",
+                _ => "`alignment.still_s` does not belong to kind = \"ideal\"",
+            },
             "take it out, or use kind = \"still\"",
         )),
         (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), None) => Ok(Alignment::Ideal),
