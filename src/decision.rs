@@ -2,7 +2,7 @@
 //! along one or two keys, and how many members it takes to state it to so many digits.
 //!
 //! All of it simulates the same members at every value (common random numbers), so that differences between values are not
-//! noise. `statistic` → `values` → `panel` → `require` → `parts` → `document`. Not for showing anything: `report` does.
+//! noise. `watched` → `statistic` → `values` → `panel` → `require` → `parts` → `document`. Not for showing anything: `report` does.
 
 pub mod digits;
 pub mod document;
@@ -14,3 +14,4 @@ pub mod summarised;
 pub mod sweep;
 pub mod sweep_document;
 pub mod values;
+pub mod watched;

@@ -240,8 +240,8 @@ impl Study {
             None => Ok(()),
             Some(_) => Err(Error::new(
                 format!("could not simulate {} along one axis", self.name),
-                "it has a [trajectory], which only a plain `proofmass study` follows",
-                "run it without shards, sweeps, digits and limits, or take the [trajectory] out",
+                "it has a [trajectory]",
+                "shards, --digits and samples are for one axis: run it without them, or take the [trajectory] out",
             )),
         }
     }

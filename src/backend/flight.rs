@@ -3,9 +3,11 @@
 //! What every member is summed to stands here as well. Not for batches, pilots or progress over them: that is `strapdown`.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::cpu::{Precision, column, processor_name};
 use super::tile;
+use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::cpu::imu::{Imu, Row, Tile};
 use crate::kernel::cpu::lanes::{LANES, Level};
@@ -52,7 +54,36 @@ impl Quantity {
     }
 }
 
-fn quantities(row: &Row) -> [f64; QUANTITIES] {
+/// What is summed, of one member.
+type Outcome = [f64; QUANTITIES];
+
+/// The errors of these members themselves at the flight's only report time, in f32, in their order; NaN of those that have
+/// failed. The range begins at a multiple of 256.
+///
+/// # Errors
+/// A member that the integrator cannot step; stopped.
+pub fn outcomes_at(flight: &Flight, members: Range<u64>, control: &Control) -> Result<Vec<Outcome>> {
+    let (size, reported) = ((members.end - members.start) as usize, AtomicBool::new(false));
+    let mut outcomes = Vec::with_capacity(size);
+    let batch = FlightBatch {
+        flight,
+        members,
+        bins: &[],
+        stop: &|| control.cancelled() || reported.load(Ordering::Relaxed),
+        progress: &|_| {},
+    };
+    FlightCpu::default().integrate::<f32>(&batch, |_, rows| {
+        let outcome = |row: &Option<Row>| row.as_ref().map_or([f64::NAN; QUANTITIES], quantities);
+        outcomes.extend(rows.iter().map(outcome));
+        reported.store(true, Ordering::Relaxed);
+    })?;
+    if outcomes.len() < size {
+        control.go_on().map_err(|s| s.during("could not finish the simulation", "run it again"))?;
+    }
+    Ok(outcomes)
+}
+
+fn quantities(row: &Row) -> Outcome {
     let [north, east, down, ..] = *row;
     let horizontal = north.hypot(east);
     let mut all = [0.0; QUANTITIES];

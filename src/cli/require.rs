@@ -15,13 +15,17 @@ use crate::report::require as page;
 use crate::study::{Assignment, Overrides, Preset, Source, Study};
 
 const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
-  STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value
+  STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value;
+            cep50 cep95 of horizontal_error_m
   QUANTITY  position_error_m velocity_error_m_s acceleration_error_m_s2 tilt_error_rad
+            with a [trajectory]: horizontal_error_m spherical_error_m position_error_ned_m.north (.east .down)
+            velocity_error_ned_m_s.north (.east .down) attitude_error_rad.roll (.pitch .heading)
 
 Examples:
   proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
   proofmass require study.toml --limit 'abs95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd accelerometer.bias_mg.sd
   proofmass require study.toml --limit 'sd(position_error_m, 30) < 2' --parts parts.toml
+  proofmass require flight.toml --limit 'cep95(horizontal_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
 
 parts.toml:
   [[part]]

@@ -132,11 +132,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let source = source(arguments)?;
     let study = source.study()?;
-    if arguments.shard.is_some()
-        || arguments.emit.is_some()
-        || arguments.digits.is_some()
-        || !arguments.sweep.is_empty()
-    {
+    if arguments.shard.is_some() || arguments.emit.is_some() || arguments.digits.is_some() {
         study.along_one_axis()?;
     }
     let path = folder(arguments, &study);

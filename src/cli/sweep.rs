@@ -4,14 +4,17 @@ use std::path::Path;
 
 use super::say::{say, sayln};
 use crate::decision::statistic::Limit;
-use crate::decision::sweep::{self, Plan};
+use crate::decision::sweep::{self, Plan, Summed, Work};
 use crate::decision::sweep_document::Document;
+use crate::decision::watched::IN_MOTION;
 use crate::document::to_json;
 use crate::ensemble::{Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::sweep as page;
+use crate::statistics::Statistics;
+use crate::strapdown::backends::run_on;
 use crate::study::sweep::Sweep;
 use crate::study::{Axis, Source, Study};
 
@@ -89,7 +92,19 @@ pub(super) fn run(asked: &Asked<'_>, source: &Source, study: &Study, plan: &Plan
         }
     }
     let mut backends = Backends::default();
-    let sweep = sweep::run(source, plan, &options.control, |job, _| backends.run(job, &options, &mut keeper))?;
+    let sweep = sweep::run(source, plan, &options.control, |work| {
+        Ok(match work {
+            Work::OneAxis(job) => {
+                let Statistics { at, failed, .. } = backends.run(job, &options, &mut keeper)?;
+                Summed { at: at.into_iter().map(Vec::from).collect(), failed }
+            }
+            Work::InMotion(flight) => {
+                let ensemble = run_on(options.backend, flight, &options.control)?;
+                let of = |report: usize| IN_MOTION.map(|(_, q)| ensemble.summary(report, q).clone()).into();
+                Summed { at: (0..ensemble.time_s.len()).map(of).collect(), failed: ensemble.failed }
+            }
+        })
+    })?;
     if json {
         sayln!("{}", to_json(&Document::of(study, &sweep))?)?;
     } else {

@@ -4,6 +4,7 @@
 //! other, so that it can be stopped and resumed.
 
 use super::values::{Place, Work};
+use super::watched::Watched;
 use crate::control::Control;
 use crate::drift::Drift;
 use crate::error::{Error, Result};
@@ -17,7 +18,7 @@ use crate::study::{Source, Study};
 /// A study that cannot be simulated; stopped.
 pub fn need(study: &Study, digits: u32, control: &Control) -> Result<Need> {
     let samples = study.clock.report_samples.last().copied().unwrap_or(study.clock.samples);
-    let place = Place { quantity: quantity::POSITION, samples };
+    let place = Place { quantity: Watched::drift(study), samples };
     let mut work = Work::new(control, "first stage");
     let mut blocks = Vec::new();
     for k in 0..BLOCKS {

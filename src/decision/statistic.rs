@@ -7,8 +7,9 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::watched::Watched;
+use crate::backend::flight::Quantity;
 use crate::error::nearest;
-use crate::statistics::QUANTITIES;
 
 /// The 97.5 % quantile of the standard normal.
 pub const Z95: f64 = 1.959_963_985;
@@ -24,10 +25,12 @@ pub enum Statistic {
     Quantile(f64),
     /// Quantile of its absolute value.
     Absolute(f64),
+    /// Circular error probable: radius of the circle about the truth that holds this fraction of the members.
+    Circular(f64),
 }
 
 /// The names and what they mean.
-const NAMES: [(&str, Statistic); 8] = [
+const NAMES: [(&str, Statistic); 10] = [
     ("mean", Statistic::Mean),
     ("sd", Statistic::Sd),
     ("p01", Statistic::Quantile(0.01)),
@@ -36,9 +39,9 @@ const NAMES: [(&str, Statistic); 8] = [
     ("p95", Statistic::Quantile(0.95)),
     ("p99", Statistic::Quantile(0.99)),
     ("abs95", Statistic::Absolute(0.95)),
+    ("cep50", Statistic::Circular(0.50)),
+    ("cep95", Statistic::Circular(0.95)),
 ];
-/// Statistics of the horizontal error, which a study along one axis does not have.
-const HORIZONTAL: [&str; 2] = ["cep50", "cep95"];
 
 impl Statistic {
     /// Its name.
@@ -62,7 +65,7 @@ impl Statistic {
                 let sd = variance.sqrt();
                 if sd > 0.0 { sd + shift * of_variance / (2.0 * sd) } else { 0.0 }
             }
-            Self::Quantile(p) => quantile(values, p + shift * (p * (1.0 - p) / n).sqrt()),
+            Self::Quantile(p) | Self::Circular(p) => quantile(values, p + shift * (p * (1.0 - p) / n).sqrt()),
             Self::Absolute(p) => {
                 values.iter_mut().for_each(|v| *v = v.abs());
                 Self::Quantile(p).shifted(values, shift)
@@ -113,8 +116,8 @@ fn quantile(values: &mut [f64], p: f64) -> f64 {
 pub struct Limit {
     /// What is limited.
     pub statistic: Statistic,
-    /// Place in [`QUANTITIES`].
-    pub quantity: usize,
+    /// Of which error.
+    pub quantity: Watched,
     /// When, s from the end of the still start.
     pub time_s: f64,
     /// Below what, in the quantity's unit.
@@ -124,7 +127,7 @@ pub struct Limit {
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { statistic, quantity, time_s, below } = self;
-        write!(f, "{}({}, {time_s}) < {below}", statistic.name(), QUANTITIES[*quantity])
+        write!(f, "{}({}, {time_s}) < {below}", statistic.name(), quantity)
     }
 }
 
@@ -147,12 +150,15 @@ impl FromStr for Limit {
         if time_s <= 0.0 {
             return Err(format!("the time is {time_s} s: need more than zero"));
         }
-        Ok(Self {
-            statistic: statistic(name.trim())?,
-            quantity: place(quantity.trim())?,
-            time_s,
-            below: finite(number, "the limit")?,
-        })
+        let (statistic, quantity) = (statistic(name.trim())?, Watched::named(quantity.trim())?);
+        if matches!(statistic, Statistic::Circular(_)) && quantity != Watched::InMotion(Quantity::Horizontal) {
+            return Err(format!(
+                "{} is a radius of the horizontal error: need {0}(horizontal_error_m, TIME_S), of a study with a \
+                 [trajectory]; abs95 is the 95 % of an absolute error",
+                statistic.name()
+            ));
+        }
+        Ok(Self { statistic, quantity, time_s, below: finite(number, "the limit")? })
     }
 }
 
@@ -160,21 +166,10 @@ fn statistic(name: &str) -> Result<Statistic, String> {
     let known: Vec<&str> = NAMES.iter().map(|(known, _)| *known).collect();
     match NAMES.iter().find(|(known, _)| *known == name) {
         Some((_, statistic)) => Ok(*statistic),
-        None if HORIZONTAL.contains(&name) => Err(format!(
-            "{name} is of the horizontal error, and a study along one axis has none: abs95 is the 95 % of its absolute error"
-        )),
-        None => Err(unknown("statistic", name, &known)),
-    }
-}
-
-fn place(name: &str) -> Result<usize, String> {
-    QUANTITIES.iter().position(|known| *known == name).ok_or_else(|| unknown("quantity", name, &QUANTITIES))
-}
-
-fn unknown(what: &str, name: &str, known: &[&str]) -> String {
-    match nearest(name, known.iter().copied()) {
-        Some(near) => format!("`{name}` is not a {what}: did you mean `{near}`?"),
-        None => format!("`{name}` is not a {what}; known: {}", known.join(", ")),
+        None => Err(match nearest(name, known.iter().copied()) {
+            Some(near) => format!("`{name}` is not a statistic: did you mean `{near}`?"),
+            None => format!("`{name}` is not a statistic; known: {}", known.join(", ")),
+        }),
     }
 }
 
@@ -187,9 +182,12 @@ mod tests {
     #[test]
     fn a_requirement_is_read_as_it_is_written_and_refused_in_words() {
         let limit: Limit = "p95(position_error_m, 60) < 10".parse().expect("read");
-        let expected = Limit { statistic: Statistic::Quantile(0.95), quantity: 0, time_s: 60.0, below: 10.0 };
+        let expected =
+            Limit { statistic: Statistic::Quantile(0.95), quantity: Watched::OneAxis(0), time_s: 60.0, below: 10.0 };
         assert_eq!(limit, expected);
         assert_eq!(limit.to_string().parse(), Ok(expected));
+        let radius = "cep95(horizontal_error_m, 60) < 10";
+        assert_eq!(radius.parse::<Limit>().map(|limit| limit.to_string()), Ok(radius.to_owned()));
         for (wrong, word) in [
             ("p95 < 10", "STAT(QUANTITY, TIME_S)"),
             ("p96(position_error_m, 60) < 10", "did you mean `p95`"),

@@ -17,7 +17,7 @@ impl Statistic {
                 summary.sd + shift * of_variance / (2.0 * summary.sd)
             }
             Self::Sd => summary.sd,
-            Self::Quantile(p) => quantile(p + shift * (p * (1.0 - p) / n).sqrt()),
+            Self::Quantile(p) | Self::Circular(p) => quantile(p + shift * (p * (1.0 - p) / n).sqrt()),
             Self::Absolute(p) => absolute(summary, p + shift * (p * (1.0 - p) / n).sqrt()),
         };
         Estimate { value: shifted(0.0), ci95: [shifted(-Z95), shifted(Z95)] }

@@ -4,12 +4,14 @@
 use super::require::{self, Crossed};
 use super::statistic::{Estimate, Limit, Statistic};
 use super::values::Place;
+use super::watched::Watched;
 use crate::control::Control;
 use crate::error::Result;
+use crate::kernel::flight::Flight;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
-use crate::statistics::{Statistics, Summary, quantity};
-use crate::study::{Assignment, Axis, Source};
+use crate::statistics::Summary;
+use crate::study::{Assignment, Axis, Source, Study};
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +27,8 @@ pub struct Plan {
 pub struct Point {
     /// The values, in the order of the axes.
     pub values: Vec<f64>,
-    /// The quantities at the report times.
-    pub at: Vec<[Summary; 4]>,
+    /// Per report time, the errors in the order of [`Sweep::quantities`].
+    pub at: Vec<Vec<Summary>>,
     /// The statistic that is followed.
     pub statistic: Estimate,
     /// Members that failed.
@@ -49,8 +51,10 @@ pub struct Sweep {
     pub plan: Plan,
     /// Report times, s.
     pub time_s: Vec<f64>,
-    /// What is followed: the limit's statistic, else the standard deviation of position at the last report time.
+    /// What is followed: the limit's statistic, else how far the study has drifted at the last report time.
     pub followed: Followed,
+    /// The errors of each point.
+    pub quantities: Vec<Watched>,
     /// The values of the first key run fastest.
     pub points: Vec<Point>,
     /// Crossings of the limit, in the order of the second key.
@@ -64,13 +68,38 @@ pub struct Sweep {
 pub struct Followed {
     /// Which statistic.
     pub statistic: Statistic,
-    /// Of what, a place in `QUANTITIES`.
-    pub quantity: usize,
+    /// Of which error.
+    pub quantity: Watched,
     /// When, s.
     pub time_s: f64,
 }
 
-/// Sweeps. `run` integrates a job under a name for its progress bar.
+impl Followed {
+    /// Where no limit is given: the standard deviation of position, along a trajectory the circle that holds half of the
+    /// members.
+    fn usual(study: &Study, time_s: f64) -> Self {
+        let statistic = if study.in_motion.is_some() { Statistic::Circular(0.50) } else { Statistic::Sd };
+        Self { statistic, quantity: Watched::drift(study), time_s }
+    }
+}
+
+/// An ensemble at one point.
+pub enum Work<'a> {
+    /// Along one axis.
+    OneAxis(&'a Job),
+    /// Along a trajectory.
+    InMotion(&'a Flight),
+}
+
+/// What became of it.
+pub struct Summed {
+    /// Per report time, the errors in the order of [`Watched::all`].
+    pub at: Vec<Vec<Summary>>,
+    /// Members that failed.
+    pub failed: u64,
+}
+
+/// Sweeps. `run` integrates the ensemble of a point.
 ///
 /// # Errors
 /// A key that the study does not have, a value that it refuses, a time outside the run; whatever stops a run.
@@ -78,39 +107,45 @@ pub fn run(
     source: &Source,
     plan: &Plan,
     control: &Control,
-    mut run: impl FnMut(&Job, &str) -> Result<Statistics>,
+    mut run: impl FnMut(Work<'_>) -> Result<Summed>,
 ) -> Result<Sweep> {
     let study = source.study()?;
     let last_s = study.clock.report_samples.last().map_or(study.duration_s(), |n| *n as f64 * study.sample_s());
     let followed = match &plan.limit {
         Some(Limit { statistic, quantity, time_s, .. }) => {
+            quantity.check(&study)?;
             Followed { statistic: *statistic, quantity: *quantity, time_s: *time_s }
         }
-        None => Followed { statistic: Statistic::Sd, quantity: quantity::POSITION, time_s: last_s },
+        None => Followed::usual(&study, last_s),
     };
+    let quantities = Watched::all(&study);
+    let followed_in = quantities.iter().position(|q| *q == followed.quantity).unwrap_or(0);
     let mut points = Vec::new();
     for values in grid(&plan.axes) {
         let set: Vec<Assignment> =
             plan.axes.iter().zip(&values).map(|(axis, value)| Assignment::number(&axis.key, *value)).collect();
         let here = source.with(&set)?;
-        here.along_one_axis()?;
-        let stiffest = here.stiffest();
-        let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;
-        integrator.check(stiffest.as_ref(), here.clock.step_s)?;
-        let name = set.iter().map(Assignment::to_string).collect::<Vec<String>>().join(", ");
         let followed_at = Place::at(followed.time_s, &here)?;
         let mut samples = here.clock.report_samples.clone();
         samples.push(followed_at);
         samples.sort_unstable();
         samples.dedup();
-        let statistics = run(&here.job(integrator, samples.clone()), &name)?;
-        let summaries = |sample: &u64| samples.binary_search(sample).ok().map(|k| statistics.at[k].clone());
+        let summed = match &here.in_motion {
+            Some(motion) => run(Work::InMotion(&here.flight(motion, samples.clone())?))?,
+            None => {
+                let stiffest = here.stiffest();
+                let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;
+                integrator.check(stiffest.as_ref(), here.clock.step_s)?;
+                run(Work::OneAxis(&here.job(integrator, samples.clone())))?
+            }
+        };
+        let summaries = |sample: &u64| samples.binary_search(sample).ok().and_then(|k| summed.at.get(k).cloned());
         let Some(there) = summaries(&followed_at) else { continue };
         points.push(Point {
-            statistic: followed.statistic.summarised(&there[followed.quantity]),
+            statistic: followed.statistic.summarised(&there[followed_in]),
             at: here.clock.report_samples.iter().filter_map(summaries).collect(),
             values,
-            failed: statistics.failed,
+            failed: summed.failed,
         });
     }
     let crossings = match &plan.limit {
@@ -118,7 +153,7 @@ pub fn run(
         None => Vec::new(),
     };
     let time_s = study.clock.report_samples.iter().map(|sample| *sample as f64 * study.sample_s()).collect();
-    Ok(Sweep { plan: plan.clone(), time_s, followed, points, crossings, members: study.members })
+    Ok(Sweep { plan: plan.clone(), time_s, followed, quantities, points, crossings, members: study.members })
 }
 
 /// The values of all keys at every point, those of the first key fastest.

@@ -1,10 +1,13 @@
 //! A sweep as the public document `proofmass.sweep/1`.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::statistic::Estimate;
 use super::sweep::{Point, Sweep};
-use crate::statistics::{QUANTITIES, Summary};
+use super::watched::Watched;
+use crate::statistics::Summary;
 use crate::study::Study;
 
 /// The whole document.
@@ -42,7 +45,15 @@ struct Here {
     failed: u64,
     statistic: Estimate,
     #[serde(flatten)]
-    quantities: std::collections::BTreeMap<&'static str, Distribution>,
+    errors: BTreeMap<&'static str, Errors>,
+}
+
+/// One error, or those of an object such as `position_error_ned_m` by their names.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+enum Errors {
+    One(Distribution),
+    Each(BTreeMap<&'static str, Distribution>),
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -79,9 +90,9 @@ impl Document {
             members: sweep.members,
             sweep: sweep.plan.axes.iter().map(|a| Axis { key: a.key.clone(), values: a.values() }).collect(),
             limit: sweep.plan.limit.as_ref().map(ToString::to_string),
-            statistic: format!("{}({}, {})", followed.statistic.name(), QUANTITIES[followed.quantity], followed.time_s),
+            statistic: format!("{}({}, {})", followed.statistic.name(), followed.quantity, followed.time_s),
             time_s: sweep.time_s.clone(),
-            points: sweep.points.iter().map(Here::of).collect(),
+            points: sweep.points.iter().map(|point| Here::of(point, &sweep.quantities)).collect(),
             crossings: sweep
                 .crossings
                 .iter()
@@ -97,9 +108,10 @@ impl Document {
 }
 
 impl Here {
-    fn of(point: &Point) -> Self {
+    fn of(point: &Point, quantities: &[Watched]) -> Self {
         let distribution = |q: usize| {
-            let series = |pick: &dyn Fn(&Summary) -> f64| point.at.iter().map(|at| pick(&at[q])).collect();
+            let series =
+                |pick: &dyn Fn(&Summary) -> f64| point.at.iter().filter_map(|at| at.get(q).map(pick)).collect();
             let percentile = |p: usize| series(&|s| s.percentiles[p]);
             Distribution {
                 mean: series(&|s| s.mean),
@@ -111,7 +123,18 @@ impl Here {
                 p99: percentile(4),
             }
         };
-        let quantities = QUANTITIES.iter().enumerate().map(|(q, name)| (*name, distribution(q))).collect();
-        Self { values: point.values.clone(), failed: point.failed, statistic: point.statistic, quantities }
+        let mut errors = BTreeMap::new();
+        for (q, quantity) in quantities.iter().enumerate() {
+            match quantity.name().split_once('.') {
+                None => drop(errors.insert(quantity.name(), Errors::One(distribution(q)))),
+                Some((object, name)) => {
+                    let entry = errors.entry(object).or_insert_with(|| Errors::Each(BTreeMap::new()));
+                    if let Errors::Each(each) = entry {
+                        each.insert(name, distribution(q));
+                    }
+                }
+            }
+        }
+        Self { values: point.values.clone(), failed: point.failed, statistic: point.statistic, errors }
     }
 }

@@ -5,7 +5,8 @@
 use std::ops::Range;
 
 use super::statistic::Limit;
-use crate::backend::cpu::outcomes_at;
+use super::watched::Watched;
+use crate::backend::{cpu, flight};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
 use crate::kernel::integrator::Integrator;
@@ -13,8 +14,8 @@ use crate::study::Study;
 
 /// Members of the first look at a study.
 pub const FIRST: u64 = 1024;
-/// Most integration steps of one study: some minutes on two cores.
-const MOST_STEPS: u64 = 20_000_000_000;
+/// Most integration steps of one study along one axis, and along a trajectory: some minutes on two cores.
+const MOST_STEPS: [u64; 2] = [20_000_000_000, 4_000_000_000];
 /// Between these lies the most members of one study.
 const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
 /// Members that are integrated together.
@@ -23,8 +24,8 @@ const BATCH: u64 = 8192;
 /// What is looked at: a quantity after so many samples from the end of the still start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Place in `QUANTITIES`.
-    pub quantity: usize,
+    /// Of which error.
+    pub quantity: Watched,
     /// Samples.
     pub samples: u64,
 }
@@ -33,8 +34,9 @@ impl Place {
     /// Where a requirement looks in a study.
     ///
     /// # Errors
-    /// A time outside the run.
+    /// An error that the study does not have, a time outside the run.
     pub fn of(limit: &Limit, study: &Study) -> Result<Self> {
+        limit.quantity.check(study)?;
         Ok(Self { quantity: limit.quantity, samples: Self::at(limit.time_s, study)? })
     }
 
@@ -45,7 +47,9 @@ impl Place {
         }
         let steps = self.samples.saturating_mul(u64::from(study.clock.steps_per_sample));
         let [fewest, most] = MOST_MEMBERS;
-        (MOST_STEPS / steps.max(1)).clamp(fewest, most).next_multiple_of(256)
+        let [one_axis, in_motion] = MOST_STEPS;
+        let most_steps = if study.in_motion.is_some() { in_motion } else { one_axis };
+        (most_steps / steps.max(1)).clamp(fewest, most).next_multiple_of(256)
     }
 
     /// The sample at a time of a study.
@@ -88,18 +92,41 @@ impl<'a> Work<'a> {
     /// # Errors
     /// A member that cannot be stepped; stopped.
     pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
-        study.along_one_axis()?;
-        let stiffest = study.stiffest();
-        let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
-        choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
-        let job = study.job(choice.integrator, vec![place.samples]);
-        let samples = place.samples + job.clock.still_samples;
+        match place.quantity {
+            Watched::InMotion(quantity) => {
+                let flight = study.flight(place.quantity.motion(study)?, vec![place.samples])?;
+                let at = quantity.place();
+                self.batches(members, |batch, control| {
+                    let rows = flight::outcomes_at(&flight, batch, control)?;
+                    Ok(rows.into_iter().map(|row| row[at]).collect())
+                })
+            }
+            Watched::OneAxis(at) => {
+                study.along_one_axis()?;
+                let stiffest = study.stiffest();
+                let choice = Integrator::choose(stiffest.as_ref(), study.clock.step_s);
+                choice.integrator.check(stiffest.as_ref(), study.clock.step_s)?;
+                let job = study.job(choice.integrator, vec![place.samples]);
+                let samples = place.samples + job.clock.still_samples;
+                self.batches(members, |batch, control| {
+                    let rows = cpu::outcomes_at::<f32>(&job, batch, samples, control)?;
+                    Ok(rows.into_iter().map(|row| row[at]).collect())
+                })
+            }
+        }
+    }
+
+    /// What `integrate` gives for one batch after the other.
+    fn batches(
+        &mut self,
+        members: Range<u64>,
+        mut integrate: impl FnMut(Range<u64>, &Control) -> Result<Vec<f64>>,
+    ) -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity((members.end - members.start) as usize);
         let mut from = members.start;
         while from < members.end {
             let until = members.end.min(from + BATCH);
-            let rows = outcomes_at::<f32>(&job, from..until, samples, self.control)?;
-            values.extend(rows.iter().map(|row| row[place.quantity]));
+            values.extend(integrate(from..until, self.control)?);
             self.members += until - from;
             self.progress.add(until - from);
             from = until;

@@ -3,32 +3,49 @@
 use super::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use super::html::Page;
 use super::table::Table;
+use crate::backend::flight::Quantity;
 use crate::decision::document::Found;
 use crate::decision::parts::Judged;
 use crate::decision::require::{Answer, Outcome, Value};
 use crate::decision::statistic::{Limit, Statistic};
+use crate::decision::watched::Watched;
 use crate::number::{significant, with_uncertainty, worth};
 use crate::study::Study;
 
-/// Names and units of the quantities, in their order.
-const QUANTITIES: [(&str, &str); 4] =
-    [("position error", "m"), ("velocity error", "m/s"), ("acceleration error", "m/s²"), ("tilt error", "rad")];
+/// Name and unit of an error.
+fn named(quantity: Watched) -> (&'static str, &'static str) {
+    const ONE_AXIS: [(&str, &str); 4] =
+        [("position error", "m"), ("velocity error", "m/s"), ("acceleration error", "m/s²"), ("tilt error", "rad")];
+    const POSITION: [&str; 3] = ["north position error", "east position error", "down position error"];
+    const VELOCITY: [&str; 3] = ["north velocity error", "east velocity error", "down velocity error"];
+    const ATTITUDE: [&str; 3] = ["roll error", "pitch error", "heading error"];
+    match quantity {
+        Watched::OneAxis(place) => ONE_AXIS[place],
+        Watched::InMotion(Quantity::Position(axis)) => (POSITION[axis], "m"),
+        Watched::InMotion(Quantity::Velocity(axis)) => (VELOCITY[axis], "m/s"),
+        Watched::InMotion(Quantity::Attitude(axis)) => (ATTITUDE[axis], "rad"),
+        Watched::InMotion(Quantity::Horizontal) => ("horizontal error", "m"),
+        Watched::InMotion(Quantity::Spherical) => ("three-dimensional error", "m"),
+        Watched::InMotion(Quantity::NorthPlusEast) => ("north plus east position error", "m"),
+    }
+}
 
 /// "95 % percentile of the position error after 60 s".
-pub(super) fn subject_of(statistic: Statistic, quantity: usize, time_s: f64) -> String {
-    let (quantity, _) = QUANTITIES[quantity];
+pub(super) fn subject_of(statistic: Statistic, quantity: Watched, time_s: f64) -> String {
+    let (quantity, _) = named(quantity);
     let what = match statistic {
         Statistic::Mean => format!("mean of the {quantity}"),
         Statistic::Sd => format!("standard deviation of the {quantity}"),
         Statistic::Quantile(p) => format!("{} % percentile of the {quantity}", significant(100.0 * p, 2)),
         Statistic::Absolute(p) => format!("{} % percentile of the absolute {quantity}", significant(100.0 * p, 2)),
+        Statistic::Circular(p) => format!("{} % circular error probable", significant(100.0 * p, 2)),
     };
     format!("{what} after {time_s} s")
 }
 
 /// Unit of a quantity.
-pub(super) fn unit_of(quantity: usize) -> &'static str {
-    QUANTITIES[quantity].1
+pub(super) fn unit_of(quantity: Watched) -> &'static str {
+    named(quantity).1
 }
 
 fn subject(limit: &Limit) -> String {

@@ -4,9 +4,11 @@ use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster, labelled};
 use super::html::Page;
 use super::require::{subject_of, unit_of};
 use super::table::Table;
+use crate::backend::flight::Quantity;
 use crate::decision::sweep::{Crossing, Plan, Point, Sweep};
+use crate::decision::watched::Watched;
 use crate::number::{significant, with_uncertainty, worth};
-use crate::statistics::quantity;
+use crate::statistics::{Summary, quantity};
 use crate::study::{self, Study};
 
 const CURVE: &str = "curve.svg";
@@ -71,18 +73,29 @@ fn curve(sweep: &Sweep) -> (Figure, String) {
     (chart.draw(), words)
 }
 
-/// Standard deviation of position over the value, a line per report time.
+/// How far the study drifts over the value, a line per report time: the standard deviation of position, along a trajectory the
+/// circle that holds half of the members.
 fn over_times(sweep: &Sweep) -> (Figure, String) {
     let axis = &sweep.plan.axes[0];
+    let half = Watched::InMotion(Quantity::Horizontal);
+    let radius = sweep.quantities.iter().position(|q| *q == half);
+    let drift = |at: &[Summary]| match radius {
+        Some(place) => at.get(place).map(|s| s.percentiles[2]),
+        None => at.get(quantity::POSITION).map(|s| s.sd),
+    };
     let of = |k: usize| -> Vec<(f64, f64)> {
-        sweep.points.iter().filter_map(|p| Some((p.values[0], p.at.get(k)?[quantity::POSITION].sd))).collect()
+        sweep.points.iter().filter_map(|p| Some((p.values[0], drift(p.at.get(k)?)?))).collect()
+    };
+    let (label, words) = match radius {
+        Some(_) => ("horizontal error, CEP50 / m", "Circle that holds half of the members, at each report time."),
+        None => ("position error, sd / m", "Standard deviation of the position error at each report time."),
     };
     let heights: Vec<f64> = (0..sweep.time_s.len()).flat_map(of).map(|p| p.1).collect();
-    let mut chart = Chart::new("At every report time", spaced(axis), vertical("position error, sd / m", &heights));
+    let mut chart = Chart::new("At every report time", spaced(axis), vertical(label, &heights));
     for (k, time_s) in sweep.time_s.iter().enumerate() {
         chart.add(&format!("{time_s} s"), Ink::nth(k), Mark::Line, of(k));
     }
-    (chart.draw(), "Standard deviation of the position error at each report time.".into())
+    (chart.draw(), words.into())
 }
 
 /// The ends of the cells of a map, half a step beyond the values.

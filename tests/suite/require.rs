@@ -25,6 +25,7 @@ pub fn tests() -> Vec<Trial> {
         test("require: several keys are scaled by one factor", together),
         test("require: where more is better, the value is the least that does", more_is_better),
         test("require: parts that meet the limit come first, the cheapest of them before all", parts),
+        test("require: along a trajectory, the circular error probable is that of two equal normal errors", in_motion),
         test("require: what cannot be answered is refused in words", refused),
     ]
 }
@@ -170,14 +171,53 @@ fn parts() -> Result<(), Failed> {
     Ok(())
 }
 
+/// At rest, drawn biases make north and east errors of sd σ = ½gt²·bias; a circle of radius σ√(−2 ln(1 − p)) holds p of them
+/// (Rayleigh).
+fn in_motion() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let path = file(folder.path(), "study.toml", &format!("{BIAS}[trajectory]\nkind = \"rest\"\n"))?;
+    let key = "accelerometer.bias_mg.sd";
+    let expected = |p: f64| 1.0 / (-2.0 * (1.0 - p).ln()).sqrt() / 50.0 / (1e-3 * G);
+    for (name, p, other) in [("cep50", 0.50, 0.95), ("cep95", 0.95, 0.50)] {
+        let limit = format!("{name}(horizontal_error_m, 10) < 1");
+        let document = json(program().args(["require", &path, "--vary", key, "--limit", &limit]))?;
+        let [value, low, high] = first(&document);
+        near(name, value, expected(p), high - low)?;
+        check(near(name, value, expected(other), high - low).is_err(), "the other circle is taken for it")?;
+        let out = folder.path().join(name);
+        let sweep = program()
+            .args([
+                "study",
+                &path,
+                "--sweep",
+                "accelerometer.bias_mg.sd=0.5:4:log4",
+                "--limit",
+                &limit,
+                "--json",
+                "--out",
+            ])
+            .arg(&out)
+            .output()?;
+        let sweep: Value = serde_json::from_slice(&sweep.stdout)?;
+        let crossing = sweep["crossings"][0]["value"].as_f64().unwrap_or(f64::NAN);
+        near("crossing of the sweep", crossing, value, 0.05 * value)?;
+        let north = &sweep["points"][0]["position_error_ned_m"]["north"]["sd"][0];
+        near("north", north.as_f64().unwrap_or(f64::NAN), 0.5e-3 * G * 50.0, 0.04 * 0.5e-3 * G * 50.0)?;
+    }
+    Ok(())
+}
+
 fn refused() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let path = file(folder.path(), "study.toml", BIAS)?;
     let unknown = file(folder.path(), "parts.toml", "[[part]]\nname = \"a\"\n[part.gyro]\nbias_deg_hr = 1.0\n")?;
     let empty = file(folder.path(), "empty.toml", "part = []\n")?;
     let limit = "p95(position_error_m, 10) < 1";
-    let cases: [(&[&str], &str); 7] = [
+    let radius = "cep95(horizontal_error_m, 10) < 1";
+    let cases: [(&[&str], &str); 9] = [
         (&["--limit", limit], "--vary"),
+        (&["--limit", radius, "--vary", "gyro.bias_deg_h"], "needs a [trajectory]"),
+        (&["--limit", "cep95(position_error_m, 10) < 1", "--vary", "gyro.bias_deg_h"], "of the horizontal error"),
         (&["--limit", "p96(position_error_m, 10) < 1", "--vary", "gyro.bias_deg_h"], "did you mean `p95`"),
         (&["--limit", "p95(position_error_m, 99) < 1", "--vary", "gyro.bias_deg_h"], "outside the run of 10 s"),
         (&["--limit", limit, "--vary", "gyro.bias_deg_hr"], "did you mean `bias_deg_h`"),
