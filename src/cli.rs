@@ -13,6 +13,7 @@ pub mod adapters;
 pub mod allan;
 pub mod bench;
 pub mod candidates;
+mod changed;
 mod device;
 pub mod diagnose;
 pub mod export;

@@ -13,6 +13,7 @@ use crate::kernel::cpu::members::{Members, Shared, Snapshot};
 use crate::kernel::cpu::reduce::{self, BLOCK};
 use crate::kernel::cpu::simulate::{Seen, Simulate};
 use crate::kernel::force;
+use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::kernel::member::Column;
 use crate::numerics::elementary::Real;
@@ -57,16 +58,21 @@ const FEWEST_MEMBERS: u64 = 4096;
 /// Substeps tabulated at a time: 20 bytes each, so that the table stays in the second-level cache.
 const MOST_SUBSTEPS: u64 = 16_384;
 
+/// This processor.
+pub(super) fn machine(precision: Precision, level: Level, integrator: Integrator) -> Machine {
+    Machine {
+        kind: "cpu".to_owned(),
+        name: processor_name(),
+        driver: format!("{}, {} threads", level.name(), parallel::threads()),
+        precision: if precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
+        fused_multiply_add: if level.fused() { "yes" } else { "no" }.to_owned(),
+        integrator: integrator.to_string(),
+    }
+}
+
 impl Backend for Cpu {
     fn machine(&self, job: &Job) -> Machine {
-        Machine {
-            kind: "cpu".to_owned(),
-            name: processor_name(),
-            driver: format!("{}, {} threads", self.level.name(), parallel::threads()),
-            precision: if self.precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
-            fused_multiply_add: if self.level.fused() { "yes" } else { "no" }.to_owned(),
-            integrator: job.integrator.to_string(),
-        }
+        machine(self.precision, self.level, job.integrator)
     }
 
     fn batch_members(&self, job: &Job) -> Result<u64> {

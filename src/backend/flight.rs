@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::cpu::{Precision, column, processor_name};
+use super::cpu::{Precision, column, machine};
 use super::tile;
 use crate::control::Control;
 use crate::error::Result;
@@ -178,14 +178,7 @@ pub trait FlightBackend {
 
 impl FlightBackend for FlightCpu {
     fn machine(&self, flight: &Flight) -> Machine {
-        Machine {
-            kind: "cpu".to_owned(),
-            name: processor_name(),
-            driver: format!("{}, {} threads", self.level.name(), parallel::threads()),
-            precision: if self.precision == Precision::F32 { f32::NAME } else { f64::NAME }.to_owned(),
-            fused_multiply_add: if self.level.fused() { "yes" } else { "no" }.to_owned(),
-            integrator: flight.axes[0].integrator.to_string(),
-        }
+        machine(self.precision, self.level, flight.axes[0].integrator)
     }
 
     fn batch_members(&self) -> u64 {

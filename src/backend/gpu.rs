@@ -14,7 +14,9 @@ use self::adapter::adapters;
 pub use self::adapter::list;
 use super::adapter::Adapter;
 use crate::error::{Error, Result};
+use crate::kernel::integrator::Integrator;
 use crate::kernel::source::{self, Shader};
+use crate::statistics::Machine;
 
 mod adapter;
 pub mod flight;
@@ -87,6 +89,18 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Gpu {
+    /// The device, for provenance.
+    pub(super) fn machine(&self, integrator: Integrator) -> Machine {
+        Machine {
+            kind: "gpu".to_owned(),
+            name: self.adapter.name.clone(),
+            driver: self.adapter.driver.clone(),
+            precision: "f32".to_owned(),
+            fused_multiply_add: "as the driver compiles fma()".to_owned(),
+            integrator: integrator.to_string(),
+        }
+    }
+
     /// Opens the best adapter, in software if there is no other.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::changed::Changed;
 use super::say::{say, sayln};
 use crate::decision::document::{Document, Found};
 use crate::decision::parts::{self, Asked, Catalogue};
@@ -12,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::require as page;
-use crate::study::{Assignment, Overrides, Preset, Source, Study};
+use crate::study::{Source, Study};
 
 const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
   STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value;
@@ -57,15 +58,9 @@ pub struct Arguments {
     /// Most members of one value or part, instead of some minutes' work
     #[arg(long, value_name = "N")]
     pub members: Option<u64>,
-    /// Seed, instead of the study's own
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// Errors of a typical sensor of a grade, where the study gives none of its own
-    #[arg(long, value_enum, value_name = "GRADE")]
-    pub preset: Option<Preset>,
-    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<Assignment>,
+    /// What is changed in the study.
+    #[command(flatten)]
+    pub changed: Changed,
     /// Where to write report.html; without it, nothing is written
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -90,13 +85,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "0.01, which is the default, stops at 1 % of the value",
         ));
     }
-    let overrides = Overrides {
-        seed: arguments.seed,
-        preset: arguments.preset,
-        set: arguments.set.clone(),
-        ..Overrides::default()
-    };
-    let source = Source::read(&arguments.study, overrides)?;
+    let source = Source::read(&arguments.study, arguments.changed.overrides(None))?;
     let study = source.study()?;
     let catalogue = arguments.parts.as_deref().map(Catalogue::read).transpose()?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments, &study))).transpose()?;

@@ -10,9 +10,7 @@ mod shard;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
-
+use super::changed::Changed;
 use super::launched;
 use super::numbers;
 use super::samples;
@@ -25,7 +23,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::shard::{MOST as MOST_SHARDS, Shard};
-use crate::study::{Assignment, Axis, Overrides, Preset, Source, Study};
+use crate::study::{Axis, Source, Study};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
@@ -52,15 +50,9 @@ pub struct Arguments {
     /// Members, instead of the study's own number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub members: Option<u64>,
-    /// Seed, instead of the study's own
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// Errors of a typical sensor of a grade, where the study gives none of its own
-    #[arg(long, value_enum, value_name = "GRADE")]
-    pub preset: Option<Preset>,
-    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<Assignment>,
+    /// What is changed in the study.
+    #[command(flatten)]
+    pub changed: Changed,
     /// Simulate at several values of a key, with the same members at each: a curve; given twice, a map
     #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
     pub sweep: Vec<Axis>,
@@ -99,22 +91,6 @@ pub struct Arguments {
     pub resume: bool,
 }
 
-impl ValueEnum for Preset {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let help = match self {
-            Self::Consumer => "ICM-20948, a phone's or a drone's part, not calibrated",
-            Self::Industrial => "ADIS16470, MEMS calibrated in the factory",
-            Self::Tactical => "STIM300, the best of MEMS",
-            Self::Navigation => "HG9900, ring lasers",
-        };
-        Some(PossibleValue::new(self.name()).help(help))
-    }
-}
-
 /// Runs a study, prints the answer and writes the report.
 ///
 /// # Errors
@@ -140,7 +116,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let study = of_one_value(study)?;
         let Arguments { backend, force, .. } = *arguments;
         let (input, written) = (arguments.study.as_deref(), arguments.out.is_some());
-        let (out, arguments) = (&path, changes(arguments));
+        let (out, arguments) = (&path, arguments.changed.as_arguments(arguments.members));
         let request = emit::Request { target, shards, input, out, written, backend, arguments, force };
         return emit::run(&study, &request);
     }
@@ -198,12 +174,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 
 /// The text of the study that the arguments ask for.
 fn source(arguments: &Arguments) -> Result<Source> {
-    let overrides = Overrides {
-        members: arguments.members,
-        seed: arguments.seed,
-        preset: arguments.preset,
-        set: arguments.set.clone(),
-    };
+    let overrides = arguments.changed.overrides(arguments.members);
     match &arguments.study {
         Some(path) => Source::read(path, overrides),
         None => Source::of_default(overrides),
@@ -225,16 +196,6 @@ fn of_one_value(study: Study) -> Result<Study> {
 /// Where its results go.
 fn folder(arguments: &Arguments, study: &Study) -> PathBuf {
     arguments.out.clone().unwrap_or_else(|| Path::new("reports").join(&study.name))
-}
-
-/// What the arguments change in the study, as on the command line.
-fn changes(arguments: &Arguments) -> Vec<String> {
-    let Arguments { members, seed, preset, set, .. } = arguments;
-    let numbers = [("--members", *members), ("--seed", *seed)];
-    let numbers = numbers.into_iter().filter_map(|(name, number)| Some([name.to_owned(), number?.to_string()]));
-    let preset = preset.iter().map(|preset| ["--preset".to_owned(), preset.name().to_owned()]);
-    let set = set.iter().map(|assignment| ["--set".to_owned(), assignment.to_string()]);
-    numbers.chain(preset).chain(set).flatten().collect()
 }
 
 /// The default study.

@@ -45,14 +45,7 @@ impl Flights {
 
 impl FlightBackend for Flights {
     fn machine(&self, flight: &Flight) -> Machine {
-        Machine {
-            kind: "gpu".to_owned(),
-            name: self.gpu.adapter.name.clone(),
-            driver: self.gpu.adapter.driver.clone(),
-            precision: "f32".to_owned(),
-            fused_multiply_add: "as the driver compiles fma()".to_owned(),
-            integrator: flight.axes[0].integrator.to_string(),
-        }
+        self.gpu.machine(flight.axes[0].integrator)
     }
 
     fn batch_members(&self) -> u64 {

@@ -66,14 +66,7 @@ impl Ensembles {
 
 impl Backend for Ensembles {
     fn machine(&self, job: &Job) -> Machine {
-        Machine {
-            kind: "gpu".to_owned(),
-            name: self.gpu.adapter.name.clone(),
-            driver: self.gpu.adapter.driver.clone(),
-            precision: "f32".to_owned(),
-            fused_multiply_add: "as the driver compiles fma()".to_owned(),
-            integrator: job.integrator.to_string(),
-        }
+        self.gpu.machine(job.integrator)
     }
 
     fn batch_members(&self, job: &Job) -> Result<u64> {

@@ -1,0 +1,53 @@
+//! What a command line changes in the study that it runs: seed, grade of the sensor, any key.
+
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
+use crate::study::{Assignment, Overrides, Preset};
+
+/// The changes.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Changed {
+    /// Seed, instead of the study's own
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Typical sensor of this grade, for each error that the study does not give itself
+    #[arg(long, value_enum, value_name = "GRADE")]
+    pub preset: Option<Preset>,
+    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Assignment>,
+}
+
+impl Changed {
+    /// For reading the study, with this many members if any are given.
+    pub fn overrides(&self, members: Option<u64>) -> Overrides {
+        let Self { seed, preset, set } = self.clone();
+        Overrides { members, seed, preset, set }
+    }
+
+    /// As words of a command line.
+    pub fn as_arguments(&self, members: Option<u64>) -> Vec<String> {
+        let numbers = [("--members", members), ("--seed", self.seed)];
+        let numbers = numbers.into_iter().filter_map(|(name, number)| Some([name.to_owned(), number?.to_string()]));
+        let preset = self.preset.iter().map(|preset| ["--preset".to_owned(), preset.name().to_owned()]);
+        let set = self.set.iter().map(|assignment| ["--set".to_owned(), assignment.to_string()]);
+        numbers.chain(preset).chain(set).flatten().collect()
+    }
+}
+
+impl ValueEnum for Preset {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Consumer => "ICM-20948, a phone's or a drone's part, not calibrated",
+            Self::Industrial => "ADIS16470, MEMS calibrated in the factory",
+            Self::Tactical => "STIM300, the best of MEMS",
+            Self::Navigation => "HG9900, ring lasers",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
+}
