@@ -43,19 +43,19 @@ pub struct Arguments {
     /// Print the result as one JSON document on stdout
     #[arg(long, global = true)]
     pub json: bool,
-    /// What to do; without one, the default study runs
+    /// Command; without one, the default study runs
     #[command(subcommand)]
     pub command: Option<Command>,
 }
 
 const EXAMPLES: &str = "Examples:
   proofmass                                         the default study: how far a MEMS accelerometer drifts
-  proofmass template study > study.toml             a file to begin from
+  proofmass template study > study.toml             a file to start from
   proofmass study study.toml --members 100000       your own sensor
   proofmass require study.toml --limit 'p95(position_error_m, 60) < 10' --vary gyro.bias_deg_h.sd
-  proofmass inspect flight.ulg                      what a recording holds, and what to run next
+  proofmass inspect flight.ulg                      what a recording contains, and what to run next
   proofmass allan log.csv --rate-hz 100             noise coefficients of a static log
-  proofmass export sensor.toml --to kalibr          its noise as an estimator or a simulator wants it
+  proofmass export sensor.toml --to kalibr          its noise as the configuration of an estimator
   proofmass diagnose log.csv --model model.toml     what the model of a recording leaves out
   proofmass validate                                check this build against laws and closed forms
 
@@ -68,17 +68,17 @@ pub enum Command {
     Study(study::Arguments),
     /// Find the value of a key that meets a requirement, or rank parts by whether they do
     Require(require::Arguments),
-    /// Put the shards of a divided run together
+    /// Merge the shards of a divided run
     Merge(merge::Arguments),
-    /// Say what a recording holds, and what to run next
+    /// Show what a recording contains, and what to run next
     Inspect(inspect::Arguments),
     /// Estimate noise coefficients from a static log
     Allan(allan::Arguments),
-    /// Write a sensor as the configuration of an estimator or a simulator
+    /// Write a sensor as the configuration of an estimator or simulator
     Export(export::Arguments),
     /// Read a sensor from such a configuration
     Import(import::Arguments),
-    /// Say what physics a model of a recording leaves out
+    /// Find the physics that a model of a recording leaves out
     Diagnose(diagnose::Arguments),
     /// List the physics that `diagnose` can name
     Candidates(candidates::Arguments),
@@ -86,7 +86,7 @@ pub enum Command {
     Paper(paper::Arguments),
     /// Map the Duffing equation's Lyapunov exponent and period
     Map(map::Arguments),
-    /// Prove the diagnosis on blind cases
+    /// Test the diagnosis on blind cases
     Trial(trial::Arguments),
     /// Check this build against laws, parities and closed forms
     Validate(validate::Arguments),
@@ -94,7 +94,7 @@ pub enum Command {
     Adapters(adapters::Arguments),
     /// Measure speed on this machine
     Bench(bench::Arguments),
-    /// Print a complete, commented file to begin from
+    /// Print a complete, commented file to start from
     Template(template::Arguments),
     /// Print the JSON Schema of a file, for editors
     Schema(schema::Arguments),
@@ -145,7 +145,7 @@ pub fn not_understood(error: clap::Error) -> Error {
     let cause: Vec<&str> = lines.iter().take_while(|l| !is_hint(l)).map(|l| l.trim_start_matches("error: ")).collect();
     let tips = lines.iter().filter_map(|l| l.strip_prefix("tip: "));
     let usage = lines.iter().find_map(|l| l.strip_prefix("Usage: "));
-    let see = usage.map_or("see `proofmass --help`".to_owned(), |u| format!("usage: {u}; `--help` says more"));
+    let see = usage.map_or("see `proofmass --help`".to_owned(), |u| format!("usage: {u}; see --help"));
     let hint: Vec<String> = tips.map(str::to_owned).chain([see]).collect();
     // The parser's words for a number that is none are a programmer's.
     let cause =

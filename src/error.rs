@@ -44,10 +44,10 @@ impl Error {
     pub fn io(verb: &str, path: &Path, cause: &std::io::Error) -> Self {
         let hint = match cause.kind() {
             std::io::ErrorKind::NotFound => "check the spelling; paths inside a .toml are relative to that file",
-            std::io::ErrorKind::PermissionDenied if verb == "read" => "give yourself the right to read it",
+            std::io::ErrorKind::PermissionDenied if verb == "read" => "grant yourself permission to read it",
             std::io::ErrorKind::PermissionDenied => "choose a folder you may write to, e.g. with --out DIR",
             std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::NotADirectory => {
-                "a file stands where a folder should be: give another, e.g. with --out DIR"
+                "there is a file where a folder should be: give another, e.g. with --out DIR"
             }
             std::io::ErrorKind::StorageFull => "make room on that disk, or choose another folder with --out DIR",
             std::io::ErrorKind::FileTooLarge => {

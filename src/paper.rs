@@ -47,7 +47,7 @@ pub struct Paper {
     pub attractor: attractor::Attractor,
     /// Figure 20 as the paper draws it.
     pub bifurcation: bifurcation::Bifurcation,
-    /// Figure 20: what noise makes of it.
+    /// Figure 20: the effect of noise.
     pub parting: parting::Parting,
     /// The maps and bifurcation diagrams around the paper's point.
     pub atlas: Option<Atlas>,

@@ -53,13 +53,13 @@ pub struct Study {
     pub members: u64,
     /// Discrete time from the end of the still start, if there is one; `report_samples` are the user's report times.
     pub clock: Clock,
-    /// How a run begins.
+    /// Initial alignment.
     pub alignment: Alignment,
     /// Every number that may be drawn.
     pub tolerances: Tolerances,
-    /// What the sensor is subjected to.
+    /// Excitation of the sensor.
     pub excitation: Plan,
-    /// A static log to lay beside the simulation.
+    /// A static log to compare with the simulation.
     pub compare: Option<file::Compare>,
     /// What makes it one of six axes, where a trajectory carries it.
     pub in_motion: Option<InMotion>,
@@ -241,7 +241,7 @@ impl Study {
             Some(_) => Err(Error::new(
                 format!("could not simulate {} along one axis", self.name),
                 "it has a [trajectory]",
-                "shards, --digits and samples are for one axis: run it without them, or take the [trajectory] out",
+                "shards, --digits and samples are for one axis: run it without them, or remove the [trajectory]",
             )),
         }
     }

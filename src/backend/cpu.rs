@@ -116,7 +116,7 @@ pub fn column(job: &Job, index: u64) -> Result<Column> {
     Err(Error::new(
         format!("could not prepare member {index}"),
         "its parameters, in the integrator's units, overflow",
-        "check the exponents of the study and its tolerances: a draw may lie where no sensor does",
+        "check the exponents of the study and its tolerances: a drawn value may be unphysical",
     ))
 }
 

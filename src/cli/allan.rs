@@ -21,13 +21,14 @@ use crate::report::allan as report;
 pub struct Arguments {
     /// The recording: text, an array, a table or a robot's log; - is standard input
     recording: PathBuf,
-    /// Topic, message or array to read, where the file has several
+    /// Topic, message or array to read, if the file has several
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
-    /// Column that holds the time, instead of or beside the rate; its heading may name the unit: t_s, t_ms, t_us, t_ns
+    /// Column that holds the time, instead of or in addition to the rate; its heading may name the unit: t_s, t_ms,
+    /// t_us, t_ns
     #[arg(long, value_name = "NAME")]
     time: Option<String>,
     /// Columns to analyse in the file's own unit [default: every column of numbers but the clock]
@@ -36,32 +37,32 @@ pub struct Arguments {
     /// Columns that are specific force
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     accelerometer: Vec<String>,
-    /// What one unit of the accelerometer columns is: g, mg, ug, m/s2, with a number if need be
+    /// Scale of the accelerometer columns: g, mg, ug or m/s2, optionally with a factor (3.33mg)
     #[arg(long, value_name = "SCALE", default_value = "m/s2", requires = "accelerometer")]
     accelerometer_scale: String,
     /// Columns that are angular rate
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     gyro: Vec<String>,
-    /// What one unit of the gyro columns is: rad/s, deg/s, mdeg/s, deg/h, with a number if need be
+    /// Scale of the gyro columns: rad/s, deg/s, mdeg/s or deg/h, optionally with a factor (0.05deg/s)
     #[arg(long, value_name = "SCALE", default_value = "rad/s", requires = "gyro")]
     gyro_scale: String,
-    /// Use the recording from this many seconds after its first row on
+    /// Use the recording from this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     from_s: Option<f64>,
     /// Use the recording up to this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     to_s: Option<f64>,
-    /// Folder for report.html, sensor.toml and, where a scale is given, a study.toml that runs
+    /// Folder for report.html, sensor.toml and, if a scale is given, a study.toml ready to run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write the sensor as this tool's configuration too: into DIR, or without --out to stdout and nothing else; see
+    /// Also write the sensor as this tool's configuration: into DIR, or without --out only to stdout; see
     /// `proofmass export --list`
     #[arg(long, value_name = "TARGET")]
     to: Option<String>,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     parquet: bool,
 }

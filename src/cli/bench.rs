@@ -18,7 +18,7 @@ use crate::report::bench;
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Where: `auto` measures the CPU and, if there is one, a hardware GPU; `gpu` takes a software one too
+    /// What to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes software GPUs
     #[arg(long, value_enum, default_value_t)]
     backend: Choice,
     /// Folder for report.html, summary.md and its figures

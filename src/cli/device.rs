@@ -17,9 +17,9 @@ impl ValueEnum for Choice {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (name, help) = match self {
             Self::Auto => {
-                ("auto", "A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU")
+                ("auto", "A hardware GPU if present and the ensemble is large enough to benefit, else the CPU")
             }
-            Self::Gpu => ("gpu", "Any GPU adapter, software ones included"),
+            Self::Gpu => ("gpu", "Any GPU adapter, including software ones"),
             Self::Cpu => ("cpu", "The CPU"),
         };
         Some(PossibleValue::new(name).help(help))
@@ -49,7 +49,7 @@ pub(super) fn on_device<T>(choice: Choice, work: impl Fn(Device<'_>) -> Result<T
     let Some(gpu) = open(choice)? else { return work(Device::Cpu) };
     match work(Device::Gpu(&gpu)) {
         Err(error) if choice == Choice::Auto && gpu.has_failed() => {
-            remark!("note: {} failed: {}. The CPU begins anew.", gpu.adapter.name, error.cause);
+            remark!("note: {} failed: {}. The run restarts on the CPU.", gpu.adapter.name, error.cause);
             work(Device::Cpu)
         }
         done => done,

@@ -20,16 +20,16 @@ pub struct Arguments {
     /// The recording: text with a header row, an array, a table or a robot's log; several of one sensor are fitted together (kind = "driven")
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<PathBuf>,
-    /// Recordings of the same sensor that are never fitted and only judge (kind = "driven")
+    /// Recordings of the same sensor used for validation only, never fitted (kind = "driven")
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub test: Vec<PathBuf>,
-    /// What the recording is and what is believed of it (model.toml)
+    /// What was recorded and the model to be tested (model.toml)
     #[arg(long)]
     pub model: PathBuf,
-    /// Topic, message or array to read, where a recording has several; also `topic` in the model
+    /// Topic, message or array to read, if a recording has several; also `topic` in the model
     #[arg(long, value_name = "TOPIC")]
     pub topic: Option<String>,
-    /// Use each recording from this many seconds after its first row on
+    /// Use each recording from this many seconds after its first row
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub from_s: Option<f64>,
     /// Use each recording up to this many seconds after its first row
@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
 }

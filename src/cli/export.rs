@@ -16,7 +16,7 @@ pub struct Arguments {
     /// The sensor: a study.toml, a sensor.toml or a repaired.toml
     #[arg(required_unless_present = "list")]
     sensor: Option<PathBuf>,
-    /// The tool to write for; --list names them
+    /// Tool to write for; --list shows all
     #[arg(long, value_name = "TARGET", required_unless_present = "list")]
     to: Option<String>,
     /// File to write [default: stdout]
@@ -35,8 +35,8 @@ const EXAMPLES: &str = "Examples:
   proofmass export sensor.toml --to kalibr --out imu.yaml
   proofmass export study.toml --to gazebo-sdf
 
-Each number stands below its unit, its convention and where the tool documents it. What the tool
-cannot represent is said, with the error of what stands for it.";
+Each number is preceded by its unit, its convention and a reference to the tool's documentation.
+What the tool cannot represent is stated, with the error of what replaces it.";
 
 /// Runs it.
 ///

@@ -14,7 +14,7 @@ use crate::output;
 pub struct Arguments {
     /// The configuration
     configuration: PathBuf,
-    /// The tool that it is for: kalibr, openvins, gazebo-sdf or matlab
+    /// Tool that it was written for: kalibr, openvins, gazebo-sdf or matlab
     #[arg(long, value_name = "TARGET")]
     from: String,
     /// File to write [default: stdout]

@@ -13,7 +13,7 @@ use crate::report::inspection as report;
 pub struct Arguments {
     /// The recording: text, an array, a table or a robot's log; - is standard input
     file: PathBuf,
-    /// Topic, message or array to look at, where the file has several
+    /// Topic, message or array to inspect, if the file has several
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
     /// Column that holds the time
@@ -44,12 +44,12 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     report::notes(&seen).iter().try_for_each(|note| sayln!("{note}"))?;
     match (&seen.obstacle, report::next(&file, &seen)) {
         (Some(obstacle), _) => {
-            sayln!("to be settled: {}", obstacle.cause)?;
+            sayln!("problem: {}", obstacle.cause)?;
             sayln!("next: {}", obstacle.hint)
         }
         (None, Some(next)) => sayln!("next: {next}"),
         (None, None) => {
-            remark!("nothing follows from it");
+            remark!("no next step to suggest");
             Ok(())
         }
     }

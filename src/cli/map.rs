@@ -61,13 +61,13 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
     #[arg(long, value_name = "K/N", requires = "out")]
     pub shard: Option<Shard>,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
-    /// Where to integrate: auto takes a hardware GPU if there is one, else the CPU
+    /// Where to integrate: auto takes a hardware GPU if present, else the CPU
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     pub backend: Choice,
 }
@@ -126,7 +126,10 @@ fn shard(arguments: &Arguments, document: &Document, text: &str, shard: Shard, o
 pub(super) fn merge(found: &[Found], places: &[PathBuf], out: Option<(&Path, bool)>, json: bool) -> Result<()> {
     let (atlas, devices) = divided::merged(found)?;
     if devices.len() > 1 {
-        remark!("note: the shards were computed on {}: each has the bits of its own.", devices.join(" and "));
+        remark!(
+            "note: the shards were computed on {}: their results may differ in the last bits.",
+            devices.join(" and ")
+        );
     }
     let open = |(path, force)| Folder::open(path, outputs("merge", places, &atlas.document, force, false));
     answer(&atlas, out.map(open).transpose()?, json)

@@ -21,10 +21,10 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Folders that hold the state files of the shards, together all of one run
+    /// Folders with the state files of the shards, together all of one run
     #[arg(required = true, value_name = "DIR")]
     pub shards: Vec<PathBuf>,
-    /// Where to write what the undivided run would have written; without it, the answer is only printed
+    /// Where to write the output of the undivided run; without it, the result is only printed
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Replace files in DIR even if they are not from an earlier merge of the same folders

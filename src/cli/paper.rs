@@ -18,19 +18,19 @@ use crate::trial::real;
 /// Arguments of `paper`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Where to write report.html and the numbers behind its figures
+    /// Where to write report.html and the data of its figures
     #[arg(long, value_name = "DIR", default_value = "reports/paper")]
     pub out: PathBuf,
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long)]
     pub force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long)]
     pub parquet: bool,
-    /// Folder of recordings that holds xsens_mti/; without it figures 5 to 12 are simulated
+    /// Folder of recordings that contains xsens_mti/; without it figures 5 to 12 are simulated
     #[arg(long, value_name = "DIR", env = "PROOFMASS_DATA")]
     pub data: Option<PathBuf>,
-    /// Where to integrate the maps: auto takes a hardware GPU if there is one, else the CPU
+    /// Where to integrate the maps: auto takes a hardware GPU if present, else the CPU
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     pub backend: Choice,
 }

@@ -46,16 +46,16 @@ pub struct Arguments {
     /// What must hold, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Limit,
-    /// Key to vary: a dotted path of study.toml, into a draw where there is one; several are scaled by one common factor
+    /// Key to vary: a dotted path of study.toml, e.g. the sd of a draw; several keys are scaled by one common factor
     #[arg(long, value_name = "KEY", num_args = 1..)]
     pub vary: Vec<String>,
     /// Parts to rank by whether they meet the requirement (parts.toml)
     #[arg(long, value_name = "FILE")]
     pub parts: Option<PathBuf>,
-    /// Half-width of the value's 95 % interval at which the search stops, over the value
+    /// Relative half-width of the value's 95 % interval at which the search stops
     #[arg(long, value_name = "FRACTION", default_value_t = 0.01)]
     pub tolerance: f64,
-    /// Most members of one value or part, instead of some minutes' work
+    /// Maximum number of members per value or part [default: a few minutes' work]
     #[arg(long, value_name = "N")]
     pub members: Option<u64>,
     /// What is changed in the study.

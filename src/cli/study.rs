@@ -30,8 +30,8 @@ const EXAMPLES: &str = "Examples:
   proofmass study study.toml --set gyro.bias_deg_h=4 --set 'accelerometer.bias_mg={ mean = 0.0, sd = 2.0 }'
   proofmass study --set gyro.bias_deg_h.sd=40 --out worse      the default study, with a worse gyro
   proofmass study study.toml --sweep gyro.bias_deg_h.sd=1:20:log8 --limit 'p95(position_error_m, 60) < 10'
-  proofmass study study.toml --digits 2                        as many members as two stable digits take
-  proofmass study study.toml --shard 3/16 --out shards         one of sixteen shares, for `proofmass merge shards`
+  proofmass study study.toml --digits 2                        as many members as two stable digits need
+  proofmass study study.toml --shard 3/16 --out shards         one of sixteen parts, for `proofmass merge shards`
   proofmass study study.toml --emit slurm --shards 64 > run.sh  all of them as a Slurm job array, and the merge
   proofmass study --preset tactical                            the default motion, with a tactical-grade sensor
   proofmass study study.toml --samples 3 log.csv && proofmass allan log.csv
@@ -47,7 +47,7 @@ pub struct Arguments {
     /// Where to integrate
     #[arg(long, value_enum, default_value_t)]
     pub backend: Choice,
-    /// Members, instead of the study's own number
+    /// Number of members, overriding the study's
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub members: Option<u64>,
     /// What is changed in the study.
@@ -56,12 +56,12 @@ pub struct Arguments {
     /// Simulate at several values of a key, with the same members at each: a curve; given twice, a map
     #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
     pub sweep: Vec<Axis>,
-    /// As many members as it takes for the last position error (mean, standard uncertainty, both ends of the 95 % interval) to
-    /// be stable to so many digits of the uncertainty (JCGM 101)
+    /// Use as many members as needed for the last position error (mean, standard uncertainty, both ends of the 95 %
+    /// interval) to be stable to this many digits of the uncertainty (JCGM 101)
     #[arg(long, value_name = "N", conflicts_with_all = ["members", "sweep"],
           value_parser = clap::value_parser!(u32).range(1..=4))]
     pub digits: Option<u32>,
-    /// With --sweep: where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'
+    /// With --sweep: find where this requirement is just met, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Option<Limit>,
     /// Where to write report.html and the figures [default: reports/NAME]
@@ -70,23 +70,23 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long)]
     pub force: bool,
-    /// Only this share of the work, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
     #[arg(long, value_name = "K/N", conflicts_with_all = ["sweep", "digits", "limit"])]
     pub shard: Option<Shard>,
-    /// Print the script that has a batch system run all shards and then the merge; into DIR where --out is given
+    /// Print a batch script that runs all shards and then the merge; with --out, write it into DIR
     #[arg(long, value_enum, value_name = "SYSTEM", requires = "shards", 
           conflicts_with_all = ["shard", "resume", "sweep", "digits", "limit"])]
     pub emit: Option<emit::Target>,
-    /// How many shards such a script runs
+    /// Number of shards in that script
     #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     pub shards: Option<u64>,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long)]
     pub parquet: bool,
-    /// Write simulated readings of N members as a recording too: FILE ends in .csv, .parquet or .npy
+    /// Also write simulated readings of N members as a recording: FILE ends in .csv, .parquet or .npy
     #[arg(long, num_args = 2, value_names = ["N", "FILE"], allow_negative_numbers = true)]
     pub samples: Vec<OsString>,
-    /// Go on with a run that was stopped by Ctrl-C
+    /// Resume a run that was stopped by Ctrl-C
     #[arg(long)]
     pub resume: bool,
 }
@@ -188,7 +188,7 @@ fn of_one_value(study: Study) -> Result<Study> {
         Some(_) => Err(Error::new(
             format!("could not divide {}", study.name),
             "its [sweep] asks for several studies, and shards are of one",
-            "leave [sweep] out and give each value with --set KEY=VALUE and an --out of its own",
+            "leave [sweep] out and give each value with --set KEY=VALUE and its own --out",
         )),
     }
 }

@@ -41,45 +41,45 @@ pub struct Arguments {
     /// Replace files in DIR even if they are not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Write the numbers behind the figures as Parquet too, beside numbers/FIGURE.csv
+    /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long, requires = "out")]
     pub parquet: bool,
     /// Fewer and shorter recordings: at most two minutes instead of twenty
     #[arg(long)]
     pub quick: bool,
-    /// Effects in the open instead of concealed ones: each candidate alone at 1 % and 5 % of the output, two at once, foreign
-    /// physics, 300 recordings with nothing planted; 20,000 rows each
+    /// Unconcealed effects: each candidate alone at 1 % and 5 % of the output, two at once, unknown physics, 300
+    /// recordings with nothing planted; 20,000 rows each
     #[arg(long, conflicts_with = "quick")]
     pub planted: bool,
-    /// Cases of a second generator, whose truth lies mostly outside what the library states: near laws, foreign physics, real
-    /// noise; driven, at rest and turned by hand
+    /// Cases of a second generator, mostly outside the library: modified laws, unknown physics, real noise; driven, at
+    /// rest and turned by hand
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
-    /// Continue the trial that lies in --out
+    /// Resume the trial in --out
     #[arg(long, requires = "out")]
     pub resume: bool,
-    /// About how many recordings
+    /// Approximate number of recordings
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub cases: Option<usize>,
-    /// Seed of everything that is drawn
+    /// Seed of all random draws
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Rows per recording
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<usize>,
-    /// What could this recording reveal? Plant every candidate into copies of it (needs --model)
+    /// Detection limits of this recording: plant every candidate into copies of it (needs --model)
     #[arg(long, value_name = "RECORDING", requires = "model")]
     pub like: Option<PathBuf>,
     /// The model.toml of that recording
     #[arg(long, value_name = "MODEL", requires = "like")]
     pub model: Option<PathBuf>,
-    /// Also diagnose the real recordings of this recipe (files from PROOFMASS_DATA or ../shared/data)
+    /// Also diagnose the real recordings listed in this file (data from PROOFMASS_DATA or ../shared/data)
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
-    /// Only this share of the cases, 3/16 say: writes DIR/shard-3-of-16.state, which `proofmass merge DIR` puts together
+    /// Run only this part of the cases, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
     #[arg(long, value_name = "K/N", requires = "out", conflicts_with_all = ["independent", "like", "recordings", "case"])]
     pub shard: Option<Shard>,
-    /// Only this case: write its recording, model and truth to --out and say what the verdict is
+    /// Run only this case: write its recording, model and truth to --out and print the verdict
     #[arg(long, value_name = "NUMBER", requires = "out", allow_negative_numbers = true)]
     pub case: Option<usize>,
 }
@@ -150,7 +150,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let state = folder.join(STATES[1]);
     let (done, unread) = if arguments.resume { blind::earlier(&state, &sealed)? } else { (Verdicts::new(), 0) };
     if unread > 0 {
-        remark!("note: {unread} lines of {} cannot be read; their cases are asked again", state.display());
+        remark!("note: {unread} lines of {} cannot be read; their cases are run again", state.display());
     }
     if !arguments.resume && state.exists() {
         std::fs::remove_file(&state).map_err(|e| Error::io("replace", &state, &e))?;
@@ -175,7 +175,7 @@ fn keep(path: &Path, arguments: &Arguments, recipe: Option<&Recipe>) -> Result<F
         return Err(Error::new(
             "could not resume",
             format!("no trial in {}", path.display()),
-            "leave --resume out to begin anew, or give the --out of the interrupted trial",
+            "leave --resume out to start over, or give the --out of the interrupted trial",
         ));
     }
     let models = recipe.iter().flat_map(|recipe| &recipe.recording).map(|real| real.model.clone());

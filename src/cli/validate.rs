@@ -11,7 +11,7 @@ use crate::validation::{self, Row, jobs::Place};
 /// Arguments of `validate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Where: `auto` checks the CPU and, if there is one, a GPU (a software one included)
+    /// What to check: `auto` is the CPU and, if present, a GPU (including software GPUs)
     #[arg(long, value_enum, default_value_t)]
     backend: Choice,
 }

@@ -75,7 +75,7 @@ impl Catalogue {
                 return refuse(format!("the price of `{}` is not a finite number", part.name));
             }
         }
-        if catalogue.part.is_empty() { refuse("it holds no part".into()) } else { Ok(catalogue) }
+        if catalogue.part.is_empty() { refuse("it contains no [[part]]".into()) } else { Ok(catalogue) }
     }
 }
 

@@ -87,7 +87,7 @@ mod tests {
     fn a_file_that_cannot_be_written_leaves_nothing_behind() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let blocked = folder.path().join("taken");
-        std::fs::create_dir(&blocked).expect("a folder where the file should go");
+        std::fs::create_dir(&blocked).expect("a folder where the file should be written");
         assert!(write_whole(&blocked, b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).expect("listing").count(), 1);
     }

@@ -119,8 +119,8 @@ pub fn merged(found: &[Found], control: &Control) -> Result<(Study, Drift)> {
     let run = run(&study, &jobs);
     if run != first.header.run {
         let reads: Vec<String> = study.reads.iter().map(|path| path.display().to_string()).collect();
-        let cause = format!("what {source} reads is not what its shards have read: {}", reads.join(", "));
-        return Err(refuse(cause, "merge where the recordings stand at the same paths, or run the shards again"));
+        let cause = format!("{source} reads other data than its shards did: {}", reads.join(", "));
+        return Err(refuse(cause, "merge where the same recordings are at the same paths, or run the shards again"));
     }
     let mut statistics = merge(found, &run.identity, &jobs, control)?.into_iter();
     let drift = answer(&study, control, |_, name| {

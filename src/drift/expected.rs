@@ -207,7 +207,7 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             // Widrow & Kollár, Quantization Noise (2008), §20: rounding is white with q²/12 once σ is half a step.
             match noise_si >= 0.5 * level_si {
                 true => Law::Random(vec![Process::White(level_si / 12f64.sqrt() * study.sample_s().sqrt())]),
-                false => Law::None("less noise than half a step leaves the rounding error to the motion"),
+                false => Law::None("with less noise than half a step, the rounding error depends on the motion"),
             }
         }
         ErrorLaw::FullScale => Law::None("it acts only beyond full scale"),

@@ -12,7 +12,7 @@ pub struct Span {
     pub steps_per_period: u32,
     /// Periods before counting; the tangent vectors turn into their directions during them.
     pub transient_periods: u32,
-    /// Periods averaged over.
+    /// Number of periods in the average.
     pub periods: u32,
 }
 

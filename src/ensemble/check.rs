@@ -26,7 +26,7 @@ pub(super) fn check(job: &Job) -> Result<()> {
     if steps > u64::from(u32::MAX) {
         return refuse(
             &format!("a sample takes {steps} steps, and at most {} are counted", u32::MAX),
-            "raise the sample rate, or leave a resonance so high out: it follows the force at once",
+            "raise the sample rate, or leave out so high a resonance: it follows the force instantly",
         );
     }
     // Samples are counted in 32 bits on the device.

@@ -71,7 +71,7 @@ pub fn run_or_fall_back(
         }
         let reason = format!("{} failed: {}", device.machine(job).name, error.cause);
         let done = keeper.part().next_member;
-        options.control.remark(&format!("note: {reason}. The CPU goes on from member {done} of {}.", job.members));
+        options.control.remark(&format!("note: {reason}. The CPU continues from member {done} of {}.", job.members));
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
         integrate(job, &mut cpu, Some(&reason), options, keeper)?;
     }

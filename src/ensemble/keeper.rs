@@ -67,7 +67,7 @@ impl Keeper {
             false => Err(Error::new(
                 "could not resume",
                 format!("no interrupted run in {}", folder.display()),
-                "leave --resume out to begin anew, or give the --out of the interrupted run",
+                "leave --resume out to start over, or give the --out of the interrupted run",
             )),
         }
     }
@@ -145,7 +145,10 @@ impl Keeper {
         if let Err(error) = self.write()
             && !std::mem::replace(&mut self.warned, true)
         {
-            let words = format!("note: {}: {}. The run goes on; a stop would lose it.", error.attempt, error.cause);
+            let words = format!(
+                "note: {}: {}. The run continues, but cannot be resumed if it is stopped.",
+                error.attempt, error.cause
+            );
             control.remark(&words);
         }
         self.last = Instant::now();
@@ -194,9 +197,9 @@ impl Keeper {
         };
         let hint = match self.write() {
             Ok(()) => {
-                format!("what was done is kept in {}: the same command with --resume goes on", folder.display())
+                format!("progress is kept in {}: the same command with --resume continues", folder.display())
             }
-            Err(unkept) => format!("what was done could not be kept ({}: {})", unkept.attempt, unkept.cause),
+            Err(unkept) => format!("progress could not be saved ({}: {})", unkept.attempt, unkept.cause),
         };
         let hint = if error.hint.is_empty() { hint } else { format!("{}; {hint}", error.hint) };
         Error { hint, ..error }

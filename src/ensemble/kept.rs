@@ -39,9 +39,9 @@ impl Kept {
         let refuse = |cause: String, hint: &str| {
             Err(Error::new(format!("could not resume from {}", path.display()), cause, hint))
         };
-        let anew = "leave --resume out to begin anew, or give the --out of the interrupted run";
+        let anew = "leave --resume out to start over, or give the --out of the interrupted run";
         if !path.exists() {
-            return refuse("no interrupted run of this shard stands there".into(), anew);
+            return refuse("there is no interrupted run of this shard".into(), anew);
         }
         let contents = Contents::read(path)?;
         let same = contents.header.pieces.iter().map(|p| &p.piece).eq(header.pieces.iter().map(|p| &p.piece));
@@ -50,7 +50,7 @@ impl Kept {
                          the version of the program is not the same";
             return refuse(
                 cause.into(),
-                "leave --resume out to begin anew, or give the study, seed and members of that run",
+                "leave --resume out to start over, or give the study, seed and members of that run",
             );
         }
         let results = contents.pieces().map(|(_, bytes)| bytes.to_vec()).collect();

@@ -6,10 +6,10 @@ use crate::control::Control;
 /// Where to integrate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
-    /// A hardware GPU if there is one and the ensemble is large enough to feed it, else the CPU.
+    /// A hardware GPU if present and the ensemble is large enough to benefit, else the CPU.
     #[default]
     Auto,
-    /// Any GPU adapter, software ones included.
+    /// Any GPU adapter, including software ones.
     Gpu,
     /// The CPU.
     Cpu,

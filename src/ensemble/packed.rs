@@ -123,7 +123,7 @@ fn sums(from: &mut Reader<'_>, into: &mut State) -> Result<(), String> {
         into.set_bins(bins.ok_or_else(cut)?);
     }
     if reports != into.reports.len() as u64 {
-        return Err("the file is damaged: another number of report times".into());
+        return Err("the file is damaged: a different number of report times".into());
     }
     for (report, bins) in into.reports.iter_mut().zip(&into.bins) {
         let mut quantities = report.histograms.iter_mut();

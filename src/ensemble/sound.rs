@@ -22,11 +22,11 @@ pub(super) fn check(state: &State, job: &Job) -> Result<(), String> {
     let begun = !state.bins.is_empty();
     ensure(begun || next == members.start, "members without bins")?;
     let expected = if begun { reports } else { 0 };
-    ensure(state.bins.len() == expected && state.reports.len() == expected, "another number of report times")?;
+    ensure(state.bins.len() == expected && state.reports.len() == expected, "a different number of report times")?;
     for (report, bins) in state.reports.iter().zip(&state.bins) {
-        ensure(report.histograms.iter().map(|h| h.bins).eq(bins.iter().copied()), "histograms on other bins")?;
-        ensure(bins.iter().all(|b| b.from.is_finite() && b.per_unit > 0.0), "bins that are none")?;
-        ensure(holds(&report.moments, members.start / BLOCK..next.div_ceil(BLOCK)), "blocks that are missing")?;
+        ensure(report.histograms.iter().map(|h| h.bins).eq(bins.iter().copied()), "histograms on different bins")?;
+        ensure(bins.iter().all(|b| b.from.is_finite() && b.per_unit > 0.0), "impossible bins")?;
+        ensure(holds(&report.moments, members.start / BLOCK..next.div_ceil(BLOCK)), "missing blocks")?;
         sums(&report.moments.total(), &report.histograms, report.failed, next - members.start)?;
     }
     let mut at = members.start;
@@ -72,15 +72,15 @@ fn under_way(batch: &Unfinished, state: &State, job: &Job) -> Result<(), String>
 
 /// Moments and histograms of some members, those that failed left out.
 fn sums(moments: &[Moments; 4], histograms: &[Histogram], failed: u64, members: u64) -> Result<(), String> {
-    let counted = members.checked_sub(failed).ok_or("more members failed than there are")?;
+    let counted = members.checked_sub(failed).ok_or("more members failed than exist")?;
     for m in moments {
-        ensure(m.count == counted, "another number of members was summed than it says are done")?;
-        ensure(m.count == 0 || possible(m), "moments that no run can have")?;
+        ensure(m.count == counted, "the number of members summed differs from the number done")?;
+        ensure(m.count == 0 || possible(m), "impossible moments")?;
     }
     for h in histograms {
-        ensure(h.counts.len() == BINS + 2, "histograms of another size")?;
+        ensure(h.counts.len() == BINS + 2, "histograms of a different size")?;
         let total = h.counts.iter().try_fold(0u64, |sum, count| sum.checked_add(*count));
-        ensure(total == Some(counted), "a histogram of another number of members")?;
+        ensure(total == Some(counted), "a histogram of a different number of members")?;
     }
     Ok(())
 }

@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path, run: &Run<'_>) -> Result<State> {
         Error::new(
             format!("could not resume from {}", path.display()),
             cause,
-            "leave --resume out to begin anew, or give the study, seed and members of that run",
+            "leave --resume out to start over, or give the study, seed and members of that run",
         )
     })
 }
@@ -57,7 +57,7 @@ fn parse(bytes: &[u8], run: &Run<'_>) -> Result<State, String> {
         return Err("the file is damaged: it does not have its checksum".to_owned());
     }
     if state.members != (0..run.job.members) {
-        return Err("it is a shard's, and not of all members".to_owned());
+        return Err("it belongs to a shard, not to the whole run".to_owned());
     }
     sound::check(&state, run.job).map_err(|what| format!("the file is damaged: {what}"))?;
     Ok(state)

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::units::key::Key;
 use crate::units::number::Number;
 
-/// What the sensor is subjected to.
+/// Excitation of the sensor.
 #[derive(Clone)]
 pub struct Plan {
     /// Shared by all members, up to their gain.
@@ -91,7 +91,8 @@ impl Plan {
             Spectrum::Line(highest_hz) if folds(highest_hz) => Err(Error::new(
                 format!("could not use {source}"),
                 format!(
-                    "a sine of {highest_hz:?} Hz cannot be seen in steps of {step_s:?} s: half their rate is {half_hz:?} Hz"
+                    "a sine of {highest_hz:?} Hz cannot be represented in steps of {step_s:?} s: half their rate is \
+                    {half_hz:?} Hz"
                 ),
                 match step(0.25, highest_hz) {
                     0.0 => "check its exponent".to_owned(),
@@ -100,7 +101,7 @@ impl Plan {
             )),
             Spectrum::Band(highest_hz) if folds(highest_hz) => {
                 self.words += &format!(
-                    ". It is sampled every {step_s:?} s, so that what lies above {half_hz:?} Hz folds back below; `step_s` \
+                    ". It is sampled every {step_s:?} s, so that content above {half_hz:?} Hz is aliased; `step_s` \
                      at or below {:?} would resolve it",
                     step(0.4, highest_hz)
                 );

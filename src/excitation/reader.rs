@@ -61,7 +61,7 @@ impl Reader<'_> {
             ));
         }
         let hint = match self.kind.keys {
-            [] => "take the key out, or choose another kind".to_owned(),
+            [] => "remove the key, or choose another kind".to_owned(),
             _ => format!("it takes {}", self.taken()),
         };
         Err(self.refuse(format!("`excitation.{key}` does not belong to kind = \"{}\"", self.kind.name), hint))

@@ -31,10 +31,10 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let [gyro_s, accelerometer_s] = TAU_S;
     for (key, value, unit, means) in [
         ("AngularRandomWalk", imu.gyro.white.mean / DEGREE_PER_ROOT_HOUR, "deg/sqrt(h)", white),
-        ("GyroBiasStabilityTau", gyro_s, "s", "only its quotient with GyroBiasStability counts"),
+        ("GyroBiasStabilityTau", gyro_s, "s", "only its ratio to GyroBiasStability matters"),
         ("GyroBiasStability", g.drive * gyro_s.sqrt() / DEGREE_PER_HOUR, "deg/h", walk),
         ("VelocityRandomWalk", imu.accelerometer.white.mean / MILLI_G, "mg/sqrt(Hz)", white),
-        ("AccelBiasStabilityTau", accelerometer_s, "s", "only its quotient with AccelBiasStability counts"),
+        ("AccelBiasStabilityTau", accelerometer_s, "s", "only its ratio to AccelBiasStability matters"),
         ("AccelBiasStability", a.drive * accelerometer_s.sqrt() / MICRO_G, "ug", walk),
     ] {
         sheet.field(Field { key, value, unit, means });

@@ -78,10 +78,10 @@ fn remark(errors: &Errors, process: &Process, form: Form) -> String {
         _ => format!("bias instability B = {} {} is not represented", short(errors.flicker.mean), errors.unit),
     };
     let instead = match form {
-        Form::None => "nothing stands for it",
-        _ if walk > 0.0 => "the random walk stands alone",
-        Form::Walk => "a random walk with the same Allan deviation at 100 s stands for it",
-        Form::GaussMarkov => "a Gauss–Markov process with its largest Allan deviation, at 100 s, stands for it",
+        Form::None => "nothing replaces it",
+        _ if walk > 0.0 => "only the random walk is kept",
+        Form::Walk => "a random walk with the same Allan deviation at 100 s replaces it",
+        Form::GaussMarkov => "a Gauss–Markov process with its largest Allan deviation, at 100 s, replaces it",
     };
     format!("{lost}; {instead}. Error of the Allan deviation: {}", off.join(", "))
 }

@@ -10,7 +10,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.line("<sensor name=\"imu\" type=\"imu\">");
     sheet.indent(2);
     sheet.head("SDFormat, element <noise>, and gz-sensors, class GaussianNoiseModel");
-    sheet.note("Gazebo turns the sign of bias_mean by chance, a half each");
+    sheet.note("Gazebo picks the sign of bias_mean at random, each with probability 1/2");
     sheet.note("update_rate: Hz; stddev holds for this rate alone");
     sheet.line(&format!("<update_rate>{:?}</update_rate>", imu.rate_hz));
     sheet.line("<imu>");

@@ -16,7 +16,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::Walk));
     sheet.remarks(&a, &g);
     sheet.note("gbstd and abstd also become the initial sigma of the biases: set initbgstd and initbastd apart");
-    sheet.note("scale-factor states keep a token sigma of 1 ppm: nothing in this sensor says more");
+    sheet.note("scale-factor states keep a token sigma of 1 ppm: this sensor states nothing more");
     sheet.line("imunoise:");
     sheet.indent(2);
     let sigma = (CORRELATION_H * 3600.0 / 2.0).sqrt();

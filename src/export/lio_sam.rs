@@ -17,7 +17,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
         ("imuGyrNoise", imu.gyro.white.mean, "rad/s/sqrt(Hz)", WHITE),
         ("imuAccBiasN", a.drive, "m/s^3/sqrt(Hz)", WALK),
         ("imuGyrBiasN", g.drive, "rad/s^2/sqrt(Hz)", WALK),
-        ("imuGravity", STANDARD_GRAVITY_M_S2, "m/s^2", "standard gravity; put in your own"),
+        ("imuGravity", STANDARD_GRAVITY_M_S2, "m/s^2", "standard gravity; enter your local value"),
     ] {
         sheet.field(Field { key, value, unit, means });
     }

@@ -10,7 +10,9 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("MATLAB, accelparams and gyroparams, Properties, and imuSensor, Algorithms");
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::Walk));
     sheet.remarks(&a, &g);
-    sheet.note("BiasInstability stays 0: with its default filter it is no flicker noise, but white with a memory of two samples");
+    sheet.note(
+        "BiasInstability stays 0: with its default filter it is not flicker noise but white noise over two samples",
+    );
     for (name, class, errors, drift, unit, density, per_root_s) in [
         ("accelerometer", "accelparams", &imu.accelerometer, &a, "m/s^2", "m/s^2/sqrt(Hz)", "m/s^2*sqrt(Hz)"),
         ("gyroscope", "gyroparams", &imu.gyro, &g, "rad/s", "rad/s/sqrt(Hz)", "rad/s*sqrt(Hz)"),

@@ -12,7 +12,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("the OpenVINS documentation, Sensor Calibration, section IMU Intrinsic Calibration");
     sheet.line("imu0:");
     sheet.indent(2);
-    sheet.note("T_i_b: from IMU to body; the identity, as this says nothing of mounting");
+    sheet.note("T_i_b: from IMU to body; the identity, as the sensor file does not state the mounting");
     sheet.line("T_i_b:");
     for row in ["[1.0, 0.0, 0.0, 0.0]", "[0.0, 1.0, 0.0, 0.0]", "[0.0, 0.0, 1.0, 0.0]", "[0.0, 0.0, 0.0, 1.0]"] {
         sheet.line(&format!("  - {row}"));

@@ -91,7 +91,7 @@ impl Sheet {
             for (sense, name, errors) in [(0, "accelerometer", &imu.accelerometer), (1, "gyro", &imu.gyro)] {
                 head.push(format!(
                     "{name}: x, y, z differ, N = {} {unit}*sqrt(s), K = {} {unit}/sqrt(s); where the tool takes one \
-                     number for all it is their root mean square",
+                    number for all axes, it is their root mean square",
                     three(|e| e.white.mean, sense),
                     three(|e| e.walk.mean, sense),
                     unit = errors.unit
@@ -100,7 +100,7 @@ impl Sheet {
         }
         for other in imu.others.iter().filter(|o| !o.term.is_some_and(|t| keeps.contains(&t))) {
             head.push(format!(
-                "not represented, and nothing stands for it: {} = {} {} ({})",
+                "not represented, and not replaced: {} = {} {} ({})",
                 other.key.path,
                 short(other.mean),
                 other.key.unit,

@@ -16,8 +16,8 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
         "acc_n and gyr_n hold for {} Hz alone: covariance per step = 0.5 acc_n^2 dt^2; acc_n = N sqrt(2 rate)",
         imu.rate_hz
     ));
-    let white = "per sample as sigma: N sqrt(2 rate), sqrt(2) above the sample's own, since the midpoint rule counts two \
-                 samples by half";
+    let white = "per sample as sigma: N sqrt(2 rate), sqrt(2) above the sample's own, since the midpoint rule \
+    averages two samples";
     let walk = "per sample as sigma: K sqrt(rate), since the step's covariance is acc_w^2 dt^2";
     let rate = imu.rate_hz;
     for (key, value, unit, means) in [
@@ -25,7 +25,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
         ("gyr_n", imu.gyro.white.mean * (2.0 * rate).sqrt(), "rad/s", white),
         ("acc_w", a.drive * rate.sqrt(), "m/s^3", walk),
         ("gyr_w", g.drive * rate.sqrt(), "rad/s^2", walk),
-        ("g_norm", STANDARD_GRAVITY_M_S2, "m/s^2", "standard gravity; put in your own"),
+        ("g_norm", STANDARD_GRAVITY_M_S2, "m/s^2", "standard gravity; enter your local value"),
     ] {
         sheet.field(Field { key, value, unit, means });
     }

@@ -18,7 +18,7 @@ pub fn axis_seed(seed: u64, axis: u64) -> u64 {
     seed ^ axis.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
-/// How height is kept.
+/// Vertical channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Vertical {
     /// By the inertial sensors alone: its error grows without bound, e-fold in 570 s / 2.
@@ -68,7 +68,7 @@ pub struct Flight {
     pub coupling: Option<Arc<dyn Fn(u64) -> Coupling + Send + Sync>>,
     /// The truth.
     pub course: Arc<Course>,
-    /// How height is kept.
+    /// Vertical channel.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,

@@ -131,7 +131,7 @@ impl Integrator {
     pub fn choose(proof_mass: Option<&ProofMass>, step_s: f64) -> Choice {
         let choice = |integrator, because: String| Choice { integrator, because };
         let Some(m) = proof_mass else {
-            return choice(Self::Ideal, "there are no mechanics: the reading follows the force at once".to_owned());
+            return choice(Self::Ideal, "there are no mechanics: the reading follows the force instantly".to_owned());
         };
         let stiffness = m.natural_frequency_rad_s * step_s;
         let quality = 0.5 / m.damping_ratio;

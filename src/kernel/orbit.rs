@@ -51,7 +51,7 @@ pub struct Plan {
     pub first_member: u64,
     /// Runge–Kutta steps per forcing period.
     pub steps_per_period: u32,
-    /// Periods before anything is measured.
+    /// Transient periods before averaging.
     pub transient_periods: u32,
     /// Periods over which the exponent is averaged.
     pub periods: u32,

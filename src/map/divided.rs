@@ -168,7 +168,7 @@ pub fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
     let document: Document = parse_toml(&source, &text)?;
     document.check()?;
     if run(&document) != first.header.run {
-        return Err(damaged(&first.path, "it does not hold the map that it says"));
+        return Err(damaged(&first.path, "it does not hold the map that it names"));
     }
     // In the order of the units, so that rows are put one behind the other.
     let mut pieces: Vec<(Piece, Vec<u8>, &PathBuf)> = Vec::new();
@@ -199,7 +199,7 @@ pub fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
             (None, Some(asked)) => unpack_diagram(&bytes, asked).map(|d| diagrams.push(d)),
             (None, None) => None,
         };
-        read.ok_or_else(|| damaged(path, "the file is damaged: its results are of another length"))?;
+        read.ok_or_else(|| damaged(path, "the file is damaged: its results have the wrong length"))?;
     }
     Ok((Atlas { document, grids, diagrams }, devices))
 }

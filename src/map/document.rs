@@ -20,7 +20,7 @@ pub struct Document {
     pub seed: u64,
     /// Coefficients of equation 6.
     pub oscillator: Coefficients,
-    /// The force; also the point that is marked.
+    /// Drive; also the point marked in the maps.
     pub drive: Force,
     /// Maps over two parameters.
     #[serde(default)]
@@ -147,14 +147,14 @@ impl Range {
 pub struct Map {
     /// Heading in the report.
     pub title: String,
-    /// Along the page.
+    /// Horizontal axis.
     pub x: Range,
-    /// Up the page.
+    /// Vertical axis.
     pub y: Range,
-    /// Periods before anything is measured.
+    /// Transient periods before averaging.
     #[serde(default = "hundred")]
     pub transient_periods: u32,
-    /// Periods averaged over.
+    /// Number of periods in the average.
     #[serde(default = "hundred")]
     pub periods: u32,
     /// White force noise, two-sided coefficient, N·√s.

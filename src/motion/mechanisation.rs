@@ -14,14 +14,14 @@ pub use increments::{Increment, increments};
 use super::earth::{Earth, Place};
 use super::truth::{Sample, Truth};
 
-/// What a navigator makes of motion within a sampling interval.
+/// How a navigator treats motion within a sampling interval.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
-    /// Nothing: the axis of rotation and the direction of force are taken to stand still in it.
+    /// Assumes a constant axis of rotation and direction of force within it.
     SingleSample,
-    /// Coning and sculling are made good from this increment and the one before (Savage's two-sample terms).
+    /// Corrects coning and sculling from this increment and the one before (Savage's two-sample terms).
     #[default]
     Compensated,
 }

@@ -60,7 +60,7 @@ pub fn trajectory(section: &Section, duration_s: f64) -> Result<Trajectory> {
     let last = poses.last().map_or(0.0, |pose| pose.time_s);
     let knot_s = if poses.len() > 2 { POSES.0 * POSES.1 } else { last };
     let spline = fit(&poses, Knots::over(0.0, last, knot_s)).ok_or_else(|| {
-        fail("its poses are too far apart to make a motion of", "are the radius, the speed and the times sensible?")
+        fail("its poses are too far apart to interpolate a motion", "are the radius, the speed and the times sensible?")
     })?;
     let departure = Departure::of(&spline, &poses);
     Ok(Trajectory::new(spline, departure, Vec::new()))

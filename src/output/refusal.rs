@@ -34,9 +34,9 @@ impl Reason {
 
     fn words(&self) -> String {
         match self {
-            Self::Input => "read by this very run".into(),
-            Self::Folder => "a folder, where a file would go".into(),
-            Self::File => "its folder's name is that of a file".into(),
+            Self::Input => "an input of this run".into(),
+            Self::Folder => "a folder where a file would be written".into(),
+            Self::File => "its folder has the name of an existing file".into(),
             Self::Changed => "changed since proofmass wrote it".into(),
             Self::Unknown => "not written by proofmass".into(),
             Self::Other(Identity { command, inputs }) if inputs.is_empty() => {

@@ -150,7 +150,13 @@ fn seventeen(radian: &Scan, hertz: &Scan, exponents: &[f64], spectra: &[[f64; 2]
             hertz.chaotic_below(60.0) as f64,
             0.0,
         ),
-        Check::near("share of starts whose largest exponent is positive", "chaos from every start", 1.0, chaotic, 0.0),
+        Check::near(
+            "fraction of starts whose largest exponent is positive",
+            "chaos from every start",
+            1.0,
+            chaotic,
+            0.0,
+        ),
         Check::near(
             "largest Lyapunov exponent of the lanes / (1/s)",
             "the f64 oracle with two orthogonalised tangents and other steps; four joint standard errors",

@@ -235,7 +235,7 @@ fn eleven(model: &Model, rest: &AtRest) -> Vec<Check> {
         ),
         Check::near(
             "NIS, innovation squared over its variance, mean over half a minute of 400 members",
-            "1: the filter's beliefs are the simulation's truth; four standard errors √(2/n) of 1.2 million innovations",
+            "1: the filter's model is that of the simulation; four standard errors √(2/n) of 1.2 million innovations",
             1.0,
             rest.nis,
             4.0 * (2.0 / (n * 3000.0)).sqrt(),
@@ -256,14 +256,15 @@ fn twelve(motion: &InMotion) -> Vec<Check> {
     vec![
         Check::near(
             "plain filter: time at which it is back / s, median of 400 moves",
-            "the paper: after 3 s, read off a plot to about 0.5 s, its tuning not given; ours follows from printed noise",
+            "the paper: after 3 s, read off a plot to about 0.5 s, its tuning not given; ours follows from datasheet \
+            noise",
             BACK_AFTER_S,
             MOVED_UNTIL_S + order::quantile(plain, 0.5),
             0.5,
         ),
         Check::between(
-            "recovery time weighed by ||a| − g| over the plain one's, medians",
-            "the point of weighing: less than half",
+            "recovery time weighted by ||a| − g| over the plain one's, medians",
+            "the point of weighting: less than half",
             0.0,
             0.5,
             half(magnitude),
@@ -284,7 +285,8 @@ fn twelve(motion: &InMotion) -> Vec<Check> {
         ),
         Check::between(
             "plain filter: mean NIS in the motion, log₁₀",
-            "the innovation is some 30° against 0.08° of belief: four to six powers of ten; the filter could have known",
+            "the innovation is some 30° against the filter's own 0.08°: four to six powers of ten; the filter could \
+            have detected it",
             3.0,
             6.0,
             motion.nis[0][1].log10(),

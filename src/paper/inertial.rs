@@ -91,7 +91,7 @@ pub fn simulated() -> Inertial {
     up = up.map(|u| u / 1.01f64.sqrt());
     let mut out = Inertial {
         source: Source::Simulated,
-        origin: "a simulated sensor with the printed noise of an Xsens MTi at 100 Hz".into(),
+        origin: "a simulated sensor with the datasheet noise of an Xsens MTi at 100 Hz".into(),
         step_s,
         force_m_s2: vec![],
         rate_rad_s: vec![],

@@ -160,8 +160,8 @@ pub fn moved_checks(moved: &Moved) -> Vec<Check> {
             median(plain) / DEGREE,
         ),
         Check::between(
-            "moves by hand: largest error weighed by ||a| − g| over the plain one's, medians",
-            "the point of weighing: less than 0.7",
+            "moves by hand: largest error weighted by ||a| − g| over the plain one's, medians",
+            "the point of weighting: less than 0.7",
             0.0,
             0.7,
             median(magnitude) / median(plain),

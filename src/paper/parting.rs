@@ -126,7 +126,7 @@ pub fn compute(drive: &Drive, exponent: Estimate) -> Parting {
     let rate = Estimate::of_mean(&rates);
     let exhibit = Exhibit::simulated(
         20,
-        "The rectangle in the chaotic regime, and what noise makes of it",
+        "The rectangle in the chaotic regime, and the effect of noise",
         checks(drive, exponent, rate, &cubic, &linear),
     );
     Parting { cubic, linear, separation, rate, exhibit }
@@ -141,7 +141,7 @@ fn checks(drive: &Drive, exponent: Estimate, rate: Estimate, cubic: &Spread, lin
     let amplitude = drive.amplitude_n / PAPER.mass_kg;
     vec![
         Check::near(
-            "rate at which twins part / (1/s)",
+            "rate at which pairs diverge / (1/s)",
             "the largest Lyapunov exponent of figure 17's lanes, found without noise; four joint standard errors",
             exponent.value,
             rate.value,

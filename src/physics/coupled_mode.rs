@@ -20,7 +20,7 @@ pub struct CoupledMode;
 pub const CANDIDATE: Candidate = Candidate {
     id: "coupled-mode",
     kind: Kind::Driven,
-    statement: "A second mass hangs on the proof mass and pulls back on it: frame, electrode or package move too.",
+    statement: "A second mass is coupled to the proof mass and reacts on it: frame, electrode or package move too.",
     equation: "x″ + 2ζω₀x′ + ω₀²x = g·u + μ(ω₂²(z − x) + 2ζ₂ω₂(z′ − x′)), z″ + 2ζ₂ω₂(z′ − x′) + ω₂²(z − x) = 0",
     parameters: &[
         Parameter { name: "mu", unit: "1", range: (0.0, 1.0) },

@@ -13,7 +13,7 @@ pub struct ReadoutNonlinearity;
 pub const CANDIDATE: Candidate = Candidate {
     id: "readout-nonlinearity",
     kind: Kind::Driven,
-    statement: "The readout bends: reading and displacement are not proportional.",
+    statement: "The readout is nonlinear: reading and displacement are not proportional.",
     equation: "y = x + k₂x² + k₃x³",
     parameters: &[
         Parameter { name: "k2", unit: "1/y", range: (-1.0, 1.0) },

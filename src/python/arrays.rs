@@ -67,7 +67,7 @@ fn numbers(path: &Path, names: &[String], array: &Bound<'_, PyUntypedArray>) -> 
         ref other => return fail(format!("it has {} dimensions", other.len()), "give one or two: samples × channels"),
     };
     if !array.is_contiguous() {
-        return fail("its numbers do not follow one another".into(), "numpy.ascontiguousarray(array)");
+        return fail("its numbers are not contiguous".into(), "numpy.ascontiguousarray(array)");
     }
     Ok(Numbers {
         names: names.to_vec(),

@@ -53,7 +53,7 @@ impl Changes<'_> {
             Preset::ALL
                 .into_iter()
                 .find(|p| p.name() == name)
-                .ok_or_else(|| fail(format!("`{name}` is no grade"), format!("there are {}", known.join(", "))))
+                .ok_or_else(|| fail(format!("`{name}` is not a grade"), format!("there are {}", known.join(", "))))
         });
         let mut set = Vec::new();
         for (key, value) in self.set.iter().flatten() {
@@ -87,8 +87,8 @@ fn read_study(given: Option<Document<'_>>, changes: &Changes<'_>) -> Result<Stud
 fn choice(backend: &str) -> Result<Choice> {
     let all = [("auto", Choice::Auto), ("gpu", Choice::Gpu), ("cpu", Choice::Cpu)];
     let found = all.iter().find(|(name, _)| *name == backend).map(|(_, choice)| *choice);
-    let cause = format!("`{backend}` is no backend");
-    found.ok_or_else(|| Error::new("could not choose a backend", cause, "there are auto, gpu, cpu"))
+    let cause = format!("`{backend}` is not a backend");
+    found.ok_or_else(|| Error::new("could not choose a backend", cause, "choose auto, gpu or cpu"))
 }
 
 /// `proofmass study`.

@@ -24,7 +24,7 @@ pub enum Document<'py> {
 pub fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Table> {
     let mut table = Table::new();
     for (key, value) in dictionary.iter().filter(|(_, value)| !value.is_none()) {
-        let key: String = key.extract().map_err(|_| refused(within, &format!("the key {key} is no word")))?;
+        let key: String = key.extract().map_err(|_| refused(within, &format!("the key {key} is not a word")))?;
         let whole = if within.is_empty() { key.clone() } else { format!("{within}.{key}") };
         table.insert(key, one(&value, &whole)?);
     }
@@ -63,7 +63,7 @@ pub fn one(value: &Bound<'_, PyAny>, key: &str) -> Result<Value> {
         return Ok(Value::String(path.to_string_lossy().into_owned()));
     }
     let kind = value.get_type().to_string();
-    Err(refused(key, &format!("a {kind} is no value of TOML")))
+    Err(refused(key, &format!("a {kind} is not a TOML value")))
 }
 
 fn refused(key: &str, cause: &str) -> Error {

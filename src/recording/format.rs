@@ -27,9 +27,9 @@ pub fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     }
     if head.contains(&0) {
         return fail(
-            "this is binary data of a kind that is not known here",
-            "known are text (CSV), .npy, .npz, .mat, Parquet, Arrow, ROS 1 bags, MCAP, .db3, ULog and DataFlash; is it one of \
-             them, and does it begin where the file begins?",
+            "this is binary data of an unknown format",
+            "supported are text (CSV), .npy, .npz, .mat, Parquet, Arrow, ROS 1 bags, MCAP, .db3, ULog and DataFlash; \
+            is it one of these, and is the beginning of the file intact?",
         );
     }
     let skip = if head.starts_with(&[0xef, 0xbb, 0xbf]) { 3 } else { 0 };

@@ -204,7 +204,7 @@ pub fn find_in(input: Input) -> Result<Found> {
 }
 
 fn unpacking(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
-    input.fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it whole?")
+    input.fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it complete?")
 }
 
 fn format_of(head: &[u8]) -> Option<&'static Format> {
@@ -279,8 +279,9 @@ fn choose(input: &Input, format: &Format, parts: &[Part], topic: Option<&str>) -
         };
         return match parts.iter().position(|p| p.name == topic) {
             Some(place) if parts[place].columns.is_empty() => fail(
-                format!("its messages are {}, which hold no numbers that are read here", parts[place].kind),
-                "read are messages of sensor_msgs/Imu, MagneticField, Temperature, FluidPressure, and of poses, odometry and \
+                format!("its messages are {}, which hold no supported numbers", parts[place].kind),
+                "supported are messages of sensor_msgs/Imu, MagneticField, Temperature, FluidPressure, and of poses, \
+                odometry and \
                  twists with a header"
                     .into(),
             ),
@@ -302,7 +303,7 @@ fn choose(input: &Input, format: &Format, parts: &[Part], topic: Option<&str>) -
             format!("the {} holds no IMU's readings; it holds {}", format.name, all()),
             match parts.iter().find(|p| !p.columns.is_empty()) {
                 Some(part) => {
-                    format!("another one is read by its name: --topic {}, or `topic` in the model", part.name)
+                    format!("to read one of these, name it: --topic {}, or `topic` in the model", part.name)
                 }
                 None => "record the topic of the IMU (sensor_msgs/Imu), or export its readings as CSV".to_owned(),
             },

@@ -94,7 +94,7 @@ impl Headings {
     fn instead_of(&self, wanted: &str) -> String {
         if self.counted {
             return format!(
-                "its first line holds numbers, no headings: its columns are called 1 to {}",
+                "its first line holds numbers, not headings: its columns are called 1 to {}",
                 self.names.len()
             );
         }

@@ -217,7 +217,8 @@ fn failed(input: &Input, pack: Pack, error: &std::io::Error) -> Error {
             ),
             "copy it again, or unpack what is left of it yourself",
         ),
-        _ => input.fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it whole?"),
+        _ => input
+            .fail(format!("its {} data cannot be unpacked: {error}", pack.name()), "copy it again; is it complete?"),
     }
 }
 

@@ -96,7 +96,7 @@ impl Read for Unpacked {
         self.given += count as u64;
         if self.bounded && self.given > HARMLESS_BYTES && self.given / MOST_EXPANSION > self.bytes_taken() {
             return Err(io::Error::other(format!(
-                "{} bytes of the file became more than {}: more than a thousandfold, as no log does",
+                "{} bytes of the file became more than {}: more than a thousandfold, which no log compresses to",
                 self.bytes_taken(),
                 self.given
             )));

@@ -89,7 +89,7 @@ pub fn open(path: &Path, request: &Request) -> Result<Rows> {
         return Err(refuse(
             path,
             "the time column is the only column asked for".into(),
-            "name a column of readings beside it",
+            "name a column of readings as well",
         ));
     }
     let (topic, time) = (request.topic.as_deref(), request.time.as_deref());
@@ -125,7 +125,7 @@ pub fn make(path: &Path, request: &Request, values: bool) -> Result<Plan> {
     }
 }
 
-const SECONDS: &str = "seconds count from the first row: --from-s 10 --to-s 70 is the second minute, nearly";
+const SECONDS: &str = "seconds count from the first row: --from-s 60 --to-s 120 is the second minute";
 
 fn refuse(path: &Path, cause: String, hint: &str) -> Error {
     Error::new(format!("could not use {}", path.display()), cause, hint)
@@ -240,7 +240,7 @@ pub fn too_few(path: &Path, rows: usize) -> Error {
     refuse(
         path,
         format!("{rows} data rows"),
-        "a recording needs at least two rows under its header, and some thousands to be worth judging",
+        "a recording needs at least two rows under its header, and several thousand to be useful",
     )
 }
 

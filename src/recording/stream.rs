@@ -183,7 +183,7 @@ impl<'a> Bridge<'a> {
         let fail =
             |cause: String, hint: &str| Err(Error::new(format!("could not use {}", path.display()), cause, hint));
         if self.given < 2 {
-            let hint = "a recording needs at least two rows under its header, and some thousands to be worth judging";
+            let hint = "a recording needs at least two rows under its header, and several thousand to be useful";
             return fail(format!("{} of {rows} data rows hold numbers in every column", self.given), hint);
         }
         if self.filled as f64 > FILL_LIMIT * self.given as f64 {

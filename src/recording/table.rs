@@ -159,7 +159,7 @@ impl Table {
         let (value, name) = (self.block.columns[index][self.at], &self.names[index]);
         self.input.fail(
             format!(
-                "row {}, `{name}`: {value:e} is larger than any reading: powers of it leave double precision",
+                "row {}, `{name}`: {value:e} is larger than any reading: its powers overflow double precision",
                 self.row()
             ),
             "check the unit of the column, or use a stretch without it: --from-s, --to-s",

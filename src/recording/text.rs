@@ -295,14 +295,15 @@ impl Text {
         }
         let (what, hint) = match format::cell(cell) {
             Cell::TooLarge => (
-                "is larger than any reading: powers of it leave double precision",
+                "is larger than any reading: its powers overflow double precision",
                 "check the exponent and the unit of the column",
             ),
-            Cell::DecimalComma(_) => ("is no number", POINT),
-            _ if line == 2 => {
-                ("is no number", "one line of headings is read, and one of units; if this is another one, delete it")
-            }
-            _ => ("is no number", "leave missing numbers empty; name other columns if this one is text"),
+            Cell::DecimalComma(_) => ("is not a number", POINT),
+            _ if line == 2 => (
+                "is not a number",
+                "one header line and one line of units are read; if this is a further one, delete it",
+            ),
+            _ => ("is not a number", "leave missing numbers empty; name other columns if this one is text"),
         };
         self.fail(format!("line {line}, column {}: `{}` {what}", place + 1, super::headings::shortened(&text)), hint)
     }

@@ -166,14 +166,14 @@ impl Unit {
         let (number, word) = (plain[..split].trim(), plain[split..].trim());
         let factor = match number {
             "" => 1.0,
-            _ => number.parse::<f64>().map_err(|_| fail(format!("`{number}` is no number")))?,
+            _ => number.parse::<f64>().map_err(|_| fail(format!("`{number}` is not a number")))?,
         };
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(fail(format!("a scale of {factor}")));
         }
         let (factor, unit) = per_count(factor, &normal(word));
         if COUNTS.contains(&unit.as_str()) {
-            return Err(fail(format!("`{word}` is a count: how large one is stands in the sensor's datasheet")));
+            return Err(fail(format!("`{word}` is a count: the sensor's datasheet states its size")));
         }
         match SCALES.iter().find(|s| s.1 == quantity && s.0 == unit) {
             // What follows multiplies it again: with numbers that large or small, a coefficient would be infinite or 0.

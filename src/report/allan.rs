@@ -47,9 +47,10 @@ pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> Page {
     }
     page.section("For a study");
     page.paragraph(
-        "Where a scale was given, study.toml beside this page holds the whole: `proofmass study study.toml` simulates this \
-         sensor and lays the log beside it. Each fragment below is a sensor for a study of your own. Terms that the data do not support are zero; rounding to \
-         the reading's step is already in the white noise that was measured, so no quantisation is added.",
+        "If a scale was given, study.toml next to this page is complete: `proofmass study study.toml` simulates this \
+        sensor and compares the result with the log. Each fragment below is a sensor for a study of your own. Terms \
+        that the data do not support are set to zero; quantisation is already part of the measured white noise, so \
+        none is added.",
     );
     for fragment in fragments {
         page.subsection(&fragment.name);

@@ -9,8 +9,8 @@ use crate::benchmark::published::PUBLISHED;
 use crate::benchmark::{FULL, NOISELESS, NORMAL, Row, work};
 use crate::number::significant;
 
-const LEAD: &str = "Units per second, the fastest of repeated runs in one process. Compare rows with each other, not with rows \
-                    of another day.";
+const LEAD: &str =
+    "Units per second, fastest of repeated runs in one process. Compare rows within one run, not between runs.";
 
 fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
@@ -74,13 +74,14 @@ fn predicted() -> Table {
 pub fn busy(others: Option<f64>) -> String {
     match others {
         Some(share) if share < 0.06 => {
-            format!("Other programs used {} of the processors meanwhile.", percent(share))
+            format!("Other programs used {} of the processors during the run.", percent(share))
         }
         Some(share) => format!(
-            "Other programs used {} of the processors meanwhile: these rates are too low, and even their ratios are uncertain.",
+            "Other programs used {} of the processors during the run: these rates are too low, and even their ratios \
+            are uncertain.",
             percent(share)
         ),
-        None => "Whether other programs used the processors meanwhile is not known here.".to_owned(),
+        None => "The load from other programs is unknown on this system.".to_owned(),
     }
 }
 
@@ -89,17 +90,18 @@ fn counting(rows: &[Row]) -> String {
     let bytes = rows.iter().find(|r| r.work == FULL).and_then(|r| r.bytes.zip(r.instructions));
     let intensity = bytes.map_or_else(String::new, |(b, n)| {
         format!(
-            " A member-step of the full path in f32 moves {} bytes to and from memory for {} instructions: no roofline \
-             but that of the arithmetic is near.",
+            " A member-step of the full path in f32 moves {} bytes to and from memory for {} instructions: it is \
+            bound by arithmetic, far from the memory roofline.",
             significant(b, 2),
             significant(n, 3)
         )
     });
     format!(
-        "Processor: {}, {} threads. A member-step is one integration step of one sensor. The share of peak counts the \
-         instructions of a unit (fused multiply-adds, additions, shifts alike, in lanes of the row's precision; by hand, in \
-         src/benchmark/operations.rs) against the multiply-adds per second measured in the same run; other instructions may \
-         run beside multiply-adds, so it is no strict bound.{intensity}",
+        "Processor: {}, {} threads. A member-step is one integration step of one sensor. The fraction of peak counts \
+        the instructions of a unit (fused multiply-adds, additions, shifts alike, in lanes of the row's precision; by \
+        hand, in \
+         src/benchmark/operations.rs) against the multiply-adds per second measured in the same run; other \
+         instructions may run in parallel with multiply-adds, so it is not a strict bound.{intensity}",
         processor_name(),
         std::thread::available_parallelism().map_or(1, usize::from)
     )
@@ -107,10 +109,11 @@ fn counting(rows: &[Row]) -> String {
 
 fn prediction_words() -> String {
     format!(
-        "A prediction, not a measurement: the card's lanes times its boost clock over the full path's counted instructions, all \
-         slots used, and {} of that, which is a guess for a kernel bound by arithmetic. Lanes and clocks are from lists of \
-         specifications; the maker's own sheets were not at hand. Measured on such a card: open; `proofmass bench` on one \
-         puts its own rows into the table above.",
+        "A prediction, not a measurement: the card's lanes times its boost clock over the full path's counted \
+        instructions, all \
+         slots used, and {} of that, an assumed efficiency of a kernel bound by arithmetic. Lanes and clocks are from \
+         published specification lists, not from the manufacturers' datasheets. Not yet measured on such a card; \
+         there, `proofmass bench` adds its own rows to the table above.",
         percent(EXPECTED_SHARE)
     )
 }
@@ -174,16 +177,16 @@ fn parts(rows: &[Row]) -> Option<String> {
     };
     let both: Vec<String> = ["f32", "f64"].into_iter().filter_map(of).collect();
     (!both.is_empty()).then(|| {
-        format!("The full path takes this much of what its dynamics and its numbers take alone: {}.", both.join(", "))
+        format!("Time of the full path over that of its dynamics and its random numbers alone: {}.", both.join(", "))
     })
 }
 
-const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to a fleet, drawing of \
-                           members and sums included. Sixty-four members share a group of lanes, so fewer cost the same.";
+const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to millions, \
+including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
 pub fn page(rows: &[Row], others: Option<f64>) -> Page {
-    let mut page = Page::new("How fast proofmass is here", LEAD);
+    let mut page = Page::new("How fast proofmass is on this machine", LEAD);
     page.section("Measurements");
     page.paragraph(&busy(others));
     page.paragraph(&counting(rows));
@@ -192,9 +195,9 @@ pub fn page(rows: &[Row], others: Option<f64>) -> Page {
     page.section("Small and large ensembles, short and long runs");
     page.figure(&sizes(rows), SIZES_WORDS);
     page.figure(&lengths(rows), &linearity(rows).unwrap_or_default());
-    page.section("Beside what others have published");
+    page.section("Compared with published results");
     page.table(&published(rows));
-    page.section("On a card that is not here");
+    page.section("Predicted for other GPUs");
     page.paragraph(&prediction_words());
     page.table(&predicted());
     page
@@ -210,9 +213,9 @@ pub fn summary(rows: &[Row], others: Option<f64>) -> String {
         table(rows).to_markdown(),
         parts(rows).unwrap_or_default(),
         linearity(rows).unwrap_or_default(),
-        "## Beside what others have published".to_owned(),
+        "## Compared with published results".to_owned(),
         published(rows).to_markdown(),
-        "## On a card that is not here".to_owned(),
+        "## Predicted for other GPUs".to_owned(),
         prediction_words(),
         predicted().to_markdown(),
     ]

@@ -67,7 +67,7 @@ pub fn notes(seen: &Inspection) -> Vec<String> {
             rounded(rate_hz, 6),
             duration(rows.samples as f64 / rate_hz)
         ),
-        None => format!("{}{part}: {} rows, without a clock", seen.format, rows.rows),
+        None => format!("{}{part}: {} rows, no clock", seen.format, rows.rows),
     });
     if seen.parts.len() > SHOWN {
         out.push(format!("{} further parts are not shown; --json lists all", seen.parts.len() - SHOWN));

@@ -12,7 +12,7 @@ use crate::numerics::order;
 /// A line per map and diagram.
 pub fn table(atlas: &Atlas) -> Table {
     let mut table =
-        Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period", "differ up and down"]);
+        Table::new(&["what", "cells", "chaotic", "largest exponent / (1/s)", "steps per period", "hysteresis"]);
     for g in &atlas.grids {
         let largest = g.exponent_per_s.iter().copied().filter(|e| e.is_finite()).fold(f64::NAN, f64::max);
         let lost = match g.lost() {
@@ -134,9 +134,10 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
             String::new()
         };
         let first = format!(
-            "Largest Lyapunov exponent of the Duffing equation, each cell from rest, averaged over {} periods after {}; {} to {} \
-             Runge–Kutta steps a period in f32. Below zero the motion is periodic, above it neighbours part: {} % of the cells \
-             are chaotic.{noise}",
+            "Largest Lyapunov exponent of the Duffing equation, each cell from rest, averaged over {} periods after \
+            {}; {} to {} \
+             Runge–Kutta steps a period in f32. Below zero the motion is periodic, above it neighbouring orbits \
+             diverge: {} % of the cells are chaotic.{noise}",
             g.map.periods,
             g.map.transient_periods,
             g.steps.0,
@@ -165,7 +166,7 @@ pub fn write(page: &mut Page, atlas: &Atlas) {
                 significant(*last, 3),
                 significant(b.apart_m(), 2)
             ),
-            _ => "Force falling: nowhere apart from the way up.".into(),
+            _ => "Force falling: everywhere the same as with the force rising.".into(),
         };
         let rising = format!(
             "Force rising: {} strobes at each of {} amplitudes, the state carried from one to the next.",

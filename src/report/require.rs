@@ -76,7 +76,11 @@ fn sentence(limit: &Limit, answer: &Answer) -> String {
     let keys: Vec<&str> = answer.vary.iter().map(|v| v.key.as_str()).collect();
     let keys = keys.join(" and ");
     let together = if answer.vary.len() > 1 { ", all scaled by one factor" } else { "" };
-    let wide = if answer.settled { "" } else { " The interval is wider than asked: the key hardly matters here." };
+    let wide = if answer.settled {
+        ""
+    } else {
+        " The interval is wider than requested: the result is insensitive to this key."
+    };
     match answer.outcome {
         Outcome::Crosses { below: true } => {
             format!("The {subject} stays below {bound} up to {values}{together}.{wide}")
@@ -144,7 +148,7 @@ fn members(found: &Found) -> u64 {
 /// What the terminal shows.
 pub fn terminal(limit: &Limit, found: &Found) -> String {
     let table = found.parts.as_ref().map_or(String::new(), |(parts, _)| format!("{}\n", parts_table(limit, parts)));
-    format!("{}\n\n{table}members:    {} simulated in all\n", lede(limit, found), members(found))
+    format!("{}\n\n{table}members:    {} simulated in total\n", lede(limit, found), members(found))
 }
 
 /// The statistic over the value, with the limit and the crossing.
@@ -178,7 +182,7 @@ pub fn page(study: &Study, limit: &Limit, found: &Found) -> Page {
     page.paragraph(&format!("Requirement: {limit}."));
     if let (Some(answer), Some(figure)) = (&found.answer, figure(limit, found)) {
         page.section("The value");
-        page.figure(&figure, "Every value that was tried, all with the same members and random numbers.");
+        page.figure(&figure, "Every value tried, all with the same members and random numbers.");
         let mut table = Table::new(&["key", "value", "95 % from", "to"]);
         for v in &answer.vary {
             let number = |n: Option<f64>| n.map_or("–".into(), |n| significant(n, 4));
@@ -189,12 +193,14 @@ pub fn page(study: &Study, limit: &Limit, found: &Found) -> Page {
     if let Some((parts, _)) = &found.parts {
         page.section("The parts");
         page.table(&parts_table(limit, parts));
-        page.paragraph("Those that meet it by price, the others by how far they miss it; ± is one standard error.");
+        page.paragraph(
+            "Parts that meet the limit by price, the others by how far they miss it; ± is one standard error.",
+        );
     }
     page.section("How this was made");
     page.paragraph(&format!(
-        "{} simulations of a member in all, seed {}, proofmass {}. Intervals of percentiles are by ranks, free of any \
-         distribution.",
+        "{} member simulations in total, seed {}, proofmass {}. Intervals of percentiles are from ranks, \
+        distribution-free.",
         members(found),
         study.seed,
         env!("CARGO_PKG_VERSION")

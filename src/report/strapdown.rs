@@ -208,7 +208,9 @@ pub fn terminal(answer: &Answer) -> String {
     let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
     let findings: String = findings(answer).iter().map(|sentence| format!("{sentence}\n\n")).collect();
     format!(
-        "{}\n\nposition error\n{}\nvelocity and attitude error\n{}\nerror budget: share of the mean square horizontal error; rms alone at the end\n{}\n{findings}integrator: {}\nbackend:    {} ({}, {}), {} for {} million member-steps\n",
+        "{}\n\nposition error\n{}\nvelocity and attitude error\n{}\nerror budget: fraction of the mean square \
+        horizontal error; rms alone at the end\n{}\n{findings}integrator: {}\nbackend:    {} ({}, {}), {} for {} \
+        million member-steps\n",
         lede(answer),
         position_table(answer),
         attitude_table(answer),

@@ -309,7 +309,8 @@ pub fn terminal(study: &Study, drift: &Drift) -> String {
     let origins = origins(&drift.statistics);
     let origins = if origins.is_empty() { origins } else { format!("members:    {origins}\n") };
     format!(
-        "{}\n\nposition error\n{}\nerror budget: share of the position variance\n{}\n{compared}integrator: {} ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n{origins}",
+        "{}\n\nposition error\n{}\nerror budget: fraction of the position variance\n{}\n{compared}integrator: {} \
+        ({})\nbackend:    {} ({}, {}), {} for {} million member-steps\n{origins}",
         lede(study, drift),
         drift_table(drift),
         budget_table(drift),

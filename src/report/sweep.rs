@@ -65,7 +65,7 @@ fn curve(sweep: &Sweep) -> (Figure, String) {
     }
     let followed = &sweep.followed;
     let words = format!(
-        "The {} over {}, with its 95 % interval. Every point has the same {} members and random numbers.",
+        "The {} over {}, with its 95 % interval. All points share the same {} members and random numbers.",
         subject_of(followed.statistic, followed.quantity, followed.time_s),
         axis.key,
         sweep.members
@@ -128,7 +128,7 @@ fn map(sweep: &Sweep, x: &study::Axis, y: &study::Axis) -> (Figure, String) {
     let subject = subject_of(followed.statistic, followed.quantity, followed.time_s);
     let line = if sweep.crossings.is_empty() { "" } else { "; on the line, the limit is just met" };
     let members = sweep.members;
-    let words = format!("The {subject}. Every cell has the same {members} members and random numbers{line}.");
+    let words = format!("The {subject}. All cells share the same {members} members and random numbers{line}.");
     (chart.draw(), words)
 }
 

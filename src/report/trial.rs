@@ -203,8 +203,9 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
     format!(
         "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output ({noise}). Sizes are the rms that the best \
          refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was planted, or \
-         says “undecidable” and lists it with at most one other. The detection limit of an effect is the size noticed in nine \
-         of ten cases; without one in range, cases count as above it from {FALLBACK_LIMIT} × noise. Intervals are compared \
+         says “undecidable” and lists it with at most one other. The detection limit of an effect is the size flagged \
+         in nine of ten cases; without one in range, cases count as above it from {FALLBACK_LIMIT} × noise. Intervals \
+         are compared \
          where exactly what was planted was named.",
         outcome.cases, plan.seed, plan.samples
     )
@@ -234,7 +235,9 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
         page.table(&recordings(real));
         if real.iter().any(|r| !r.scores.is_empty()) {
             page.paragraph(
-                "Errors of free simulation on the official test data of public benchmarks, none of which was fitted, beside the best                  published (collected in Champneys, Beintema, Tóth, Schoukens & Rogers, arXiv 2405.10779, unless said otherwise).",
+                "Errors of free simulation on the official test data of public benchmarks, none of which was fitted, \
+                beside the best published (collected in Champneys, Beintema, Tóth, Schoukens & Rogers, arXiv \
+                2405.10779, unless said otherwise).",
             );
             page.table(&scores(real));
         }
@@ -247,8 +250,12 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
             "Fraction detected and fraction named against the visible size, all effects planted alone. Bars: exact \
              95 %; bands: all curves within 95 %.",
         ),
-        (&limits, "Size at which nine of ten recordings are noticed to be odd, per effect, with its 95 % interval; those that reach beyond \
-          100 are cut there."),
+        (
+            &limits,
+            "Size at which nine of ten recordings are flagged, per effect, with its 95 % interval; those that \
+        reach beyond \
+          100 are cut there.",
+        ),
     ]);
     page.section("Confusion matrix");
     page.table(&effects(outcome));

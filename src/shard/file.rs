@@ -219,7 +219,7 @@ impl Contents {
         let header = parse(path, &bytes[first..from])?;
         let length = header.pieces.iter().try_fold(0u64, |sum, piece| sum.checked_add(piece.bytes));
         if length != Some((bytes.len() - from) as u64) {
-            return Err(refuse(path, "the file is damaged: its results are of another length"));
+            return Err(refuse(path, "the file is damaged: its results have the wrong length"));
         }
         Ok(Self { header, bytes, from })
     }

@@ -130,7 +130,7 @@ pub fn belong_together(found: &[Found], places: &[PathBuf]) -> Result<()> {
         } else if one.version != other.version {
             format!("of version {}, not {}", other.version, one.version)
         } else {
-            format!("of another input, seed or number of {}, or of recordings that have changed", one.unit)
+            format!("made with another input, seed or number of {}, or the recordings have changed", one.unit)
         };
         let cause = format!(
             "{} belongs to another run than {}: it is {difference}",

@@ -31,7 +31,8 @@ pub fn run_on(choice: Choice, flight: &Flight, control: &Control) -> Result<Ense
     let Some(gpu) = gpu.map(Arc::new) else { return run(flight, &mut FlightCpu::default(), control) };
     match run(flight, &mut Flights::on(gpu.clone()), control) {
         Err(error) if choice == Choice::Auto && gpu.has_failed() => {
-            control.remark(&format!("note: {} failed: {}. The CPU begins anew.", gpu.adapter.name, error.cause));
+            control
+                .remark(&format!("note: {} failed: {}. The run restarts on the CPU.", gpu.adapter.name, error.cause));
             run(flight, &mut FlightCpu::default(), control)
         }
         done => done,

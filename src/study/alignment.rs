@@ -81,7 +81,7 @@ pub(super) fn alignment(
         return Err(refuse(
             name,
             "`alignment.heading_sd_deg` is given without a [trajectory], and a study of one axis has no heading",
-            "take it out, or add a [trajectory], e.g. kind = \"rest\"",
+            "remove it, or add a [trajectory], e.g. kind = \"rest\"",
         ));
     }
     for (key, given) in spreads {
@@ -104,7 +104,7 @@ pub(super) fn alignment(
                 AlignmentKind::Drawn => "`alignment.still_s` does not belong to kind = \"drawn\"",
                 _ => "`alignment.still_s` does not belong to kind = \"ideal\"",
             },
-            "take it out, or use kind = \"still\"",
+            "remove it, or use kind = \"still\"",
         )),
         (Some(AlignmentKind::Ideal | AlignmentKind::Drawn), None) => Ok(Alignment::Ideal),
         (Some(AlignmentKind::Still), None) => Err(refuse(

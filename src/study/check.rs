@@ -125,7 +125,7 @@ fn sizes(name: &str, all: &Tolerances) -> Result<()> {
         if let Some(value) = ends.into_iter().find(|v| v.abs() > LARGEST) {
             return Err(refuse(
                 name,
-                format!("`{}` = {value:?} {}: no sensor has that", row.path, row.unit),
+                format!("`{}` = {value:?} {}: implausible for any sensor", row.path, row.unit),
                 "check the exponent and the unit that the key ends with",
             ));
         }

@@ -46,7 +46,7 @@ pub(super) fn check(name: &str, file: &File, alignment: Alignment) -> Result<()>
             return Err(refuse(
                 name,
                 format!("the axis `{}` of [compare] needs one scale above zero", axis.column),
-                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: what one unit of the column is worth",
+                "scale_mg = … for an accelerometer, scale_deg_s = … for a gyro: the value of one unit of the column",
             ));
         }
     }

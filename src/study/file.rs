@@ -22,12 +22,12 @@ pub struct File {
     pub name: Option<String>,
     /// Seed of every random number.
     pub seed: Option<u64>,
-    /// Sensors in the ensemble.
+    /// Number of sensors in the ensemble.
     pub members: Option<u64>,
-    /// Length of the run.
+    /// Length of the run, s.
     #[cfg_attr(feature = "cli", schemars(required))]
     pub duration_s: Option<f64>,
-    /// Integration step.
+    /// Integration step, s.
     pub step_s: Option<f64>,
     /// Mechanics, sampling and range.
     #[serde(default, deserialize_with = "section::sensor")]
@@ -41,29 +41,29 @@ pub struct File {
     #[serde(default, deserialize_with = "section::gyro")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
-    /// What the sensor is subjected to.
+    /// Excitation of the sensor.
     #[serde(default, deserialize_with = "excitation::section")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "excitation::schema"))]
     pub excitation: excitation::section::Section,
     /// When to look.
     #[serde(default)]
     pub report: Report,
-    /// How a run begins.
+    /// Initial alignment.
     pub alignment: Option<Alignment>,
-    /// A static log to lay beside the simulation.
+    /// A static log to compare with the simulation.
     pub compare: Option<Compare>,
     /// Keys that take several values, one after the other: see `sweep`.
     #[cfg_attr(feature = "cli", schemars(with = "Option<serde_json::Map<String, serde_json::Value>>"))]
     pub sweep: Option<toml::Table>,
-    /// What carries the sensor in six axes.
+    /// Trajectory of the body that carries the sensor (six axes).
     pub trajectory: Option<motion::Section>,
-    /// The navigator whose own error is a row of the budget.
+    /// Navigation algorithm whose own error is a row of the error budget.
     pub navigator: Option<Navigator>,
     /// The Earth under the trajectory.
     pub earth: Option<Earth>,
-    /// Where the sensor sits in the body that moves.
+    /// Mounting of the sensor in the moving body.
     pub mounting: Option<Mounting>,
-    /// What shakes the sensor beside the motion.
+    /// Vibration of the sensor in addition to the motion.
     pub vibration: Option<Vibration>,
 }
 
@@ -96,7 +96,7 @@ pub struct Vibration {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Navigator {
-    /// What it makes of motion within a sample.
+    /// How it treats motion within a sample.
     pub integrator: Option<motion::Integrator>,
 }
 
@@ -109,9 +109,9 @@ pub struct Earth {
     pub latitude_deg: Option<f64>,
     /// Height of the start over the ellipsoid.
     pub height_m: Option<f64>,
-    /// Whether it turns; it does.
+    /// Whether the Earth rotates (default: true).
     pub rotation: Option<bool>,
-    /// How height is kept.
+    /// Vertical channel.
     pub vertical: Option<VerticalKind>,
 }
 
@@ -120,9 +120,9 @@ pub struct Earth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VerticalKind {
-    /// By the inertial sensors alone.
+    /// From the inertial sensors alone.
     Free,
-    /// By an aid without error.
+    /// Held by an ideal height aid.
     Held,
 }
 
@@ -131,7 +131,7 @@ pub enum VerticalKind {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Report {
-    /// Report times; absent: four, evenly spaced on a log axis up to the end.
+    /// Report times, s; absent: four, log-spaced up to the end.
     pub times_s: Option<Vec<f64>>,
 }
 
@@ -140,7 +140,7 @@ pub struct Report {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Alignment {
-    /// Ideal without one.
+    /// Kind of alignment; absent: ideal.
     pub kind: Option<AlignmentKind>,
     /// Length of a still start.
     pub still_s: Option<f64>,
@@ -155,11 +155,11 @@ pub struct Alignment {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum AlignmentKind {
-    /// Level, and with the biases that the study gives.
+    /// Level, with the biases that the study gives.
     Ideal,
-    /// Wrong by a tilt, and in six axes a heading, that are drawn per member.
+    /// Tilt error, and in six axes heading error, drawn per member.
     Drawn,
-    /// Bias and levelling from the mean of the first seconds, during which the sensor stands still.
+    /// Bias and levelling from the mean of the first seconds, during which the sensor is at rest.
     Still,
 }
 
@@ -170,35 +170,35 @@ pub enum AlignmentKind {
 pub struct Compare {
     /// The log, relative to the study.
     pub file: PathBuf,
-    /// Topic, message or array, where the log has several; its own clock counts.
+    /// Topic, message or array, if the log has several; its own clock is used.
     pub topic: Option<String>,
     /// Sampling rate of the log, Hz.
     pub rate_hz: Option<f64>,
     /// Heading of its time column, s. Where both are given, they must agree.
     pub time: Option<String>,
-    /// Lengths of the windows into which the log is cut, s, each after its own still start; absent, Allan deviations alone
-    /// are compared.
+    /// Lengths of the windows into which the log is cut, s, each after its own still start; absent: only Allan
+    /// deviations are compared.
     pub windows_s: Option<Vec<f64>>,
-    /// One per column of the log.
+    /// Axes, one per column of the log.
     pub axis: Vec<Axis>,
 }
 
-/// `[[compare.axis]]`: one column, and what is special about this axis of the sensor.
+/// `[[compare.axis]]`: one column, and the errors of this axis of the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Heading in the file.
     pub column: String,
-    /// An accelerometer's axis: what one unit of the column is worth.
+    /// Value of one unit of an accelerometer column, mg.
     pub scale_mg: Option<f64>,
-    /// A gyro's axis: what one unit of the column is worth.
+    /// Value of one unit of a gyro column, °/s.
     pub scale_deg_s: Option<f64>,
-    /// Takes the place of the study's `[accelerometer]` for this axis.
+    /// Replaces the study's `[accelerometer]` for this axis.
     #[serde(default, deserialize_with = "section::accelerometer")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
-    /// Takes the place of the study's `[gyro]` for this axis.
+    /// Replaces the study's `[gyro]` for this axis.
     #[serde(default, deserialize_with = "section::gyro")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,

@@ -45,7 +45,7 @@ pub struct InMotion {
     pub between: [Tolerances; 3],
     /// Where the sensor goes.
     pub course: Arc<Course>,
-    /// How height is kept.
+    /// Vertical channel.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
@@ -64,8 +64,8 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     if file.excitation.kind.is_some() {
         return Err(refuse(
             name,
-            "[excitation] has no place beside [trajectory], which says what moves the sensor",
-            "take one of the two out",
+            "[excitation] cannot be combined with [trajectory], which already defines the motion",
+            "remove one of the two",
         ));
     }
     if file.compare.is_some() {

@@ -52,8 +52,8 @@ pub fn prepare_some(
         if truth.plan != plan || !truth.cases.iter().map(|case| case.number).eq(numbers) {
             return Err(Error::new(
                 format!("could not resume the trial in {}", folder.display()),
-                "its seed, cases, samples or campaign are others",
-                "give the options of that trial, or leave --resume out to begin anew",
+                "its seed, cases, samples or campaign differ",
+                "use the options of that trial, or leave --resume out to start over",
             ));
         }
         return Ok((sealed, truth.cases));

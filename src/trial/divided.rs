@@ -82,7 +82,7 @@ pub fn merged(found: &[Found]) -> Result<Merged> {
             let sealed = Sealed { path: file.path.clone(), sha256: hexadecimal(&Sha256::digest(&bytes[..end])) };
             let (said, _) = verdicts(&bytes[end..], &sealed);
             if truth.plan != plan || truth.cases.iter().any(|case| !said.contains_key(&case.number)) {
-                return Err(damaged(&file.path, "its verdicts were not given on the truth that it holds"));
+                return Err(damaged(&file.path, "its verdicts do not belong to the truth that it holds"));
             }
             cases.extend(truth.cases);
             all.extend(said);

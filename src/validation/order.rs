@@ -37,7 +37,7 @@ pub fn rows() -> Result<Vec<Row>> {
             Row::near(format!("order of {integrator}, halving a 2 ms step"), measured(mass, *integrator), *order, 0.2)
         })
         .collect();
-    rows.push(Row::near("an order that it does not have", measured(&cases[1].0, cases[1].1), 3.0, 0.2).control());
+    rows.push(Row::near("a wrong order", measured(&cases[1].0, cases[1].1), 3.0, 0.2).control());
     rows.extend(masses().iter().map(|(mass, integrator)| {
         let what = format!("static equilibrium of {integrator} under 1 g, step 1 ms, m/s² (bisection)");
         Row::near(what, settled(mass, *integrator), equilibrium(mass), 1e-9)

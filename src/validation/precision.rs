@@ -27,7 +27,7 @@ pub fn rows(control: &Control) -> Result<Vec<Row>> {
         let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: STANDARD_GRAVITY_M_S2 };
         let job = job(sensor, MEMBERS, &[100.0], force, integrator);
         rows.push(Row::at_most(
-            format!("f32 − f64 of {integrator} after 100 s, rms share of the noise drift"),
+            format!("f32 − f64 of {integrator} after 100 s, rms fraction of the noise drift"),
             difference(&job, &job, control)?,
             1e-3,
         ));

@@ -59,6 +59,6 @@ fn law(name: &str, numbers: &[f64]) -> Vec<Row> {
         Row::near(format!("{name}: variance (law: 1 ± 5√(2/n))"), moment(2), 1.0, 5.0 * (2.0 / n).sqrt()),
         Row::near(format!("{name}: third moment (law: 0 ± 5√(15/n))"), moment(3), 0.0, 5.0 * (15.0 / n).sqrt()),
         Row::near(format!("{name}: fourth moment (law: 3 ± 5√(96/n))"), moment(4), 3.0, 5.0 * (96.0 / n).sqrt()),
-        Row::near(format!("{name}: how many beyond 4 sd (Poisson)"), beyond(4.0), expected, 5.0 * expected.sqrt()),
+        Row::near(format!("{name}: number beyond 4 sd (Poisson)"), beyond(4.0), expected, 5.0 * expected.sqrt()),
     ]
 }

@@ -150,7 +150,7 @@ fn owned() -> Result<(), Failed> {
     fs::create_dir(bench.path("out"))?;
     fs::write(bench.path("out/numbers"), "precious")?;
     let refused = run(program().args(both).arg("--out").arg(bench.path("out")))?;
-    refused.refuses("a file named numbers", "its folder's name is that of a file")?;
+    refused.refuses("a file named numbers", "its folder has the name of an existing file")?;
     check(fs::read_to_string(bench.path("out/numbers"))? == "precious", "the user's file was replaced")?;
     fs::remove_file(bench.path("out/numbers"))?;
     let before = names(&bench, &both)?;

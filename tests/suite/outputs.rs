@@ -258,7 +258,7 @@ fn trials() -> Result<(), Failed> {
     accepted("first", &trial(&[])?)?;
     accepted("anew", &trial(&["--seed", "2"])?)?;
     accepted("resumed", &trial(&["--seed", "2", "--resume"])?)?;
-    trial(&["--seed", "3", "--resume"])?.refuses("another trial", "its seed, cases, samples or campaign are others")?;
+    trial(&["--seed", "3", "--resume"])?.refuses("another trial", "its seed, cases, samples or campaign differ")?;
     let path = bench.path("out/verdicts.jsonl");
     let edited = fs::read_to_string(&path)? + "\n";
     fs::write(&path, edited)?;

@@ -33,7 +33,7 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
 fn sentence(said: &(dyn Any + Send)) -> String {
     let text = said.downcast_ref::<String>().map(String::as_str).or(said.downcast_ref::<&str>().copied());
     let words: Vec<&str> = text.unwrap_or("without a word").split_whitespace().collect();
-    format!("the graphics library gave up: {}", words.join(" "))
+    format!("the graphics library aborted: {}", words.join(" "))
 }
 
 #[cfg(test)]
@@ -44,7 +44,7 @@ mod tests {
     fn a_panic_becomes_what_it_said_in_one_line() {
         assert_eq!(guarded(|| 3), Ok(3));
         let lost: Result<(), String> = guarded(|| panic!("the device\n\n  was {}", "lost"));
-        assert_eq!(lost, Err("the graphics library gave up: the device was lost".to_owned()));
+        assert_eq!(lost, Err("the graphics library aborted: the device was lost".to_owned()));
         assert!(!INSIDE.get());
     }
 }

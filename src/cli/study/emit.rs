@@ -116,8 +116,8 @@ fn slurm(name: &str, request: &Request<'_>) -> String {
         r#"#!/bin/bash
 # {name} in {shards} shards: a Slurm job array, and the merge after it. Written by proofmass {version}.
 #   bash {name}.slurm.sh                   submits both; options of sbatch (--partition, --gpus, --time) go into SBATCH_OPTIONS
-#   RESUME=1 bash {name}.slurm.sh          goes on with shards that were stopped
-#   SLURM_ARRAY_TASK_ID=3 bash {name}.slurm.sh shard     one shard without Slurm; `merge` instead of `shard` puts them together
+#   RESUME=1 bash {name}.slurm.sh          resumes shards that were stopped
+#   SLURM_ARRAY_TASK_ID=3 bash {name}.slurm.sh shard     one shard without Slurm; `merge` instead of `shard` merges them
 set -euo pipefail
 PROOFMASS=${{PROOFMASS:-proofmass}}
 OUT={out}
@@ -137,7 +137,7 @@ submit)
 shard)
   shard=${{SLURM_ARRAY_TASK_ID:?is the number of the shard}}
   resume=()
-  # A task that Slurm has put back into the queue, or that is to go on, goes on where it was.
+  # A task that Slurm has requeued, or that is to resume, continues where it stopped.
   if [[ ${{RESUME:-${{SLURM_RESTART_COUNT:-0}}}} != 0 && -e "$OUT/shard-$shard-of-$SHARDS.state" ]]; then
     resume=(--resume)
   fi
@@ -169,7 +169,8 @@ fn kubernetes(name: &str, study: &Study, request: &Request<'_>) -> String {
     let recordings = match recordings.is_empty() {
         true => String::new(),
         false => format!(
-            "# The study reads {}: put that into the volume, under the path that the study gives, relative to its root.\n",
+            "# The study reads {}: copy it to the volume, under the path that the study gives, relative to the \
+            volume's root.\n",
             recordings.join(", ")
         ),
     };
@@ -196,7 +197,7 @@ fn kubernetes(name: &str, study: &Study, request: &Request<'_>) -> String {
     };
     let shard = format!(
         r#"              shard=$((JOB_COMPLETION_INDEX + 1))
-              # A pod that takes the place of another goes on where that one was.
+              # A pod that replaces another continues where that one stopped.
               resume=""
               if [ -e "/data/{name}/shard-$shard-of-{shards}.state" ]; then resume=--resume; fi
               exec proofmass study /data/{name}.toml {words} --shard "$shard/{shards}" --out /data/{name} $resume"#,
@@ -208,8 +209,8 @@ fn kubernetes(name: &str, study: &Study, request: &Request<'_>) -> String {
         r#"# {name} in {shards} shards: an indexed Job, and the merge after it. Written by proofmass {version}.
 #   kubectl apply -f {name}.kubernetes.yaml
 # It takes an image `proofmass:{version}` with the program in its path, and a claim `proofmass` on a volume that several nodes
-# may write (ReadWriteMany). Shards and report go into the folder {name} of that volume; one from an earlier, other study of
-# this name must go first.
+# may write (ReadWriteMany). Shards and report go into the folder {name} of that volume; one from an earlier, different
+# study of this name must be removed first.
 {recordings}apiVersion: v1
 kind: ConfigMap
 metadata:
@@ -228,7 +229,7 @@ data:
       containers:
         - name: shard
 {shard_container}---
-# Until all shards are there the merge ends with an error and is tried again, at most every five minutes.
+# Until all shards are there the merge ends with an error and is retried, at most every five minutes.
 {merge_head}spec:
   backoffLimit: 100000
   template:

@@ -38,7 +38,7 @@ pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Re
         return Err(Error::new(
             "could not resume",
             "a study with a [trajectory] keeps no state when it is stopped",
-            "leave --resume out to begin anew",
+            "leave --resume out to start over",
         ));
     }
     let mut folder = Folder::open(path, output::Request { writes: [REPORT].map(str::to_owned).into(), ..request })?;

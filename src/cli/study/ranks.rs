@@ -171,7 +171,7 @@ struct Begun {
 fn earlier(divided: &Divided, shard: Shard, out: &Path) -> Result<Vec<Found>> {
     let places = [out.to_path_buf()];
     let found = if out.is_dir() { find(&places)? } else { Vec::new() };
-    let hint = "leave --resume out to begin anew, or give the study and the --out of the interrupted run";
+    let hint = "leave --resume out to start over, or give the study and the --out of the interrupted run";
     if found.is_empty() {
         return Err(Error::new("could not resume", format!("no interrupted run in {}", out.display()), hint));
     }

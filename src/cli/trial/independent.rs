@@ -114,7 +114,7 @@ fn keep(path: &Path, request: &Request) -> Result<Folder> {
         return Err(Error::new(
             "could not resume",
             format!("no trial in {}", path.display()),
-            "leave --resume out to begin anew, or give the --out of the interrupted trial",
+            "leave --resume out to start over, or give the --out of the interrupted trial",
         ));
     }
     let files = output::Request {
@@ -131,8 +131,8 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control:
     let Some(case) = Case::make(plan.seed, number, Size { rows: plan.rows }) else {
         return Err(Error::new(
             format!("could not make case {number}"),
-            "there is none of that number, or it cannot be written that way",
-            "take a number from verdicts.jsonl; the same recording written otherwise has a number above 1000000",
+            "there is no case of that number, or it cannot be rewritten that way",
+            "take a number from verdicts.jsonl; rewritten copies of a recording have numbers above 1000000",
         ));
     };
     let names = ["recording.csv", "model.toml", "truth.json"];

@@ -49,7 +49,7 @@ pub fn run(request: &Request<'_>, subject: &Subject<'_>, control: &Control, json
             _ => Err(Error::new(
                 "could not resume",
                 format!("no interrupted shard {} in {}", request.shard, request.out.display()),
-                "leave --resume out to begin anew, or give the --out of the interrupted shard",
+                "leave --resume out to start over, or give the --out of the interrupted shard",
             )),
         };
     }

@@ -38,8 +38,8 @@ pub(super) fn level(channel: &Channel, fitted: &Fitted, noise: Option<&Noise>) -
     let ratio = found / promised;
     (promised > 0.0 && found > 0.0 && !(1.0 / FAR..FAR).contains(&ratio)).then(|| {
         format!(
-            "`{}`: its white noise is {} times what [noise] promises: no sensor is off by that, so check the unit of the \
-             column and of the datasheet",
+            "`{}`: its white noise is {} times what [noise] promises: no sensor deviates that much, so check the \
+            units of the column and of the datasheet",
             channel.name,
             short(ratio)
         )

@@ -60,7 +60,8 @@ pub fn enough(path: &Path, poses: usize) -> Result<()> {
     Err(fail(
         path,
         format!("{poses} still poses; the base model and one candidate need at least {FEWEST_POSES}"),
-        "lay the sensor still on each of its faces and in slanted attitudes, two seconds or more each; 20 to 40 poses are good",
+        "keep the sensor still on each of its faces and in tilted attitudes, at least two seconds each; 20 to 40 \
+        poses are usual",
     ))
 }
 
@@ -126,7 +127,7 @@ pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
         return Err(fail(
             path,
             "the accelerometer reads nearly the same in every pose",
-            "turn the sensor to many attitudes between the poses; a sensor that only rests is kind = \"static\"",
+            "turn the sensor to many attitudes between the poses; a sensor that stays at rest is kind = \"static\"",
         ));
     }
     Ok(())
@@ -163,7 +164,8 @@ pub fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble)
         Some((error, order)) if error < 0.3 * as_given => Err(fail(
             path,
             format!(
-                "turns by the gyro miss gravity by {:.0}°; read as ({order}) they miss it by {:.1}°",
+                "rotations by the gyro miss gravity by {:.0}°; with its columns read as ({order}) they miss it by \
+                {:.1}°",
                 as_given.to_degrees(),
                 error.to_degrees()
             ),

@@ -18,7 +18,7 @@ pub struct Imu<'a> {
     pub accelerometer: [&'a [f64]; 3],
     /// τ per sample: an environment column less its mean; `None` without one.
     pub covariate: Option<Vec<f64>>,
-    /// |g| where it was recorded.
+    /// Magnitude of gravity at the place of recording, m/s².
     pub gravity_m_s2: f64,
 }
 

@@ -33,7 +33,7 @@ pub fn read(path: &Path, recording: &Recording) -> Result<Vec<Range<usize>>> {
         Error::new(
             format!("could not use the poses in {}", path.display()),
             format!("line {line}: {cause}"),
-            "one range of rows per line, start_row,end_row_exclusive, counted from zero and in order of time",
+            "one range of rows per line, start_row,end_row_exclusive, counted from zero and in chronological order",
         )
     };
     let mut rows = Rows::open(path, &["start_row".to_owned(), "end_row_exclusive".to_owned()])?;

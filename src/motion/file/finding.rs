@@ -110,12 +110,12 @@ impl fmt::Display for Finding {
             }
             Self::Bridged { holes, longest_s } => write!(
                 f,
-                "poses are missing in {holes} places, up to {} s long: the motion there is the spline's guess",
+                "poses are missing in {holes} places, up to {} s long: the motion there is only interpolated",
                 rounded(longest_s, 3)
             ),
             Self::Slow { rate_hz } => write!(
                 f,
-                "the poses come at {} Hz: motion faster than {} Hz is not in them, nor in what the sensors read",
+                "the poses come at {} Hz: motion faster than {} Hz is neither in them nor in the simulated readings",
                 rounded(rate_hz, 3),
                 rounded(0.5 * rate_hz, 3)
             ),

@@ -115,19 +115,18 @@ pub fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<(), Refus
     if better(Reading::OtherEnd) {
         return Err(refusal(
             format!(
-                "the quaternions are {named}: only with their scalar {is} does the body keep its attitude to the force \
-                 that carries it"
+                "the quaternions are {named}: only with the scalar {is} does the specific force stay steady in body \
+                axes"
             ),
-            format!("set trajectory.quaternion = \"{named}\", or \"{insist}\" if they are right as they stand"),
+            format!("set trajectory.quaternion = \"{named}\", or \"{insist}\" if they are right as they are"),
         ));
     }
     if [Reading::Inverse, Reading::Mirrored].into_iter().any(better) {
         return Err(refusal(
-            "the quaternions are left-handed: only turned the other way does the body keep its attitude to the force that \
-             carries it",
+            "the quaternions are left-handed: only after inversion does the specific force stay steady in body axes",
             format!(
                 "negate their x, y and z (or the axis of the reference that is mirrored), or set trajectory.quaternion = \
-                 \"{insist}\" if they are right as they stand"
+                 \"{insist}\" if they are right as they are"
             ),
         ));
     }

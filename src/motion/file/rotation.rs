@@ -28,7 +28,7 @@ pub fn attitudes(kind: Rotation, rows: &[Vec<f64>]) -> Result<Vec<Option<UnitQua
             if let Some(at) = rows.iter().position(|row| matrix(row).is_some_and(|m| m.determinant() < -0.5)) {
                 return Err(refusal(
                     format!("the rotation matrices are left-handed: that of row {at} has determinant −1"),
-                    "turn one axis of the body round, or exchange two axes",
+                    "reverse one axis of the body, or exchange two axes",
                 ));
             }
             rows.iter().map(|row| matrix(row).map(of_matrix)).collect()
@@ -37,8 +37,8 @@ pub fn attitudes(kind: Rotation, rows: &[Vec<f64>]) -> Result<Vec<Option<UnitQua
     let wrong = rows.iter().zip(&all).filter(|(row, a)| a.is_none() && !row.iter().any(|x| x.is_nan())).count();
     if wrong * 20 > rows.len() {
         let what = match kind {
-            Rotation::Matrix => "matrices are no rotations",
-            _ => "quaternions are not of length one",
+            Rotation::Matrix => "matrices are not rotations",
+            _ => "quaternions do not have unit length",
         };
         let first = all.iter().position(Option::is_none).unwrap_or_default();
         return Err(refusal(
@@ -89,7 +89,7 @@ fn in_degrees(rows: &[Vec<f64>]) -> Option<String> {
         let beyond = [0, 2].into_iter().find(|k| largest(*k) > 4.0 * std::f64::consts::PI)?;
         return Some(format!("{} reaches {:.1}: degrees for radians?", NAMES[beyond], largest(beyond)));
     };
-    Some(format!("{} jumps by {:.1} where it comes round: degrees for radians?", NAMES[angle], turn(angle)))
+    Some(format!("{} jumps by {:.1} where it wraps around: degrees for radians?", NAMES[angle], turn(angle)))
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub fn trajectory(section: &Section, duration_s: f64) -> Result<Trajectory> {
     }
     let usual = order::median(poses.windows(2).map(|p| p[1].time_s - p[0].time_s).collect()).unwrap_or_default();
     let spline = through(&poses, usual)
-        .ok_or_else(|| fail("no spline goes along its poses", "are the positions metres and the stamps right?"))?;
+        .ok_or_else(|| fail("no spline fits its poses", "are the positions metres and the stamps right?"))?;
     let departure = Departure::of(&spline, &poses);
     let Departure { rms_m, largest_m, rms_rad, largest_rad } = departure;
     findings.push(Finding::Knots { knot_s: spline.knot_s(), rms_m, largest_m, rms_rad, largest_rad });

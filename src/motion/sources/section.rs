@@ -40,7 +40,7 @@ pub struct Section {
     pub radius_m: Option<f64>,
     /// Speed over ground, m/s.
     pub speed_m_s: Option<f64>,
-    /// At rest for this long before it moves, s.
+    /// Initial time at rest, s.
     pub still_s: Option<f64>,
     /// Points to go through, north, east and down, m.
     pub points_m: Option<Vec<[f64; 3]>>,
@@ -48,19 +48,19 @@ pub struct Section {
     pub acceleration_m_s2: Option<f64>,
     /// Size of the space that a drone flies in, m.
     pub extent_m: Option<f64>,
-    /// Of a drive or a flight drawn at random.
+    /// Seed of a random drive or flight.
     pub seed: Option<u64>,
     /// Recorded poses, relative to the study.
     pub file: Option<PathBuf>,
-    /// What the file is; recognised where it is not given.
+    /// Format of the file; absent: recognised from its content.
     pub format: Option<Format>,
-    /// Where in the file to begin, s after its first pose.
+    /// Start in the file, s after its first pose.
     pub from_s: Option<f64>,
-    /// The file of times beside one of poses.
+    /// File of times that belongs to a file of poses.
     pub times: Option<PathBuf>,
     /// The axis of the file's reference that points up.
     pub up: Option<Up>,
-    /// The order of the file's quaternions, to insist on it.
+    /// Order of the file's quaternions; absent: recognised.
     pub quaternion: Option<Order>,
 }
 

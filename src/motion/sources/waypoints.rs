@@ -101,7 +101,7 @@ fn poses(section: &Section, duration_s: f64) -> Result<Vec<Pose>> {
     let speed = positive("speed_m_s", section.speed_m_s, 10.0)?;
     let acceleration = positive("acceleration_m_s2", section.acceleration_m_s2, 1.0)?;
     let Some(curve) = Cubic::through(points) else {
-        return Err(fail("trajectory.points_m: no curve goes through them", example));
+        return Err(fail("trajectory.points_m: no curve passes through them", example));
     };
     let length = curve.length_m();
     // A way too short to reach full speed is gone at a lower one.

@@ -19,16 +19,16 @@ impl fmt::Display for Finding {
             ),
             Self::UnitsRow { line } => write!(f, "line {line} holds the units of the columns"),
             Self::ClockFound { heading, by } => match by {
-                ClockBy::Format => write!(f, "the clock is `{heading}`, which the format says"),
+                ClockBy::Format => write!(f, "the clock is `{heading}`, as the format specifies"),
                 ClockBy::Heading => write!(
                     f,
-                    "the clock is the column `{heading}`, by its heading and as its numbers rise; to choose another one or a \
-                     rate: --time, --rate-hz"
+                    "column `{heading}` is used as the clock, because of its name and its increasing values; to \
+                    choose another column or a rate: --time, --rate-hz"
                 ),
                 ClockBy::Numbers => write!(
                     f,
-                    "the clock is taken to be the column `{heading}`, whose numbers alone rise in even steps; to choose \
-                     another one or a rate: --time, --rate-hz"
+                    "column `{heading}` is used as the clock, because only its values increase in even steps; to \
+                    choose another column or a rate: --time, --rate-hz"
                 ),
             },
             Self::PartChosen { name, others } => {
@@ -96,14 +96,16 @@ impl fmt::Display for Finding {
                         ": resampled to {rate} Hz by polynomials through six rows, which changes what lies near half that \
                          rate"
                     ),
-                    Uneven::SamplesEven => write!(f, ", but the samples are even: taken as {rate} Hz throughout"),
-                    Uneven::TakenAsEven => write!(f, ": the rows are taken as even samples at {rate} Hz"),
+                    Uneven::SamplesEven => {
+                        write!(f, ", but the samples are evenly spaced: taken as {rate} Hz throughout")
+                    }
+                    Uneven::TakenAsEven => write!(f, ": the rows are taken as evenly spaced samples at {rate} Hz"),
                 }
             }
             Self::GapsFilled { samples, gaps } => {
                 write!(
                     f,
-                    "{} in {} filled by straight lines",
+                    "{} in {} filled by linear interpolation",
                     count(*samples, "missing sample"),
                     if *gaps == 1 { "a short gap was".into() } else { format!("{gaps} short gaps were") }
                 )
@@ -114,7 +116,7 @@ impl fmt::Display for Finding {
                  t = {from_s:.3} s",
                 count(*gaps, "long gap")
             ),
-            Self::Breaks { gaps } => write!(f, "{}: no averaging time reaches across one", count(*gaps, "long gap")),
+            Self::Breaks { gaps } => write!(f, "{}: no averaging window spans a gap", count(*gaps, "long gap")),
             Self::Cut { from_row, to_row, of } => write!(
                 f,
                 "rows {from_row} to {to_row} (exclusive) of {of} were used, as asked; rows, samples and times count from there"
@@ -125,13 +127,13 @@ impl fmt::Display for Finding {
                     "{rows} rows, the first is row {first_row}, repeat the row before them exactly in every column: "
                 )?;
                 match lost {
-                    true => write!(f, "taken for lost samples and filled by straight lines"),
+                    true => write!(f, "taken for lost samples and filled by linear interpolation"),
                     false => write!(f, "taken for samples written twice and dropped"),
                 }
             }
             Self::MissingReadings { column, readings, longest } => write!(
                 f,
-                "`{column}`: {readings} missing values were filled by straight lines, at most {longest} in a row"
+                "`{column}`: {readings} missing values were filled by linear interpolation, at most {longest} in a row"
             ),
             Self::Constant { column, value } => write!(f, "`{column}` is constant ({value}): a dead channel?"),
             Self::BeyondDouble { column, first_row } => write!(
@@ -149,8 +151,8 @@ impl fmt::Display for Finding {
             }
             Self::Leap { column, near_row, ratio } => write!(
                 f,
-                "`{column}` leaps near row {near_row} by {ratio:.0} times its usual change: a stray reading or a knock? It \
-                 makes the noise look larger"
+                "`{column}` jumps near row {near_row} by {ratio:.0} times its usual change: a stray reading or a \
+                knock? It inflates the noise estimate"
             ),
         }
     }

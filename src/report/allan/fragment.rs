@@ -33,9 +33,10 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
         let number = out.len() + 1;
         let name = if number == 1 { "sensor.toml".to_owned() } else { format!("sensor-{number}.toml") };
         let mut toml = format!(
-            "# Estimated from {file} (SHA-256 {}),\n# {} samples, by proofmass {}.\n# Put it into a study.toml. White levels \
-             are two-sided random walks (N = n/√2).\n# Bias is absent: a log at rest cannot tell it from gravity and the \
-             Earth's rate.\n\n[sensor]\nsample_rate_hz = {:?}\n",
+            "# Estimated from {file} (SHA-256 {}),\n# {} samples, by proofmass {}.\n# Paste it into a study.toml. \
+            White levels \
+             are two-sided random walks (N = n/√2).\n# Bias is not included: at rest it cannot be separated from \
+             gravity and the Earth's rate.\n\n[sensor]\nsample_rate_hz = {:?}\n",
             noise.source.sha256,
             noise.source.samples,
             env!("CARGO_PKG_VERSION"),
@@ -48,7 +49,8 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
             toml += &section(Sense::Gyro, channel);
         }
         if accelerometer.is_none() && gyro.is_none() {
-            toml += "\n# No scale was given, so nothing below is in SI units: name the columns with --accelerometer and --gyro.\n";
+            toml += "\n# No scale was given, so the values below are not in SI units: name the columns with \
+            --accelerometer and --gyro.\n";
             noise.channels.iter().for_each(|c| toml += &commented(c));
             return vec![Fragment { name, toml }];
         }
@@ -97,7 +99,7 @@ fn section(sense: Sense, channel: &Channel) -> String {
     }
     if let Some(step) = channel.step {
         let (unit, scale) = channel.unit.signal();
-        out += &format!("# the reading's step of {:?} {unit} is in the white noise already\n", five(step * scale));
+        out += &format!("# quantisation (step {:?} {unit}) is already part of the white noise\n", five(step * scale));
     }
     out
 }

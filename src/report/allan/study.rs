@@ -48,7 +48,7 @@ pub fn study(path: &Path, noise: &Noise) -> Option<String> {
         return Some(toml + "\n# The log is not compared: its path is not UTF-8, which TOML needs.\n");
     };
     if file == "-" {
-        return Some(toml + "\n# The log is not compared: it came on standard input.\n");
+        return Some(toml + "\n# The log is not compared: it was read from standard input.\n");
     }
     toml += &format!("\n[compare]\nfile = {}\nrate_hz = {rate_hz:?}\n", toml_string(file));
     for (sense, scale, unit, channels) in

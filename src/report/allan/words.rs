@@ -8,13 +8,14 @@ use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
     do not support. σ(1 s) is the Allan deviation at 1 s in \
-    units of N: what many tools print as N, whatever the curve does there. N itself is the two-sided coefficient of IEEE 952; a datasheet's one-sided density is √2 times it, and both are \
+    units of N: which many tools print as N whatever the slope there. N itself is the two-sided coefficient of IEEE \
+    952; a datasheet's one-sided density is √2 times it, and both are \
     shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above. A \
     star marks a curve that the five terms do not describe.";
 
 pub(super) const CONVENTIONS: [&str; 7] = [
-    "Overlapping Allan deviation (IEEE 952, NIST SP 1065), fully overlapped up to 128 samples, above with 80 to 128 window \
-     starts per averaging time; averaging times up to a third of the recording.",
+    "Overlapping Allan deviation (IEEE 952, NIST SP 1065), fully overlapped up to 128 samples, with 80 to 128 window \
+    starts per averaging time beyond; averaging times up to a third of the recording.",
     "Whiskers: 95 % intervals from χ² with the equivalent degrees of freedom of overlapping windows, computed for the fitted \
      mixture of noises.",
     "Laws of the Allan variance: quantisation 3Q²/τ²; white noise N²/τ; flicker (2 ln 2/π)B²; random walk K²τ/3; ramp R²τ²/2.",
@@ -126,7 +127,7 @@ pub fn answer(noise: &Noise) -> String {
     let length = duration(noise.source.samples as f64 / noise.source.rate_hz);
     let groups: Vec<String> = kinds.into_iter().filter_map(of).collect();
     match groups.is_empty() {
-        true => format!("{length} at rest are too short for any coefficient."),
+        true => format!("{length} at rest is too short to estimate any coefficient."),
         false => format!("{}. From {length} at rest.", groups.join(". ")),
     }
 }
@@ -146,7 +147,7 @@ pub(super) fn lede(noise: &Noise) -> String {
         0 => "The five laws of IEEE 952 describe every channel's curve.".to_owned(),
         _ => {
             format!(
-                "The five laws of IEEE 952 do not describe {}: something else acts on it; see there.",
+                "The five laws of IEEE 952 do not describe {}: another effect is present; see that channel.",
                 bad.join(", ")
             )
         }
@@ -170,8 +171,8 @@ pub(super) fn verdict(channel: &Channel) -> String {
     } else {
         format!(
             "No sum of the five laws fits this curve (p < {}): it departs from the best one by about {} %, most at \
-             τ = {}, where it is {} times the fit. The intervals allow for that. Vibration, temperature and motion \
-             do this; `proofmass diagnose` with kind = \"static\" identifies which.",
+             τ = {}, where it is {} times the fit. The intervals allow for that. Typical causes are vibration, \
+             temperature and motion; `proofmass diagnose` with kind = \"static\" identifies which.",
             significant(crate::numerics::allan::fit::BAD, 1),
             significant(100.0 * fit.discrepancy, 2),
             duration(fit.worst.0),
@@ -180,7 +181,7 @@ pub(super) fn verdict(channel: &Channel) -> String {
     };
     if fit.from_s > 1.5 * first {
         out += &format!(
-            " Averaging times below {} follow none of the laws, as behind an on-chip filter, and were left out.",
+            " Averaging times below {} follow none of the laws, as with an on-chip filter, and were excluded.",
             duration(fit.from_s)
         );
     }
@@ -197,9 +198,9 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
     }
     if let Some(ratio) = channel.roll_off {
         let side = if ratio < 1.0 {
-            "the reading is low-pass filtered before it is logged, so the noise of single samples says little of N"
+            "the reading is low-pass filtered before it is logged, so the noise of single samples says little about N"
         } else {
-            "the noise grows towards half the rate: vibration folded back by sampling, or differences of a rounded integral"
+            "the noise grows towards half the rate: aliased vibration, or differences of a rounded integral"
         };
         out.push(format!(
             "Near half the sampling rate the density is {} times that in the middle of the band: {side}.",
@@ -221,7 +222,8 @@ pub(super) fn sentences(channel: &Channel) -> Vec<String> {
     if let Some(step) = channel.step {
         let (unit, factor) = channel.unit.signal();
         out.push(format!(
-            "The numbers are rounded to steps of {} {unit}; rounding alone adds {} {unit} rms of white noise to a sample.",
+            "The readings are quantised in steps of {} {unit}; quantisation alone adds {} {unit} rms of white noise \
+            per sample.",
             significant(step * factor, 3),
             significant(step * factor / 12f64.sqrt(), 2)
         ));
@@ -235,7 +237,9 @@ fn of_term(channel: &Channel, term: Term) -> String {
     let name = name(term);
     let text = coefficient(channel, term);
     if supported && term == Term::Quantisation && !channel.lines.is_empty() {
-        return format!("{name}: Q = {text} {unit}; a residual vibration has the same slope, so read it as a limit.");
+        return format!(
+            "{name}: Q = {text} {unit}; residual vibration has the same slope, so treat it as an upper limit."
+        );
     }
     if supported {
         return format!("{name}: {} = {text} {unit}.", term.symbol());

@@ -21,7 +21,7 @@ pub fn note(note: &Note) -> String {
         Note::BesideNamed => "what it adds to the other named effects".into(),
         Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
         Note::InPoses { judged, fate } => format!("judged by {}{}", residual(*judged), fated(fate)),
-        Note::Indistinguishable => "cannot be told from the common scale by any pose: both multiply |f|".into(),
+        Note::Indistinguishable => "cannot be separated from the common scale by any pose: both multiply |f|".into(),
     }
 }
 
@@ -36,7 +36,7 @@ fn fated(fate: &Fate) -> String {
             let seen = match seen_from {
                 None => String::new(),
                 Some(SeenFrom::Strength { value, unit }) => {
-                    format!("; above {} {unit} it would have been seen", short(*value))
+                    format!("; above {} {unit} it would have been detected", short(*value))
                 }
                 Some(SeenFrom::EarthRateDegH(value)) => {
                     format!(

@@ -18,16 +18,16 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         exhibit(
             Part::Improvement,
             "gravity-length",
-            by_pose(detail, "Length of gravity: |f| − g", "error / (mm/s²)", 0),
-            "Difference between the magnitude of the specific force and gravity in each pose. Bars: the noise of a \
+            by_pose(detail, "Magnitude of gravity: |f| − g", "error / (mm/s²)", 0),
+            "Magnitude of the specific force minus gravity in each pose. Bars: the noise of a \
              pose (±2 standard deviations).",
         ),
         exhibit(
             Part::Improvement,
             "turn-direction",
             by_pose(detail, "Gravity's direction after a turn", "error / mrad", 4),
-            "The integrated gyro carries gravity from one pose to the next: the angle between that and what the \
-             accelerometer reads.",
+            "The integrated gyro rotates gravity from one pose to the next: the angle between the result and what the \
+            accelerometer reads.",
         ),
     ];
     for axis in 0..3 {
@@ -53,7 +53,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         Part::Isolation,
         "stillness",
         stillness(detail),
-        "Length of specific force over time as the repaired calibration reads it; the band marks the poses.",
+        "Magnitude of the specific force over time with the repaired calibration; the band marks the poses.",
     ));
     if !detail.g_sensitivity.is_empty() {
         out.push(exhibit(

@@ -23,7 +23,7 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
         page.section("The map: where chaos begins");
         page.paragraph(
             "One force and one frequency are one point. The maps show what surrounds it: every cell is a proof mass of its own, \
-             started from rest. Noise does not abolish the pattern, it softens its edges and closes the narrow windows.",
+             started from rest. Noise does not destroy the pattern: it blurs its edges and closes the narrow windows.",
         );
         page.prefix(String::new());
         map::write(page, atlas);
@@ -50,15 +50,17 @@ fn seventeen(page: &mut Page, attractor: &Attractor) {
     let (share, fading) = hertz.early_and_fading();
     let newton = |v: Option<f64>| v.map_or("none".to_owned(), |v| format!("{} N", significant(v, 3)));
     page.paragraph(
-        "Drive the same proof mass with a periodic force F₀ cos ωt, and for some F₀ its motion never repeats. Neighbouring \
-         motions part exponentially; the rate is the largest Lyapunov exponent, positive if and only if the motion is chaotic.",
+        "Drive the same proof mass with a periodic force F₀ cos ωt, and for some F₀ its motion never repeats. \
+        Neighbouring orbits diverge exponentially; the rate is the largest Lyapunov exponent, positive if and only if \
+        the motion is chaotic.",
     );
     page.paragraph(&format!(
         "The paper gives D₀ = 0.1, k = 1, ε = 0.3 and \"f = 1.5 Hz\", but no F₀, and its frequency can be read in two ways. At \
          ω = 1.5 rad/s lasting chaos first appears in a narrow window at {}, on one of several coexisting orbits, and in a \
          band from {} on. At 1.5 Hz (9.42 rad/s) nothing below 60 N is chaotic; lasting chaos first appears at {}, and of the \
-         {} % of forces up to 6000 N that look chaotic over the first 600 periods, {} % are only a long farewell and end \
-         periodic. The figures here therefore read 1.5 rad/s, at F₀ = {} N: the most chaotic force at which every start tried \
+         {} % of forces up to 6000 N that look chaotic over the first 600 periods, {} % are only long transients that \
+         end periodic. The figures here therefore read 1.5 rad/s, at F₀ = {} N: the most chaotic force at which every \
+         start tried \
          ends on the same attractor.",
         newton(radian.first_n()),
         newton(radian.band_n()),
@@ -115,8 +117,9 @@ fn cloud(title: &str, view: &View, inner: Option<&View>) -> Figure {
 fn eighteen(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[1]);
     page.paragraph(
-        "Look only once per period of the force. A periodic motion would be one dot or a few; this one draws a curve folded into \
-         itself without end, a strange attractor. How much of the plane it fills is its dimension, more than a curve's 1 and \
+        "Sample the motion once per period of the force. A periodic motion would give one dot or a few; this one \
+        gives an infinitely folded curve, a strange attractor. How much of the plane it fills is its dimension, more \
+        than a curve's 1 and \
          less than the plane's 2.",
     );
     page.figure(
@@ -151,15 +154,15 @@ fn eighteen(page: &mut Page, attractor: &Attractor) {
 fn nineteen(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[2]);
     page.paragraph(
-        "A part, enlarged eight times, shows the same folded sheets; a part of the part, enlarged eight times again, still does. \
-         Seeing is not measuring: below, the dimension of 48 parts at each scale is compared with the whole.",
+        "A part, enlarged eight times, shows the same folded sheets; a part of the part, enlarged eight times again, \
+        still does. To quantify this, the dimension of 48 parts at each scale is compared with the whole below.",
     );
     let [_, first, second] = &attractor.views;
     page.figure_row(&[
         (&cloud("Enlarged 8 times", first, Some(second)), "The frame of figure 18, up to 100,000 strobes inside it."),
         (
             &cloud("Enlarged 64 times", second, None),
-            "The frame of the picture before: strobes grow scarce, sheets do not.",
+            "The frame of the previous figure: strobes become sparse, sheets do not.",
         ),
     ]);
     page.paragraph(&format!(
@@ -180,9 +183,13 @@ fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attract
     );
     let [a, b, c] = three(&PAPER, &bifurcation.path, END_S, (&|t| bifurcation.ideal(t), None));
     page.figure_row(&[
-        (&a, "Reading kx/m. The stiff end of the spring turns a force of tens of newtons into a reading of a few m/s², which \
-              never repeats."),
-        (&b, "Speed: the rectangle's ramp of 30 m/s is lost among the swings."),
+        (
+            &a,
+            "Reading kx/m. The stiff range of the spring turns a force of tens of newtons into a reading of a few \
+        m/s², which \
+              never repeats.",
+        ),
+        (&b, "Speed: the rectangle's ramp of 30 m/s is lost among the oscillations."),
         (&c, "Displacement: the error is huge after a few seconds, as the paper says."),
     ]);
     page.paragraph(&format!(
@@ -202,8 +209,8 @@ fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attract
     page.figure_row(&[
         (
             &paths("Cubic spring, six members", &parting.cubic),
-            "Distance error (reading less true force, integrated twice). All \
-                   members err alike at first; then each goes its own way.",
+            "Distance error (reading less true force, integrated twice). At first all members have the same error; \
+            then they diverge.",
         ),
         (
             &paths("Linear spring, the same", &parting.linear),
@@ -238,12 +245,12 @@ fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attract
         ),
         (
             &separation,
-            "Pairs that share their start and differ in a still smaller noise, from 128 places on the attractor.",
+            "Pairs with the same initial state that differ in an even smaller noise, from 128 points on the attractor.",
         ),
     ]);
     page.paragraph(&format!(
-        "Twins part at {} 1/s, the exponent is {} 1/s: the Lyapunov time is {} s. A noise a thousand times smaller would buy \
-         only {} s more.",
+        "Pairs diverge at {} 1/s, the exponent is {} 1/s: the Lyapunov time is {} s. Noise a thousand times smaller \
+        would gain only {} s.",
         pair(parting.rate),
         pair(attractor.exponent),
         significant(1.0 / attractor.exponent.value, 2),

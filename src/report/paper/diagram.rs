@@ -71,8 +71,7 @@ pub(super) fn draw(fusion: &Fusion) -> Figure {
         "<svg width=\"720\" height=\"290\" viewBox=\"0 0 720 290\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\">\n\
          <defs><marker id=\"tip\" viewBox=\"0 0 8 8\" refX=\"7\" refY=\"4\" markerWidth=\"8\" markerHeight=\"8\" \
          orient=\"auto\"><path class=\"f-soft\" d=\"M0 0 8 4 0 8z\"/></marker></defs>\n\
-         <text class=\"title\" x=\"10\" y=\"22\">What goes round, with \
-         its settled numbers</text>\n",
+         <text class=\"title\" x=\"10\" y=\"22\">The recursion, with its steady-state values</text>\n",
     );
     for ((x1, y1), (x2, y2)) in arrows {
         svg += &format!(

@@ -72,8 +72,9 @@ fn linear(page: &mut Page, linear: &Linear) {
          not the force but the spring's answer, kx. A step of force makes the mass swing before it settles.",
     );
     page.paragraph(
-        "Eq. 5 of the paper is meant to be the solution, but as the text at hand prints it everything stands under one root, \
-         and it does not satisfy eq. 4. Right is x(t) = F₀/k + c₁e^(r₁t) + c₂e^(r₂t) with r = (−D₀ ± √(D₀² − 4km))/2m, and rest \
+        "Eq. 5 of the paper is meant to be the solution, but as printed everything stands under one root, and it does \
+        not satisfy eq. 4. The correct form is x(t) = F₀/k + c₁e^(r₁t) + c₂e^(r₂t) with r = (−D₀ ± √(D₀² − 4km))/2m, \
+        and rest \
          at t = 0 fixes c₁ = r₂F₀/(k(r₁ − r₂)) and c₂ = −r₁F₀/(k(r₁ − r₂)). The residual of both is shown.",
     );
     let [a, b, c] = three(&oscillator, &linear.exact, END_S, (&ideal, None));
@@ -86,12 +87,16 @@ fn linear(page: &mut Page, linear: &Linear) {
         |pick: fn(&(f64, f64, f64)) -> f64| -> Curve { linear.residuals.iter().map(|r| (r.0, pick(r))).collect() };
     let chart = Chart::new("Eq. 5 put into eq. 4", Axis::linear("time / s"), Axis::linear("m x″ + D₀x′ + kx − F₀ / N"))
         .with("as printed", Ink::Red, Mark::Line, residual(|r| r.1))
-        .with("with the right roots", Ink::Green, Mark::Line, residual(|r| r.2))
+        .with("with the correct roots", Ink::Green, Mark::Line, residual(|r| r.2))
         .draw();
     page.figure_row(&[
         (&c, "Its double integral: the distance. At this scale all seems well."),
-        (&chart, "What eq. 5 leaves over under a step of 1 N. As printed (with m = 1) it is an undamped swing, so that D₀x′ is \
-                  left: up to a tenth of the force, for ever. With the right roots nothing is left."),
+        (
+            &chart,
+            "Residual of eq. 5 in eq. 4 under a step of 1 N. As printed (with m = 1) it is an undamped \
+        oscillation, so that D₀x′ remains: up to a tenth of the force, indefinitely. With the correct roots the \
+        residual is zero.",
+        ),
     ]);
     checks(page, thirteen);
 
@@ -102,7 +107,7 @@ fn linear(page: &mut Page, linear: &Linear) {
               Dots: Runge–Kutta with steps of a quarter second."),
         (&b, "The speed lags: on average by D₀/k = 0.1 s of the true one."),
     ]);
-    page.figure(&c, "And so does the distance, by ever more.");
+    page.figure(&c, "So does the distance, by an increasing amount.");
     checks(page, fourteen);
 
     head(page, fifteen);
@@ -129,9 +134,16 @@ fn linear(page: &mut Page, linear: &Linear) {
     .with("−(D₀/k) a T", Ink::Black, Mark::Dashed, vec![(0.0, 0.0), (1.6, -48.0)])
     .draw();
     page.figure_row(&[
-        (&over_time, "The difference of both curves of figure 13's distance: three metres after half a minute, with the swings on \
-                      top."),
-        (&constant, "The error that stays long after the rectangle, for dampings from 0.1 to 1.6 kg/s, from the exact solution."),
+        (
+            &over_time,
+            "The difference of both curves of figure 13's distance: three metres after half a minute, with \
+        the oscillations on top.",
+        ),
+        (
+            &constant,
+            "The error that remains long after the rectangle, for dampings from 0.1 to 1.6 kg/s, from the \
+        exact solution.",
+        ),
     ]);
     checks(page, fifteen);
 }
@@ -144,9 +156,12 @@ fn cubic(page: &mut Page, cubic: &Cubic) {
     );
     let [a, b, c] = three(&PAPER, &cubic.cubic, END_S, (&|t| RECTANGLE.ideal(t), None));
     page.figure_row(&[
-        (&a, "Reading of the cubic sensor (ε = 0.3) by Runge–Kutta with steps of 10 ms. The swings are faster and no longer \
-              sinusoidal."),
-        (&b, "Speed: too slow by a fifth, more than the 17 %, because the swings are lopsided."),
+        (
+            &a,
+            "Reading of the cubic sensor (ε = 0.3) by Runge–Kutta with steps of 10 ms. The oscillations are faster \
+        and no longer sinusoidal.",
+        ),
+        (&b, "Speed: too slow by a fifth, more than the 17 %, because the oscillations are asymmetric."),
     ]);
     let error = |path: &Path| -> Curve {
         thin(&path.iter().map(|(t, m)| (*t, reading(&PAPER, m).2 - RECTANGLE.ideal(*t).2)).collect::<Vec<_>>(), 700)

@@ -37,7 +37,7 @@ fn moving(page: &mut Page, pitch: &Pitch) {
     head(page, five);
     page.paragraph(
         "Tilt can be read from gravity itself: eq. 3, pitch = atan(a_x/√(a_y² + a_z²)), needs no integration and so cannot \
-         drift. But it takes every acceleration for gravity.",
+         drift. But it mistakes every acceleration for gravity.",
     );
     let alone = Chart::new("A sensor turned by hand", Axis::linear("time / s"), Axis::linear("pitch / °"))
         .with("accelerometer, eq. 3", Ink::Red, Mark::Line, degrees(&pitch.moving_force, 1800))
@@ -91,8 +91,8 @@ fn still(page: &mut Page, pitch: &Pitch) {
     );
     page.figure(
         &pitches("Lying still", &pitch.still_force, &pitch.still_gyro).draw(),
-        "The same stretch. Orange: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias is here as much random \
-         walk: the drift at the end is of the size that white noise of the rate alone explains.",
+        "The same stretch. Orange: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias may equally \
+        be random walk here: white rate noise alone explains a final drift of this size.",
     );
     checks(page, eight);
 
@@ -130,7 +130,8 @@ fn still(page: &mut Page, pitch: &Pitch) {
     page.figure_row(&[
         (&walk, "The gyro's angle with its own mean rate taken off, so that it is tied to zero at both ends; the dashed arch \
                  is the standard deviation N√(t(T − t)/T) of such a walk."),
-        (&allan, "Slope −½ is white noise of the rate; its height at 1 s is N. Beyond ten seconds few averages are left."),
+        (&allan, "Slope −½ is white noise of the rate; its height at 1 s is N. Beyond ten seconds few independent \
+        averages remain."),
     ]);
     checks(page, nine);
 }
@@ -175,15 +176,16 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     .draw();
     // What makes the teeth is known for the recording alone; the simulation does not round.
     let teeth = match ten.source {
-        Source::Recorded => " The teeth of the accelerometer's are the steps of its digital reading.",
+        Source::Recorded => " The comb in the accelerometer's distribution is its quantisation.",
         Source::Simulated => "",
     };
     page.figure(
         &chart,
         &format!(
-            "The samples of figure 9 as densities. The accelerometer's are nearly independent, so that their width is known to \
-             a per cent; the gyro's are one single walk, and its width is known only to about a third: another minute would \
-             draw another shape.{teeth}"
+            "The samples of figure 9 as densities. The accelerometer's are nearly independent, so that their width is \
+            known to \
+             a per cent; the gyro's are one single walk, and its width is known only to about a third: another minute \
+             would give another shape.{teeth}"
         ),
     );
     checks(page, ten);
@@ -193,10 +195,10 @@ fn eleven(page: &mut Page, fusion: &Fusion) {
     let exhibit = &fusion.exhibits[0];
     head(page, exhibit);
     page.paragraph(
-        "The filter keeps two numbers, the tilt and the gyro's bias, and how well it believes to know them, P. Every hundredth \
-         of a second it predicts by the gyro, which makes P grow, and corrects by the accelerometer, which makes it shrink. \
-         The gain K is the share of a contradiction that it believes. All matrices come from the printed noise of the \
-         sensors; nothing is tuned.",
+        "The filter keeps two states, the tilt and the gyro's bias, and their covariance P. Every hundredth of a \
+        second it predicts with the gyro, which increases P, and corrects with the accelerometer, which reduces it. \
+        The gain K is the fraction of the innovation that it applies. All matrices follow from the datasheet noise of \
+        the sensors; nothing is tuned.",
     );
     page.figure(
         &diagram::draw(fusion),
@@ -207,7 +209,7 @@ fn eleven(page: &mut Page, fusion: &Fusion) {
     let curve =
         |pick: &dyn Fn(usize) -> f64| -> Curve { rest.time_s.iter().enumerate().map(|(i, t)| (*t, pick(i))).collect() };
     let p = Chart::new(
-        "What the filter believes, and what is true",
+        "Standard deviation in the filter, and actual error",
         Axis::log("time / s"),
         Axis::log("standard deviation"),
     )
@@ -221,9 +223,12 @@ fn eleven(page: &mut Page, fusion: &Fusion) {
         .with("on the bias, size / (1/s)", Ink::Green, Mark::Line, curve(&|i| rest.gain[i][1].abs()))
         .draw();
     page.figure_row(&[
-        (&p, "P over time from a start that knows the tilt to 1° and the bias to 0.2 °/s; dots are the actual errors of an \
-              ensemble whose truth is what the filter believes."),
-        (&k, "K over time: much is believed at first, about a twentieth once settled."),
+        (
+            &p,
+            "P over time from a start that knows the tilt to 1° and the bias to 0.2 °/s; dots are the actual errors \
+        of an ensemble that satisfies the filter's model.",
+        ),
+        (&k, "K over time: large at first, about a twentieth in steady state."),
     ]);
     checks(page, exhibit);
 }
@@ -253,7 +258,7 @@ fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64),
     let enlarged = chart(&format!("{title}, enlarged"), 1.1 * small.max(1e-3))
         .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]))
         .with("gyro", Ink::Blue, Mark::Line, gyro)
-        .with("weighed by ||a| − g|", Ink::Purple, Mark::Line, weighed)
+        .with("weighted by ||a| − g|", Ink::Purple, Mark::Line, weighed)
         .with("and adaptive R", Ink::Orange, Mark::Dashed, adaptive);
     [whole.draw(), enlarged.draw()]
 }
@@ -263,17 +268,20 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     let (motion, moved) = (&fusion.in_motion, &fusion.moved);
     head(page, exhibit);
     page.paragraph(&format!(
-        "The plain filter believes the accelerometer always as if it lay still. Pushed to one side between {STILL_UNTIL_S} and \
-         {MOVED_UNTIL_S} s, a level sensor reads tens of degrees; the filter follows, and then needs its own time constant \
-         over and over to forget. The paper sees it back after {BACK_AFTER_S} s; with printed noise and no tuning the \
+        "The plain filter always trusts the accelerometer as if it were at rest. Pushed to one side between \
+        {STILL_UNTIL_S} and \
+         {MOVED_UNTIL_S} s, a level sensor reads tens of degrees; the filter follows, and then takes several of its \
+         time constants to recover. In the paper it is back after {BACK_AFTER_S} s; with datasheet noise and no \
+         tuning the \
          ensemble's median is {} s.",
         significant(MOVED_UNTIL_S + quantile(&motion.recovery_s[0], 0.5), 3)
     ));
     page.paragraph(
-        "The filter could have known. |a| departs from g in every push, and the innovation, squared over its variance (NIS), \
+        "The filter could have detected it. |a| departs from g in every push, and the innovation, squared over its \
+        variance (NIS), \
          jumps from 1 to hundreds of thousands. A filter that raises R by the tilt which an excess of |a| allows, 2||a| − g|/g, \
          hardly moves; one that also watches the scatter of its innovations helps where the force keeps its length, as in \
-         slow moves by hand. Its price is a longer distrust afterwards.",
+         slow moves by hand. The cost is that it distrusts the accelerometer for longer afterwards.",
     );
     let [example, enlarged] = filters("One push, simulated", "tilt / °", &motion.example, (0.9, 3.4), 20.0);
     let mut histogram = Chart::new(
@@ -296,10 +304,11 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     page.figure_row(&[
         (&example, "One of 400 simulated sensors. The push is one swing of acceleration, so that it starts and ends at rest; its \
                     size is drawn per member (typically 12 m/s²). The accelerometer's swing goes far beyond the frame."),
-        (&enlarged, "The same without the accelerometer: the weighed filters stay with the gyro while the plain one leaves the \
+        (&enlarged, "The same without the accelerometer: the weighted filters stay with the gyro while the plain one \
+        leaves the \
                      frame."),
-        (&histogram.draw(), "Recovery: the time after the motion at which its trace, against a twin with the same noise that \
-                    was not pushed, is below what the filter itself holds possible (√P)."),
+        (&histogram.draw(), "Recovery: the time after the motion at which its trace, against a copy with the same \
+        noise that was not pushed, is below the filter's own standard deviation √P."),
     ]);
     let words = match moved.source {
         Source::Recorded => "on the recording's own moves",
@@ -326,7 +335,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
         "moves by hand: largest error / °",
         "back after / s",
     ]);
-    for (w, name) in ["plain", "weighed by ||a| − g|", "and adaptive R"].into_iter().enumerate() {
+    for (w, name) in ["plain", "weighted by ||a| − g|", "and adaptive R"].into_iter().enumerate() {
         table.row([
             name.to_owned(),
             spread(&motion.peak_rad[w], DEGREE, 2),
@@ -338,8 +347,9 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     }
     page.table(&table);
     page.paragraph(&format!(
-        "Medians with 5 to 95 % in brackets; {} moves by hand, where \"back\" is within 0.25° of the pose for good. Hands come \
-         to rest softly, so that even the plain filter is back soon; what differs there is how far it was led astray.",
+        "Medians with 5 to 95 % in brackets; {} moves by hand, where \"back\" is within 0.25° of the pose for good. A \
+        hand comes to rest gently, so even the plain filter recovers soon; the filters differ in how large their \
+        error became.",
         moved.recovery_s[0].len()
     ));
     checks(page, exhibit);

@@ -121,7 +121,7 @@ pub fn map(answer: &Answer) -> (Chart, f64) {
 pub fn shares(answer: &Answer) -> Chart {
     let (covariance, time_s) = (&answer.covariance, &answer.ensemble.time_s);
     let mut chart = Chart::new(
-        "Who owns the mean square",
+        "Contributions to the mean square",
         Axis::log("time / s"),
         Axis::linear("fraction of horizontal mean square / %").within(0.0, 100.0),
     );

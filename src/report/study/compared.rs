@@ -23,7 +23,8 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
     page.paragraph(
         "Allan deviation of the recorded log over that of simulated sensors of this study lying still for as long: the \
          band holds the middle 90 of 100 simulated sensors. The coefficients were estimated from the same log, so \
-         agreement shows that simulation and estimation close the circle; a departure is physics that the noise model leaves out.",
+         agreement shows that simulation and estimation are consistent; a departure is physics that the noise model \
+         leaves out.",
     );
     page.list(&axes.iter().map(sentence).collect::<Vec<_>>());
     let figures: Vec<_> = axes

@@ -64,9 +64,10 @@ pub fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
     row("linear (GUM)", linear.estimate, linear.standard_uncertainty, linear.interval95);
     page.table(&table);
     page.paragraph(&format!(
-        "Numerical tolerance {} m, half a unit of the last digit, for estimate, standard uncertainty and both ends of the \
-         symmetric interval together with a confidence of 95 %. The first ten blocks of 10240 members say how many trials that \
-         takes (Stein's two stages).",
+        "Numerical tolerance {} m, half a unit of the last digit, for estimate, standard uncertainty and both ends of \
+        the \
+         symmetric interval together with a confidence of 95 %. The first ten blocks of 10240 members determine how \
+         many trials that takes (Stein's two-stage method).",
         of.tolerance
     ));
     page.paragraph(&validation(linear, &drift.expected.left_out));

@@ -21,7 +21,7 @@ fn named(drift: &Drift) -> Vec<&Share> {
 pub fn shares(drift: &Drift) -> Chart {
     let budget = &drift.budget;
     let mut chart = Chart::new(
-        "Who owns the variance",
+        "Contributions to the variance",
         Axis::log("time / s"),
         Axis::linear("fraction of position variance / %").within(0.0, 100.0),
     );

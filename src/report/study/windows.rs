@@ -30,9 +30,11 @@ pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
     page.paragraph(&format!(
         "The recorded log {} ({} samples at {} Hz, SHA-256 {}…) is cut into windows that do not overlap. Each begins with a \
          still start of {} s, whose mean is subtracted; the rest is integrated: accelerometers twice, into position, gyros \
-         once, into tilt. The bands are those of {} simulated sensors per axis that did the same. Nothing was fitted to \
+         once, into tilt. The bands are those of {} simulated sensors per axis, processed the same way. Nothing was \
+         fitted to \
          these windows: the bands follow from the coefficients that the study gives for each axis. Where those were estimated \
-         from the same log, agreement shows that its Allan deviation predicts its drift, not that another unit drifts so.",
+         from the same log, agreement shows that its Allan deviation predicts its drift, not that other units drift \
+         the same way.",
         Path::new(&log.file).file_name().map_or(log.file.clone().into(), |name| name.to_string_lossy()),
         log.samples,
         rounded(log.rate_hz, 6),
@@ -48,15 +50,15 @@ pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
     page.table(&table(axes, false));
     page.paragraph(
         "Fractions of the windows inside the central 50, 90 and 99 % of the simulated sensors, in brackets exact 95 % \
-         intervals (Clopper and Pearson) for independent windows. Where an interval does not hold the percentage of its \
-         column, the log departs from the model at that length.",
+         intervals (Clopper and Pearson) for independent windows. Where an interval does not contain the percentage \
+         of its column, the log departs from the model at that length.",
     );
     match axes.iter().flat_map(|a| &a.windows).any(|w| w.disturbed() > 0) {
         true => {
-            page.paragraph("The same without the windows that hold a knock, a jump of the level or a filled gap:");
+            page.paragraph("The same without the windows that contain a knock, a level jump or a filled gap:");
             page.table(&table(axes, true));
         }
-        false => page.paragraph("No window holds a knock, a jump of the level or a filled gap."),
+        false => page.paragraph("No window contains a knock, a level jump or a filled gap."),
     }
 }
 

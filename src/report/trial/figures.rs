@@ -52,7 +52,7 @@ pub fn limits(outcome: &Outcome) -> Figure {
     order::sort_by_key(&mut found, |f| f.1);
     let names = found.iter().enumerate().map(|(n, f)| (n as f64 + 1.0, f.0.clone())).collect();
     let (least, most) = (0.003, 100.0);
-    let x = Axis::log("size noticed in 9 of 10 / noise (rms)").within(least, most);
+    let x = Axis::log("size flagged in 9 of 10 / noise (rms)").within(least, most);
     let y = Axis::linear("most visible lowest").named(names).within(0.0, found.len() as f64 + 1.0);
     let mut chart = Chart::new("Detection limit of each effect", x, y);
     let mut points = Vec::new();

@@ -16,7 +16,7 @@ fn sentence(power: &Power) -> String {
     let sizes = if named.is_empty() {
         String::new()
     } else if least == most {
-        format!(", from {} × the noise on", significant(least, 2))
+        format!(", from {} × the noise upward", significant(least, 2))
     } else {
         format!(", from {} to {} × the noise on", significant(least, 2), significant(most, 2))
     };
@@ -51,7 +51,7 @@ fn strength(power: &Power, effect: &Revealed, size: Option<f64>) -> String {
 
 fn effects(power: &Power) -> Table {
     let headings =
-        ["effect", "noticed from (× noise)", "named from (× noise)", "that is", "smaller, taken for or tied with"];
+        ["effect", "noticed from (× noise)", "named from (× noise)", "that is", "smaller: confused or tied with"];
     let mut table = Table::new(&headings);
     for effect in &power.effects {
         let sizes = || effect.tried.iter().map(|t| t.effect_over_noise);
@@ -95,7 +95,7 @@ fn ladder(power: &Power) -> Figure {
     let x = Axis::log("size of the effect / noise (rms)").within(least, most);
     let names = rows.iter().enumerate().map(|(n, effect)| (n as f64 + 1.0, effect.id.clone())).collect();
     let y = Axis::linear("").named(names).within(0.0, rows.len() as f64 + 1.0);
-    let mut chart = Chart::new("What would have been said", x, y);
+    let mut chart = Chart::new("What the diagnosis would have said", x, y);
     let mut dots: [Vec<(f64, f64)>; 4] = Default::default();
     for (n, effect) in rows.iter().enumerate() {
         let rank = n as f64 + 1.0;
@@ -128,11 +128,11 @@ fn ladder(power: &Power) -> Figure {
 pub fn page(power: &Power) -> Page {
     let mut page = Page::new("What this recording could reveal", &sentence(power));
     page.paragraph(&made_of(power));
-    page.figure(&ladder(power), "One dot per copy. Effects that are named at the smallest size stand at the top.");
+    page.figure(&ladder(power), "One dot per copy. Effects named at the smallest size are at the top.");
     page.paragraph(&pairs(power));
-    page.section("From which size on");
+    page.section("Detectable size");
     page.paragraph(
-        "y and u stand for the units of output and input. A smaller effect of that kind may be there unseen.",
+        "y and u stand for the units of output and input. A smaller effect of that kind may be present undetected.",
     );
     page.table(&effects(power));
     page.section("Every copy");

@@ -84,7 +84,7 @@ pub fn prepare(plan: Plan, path: &Path, resume: bool, control: &Control) -> Resu
         let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
         let truths = parse(&bytes)?;
         if truths.plan != plan {
-            let cause = format!("it was begun with {:?}, asked for is {plan:?}", truths.plan);
+            let cause = format!("it was started with {:?}; requested is {plan:?}", truths.plan);
             return Err(Error::new("could not resume", cause, "give the options of the interrupted trial"));
         }
         return Ok((hexadecimal(&Sha256::digest(&bytes)), truths.cases));

@@ -92,7 +92,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         return Err(refuse(
             recording,
             format!("{samples} samples; the base model alone has {BASE} parameters"),
-            "give at least some hundred samples, better some thousands",
+            "give at least a few hundred samples, preferably several thousand",
         ));
     }
     if mean_sd(&reading).1 <= 1e-12 * mean_sd(&reading).0.abs() {
@@ -117,7 +117,7 @@ pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared>
         if mean_sd(&values).1 <= 1e-12 * mean_sd(&values).0.abs() {
             notes.doubt(
                 format!("the input {name} never changes"),
-                ": a dead channel? The recording is read as a free ring-down",
+                ": a dead channel? The recording is treated as a free ring-down",
             );
         } else {
             together(model, &mut values, &reading, &mut ends, &mut notes).map_err(|cause| {
@@ -183,7 +183,7 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
     let mut ignore = |cause: String| findings.push(format!("[start] was ignored: {cause}"));
     let resonance_hz = start.resonance_hz.filter(|hz| {
         if !(*hz > 0.0 && hz.is_finite()) {
-            ignore(format!("a resonance of {hz} Hz is not a frequency"));
+            ignore(format!("a resonance of {hz} Hz is not a valid frequency"));
         } else if *hz >= half_hz {
             ignore(format!("a resonance of {hz} Hz lies above half the sampling rate, {} Hz", short(half_hz)));
         } else if *hz < slowest_hz {
@@ -260,7 +260,7 @@ fn together(
     let side = if shift > 0 { "late" } else { "early" };
     notes.doubt(
         format!("{output} is misaligned with {name}: it comes {} samples {side}", shift.abs()),
-        "; the input was moved by as many before anything was fitted",
+        "; the input was shifted by as many before fitting",
     );
     Ok(())
 }
@@ -287,7 +287,7 @@ fn column<'a>(recording: &'a Recording, name: &str) -> Result<&'a [f64]> {
     if largest.is_finite() && (largest > LARGEST || (largest > 0.0 && largest < 1.0 / LARGEST)) {
         return Err(refuse(
             recording,
-            format!("values of {name} reach {largest:e}: their squares leave the range of double precision"),
+            format!("values of {name} reach {largest:e}: their squares overflow double precision"),
             "give the column in another unit",
         ));
     }
@@ -295,7 +295,7 @@ fn column<'a>(recording: &'a Recording, name: &str) -> Result<&'a [f64]> {
         Some(row) => Err(refuse(
             recording,
             format!("row {row} of {name} is not a number"),
-            "fill or cut the gap; reading the file through the tool fills short ones",
+            "fill the gap or cut it out; short gaps are filled when the tool itself reads the file",
         )),
         None => Ok(values),
     }

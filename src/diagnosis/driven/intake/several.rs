@@ -158,7 +158,7 @@ fn agree(recordings: Recordings<'_>, model: &model::Driven) -> Result<()> {
     let most = total(recordings.train).max(total(recordings.test));
     if most > LONGEST {
         let cause = format!("together the recordings have {most} samples, and at most {LONGEST} are fitted at once");
-        return refuse(first, cause, "give fewer of them, or a part of each with --from-s and --to-s");
+        return refuse(first, cause, "give fewer of them, or only part of each, with --from-s and --to-s");
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",
     kind: Kind::Static,
     statement: "The bias follows temperature, or another slow cause that channels share.",
-    equation: "b = s (θ − θ̄), with a square and a cube, a lag or play where they show",
+    equation: "b = s (θ − θ̄), with a square and a cube, a lag or play where the data show them",
     parameters: &[
         signed("slope", "y per unit of the environment"),
         signed("square", "y per squared unit"),

@@ -6,11 +6,11 @@ use crate::diagnosis::candidate::{Candidate, Kind};
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "white-noise",
     kind: Kind::Static,
-    statement: "The white noise is not at the level that the datasheet promises.",
+    statement: "The white noise is not at the level that the datasheet states.",
     equation: "S(f) = n²",
     parameters: &[size("density", "y/√Hz")],
     acts: "readout",
-    signature: "The Allan curve lies beside the promised one by one factor at short times.",
+    signature: "The Allan curve differs from the stated one by a constant factor at short averaging times.",
     confusable_with: &["quantisation-noise"],
     reference: IEEE,
 };

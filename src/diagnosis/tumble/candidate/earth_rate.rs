@@ -13,7 +13,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     equation: "w = M (ω + Rᵀ Ω)",
     parameters: &[Parameter { name: "omega_i", unit: "°/h", range: (-15.05, 15.05) }],
     acts: "reference",
-    signature: "the gyro at rest follows the heading; along gravity it looks like one diagonal of g-sensitivity",
+    signature: "the gyro at rest follows the heading; the component along gravity looks like equal diagonal terms of \
+    g-sensitivity",
     confusable_with: &["g-sensitivity"],
     reference: "IERS: 7.292115e-5 rad/s",
 };

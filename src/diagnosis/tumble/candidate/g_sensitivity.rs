@@ -9,11 +9,11 @@ use crate::sensor::Sense;
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "g-sensitivity",
     kind: Kind::Tumble,
-    statement: "The gyro's bias follows the specific force: at rest it reads another rate in every attitude.",
+    statement: "The gyro's bias follows the specific force: at rest it reads a different rate in every attitude.",
     equation: "w = M ω + K f",
     parameters: &[Parameter { name: "k_ij", unit: "°/s/g", range: (-5.0, 5.0) }],
     acts: "readout",
-    signature: "the gyro at rest follows the direction of gravity; turns by gravity improve as well",
+    signature: "the gyro at rest follows the direction of gravity; rotations of gravity improve as well",
     confusable_with: &["earth-rate", "temperature-sensitivity"],
     reference: "IEEE 952, §5 (acceleration-sensitive drift); Bancroft & Lachapelle, Sensors 2012",
 };

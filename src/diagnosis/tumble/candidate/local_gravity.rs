@@ -5,11 +5,12 @@ use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "local-gravity",
     kind: Kind::Tumble,
-    statement: "Gravity where it was recorded is not what the model states; no pose can tell this from the common scale.",
+    statement: "Gravity where it was recorded is not what the model states; no pose can separate this from the common \
+    scale.",
     equation: "|f| = g (1 + δ)",
     parameters: &[Parameter { name: "delta", unit: "1", range: (-0.006, 0.006) }],
     acts: "reference",
-    signature: "none in the poses: the common scale absorbs it, one part in a thousand for one part in a thousand",
+    signature: "none in the poses: the common scale absorbs it one for one",
     confusable_with: &["scale-factor"],
     reference: "WGS 84: 9.780 m/s² at the equator to 9.832 m/s² at the poles",
 };

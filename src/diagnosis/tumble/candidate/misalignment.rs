@@ -13,7 +13,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     equation: "v = M f,  w = M ω,  M_ii = 1, M_ij ≠ 0",
     parameters: &[Parameter { name: "m_ij", unit: "rad", range: (-0.3, 0.3) }],
     acts: "readout",
-    signature: "|f| depends on products of two axes' shares; gyro: gravity lands beside where a turn should have carried it",
+    signature: "|f| depends on products of two axes' components; gyro: a rotation does not carry gravity to where it \
+    should",
     confusable_with: &["scale-factor", "g-sensitivity"],
     reference: "IEEE 1293, §5; Tedaldi, Pretto & Menegatti, ICRA 2014",
 };

@@ -13,7 +13,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     equation: "y_i = o_i + s_i v_i,  s_x ≠ s_y ≠ s_z",
     parameters: &[Parameter { name: "scale", unit: "count per m/s^2 or rad/s", range: (-0.3, 0.3) }],
     acts: "readout",
-    signature: "|f| depends on which axis points up, as the square of its share; gyro: turns about one axis come out too long",
+    signature: "|f| depends on which axis points up, as the square of its component; gyro: rotations about one axis \
+    are over- or underestimated",
     confusable_with: &["scale-nonlinearity", "misalignment"],
     reference: "IEEE 1293, §5; Tedaldi, Pretto & Menegatti, ICRA 2014",
 };

@@ -16,7 +16,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
         Parameter { name: "k3", unit: "1/u^2", range: (-0.1, 0.1) },
     ],
     acts: "readout",
-    signature: "|f| differs between an axis up and the same axis down (k₂), or between whole and shared gravity (k₃)",
+    signature: "|f| differs between an axis up and the same axis down (k₂), or between gravity along one axis and \
+    along several (k₃)",
     confusable_with: &["scale-factor"],
     reference: "IEEE 1293, §5 (K₂, K₃)",
 };

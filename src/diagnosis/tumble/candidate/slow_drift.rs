@@ -20,7 +20,7 @@ const CANDIDATE: Candidate = Candidate {
     equation: "y = o + s (v + d(t)),  d = Σ d_n cos(nπt/T), n ≤ 3",
     parameters: &[Parameter { name: "d", unit: "u", range: (f64::MIN, f64::MAX) }],
     acts: "readout",
-    signature: "poses of equal attitude differ by when they were taken",
+    signature: "poses of equal attitude differ with the time at which they were taken",
     confusable_with: &["temperature-sensitivity"],
     reference: "IEEE 952, annex C",
 };

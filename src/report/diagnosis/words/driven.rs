@@ -174,7 +174,7 @@ fn holding(effects: &[Effect], named: &[String]) -> Vec<String> {
 
 /// What else a reader of the verdict must know of the recording, as a sentence.
 fn doubts(clauses: &[String]) -> String {
-    if clauses.is_empty() { String::new() } else { format!(" But mind: {}.", clauses.join("; ")) }
+    if clauses.is_empty() { String::new() } else { format!(" Note: {}.", clauses.join("; ")) }
 }
 
 /// What would decide or confirm.

@@ -20,12 +20,12 @@ pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Deta
             let (ties, sure) = parted(effects);
             let open = open(detail);
             if ties.is_empty() {
-                format!("The model leaves out {}; whether by that law, the recording cannot tell. {open}", named(&sure))
+                format!("The model leaves out {}, but the recording cannot confirm its form. {open}", named(&sure))
             } else if sure.is_empty() {
-                format!("The model leaves something out, and the recording cannot tell which: {ties}.")
+                format!("The model leaves something out, but the recording cannot tell what: {ties}.")
             } else {
                 format!(
-                    "The model leaves out {}; and something else, of which the recording cannot tell which: {ties}.",
+                    "The model leaves out {}, and something else that the recording cannot identify: {ties}.",
                     named(&sure)
                 )
             }
@@ -80,7 +80,7 @@ fn departure(of: &Departure) -> String {
                 format!("{channel}: {} ({interval}) fits as well as {ids}.", law(*value))
             }
         }
-        _ => format!("{channel}: it drifts along a smooth course in time, not as {ids}."),
+        _ => format!("{channel}: it drifts smoothly in time, but not as {ids}."),
     }
 }
 
@@ -117,7 +117,7 @@ pub fn place(detail: &Detail) -> String {
     let mut spoken: Vec<String> = Vec::new();
     for jump in &location.jumps {
         spoken.push(format!(
-            "{}: the bias jumps, most at {}; no law of noise or drift in the library does that.",
+            "{}: the bias jumps, by most at {}; no noise or drift law in the library does that.",
             jump.channels.join(", "),
             duration(jump.time_s)
         ));
@@ -157,7 +157,7 @@ fn disturbed(location: &Location) -> Vec<String> {
         knocks = others;
     }
     out.extend(location.spikes.iter().map(|Spiky { channel, count }| {
-        format!("{channel}: {count} single readings are outliers, farther off than the tail of any noise considered.")
+        format!("{channel}: {count} single readings are outliers, beyond the tail of any noise model considered.")
     }));
     out
 }
@@ -188,13 +188,13 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
             duration(0.37 / s.to),
             duration(0.37 / s.from),
             short(s.excess),
-            if narrow { " So narrow a band is usually vibration of what the sensor stands on." } else { "" }
+            if narrow { " Such a narrow band is usually vibration of the mounting surface." } else { "" }
         );
     }
     let fading = residual.fading.map(|[below_hz, share]| {
         format!(
-            "below {} Hz it has only {} times the power that the best model has there: what fluctuates slowly is held back, \
-             as where the sensor tracks and removes its own bias",
+            "below {} Hz it has only {} times the power of the best model: slow fluctuations are suppressed, as when \
+            the sensor tracks and removes its own bias",
             short(below_hz),
             short(share)
         )
@@ -217,8 +217,8 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
             duration(first.to),
             match more.len() {
                 0 => String::new(),
-                1 => " and in one more stretch".into(),
-                n => format!(" and in {n} more stretches"),
+                1 => " and in one more interval".into(),
+                n => format!(" and in {n} more intervals"),
             },
             if residual.only_there { "; outside that, the residual is noise" } else { "" }
         ),

@@ -40,7 +40,7 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
             };
             let beyond = account.oversized.iter().map(|(id, sensor)| {
                 format!(
-                    " {} would explain it, but only with values that no sensor has: are units and columns right?",
+                    " {} would explain it, but only with implausible values: check units and columns.",
                     spoken(id, *sensor)
                 )
             });
@@ -80,7 +80,7 @@ pub fn findings(account: &Account) -> Vec<String> {
     let mut out: Vec<String> = account.drifts.iter().map(|d| drift(d, account.has_column)).collect();
     out.extend(account.knocked.iter().map(|k| {
         format!(
-            "pose {} ({} to {} s) disagrees with all the others, as one that was touched does; it was left out",
+            "pose {} ({} to {} s) disagrees with all the others, as if the sensor had been touched; it was left out",
             k.pose,
             short(k.time_s[0]),
             short(k.time_s[1])
@@ -102,11 +102,12 @@ fn drift(drift: &Drift, has_column: bool) -> String {
     let why = if has_column {
         "the environment column does not explain it"
     } else {
-        "1/f noise, warming up and a battery look alike here; a temperature column under `environment` would tell"
+        "1/f noise, warm-up and a draining battery look alike here; a temperature column under `environment` would \
+        tell them apart"
     };
     format!(
-        "slow drift of the {}: its offsets move by {x}, {y} and {z} {unit} (x, y, z) over the recording; it was fitted \
-         beside the calibration and has no name, for {why}",
+        "slow drift of the {}: its offsets move by {x}, {y} and {z} {unit} (x, y, z) over the recording; it was \
+        fitted together with the calibration but is not named: {why}",
         drift.sensor.name()
     )
 }
@@ -123,7 +124,7 @@ pub fn place(detail: &Detail) -> String {
     let kinds: Vec<String> = location.residuals.iter().filter(present).map(of).collect();
     let poses = detail.poses.len();
     let place = match (location.standing_out, location.axis) {
-        (0, _) => "no pose stands out of the noise".to_owned(),
+        (0, _) => "no pose stands out from the noise".to_owned(),
         (n, None) => format!("{n} of {poses} poses stand out"),
         (n, Some(axis)) => format!(
             "{n} of {poses} poses stand out, mostly with the component of gravity along \
@@ -136,7 +137,7 @@ pub fn place(detail: &Detail) -> String {
 /// A kind of residual.
 pub fn residual(group: Group) -> &'static str {
     match group {
-        Group::Gravity => "length of gravity",
+        Group::Gravity => "magnitude of gravity",
         Group::Still => "gyro at rest",
         Group::Turn => "gravity's direction after a turn",
     }
@@ -150,30 +151,30 @@ pub fn next_experiment(outcome: Outcome, account: &Account) -> &'static str {
                               between them."
         }
         Outcome::Explained => {
-            "Repeat the poses on another day with this calibration: constants that hold are the \
-                               sensor's, constants that move are temperature or mounting."
+            "Repeat the poses on another day with this calibration: constants that repeat belong to the sensor, \
+            constants that change are due to temperature or mounting."
         }
         Outcome::Unexplained => match account.above.first() {
             Some((Group::Still, _)) => {
-                "Repeat the same attitude with another heading, and after turning in from the other \
-                                        side: a rate that follows the heading points outside the sensor, one that follows \
-                                        the way in points to hysteresis."
+                "Repeat the same attitude at another heading, and approach it from the other side: a rate that \
+                depends on heading originates outside the sensor, one that depends on the approach points to \
+                hysteresis."
             }
             Some((Group::Turn, _)) => {
-                "Repeat single turns about one axis, slow and fast, to and fro: what depends on speed \
-                                       is the gyro's bandwidth or clock, what depends on direction its scale."
+                "Repeat single turns about one axis, slow and fast, in both directions: a dependence on speed points \
+                to the gyro's bandwidth or clock, a dependence on direction to its scale."
             }
             _ => {
-                "Return to the same attitude from opposite sides several times: bias that depends on the way in is \
-                  hysteresis, bias that does not repeat is the mount."
+                "Return to the same attitude from opposite sides several times: a bias that depends on the approach \
+                is hysteresis, a bias that does not repeat comes from the mount."
             }
         },
         Outcome::Undecidable if !account.base_determined => {
-            "Add poses on the faces and edges that are missing: each axis up, down and slanted."
+            "Add poses on the faces and edges that are missing: each axis up, down and tilted."
         }
         Outcome::Undecidable => {
-            "Add poses where the candidates differ: each axis up and down, slanted in between, and \
-                                 every attitude twice at different times."
+            "Add poses where the candidates differ: each axis up and down, tilted in between, and every attitude \
+            twice at different times."
         }
     }
 }

@@ -63,24 +63,26 @@ fn statement(statement: &Statement, unit: &str) -> String {
             )
         }
         Statement::HeavyTails { channel, kurtosis } => format!(
-            "`{channel}`: its noise has heavier tails than normal noise (kurtosis {}, normal 3); no test here rests on them",
+            "`{channel}`: its noise has heavier tails than normal noise (kurtosis {}, normal 3); no test used here \
+            relies on normal noise",
             short(*kurtosis)
         ),
         Statement::Filtered { channel, filter, lost, rate_hz } => format!(
-            "`{channel}`: the noise loses {:.0} % of its power towards {} Hz, as behind {} in the sensor; the white level \
-             stated is that of lower frequencies",
+            "`{channel}`: the noise loses {:.0} % of its power towards {} Hz, as with {} in the sensor; the white \
+            level stated is that at lower frequencies",
             100.0 * lost,
             short(rate_hz / 2.0),
             shape(*filter, *rate_hz)
         ),
         Statement::Place { earth, length, ci95, expected, latitude_deg } => {
             let (what, beyond) = match earth {
-                Earth::Gravity => ("gravity", "scale factors and biases account for the difference, if they are to"),
-                Earth::Rate => ("the Earth's rate", "what is beyond it is bias"),
+                Earth::Gravity => ("gravity", "scale factors and biases would have to account for the difference"),
+                Earth::Rate => ("the Earth's rate", "the excess is bias"),
             };
             let [low, high] = ci95.map(|v| significant(v, 6));
             format!(
-                "the means together are {} {unit} long ({low} to {high} by their noise); {what} at {}° is {} {unit}: {beyond}",
+                "the vector of the means has length {} {unit} ({low} to {high} by their noise); {what} at {}° is {} \
+                {unit}: {beyond}",
                 significant(*length, 6),
                 short(*latitude_deg),
                 significant(*expected, 6)
@@ -104,19 +106,17 @@ fn statement(statement: &Statement, unit: &str) -> String {
 /// A filter by its usual name.
 fn shape(filter: Filter, rate_hz: f64) -> String {
     match filter {
-        Filter::Smoothing(1) => "a filter that averages two neighbours".into(),
-        Filter::Smoothing(times) => format!("a filter that averages two neighbours {times} times over"),
+        Filter::Smoothing(1) => "a two-sample average".into(),
+        Filter::Smoothing(times) => format!("a two-sample average, applied {times} times"),
         Filter::MovingAverage { readings, times: 1 } => {
-            format!("a filter that is a moving average of {readings} readings")
+            format!("a moving average of {readings} readings")
         }
         Filter::MovingAverage { readings, .. } => {
-            format!("a filter that is a moving average of {readings} readings, twice over")
+            format!("a moving average of {readings} readings, applied twice")
         }
-        Filter::OnePole(memory) => format!("a filter of one pole at {} Hz", short(rate_hz / (TAU * memory))),
-        Filter::TwoPoles { cut, quality } => format!(
-            "a filter of two poles at {} Hz (quality factor {})",
-            short(rate_hz * cut.atan() / PI),
-            short(quality)
-        ),
+        Filter::OnePole(memory) => format!("a one-pole filter at {} Hz", short(rate_hz / (TAU * memory))),
+        Filter::TwoPoles { cut, quality } => {
+            format!("a two-pole filter at {} Hz (quality factor {})", short(rate_hz * cut.atan() / PI), short(quality))
+        }
     }
 }
