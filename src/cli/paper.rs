@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if let Some(folder) = arguments.data.as_ref().filter(|f| !f.is_dir()) {
         return Err(Error::new(
             "could not use the recordings",
-            format!("{} is no folder", folder.display()),
+            format!("{} is not a folder", folder.display()),
             "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
         ));
     }

@@ -41,7 +41,7 @@ pub fn costs(repair: Option<&Repair>, control: &Control) -> Result<Vec<Cost>, St
 
 fn row(row: Row, metres: [f64; 2], repair: &Repair) -> Cost {
     let of = match row {
-        Row::Before | Row::Own => "with the model as it was",
+        Row::Before | Row::Own => "with the original model",
         Row::After => "with the named physics",
         Row::Difference => "difference: the cost of leaving it out",
     };

@@ -147,8 +147,8 @@ pub fn compute(imu: &Inertial) -> Pitch {
     let titles = [
         "Pitch from the accelerometer while moved by hand",
         "One move enlarged: accelerometer and gyro",
-        "Pitch from the gyro alone, lying still",
-        "Lying still: accelerometer and gyro",
+        "Pitch from the gyro alone, at rest",
+        "At rest: accelerometer and gyro",
         "The gyro's angle as a random walk",
         "How both pitches are distributed",
     ];

@@ -83,7 +83,7 @@ pub struct Question<'a> {
 impl Question<'_> {
     /// An error about this clock.
     pub fn refuse(&self, cause: impl Into<String>, hint: impl Into<String>) -> Error {
-        Error::new(format!("could not place {} in time", self.path.display()), cause, hint)
+        Error::new(format!("could not assign times to {}", self.path.display()), cause, hint)
     }
 
     /// Time that runs backwards.

@@ -246,7 +246,7 @@ pub fn too_few(path: &Path, rows: usize) -> Error {
 
 fn checked_rate(path: &Path, rate_hz: Option<f64>, table: &Rows) -> Result<f64> {
     let fail = |cause: String, hint: String| {
-        Err(Error::new(format!("could not place {} in time", path.display()), cause, hint))
+        Err(Error::new(format!("could not assign times to {}", path.display()), cause, hint))
     };
     match rate_hz {
         Some(rate) if RATES_HZ.contains(&rate) => Ok(rate),

@@ -202,7 +202,7 @@ impl Gathered {
         let ticks = self.kept + self.missing;
         if self.missing as f64 > FILL_LIMIT * ticks as f64 {
             return Err(Error::new(
-                format!("could not place {} in time", path.display()),
+                format!("could not assign times to {}", path.display()),
                 format!("{} of {ticks} samples are missing, in {} gaps", self.missing, self.gaps),
                 "use a stretch without gaps: --from-s, --to-s, or rows = [[a, b]] in the model",
             ));

@@ -22,7 +22,7 @@ fn millions(per_second: f64) -> String {
 
 /// All measurements.
 pub fn table(rows: &[Row]) -> Table {
-    let headings = ["work", "where", "precision", "members", "million per s", "of", "instructions", "share of peak"];
+    let headings = ["work", "where", "precision", "members", "million per s", "of", "instructions", "fraction of peak"];
     let mut table = Table::new(&headings);
     for r in rows {
         table.row([

@@ -52,7 +52,8 @@ pub fn headline(outcome: &Outcome) -> Table {
 
 /// One row per way of concealment.
 pub fn families(outcome: &Outcome) -> Table {
-    let mut table = Table::new(&["how it is concealed", "cases", "right", "silent", "seen, not named", "false name"]);
+    let mut table =
+        Table::new(&["how it is concealed", "cases", "right", "silent", "detected, not named", "false name"]);
     for row in &outcome.families {
         // Counts: a share of four cases has no decimals.
         let shares = [1.0, row.named_correctly, row.silent, row.unnamed, row.confidently_wrong];
@@ -81,7 +82,7 @@ pub fn recordings(found: &[Found]) -> Table {
 
 /// Errors on samples that were not fitted beside the best published ones.
 pub fn scores(found: &[Found]) -> Table {
-    let headings = ["recording", "judged on", "unit", "base model", "with the named physics", "published", "by"];
+    let headings = ["recording", "validated on", "unit", "base model", "with the named physics", "published", "by"];
     let mut table = Table::new(&headings);
     let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| significant(v, 3));
     for real in found {
@@ -105,7 +106,7 @@ fn limit_words(limit: &Limit) -> String {
 
 /// Per effect: from which size it is noticed, how often it is named, what it is taken for.
 pub fn effects(outcome: &Outcome) -> Table {
-    let headings = ["kind", "planted alone", "cases", "noticed from (× noise)", "named", "otherwise said"];
+    let headings = ["kind", "planted alone", "cases", "detected from (× noise)", "named", "other verdicts"];
     let mut table = Table::new(&headings);
     for limit in &outcome.detection_limit {
         let of = |c: &&Confusion| c.kind == limit.kind && c.planted == limit.id;
@@ -203,8 +204,9 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
     format!(
         "{} cases from seed {}, {} samples each, readout noise 0.2 % of the output ({noise}). Sizes are the rms that the best \
          refit of the base model leaves, over the rms noise. A verdict is right when it names exactly what was planted, or \
-         says “undecidable” and lists it with at most one other. The detection limit of an effect is the size flagged \
-         in nine of ten cases; without one in range, cases count as above it from {FALLBACK_LIMIT} × noise. Intervals \
+         says “undecidable” and lists it with at most one other. The detection limit of an effect is the size \
+         detected in nine of ten cases; without one in range, cases count as above it from {FALLBACK_LIMIT} × noise. \
+         Intervals \
          are compared \
          where exactly what was planted was named.",
         outcome.cases, plan.seed, plan.samples
@@ -252,7 +254,8 @@ pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts,
         ),
         (
             &limits,
-            "Size at which nine of ten recordings are flagged, per effect, with its 95 % interval; those that \
+            "Size at which a mismatch is detected in nine of ten recordings, per effect, with its 95 % interval; \
+            those that \
         reach beyond \
           100 are cut there.",
         ),

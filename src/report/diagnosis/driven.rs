@@ -87,7 +87,7 @@ fn zoomed_errors(detail: &Detail) -> Exhibit {
         rows.map(|(k, (y, m))| ((s.from + k) as f64 / detail.rate_hz, y - m)).collect()
     };
     let mut chart = Chart::new(
-        "Its error there",
+        "Error there",
         Axis::linear("time / s"),
         Axis::linear(&labelled("recorded − simulated", &detail.unit)),
     );

@@ -97,7 +97,7 @@ pub fn fit_table(verdict: &Verdict) -> Table {
     for r in fit.recordings.iter().filter(|_| several) {
         let path = std::path::Path::new(&r.file).file_name();
         let file = path.map_or(r.file.clone(), |f| f.to_string_lossy().into_owned());
-        let role = if r.role == Role::Test { "only judging" } else { "fitted" };
+        let role = if r.role == Role::Test { "validation only" } else { "fitted" };
         table.row([format!("{file}, {role}"), significant(r.rmse_before, 3), after(r.rmse_after)]);
         if let Some(before) = r.force_error_before {
             let name = format!("{file}, {role}: error of the force over the force");

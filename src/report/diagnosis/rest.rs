@@ -83,7 +83,7 @@ fn trace(channel: &ChannelDetail, unit: &str) -> Exhibit {
     let mut chart = Chart::new(
         &format!("{} over time", channel.name),
         Axis::linear(label),
-        Axis::linear(&labelled("reading less its mean", unit)),
+        Axis::linear(&labelled("reading minus its mean", unit)),
     )
     .with("recorded, block means", Ink::Blue, Mark::Dots(2), points(1));
     let has_curve = channel.trace.iter().any(|t| t[2] != 0.0);

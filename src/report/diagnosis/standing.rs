@@ -20,7 +20,7 @@ pub fn note(note: &Note) -> String {
         ),
         Note::BesideNamed => "what it adds to the other named effects".into(),
         Note::Dropped(reason) => format!("dropped: {}", dropped(*reason)),
-        Note::InPoses { judged, fate } => format!("judged by {}{}", residual(*judged), fated(fate)),
+        Note::InPoses { judged, fate } => format!("scored by {}{}", residual(*judged), fated(fate)),
         Note::Indistinguishable => "cannot be separated from the common scale by any pose: both multiply |f|".into(),
     }
 }

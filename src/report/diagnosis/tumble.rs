@@ -83,7 +83,7 @@ fn opening(detail: &Detail) -> Chart {
     let last = detail.poses.len() as f64;
     Chart::new("Residual of each pose", Axis::linear("pose"), Axis::log("residual over noise"))
         .with("noise alone", Ink::Black, Mark::Dashed, vec![(0.0, 1.0), (last + 1.0, 1.0)])
-        .with("as it was", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
+        .with("before", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
         .with("with the named physics", Ink::Red, Mark::Dots(4), points(|p| &p.after))
 }
 
@@ -119,7 +119,7 @@ fn follows(detail: &Detail, axis: usize) -> Chart {
         Axis::linear(&format!("specific force along {} / g", names[along])),
         Axis::linear("rate at rest / (°/s)"),
     )
-    .with("as it was", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
+    .with("before", Ink::Soft, Mark::Dots(4), points(|p| &p.before))
     .with("with the named physics", Ink::Red, Mark::Dots(4), points(|p| &p.after))
 }
 

@@ -209,7 +209,7 @@ fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attract
     page.figure_row(&[
         (
             &paths("Cubic spring, six members", &parting.cubic),
-            "Distance error (reading less true force, integrated twice). At first all members have the same error; \
+            "Distance error (reading minus true force, integrated twice). At first all members have the same error; \
             then they diverge.",
         ),
         (
@@ -233,7 +233,7 @@ fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attract
     let anchor = parting.separation.iter().find(|p| p.1 > -18.0).copied().unwrap_or((0.0, 0.0));
     let line = |t: f64| (t, (anchor.1 + attractor.exponent.value * (t - anchor.0)).exp());
     let end = anchor.0 + 16.0 / attractor.exponent.value;
-    let separation = Chart::new("Twins parting", Axis::linear("time / s"), Axis::log("distance in the phase plane"))
+    let separation = Chart::new("Diverging pairs", Axis::linear("time / s"), Axis::log("distance in the phase plane"))
         .with("128 pairs, geometric mean", Ink::Red, Mark::Line, thin(&apart, 800))
         .with("e^(λ₁t), λ₁ of figure 17", Ink::Black, Mark::Dashed, vec![line(anchor.0), line(end)])
         .draw();

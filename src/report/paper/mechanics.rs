@@ -122,7 +122,7 @@ fn linear(page: &mut Page, linear: &Linear) {
     let law = vec![(0.0, 0.0), (1.0, 0.0), (1.0, -0.99), (31.0, -3.99), (31.0, -3.0), (END_S, -3.0)];
     let over_time =
         Chart::new("Distance error over time", Axis::linear("time / s"), Axis::linear("distance error / m"))
-            .with("sensor less ideal", Ink::Green, Mark::Line, thin(&error, 900))
+            .with("sensor minus ideal", Ink::Green, Mark::Line, thin(&error, 900))
             .with("−(D₀/k) speed − (1 − 4ζ²) reading/ω₀²", Ink::Black, Mark::Dashed, law)
             .draw();
     let constant = Chart::new(

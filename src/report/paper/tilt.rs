@@ -75,13 +75,13 @@ fn still(page: &mut Page, pitch: &Pitch) {
     page.paragraph(
         "At rest the roles are exchanged: the gyro's pitch is an integral, and an integral of noise wanders.",
     );
-    let gyro = Chart::new("Lying still", Axis::linear("time / s"), Axis::linear("pitch / °"))
+    let gyro = Chart::new("At rest", Axis::linear("time / s"), Axis::linear("pitch / °"))
         .with("gyro, integrated", Ink::Blue, Mark::Line, degrees(&pitch.still_gyro, 1200))
         .draw();
     page.figure(
         &gyro,
-        "The motionless start of the recording: the rate, less the offset that the calibration found over all poses, \
-         integrated. Nothing moves, and the angle does.",
+        "The motionless start of the recording: the rate, minus the offset that the calibration found over all poses, \
+        integrated. Nothing moves, and the angle does.",
     );
     checks(page, seven);
 
@@ -90,8 +90,8 @@ fn still(page: &mut Page, pitch: &Pitch) {
         "Side by side: the accelerometer scatters about the truth and stays there; the gyro is smooth and leaves.",
     );
     page.figure(
-        &pitches("Lying still", &pitch.still_force, &pitch.still_gyro).draw(),
-        "The same stretch. Orange: eq. 3 less its mean. Blue: as in figure 7. What the paper calls bias may equally \
+        &pitches("At rest", &pitch.still_force, &pitch.still_gyro).draw(),
+        "The same stretch. Orange: eq. 3 minus its mean. Blue: as in figure 7. What the paper calls bias may equally \
         be random walk here: white rate noise alone explains a final drift of this size.",
     );
     checks(page, eight);
@@ -168,7 +168,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     };
     let chart = Chart::new(
         "Distributions over the still stretch",
-        Axis::linear("pitch less its mean / °"),
+        Axis::linear("pitch minus its mean / °"),
         Axis::linear("density / (1/°)"),
     )
     .with("accelerometer", Ink::Red, Mark::Bars(width), histogram(&pitch.still_force))
@@ -316,7 +316,7 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     };
     let errors: Vec<Line> = moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
     let end = errors.last().map_or(8.0, |l| l.0);
-    let [recorded, enlarged] = filters("A move by hand", "tilt less reference / °", &errors, (-1.0, end), 10.0);
+    let [recorded, enlarged] = filters("A move by hand", "tilt minus reference / °", &errors, (-1.0, end), 10.0);
     let caption = format!(
         "The three filters {words} ({}), with the noise fitted to the still minute: the move with the plain filter's largest \
          error, as errors against a reference: the pitch that the gyro carries from pose to pose, made to meet the \

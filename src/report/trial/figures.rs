@@ -15,7 +15,7 @@ pub fn power(outcome: &Outcome) -> Figure {
     let mut chart = Chart::new("Detection limit", x, Axis::linear("share").within(0.0, 1.05));
     let noticed: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.noticed)).collect();
     let named: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.named)).collect();
-    for (name, ink, pairs, beside) in [("noticed", Ink::Blue, noticed, 0.95), ("named", Ink::Red, named, 1.05)] {
+    for (name, ink, pairs, beside) in [("detected", Ink::Blue, noticed, 0.95), ("named", Ink::Red, named, 1.05)] {
         if let Some(power) = Power::fit(&pairs) {
             let sizes = (0..=120).map(|k| EDGES[0] * (EDGES[8] / EDGES[0]).powf(f64::from(k) / 120.0));
             let (mut low, mut high, mut line) = (Vec::new(), Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ pub fn limits(outcome: &Outcome) -> Figure {
     order::sort_by_key(&mut found, |f| f.1);
     let names = found.iter().enumerate().map(|(n, f)| (n as f64 + 1.0, f.0.clone())).collect();
     let (least, most) = (0.003, 100.0);
-    let x = Axis::log("size flagged in 9 of 10 / noise (rms)").within(least, most);
+    let x = Axis::log("size detected in 9 of 10 / noise (rms)").within(least, most);
     let y = Axis::linear("most visible lowest").named(names).within(0.0, found.len() as f64 + 1.0);
     let mut chart = Chart::new("Detection limit of each effect", x, y);
     let mut points = Vec::new();

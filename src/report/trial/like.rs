@@ -51,7 +51,7 @@ fn strength(power: &Power, effect: &Revealed, size: Option<f64>) -> String {
 
 fn effects(power: &Power) -> Table {
     let headings =
-        ["effect", "noticed from (× noise)", "named from (× noise)", "that is", "smaller: confused or tied with"];
+        ["effect", "detected from (× noise)", "named from (× noise)", "that is", "smaller: confused or tied with"];
     let mut table = Table::new(&headings);
     for effect in &power.effects {
         let sizes = || effect.tried.iter().map(|t| t.effect_over_noise);
@@ -111,7 +111,7 @@ fn ladder(power: &Power) -> Figure {
     }
     let ways = [
         ("silent", Ink::Soft, 2),
-        ("noticed, not named", Ink::Sky, 4),
+        ("detected, not named", Ink::Sky, 4),
         ("named, or tied with one other", Ink::Blue, 5),
         ("false name", Ink::Red, 5),
     ];

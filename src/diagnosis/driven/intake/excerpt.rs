@@ -65,8 +65,8 @@ pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
         let mut clause = format!("of [split] only {} samples were fitted", of(&fitted, &train));
         let mut places_used = format!("fitted were {}", places(&fitted));
         if !test.is_empty() {
-            clause += &format!(" and {} judged", of(&judging, &test));
-            places_used += &format!(", and {} judged", places(&judging));
+            clause += &format!(" and {} used for validation", of(&judging, &test));
+            places_used += &format!(", and {} for validation", places(&judging));
         }
         let said = format!(
             "{clause}, the loudest {LONGEST} in a row and as many next to them: {places_used}; samples and times count from sample {}",
@@ -75,7 +75,8 @@ pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
         (said, Some(clause))
     } else {
         let said = format!(
-            "of {samples} samples the loudest {LONGEST} in a row were judged, from sample {}; samples and times count from there",
+            "of {samples} samples the loudest {LONGEST} in a row were used, from sample {}; samples and times count \
+            from there",
             kept.start
         );
         (said, None)
@@ -207,8 +208,14 @@ mod tests {
         assert_eq!(part.columns[0].values, long.columns[0].values[300_000 - REACH..1_300_000 + REACH]);
         assert_eq!(model.split.train, [[REACH, REACH + LONGEST]]);
         assert_eq!(model.split.test, [[REACH + LONGEST, REACH + 2 * LONGEST]]);
-        assert_eq!(doubt, "of [split] only 500000 of 800000 samples were fitted and 500000 of 700000 judged");
-        assert!(said.contains("[300000, 800000), and [800000, 1300000) judged") && said.contains("299976"), "{said}");
+        assert_eq!(
+            doubt,
+            "of [split] only 500000 of 800000 samples were fitted and 500000 of 700000 used for validation"
+        );
+        assert!(
+            said.contains("[300000, 800000), and [800000, 1300000) for validation") && said.contains("299976"),
+            "{said}"
+        );
         // Two short ranges far from each other span too much: the louder one is fitted.
         let split = driven("[split]\ntrain = [[0, 9000], [1400000, 1409000]]\n");
         let Some(Part { model, recording: part, .. }) = excerpt(&long, &split) else { unreachable!("used whole") };

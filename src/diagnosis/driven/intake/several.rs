@@ -127,7 +127,7 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
         |role: Role| -> Vec<String> { parts.iter().filter(|p| p.role == role).map(|p| name(p.recording)).collect() };
     let mut said = format!("fitted together: {}", names(Role::Train).join(", "));
     if own_test {
-        said += &format!("; only judging: {}", names(Role::Test).join(", "));
+        said += &format!("; validation only: {}", names(Role::Test).join(", "));
     }
     said += "; times count through the recordings in this order";
     all.notes.findings.insert(0, said);
