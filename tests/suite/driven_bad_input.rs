@@ -225,7 +225,7 @@ fn mismatched() -> Result<(), Failed> {
     ] {
         let verdict = bench.verdict(&csv, MODEL)?;
         let said = format!("{} {}", verdict["sentence"], verdict["findings"]);
-        check(said.contains("But mind") && said.contains(words), format!("{what}: no \"{words}\" in {said}"))?;
+        check(said.contains(" Note: ") && said.contains(words), format!("{what}: no \"{words}\" in {said}"))?;
         // What is out of step can be set right; the rest belongs to no oscillator, and no effect is blamed for it.
         let right = if what.contains("samples") { "adequate" } else { "unexplained" };
         check(verdict["verdict"] == right, format!("{what}: {}", verdict["verdict"]))?;

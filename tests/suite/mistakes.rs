@@ -90,8 +90,8 @@ fn studies() -> Result<(), Failed> {
         // All members lost in a float's range is no "exact" sensor.
         (sine("1e300", "3.0"), "64 of 64 members"),
         // Sampled at its own multiple a sine is nothing at all.
-        (sine("1.0", "500.0"), "cannot be seen"),
-        (study("[gyro]\nbias_deg_h = 1e300"), "no sensor has that"),
+        (sine("1.0", "500.0"), "cannot be represented"),
+        (study("[gyro]\nbias_deg_h = 1e300"), "implausible for any sensor"),
         (study("[sensor]\nresonance_hz = 1e-300"), "too small"),
         (study("[sensor]\nsample_rate_hz = 1e-300"), "1.0e302 times"),
         ("duration_s = 1e300\nstep_s = 0.01\n".into(), "1e300 s"),
@@ -135,7 +135,7 @@ fn logs() -> Result<(), Failed> {
         (rows("2,5"), "line 102 has 3 cells"),
         (rows("2").replacen("ax,ay\n", "", 1), "called 1 to 2"),
         (rows("2").replace(',', "_"), "commas, semicolons or tabs"),
-        (rows("2").replacen('\n', "\nx,y\n", 1), "one of units"),
+        (rows("2").replacen('\n', "\nx,y\n", 1), "one line of units"),
     ];
     for (text, word) in cases {
         let output =
@@ -165,7 +165,7 @@ fn places() -> Result<(), Failed> {
     std::fs::write(folder.path().join("taken"), "")?;
     for command in ["study", "bench", "paper"] {
         let output = program().current_dir(folder.path()).args([command, "--out", "taken"]).output()?;
-        refused(command, &output, &["a file stands where a folder should be"])?;
+        refused(command, &output, &["there is a file where a folder should be"])?;
     }
     Ok(())
 }

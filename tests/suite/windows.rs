@@ -148,7 +148,7 @@ fn disturbed() -> Result<(), Failed> {
     let said =
         rows(&told, "findings")?.iter().any(|f| f.as_str().is_some_and(|f| f.contains("knock") && f.contains("jump")));
     check(said, format!("{}", told["findings"]))?;
-    check(page.contains("without the windows that hold a knock"), "the page does not show both")
+    check(page.contains("without the windows that contain a knock"), "the page does not show both")
 }
 
 fn absent() -> Result<(), Failed> {
