@@ -108,7 +108,7 @@ fn studies() -> Result<(), Failed> {
     );
     let output = run_on(folder.path(), "study.toml", &random, &["study", "study.toml", "--out", "out"])?;
     let page = std::fs::read_to_string(folder.path().join("out/report.html"))?;
-    check(output.status.success() && page.contains("folds back"), "an excitation beyond half the rate of the steps")
+    check(output.status.success() && page.contains("is aliased"), "an excitation beyond half the rate of the steps")
 }
 
 fn maps() -> Result<(), Failed> {
