@@ -356,7 +356,7 @@ fn refusals() -> Result<(), Failed> {
         ("[trajectory]\nkind = \"rest\"\n[gyro]\nbias_deg_h = [1.0, 2.0]\n", "three numbers"),
         ("[trajectory]\nkind = \"rest\"\n[earth]\nlatitude_deg = 90.0\n", "pole"),
         ("[trajectory]\nkind = \"rest\"\n[earth]\nheight_m = 90.0\n", "latitude_deg"),
-        ("[trajectory]\nkind = \"rest\"\n[excitation]\nkind = \"sine\"\n", "no place beside"),
+        ("[trajectory]\nkind = \"rest\"\n[excitation]\nkind = \"sine\"\n", "cannot be combined with"),
         ("[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 1.0\nheading_sd_deg = 1.0\n", "without a [trajectory]"),
         ("[trajectory]\nkind = \"rest\"\n[alignment]\nkind = \"ideal\"\nheading_sd_deg = 1.0\n", "belong to kind"),
     ];
