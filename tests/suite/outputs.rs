@@ -161,7 +161,7 @@ fn inputs() -> Result<(), Failed> {
         let mut command = program();
         command.current_dir(bench.path(".")).args(["diagnose", "log.csv", "--model", name, "--out", "."]);
         if force {
-            run(command.arg("--force"))?.refuses(name, &format!("{name}: read by this very run"))?;
+            run(command.arg("--force"))?.refuses(name, &format!("{name}: an input of this run"))?;
         } else {
             accepted(name, &run(&mut command)?)?;
             check(bench.path("report.html").is_file(), "no report")?;
