@@ -57,7 +57,7 @@ impl Model {
 /// Half-open ranges of samples.
 pub type Ranges = Vec<[usize; 2]>;
 
-/// Training and validation samples; absent means interleaved blocks.
+/// Which samples are fitted and which judge; absent means interleaved blocks.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -108,21 +108,21 @@ impl Split {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Driven {
-    /// Topic, message or array, if the recording has several.
+    /// Topic, message or array, where the recording has several.
     pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
     #[serde(default)]
     pub rows: Ranges,
-    /// Unit of the output, for text, plots and numbers; absent: the unit at the end of its heading.
+    /// Unit of the output, for words, plots and numbers; absent, what its heading ends in.
     pub unit: Option<String>,
     /// Columns by role.
     pub columns: DrivenColumns,
-    /// Initial values for the base model, which may be off by a factor of two.
+    /// Hints, which may be off by a factor of two.
     #[serde(default)]
     pub start: Start,
-    /// Training and validation samples.
+    /// Which samples are fitted.
     #[serde(default)]
     pub split: Split,
 }
@@ -134,11 +134,11 @@ pub struct Driven {
 pub struct DrivenColumns {
     /// Time in s.
     pub time: Option<String>,
-    /// Input (force); absent for a free ring-down.
+    /// Force; absent for a free ring-down.
     pub input: Option<String>,
     /// Reading.
     pub output: String,
-    /// Environment columns, offered to the candidates.
+    /// Offered to candidates.
     #[serde(default)]
     pub environment: Vec<String>,
 }
@@ -159,25 +159,25 @@ pub struct Start {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Static {
-    /// Topic, message or array, if the recording has several.
+    /// Topic, message or array, where the recording has several.
     pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
     #[serde(default)]
     pub rows: Ranges,
-    /// Unit of the channels, for text and plots.
+    /// Unit of the channels, for words and plots.
     #[serde(default)]
     pub unit: String,
-    /// Geodetic latitude of the place, °: gravity and the Earth's rate there are compared with the means.
+    /// Geodetic latitude of the place: gravity and the Earth's rate there stand beside the means.
     pub latitude_deg: Option<f64>,
-    /// Height above the ellipsoid, m.
+    /// Height above the ellipsoid.
     pub height_m: Option<f64>,
     /// Columns by role.
     pub columns: StaticColumns,
-    /// What the datasheet states; absent: white noise whose level is estimated.
+    /// What the datasheet promises; absent, white noise whose level is estimated.
     pub noise: Option<Noise>,
-    /// Training and validation samples.
+    /// Which samples are fitted.
     #[serde(default)]
     pub split: Split,
 }
@@ -191,7 +191,7 @@ pub struct StaticColumns {
     pub time: Option<String>,
     /// Readings.
     pub channels: Vec<String>,
-    /// Environment columns such as temperature.
+    /// Temperature and the like.
     #[serde(default)]
     pub environment: Vec<String>,
 }
@@ -216,20 +216,20 @@ pub struct Noise {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tumble {
-    /// Topic, message or array, if the recording has several.
+    /// Topic, message or array, where the recording has several.
     pub topic: Option<String>,
     /// Sampling rate, or `columns.time`.
     pub rate_hz: Option<f64>,
     /// Data rows used, counted from zero after the header; absent means all. One range.
     #[serde(default)]
     pub rows: Ranges,
-    /// Magnitude of gravity at the place of recording, m/s².
+    /// |g| where it was recorded.
     pub gravity_m_s2: f64,
-    /// CSV of start_row,end_row_exclusive; absent: the still poses are found automatically.
+    /// CSV of start_row,end_row_exclusive; absent: found by the tool.
     pub poses: Option<PathBuf>,
     /// Columns by role.
     pub columns: TumbleColumns,
-    /// Training and validation samples.
+    /// Which samples are fitted.
     #[serde(default)]
     pub split: Split,
 }
@@ -241,11 +241,11 @@ pub struct Tumble {
 pub struct TumbleColumns {
     /// Time in s.
     pub time: Option<String>,
-    /// Three angular rates; absent: the accelerometer alone.
+    /// Three rates; absent: the accelerometer alone.
     pub gyro: Option<[String; 3]>,
     /// Three specific forces.
     pub accelerometer: [String; 3],
-    /// Environment columns such as temperature.
+    /// Temperature and the like.
     #[serde(default)]
     pub environment: Vec<String>,
 }
