@@ -133,7 +133,7 @@ fn bad_input() -> Result<(), Failed> {
     refused("a cell too many", &good.replacen("\n", "\nhello,", 1), MODEL, "line 2 has 7 cells")?;
     let text =
         good.lines().enumerate().map(|(n, l)| if n == 7 { "1,hello,2,3,4,5\n".into() } else { format!("{l}\n") });
-    refused("text in a cell", &text.collect::<String>(), MODEL, "line 8, column 2: `hello` is no number")?;
+    refused("text in a cell", &text.collect::<String>(), MODEL, "line 8, column 2: `hello` is not a number")?;
     refused(
         "resting only",
         &with(&|k, r| *r = std::array::from_fn(|c| 100.0 + ((k * (c + 3) * 7919) % 13) as f64)),

@@ -92,7 +92,7 @@ fn refused() -> Result<(), Failed> {
         }
     });
     refused("every seventh value missing", &missing, MODEL, "missing")?;
-    refused("text in a cell", &good.replacen("\n", "\n1,two,3,4\n", 1), MODEL, "`two` is no number")
+    refused("text in a cell", &good.replacen("\n", "\n1,two,3,4\n", 1), MODEL, "`two` is not a number")
 }
 
 fn survived() -> Result<(), Failed> {
