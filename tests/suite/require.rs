@@ -223,7 +223,7 @@ fn refused() -> Result<(), Failed> {
         (&["--limit", limit, "--vary", "gyro.bias_deg_hr"], "did you mean `bias_deg_h`"),
         (&["--limit", limit, "--vary", "gyro.bias_deg_h", "--tolerance", "0"], "--tolerance"),
         (&["--limit", limit, "--parts", &unknown], "did you mean `bias_deg_h`"),
-        (&["--limit", limit, "--parts", &empty], "no part"),
+        (&["--limit", limit, "--parts", &empty], "no [[part]]"),
     ];
     for (arguments, words) in cases {
         let output = program().args(["require", &path]).args(arguments).output()?;
