@@ -8,13 +8,13 @@ use crate::study::{Assignment, Overrides, Preset};
 /// The changes.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Changed {
-    /// Seed, instead of the study's own
+    /// Seed, overriding the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Typical sensor of this grade, for each error that the study does not give itself
     #[arg(long, value_enum, value_name = "GRADE")]
     pub preset: Option<Preset>,
-    /// Set any key of the study: a dotted path and a TOML value, also into a draw (repeatable)
+    /// Set any key of the study: dotted path and TOML value, also inside a draw (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Assignment>,
 }
@@ -43,10 +43,10 @@ impl ValueEnum for Preset {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let help = match self {
-            Self::Consumer => "ICM-20948, a phone's or a drone's part, not calibrated",
-            Self::Industrial => "ADIS16470, MEMS calibrated in the factory",
-            Self::Tactical => "STIM300, the best of MEMS",
-            Self::Navigation => "HG9900, ring lasers",
+            Self::Consumer => "ICM-20948, phone or drone grade, uncalibrated",
+            Self::Industrial => "ADIS16470, factory-calibrated MEMS",
+            Self::Tactical => "STIM300, high-end MEMS",
+            Self::Navigation => "HG9900, ring-laser gyros",
         };
         Some(PossibleValue::new(self.name()).help(help))
     }

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// What is changed in the study.
     #[command(flatten)]
     pub changed: Changed,
-    /// Simulate at several values of a key, with the same members at each: a curve; given twice, a map
+    /// Simulate at several values of a key with the same members: a curve; given twice, a map
     #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
     pub sweep: Vec<Axis>,
     /// Use as many members as needed for the last position error (mean, standard uncertainty, both ends of the 95 %
