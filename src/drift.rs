@@ -16,7 +16,7 @@ use crate::kernel::integrator::{Choice, Integrator};
 use crate::kernel::job::{Clock, Job};
 use crate::navigation::closed_form::Process;
 use crate::navigation::power_law;
-use crate::sensor::source::Source;
+use crate::sensor::source::ErrorSource;
 use crate::statistics::{Statistics, Summary, quantity};
 use crate::study::Study;
 use crate::units::STANDARD_GRAVITY_M_S2;
@@ -138,13 +138,13 @@ fn growth(statistics: &Statistics, expected: &Expected) -> Growth {
     let envelope: Vec<(f64, f64)> = statistics.time_s.iter().copied().zip(sd).collect();
     let last = expected.time_s.len() - 1;
     // What a still start leaves of a source is a constant bias, and grows as one; the rest of it by its own power.
-    let bias_share = |source: Source| {
+    let bias_share = |source: ErrorSource| {
         let (integrations, factor) = if source.is_gyro() { (3, STANDARD_GRAVITY_M_S2.powi(2)) } else { (2, 1.0) };
         let left = expected.bias_left.iter().find(|(other, _)| *other == source).map_or(0.0, |(_, left)| *left);
         factor * left * Process::Constant(1.0).variance(integrations, expected.time_s[last])
     };
     let from_sources = power_law::EXPONENTS.map(|exponent| {
-        let part = |(source, rows): &(Source, Vec<[Moment; 4]>)| {
+        let part = |(source, rows): &(ErrorSource, Vec<[Moment; 4]>)| {
             let (whole, bias) = (rows[last][quantity::POSITION].variance, bias_share(*source));
             let own = if source.position_exponent() == Some(exponent) { (whole - bias).max(0.0) } else { 0.0 };
             let of_bias = if source.is_gyro() { 3.0 } else { 2.0 };

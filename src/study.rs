@@ -35,7 +35,7 @@ use in_motion::InMotion;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
 use section::Section;
-pub use source::{Source, read_default};
+pub use source::{StudyText, read_default};
 pub use sweep::Axis;
 use tolerances::Tolerances;
 

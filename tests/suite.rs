@@ -96,7 +96,7 @@ fn main() {
         suite::parity::tests(),
         // laws: the same law in both precisions, on both backends, in the diagnosis and as the trial wrote it.
         suite::laws::tests(),
-        // start search: it finds the valleys that a few starts miss; profiles are what refits give.
+        // start search: it finds the local minima that a few starts miss; profiles are what refits give.
         suite::start_search::tests(),
         // invariance: the same bits for any tile, batch, thread, lane and interruption.
         suite::invariance::tests(),

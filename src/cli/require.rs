@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::require as page;
-use crate::study::{Source, Study};
+use crate::study::{StudyText, Study};
 
 const EXAMPLES: &str = "EXPR is STAT(QUANTITY, TIME_S) < NUMBER
   STAT      mean sd p01 p05 p50 p95 p99 of the signed error; abs95, the 95 % of its absolute value;
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
             "0.01, which is the default, stops at 1 % of the value",
         ));
     }
-    let source = Source::read(&arguments.study, arguments.changed.overrides(None))?;
+    let source = StudyText::read(&arguments.study, arguments.changed.overrides(None))?;
     let study = source.study()?;
     let catalogue = arguments.parts.as_deref().map(Catalogue::read).transpose()?;
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, outputs(arguments, &study))).transpose()?;

@@ -23,7 +23,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::shard::{MOST as MOST_SHARDS, Shard};
-use crate::study::{Axis, Source, Study};
+use crate::study::{Axis, StudyText, Study};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000
@@ -173,11 +173,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 }
 
 /// The text of the study that the arguments ask for.
-fn source(arguments: &Arguments) -> Result<Source> {
+fn source(arguments: &Arguments) -> Result<StudyText> {
     let overrides = arguments.changed.overrides(arguments.members);
     match &arguments.study {
-        Some(path) => Source::read(path, overrides),
-        None => Source::of_default(overrides),
+        Some(path) => StudyText::read(path, overrides),
+        None => StudyText::of_default(overrides),
     }
 }
 

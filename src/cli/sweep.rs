@@ -16,7 +16,7 @@ use crate::report::sweep as page;
 use crate::statistics::Statistics;
 use crate::strapdown::backends::run_on;
 use crate::study::sweep::Sweep;
-use crate::study::{Axis, Source, Study};
+use crate::study::{Axis, Study, StudyText};
 
 /// What `study` was asked.
 pub(super) struct Asked<'a> {
@@ -72,7 +72,7 @@ pub(super) fn plan(asked: &Asked<'_>, study: &Study) -> Result<Option<Plan>> {
 ///
 /// # Errors
 /// A value that the study refuses, a backend that is not there, Ctrl-C, a folder that cannot be written.
-pub(super) fn run(asked: &Asked<'_>, source: &Source, study: &Study, plan: &Plan, json: bool) -> Result<()> {
+pub(super) fn run(asked: &Asked<'_>, source: &StudyText, study: &Study, plan: &Plan, json: bool) -> Result<()> {
     let usual = || Path::new("reports").join(format!("{}-sweep", study.name));
     let path = asked.out.map_or_else(usual, Path::to_path_buf);
     let identity = format!("{} {plan:?}", study.identity);

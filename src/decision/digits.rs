@@ -10,7 +10,7 @@ use crate::drift::Drift;
 use crate::error::{Error, Result};
 use crate::statistics::jcgm101::{self, BLOCK, BLOCKS, Linear, Need, Stated};
 use crate::statistics::quantity;
-use crate::study::{Source, Study};
+use crate::study::{Study, StudyText};
 
 /// How many members it takes.
 ///
@@ -40,7 +40,7 @@ pub fn need(study: &Study, digits: u32, control: &Control) -> Result<Need> {
 ///
 /// # Errors
 /// As [`need`]; more members than can be addressed.
-pub fn sized(source: &Source, digits: u32, control: &Control) -> Result<Study> {
+pub fn sized(source: &StudyText, digits: u32, control: &Control) -> Result<Study> {
     let study = source.study()?;
     let need = need(&study, digits, control)?;
     control.remark(&format!("{} members for {digits} stable digits", need.trials));

@@ -12,7 +12,7 @@ use super::values::{FIRST, Place, Work};
 use crate::control::Control;
 use crate::document::read_toml;
 use crate::error::{Error, Result};
-use crate::study::Source;
+use crate::study::StudyText;
 use crate::study::source::Sensor;
 
 /// A whole parts.toml.
@@ -95,7 +95,7 @@ pub struct Asked<'a> {
 ///
 /// # Errors
 /// A part that cannot be simulated, a time outside the run; stopped.
-pub fn judge(source: &Source, asked: &Asked<'_>, control: &Control) -> Result<(Vec<Judged>, u64)> {
+pub fn judge(source: &StudyText, asked: &Asked<'_>, control: &Control) -> Result<(Vec<Judged>, u64)> {
     let mut work = Work::new(control, "judging parts");
     let mut judged: Vec<Judged> = Vec::new();
     for part in &asked.parts.part {
@@ -109,7 +109,7 @@ pub fn judge(source: &Source, asked: &Asked<'_>, control: &Control) -> Result<(V
     Ok((judged, work.members()))
 }
 
-fn judge_one(source: &Source, asked: &Asked<'_>, part: &Part, work: &mut Work<'_>) -> Result<Judged> {
+fn judge_one(source: &StudyText, asked: &Asked<'_>, part: &Part, work: &mut Work<'_>) -> Result<Judged> {
     let limit = asked.limit;
     let sensor = Sensor { accelerometer: part.accelerometer.clone(), gyro: part.gyro.clone() };
     let study = source.with_sensor(&part.name, &sensor)?;

@@ -12,7 +12,7 @@ use super::values::{FIRST, Place, Work};
 use crate::control::Control;
 use crate::error::{Error, Kind, Result};
 use crate::numerics::order;
-use crate::study::{Assignment, Source, Study};
+use crate::study::{Assignment, Study, StudyText};
 
 /// Ratio of neighbouring values of the first search, and how many of them there are in each direction.
 const RATIO: f64 = 4.0;
@@ -87,7 +87,7 @@ pub struct Answer {
 
 /// The keys and what they are at a factor of one.
 struct Family<'a> {
-    source: &'a Source,
+    source: &'a StudyText,
     fixed: Vec<Assignment>,
     keys: Vec<(String, f64)>,
 }
@@ -101,7 +101,7 @@ impl Family<'_> {
 }
 
 /// The keys with the values that they have in the study.
-fn family<'a>(source: &'a Source, question: &Question) -> Result<Family<'a>> {
+fn family<'a>(source: &'a StudyText, question: &Question) -> Result<Family<'a>> {
     let mut keys = Vec::new();
     for key in &question.vary {
         let one = source.number(key)?.filter(|v| *v != 0.0 && v.is_finite());
@@ -121,7 +121,7 @@ fn family<'a>(source: &'a Source, question: &Question) -> Result<Family<'a>> {
 ///
 /// # Errors
 /// A key that the study does not have, a time outside the run; stopped.
-pub fn answer(source: &Source, question: &Question, control: &Control) -> Result<Answer> {
+pub fn answer(source: &StudyText, question: &Question, control: &Control) -> Result<Answer> {
     let family = family(source, question)?;
     // A misspelt key is refused here, and a value that cannot be further on ends the range.
     let study = family.study(1.0)?;
@@ -170,7 +170,7 @@ pub fn answer(source: &Source, question: &Question, control: &Control) -> Result
 /// Two neighbouring values of a key between which a requirement is just met.
 pub(super) struct Between<'a> {
     /// The study.
-    pub source: &'a Source,
+    pub source: &'a StudyText,
     /// What else is set in it.
     pub fixed: Vec<Assignment>,
     /// The key.

@@ -59,9 +59,9 @@ impl Statistic {
                 mean + shift * (variance / n).sqrt()
             }
             Self::Sd => {
-                let (_, variance, fourth) = central(values);
+                let (_, variance, fourth_moment) = central(values);
                 // Cramér, Mathematical Methods of Statistics, §27.4: var s² ≈ (μ₄ − σ⁴)/n; s by the delta method.
-                let of_variance = ((fourth - variance * variance).max(0.0) / n).sqrt();
+                let of_variance = ((fourth_moment - variance * variance).max(0.0) / n).sqrt();
                 let sd = variance.sqrt();
                 if sd > 0.0 { sd + shift * of_variance / (2.0 * sd) } else { 0.0 }
             }
@@ -93,11 +93,11 @@ pub struct Estimate {
 fn central(values: &[f64]) -> (f64, f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let (second, fourth) = values.iter().fold((0.0, 0.0), |(second, fourth), v| {
+    let (second, fourth_moment) = values.iter().fold((0.0, 0.0), |(second, fourth_moment), v| {
         let square = (v - mean) * (v - mean);
-        (second + square, fourth + square * square)
+        (second + square, fourth_moment + square * square)
     });
-    (mean, second / (n - 1.0).max(1.0), fourth / n)
+    (mean, second / (n - 1.0).max(1.0), fourth_moment / n)
 }
 
 /// The quantile at `p`, linear between ranks, without sorting all of them.

@@ -13,7 +13,7 @@ impl Statistic {
             Self::Mean => summary.mean + shift * summary.sd / n.sqrt(),
             Self::Sd if summary.sd > 0.0 => {
                 let squared = summary.sd * summary.sd;
-                let of_variance = ((fourth(summary) - squared * squared).max(0.0) / n).sqrt();
+                let of_variance = ((fourth_moment(summary) - squared * squared).max(0.0) / n).sqrt();
                 summary.sd + shift * of_variance / (2.0 * summary.sd)
             }
             Self::Sd => summary.sd,
@@ -35,7 +35,7 @@ fn slots(summary: &Summary) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
 }
 
 /// Fourth central moment.
-fn fourth(summary: &Summary) -> f64 {
+fn fourth_moment(summary: &Summary) -> f64 {
     let sum: f64 = slots(summary).map(|(low, high, n)| n as f64 * (0.5 * (low + high) - summary.mean).powi(4)).sum();
     sum / summary.count.max(1) as f64
 }

@@ -11,7 +11,7 @@ use crate::kernel::flight::Flight;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::statistics::Summary;
-use crate::study::{Assignment, Axis, Source, Study};
+use crate::study::{Assignment, Axis, Study, StudyText};
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +104,7 @@ pub struct Summed {
 /// # Errors
 /// A key that the study does not have, a value that it refuses, a time outside the run; whatever stops a run.
 pub fn run(
-    source: &Source,
+    source: &StudyText,
     plan: &Plan,
     control: &Control,
     mut run: impl FnMut(Work<'_>) -> Result<Summed>,
@@ -166,7 +166,7 @@ fn grid(axes: &[Axis]) -> Vec<Vec<f64>> {
 
 /// Between neighbouring values of the first key of which one meets the limit, the crossing.
 fn crossings(
-    source: &Source,
+    source: &StudyText,
     plan: &Plan,
     limit: &Limit,
     points: &[Point],

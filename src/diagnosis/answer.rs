@@ -4,7 +4,7 @@
 use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
-use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, Source, StateCell, Stretch, Whiteness};
+use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness};
 use super::{driven, rest, tumble};
 
 /// What a diagnosis found.
@@ -15,7 +15,7 @@ pub struct Answer {
     /// Which of the four verdicts.
     pub outcome: Outcome,
     /// What was diagnosed.
-    pub recording: Source,
+    pub recording: RecordingInfo,
     /// The base model's own numbers, fitted together with the named effects; empty where a kind does not give them.
     pub base: Vec<Estimate>,
     /// Named effects, strongest first.

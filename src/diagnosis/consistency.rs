@@ -137,7 +137,7 @@ mod tests {
     use crate::diagnosis::answer::{Detail, Places};
     use crate::diagnosis::candidate::Kind;
     use crate::diagnosis::driven;
-    use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, Noise, Source, Whiteness};
+    use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, Noise, RecordingInfo, Whiteness};
     use crate::recording::Recording;
 
     /// An answer that contradicts nothing, named or not.
@@ -158,7 +158,7 @@ mod tests {
         Answer {
             kind: Kind::Driven,
             outcome,
-            recording: Source::of(&Recording::default()),
+            recording: RecordingInfo::of(&Recording::default()),
             base: Vec::new(),
             effects: if named { vec![effect] } else { Vec::new() },
             places: Places::default(),

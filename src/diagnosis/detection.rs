@@ -1,8 +1,8 @@
-//! Is what is left more than noise? How much of a sequence of innovations can still be foreseen from its own past, from the
+//! Is what is left more than noise? How much of a sequence of innovations can still be predicted from its own past, from the
 //! input and from the state: white noise gives nothing away.
 //!
-//! With very many samples every model is rejected by a significance test alone; so the answer is a *share* of the variance
-//! with its p-value, and the caller decides what share matters. Not for naming what was foreseen.
+//! With very many samples every model is rejected by a significance test alone; so the answer is a *r_squared* of the variance
+//! with its p-value, and the caller decides what r_squared matters. Not for naming what was predicted.
 
 use crate::numerics::least_squares::Linear;
 use crate::numerics::special;
@@ -12,20 +12,20 @@ use crate::numerics::special;
 pub struct Structure {
     /// Share of the variance that a linear forecast from everything offered removes, adjusted for the number of regressors;
     /// 0 for white noise on average.
-    pub share: f64,
+    pub r_squared: f64,
     /// Of the F test that all regressors together give nothing.
     pub p_value: f64,
-    /// As `share`, from the sequence's own past alone.
-    pub own_share: f64,
+    /// As `r_squared`, from the sequence's own past alone.
+    pub own_r_squared: f64,
     /// Of the F test that its own past gives nothing.
     pub own_p_value: f64,
-    /// Smallest share that would have been found 95 times in 100 at the 1 % level: the power of a silence.
-    pub detectable_share: f64,
+    /// Smallest r_squared that would have been found 95 times in 100 at the 1 % level: the power of a silence.
+    pub detectable_r_squared: f64,
 }
 
 /// Nothing to judge.
 pub const EMPTY: Structure =
-    Structure { share: 0.0, p_value: 1.0, own_share: 0.0, own_p_value: 1.0, detectable_share: 1.0 };
+    Structure { r_squared: 0.0, p_value: 1.0, own_r_squared: 0.0, own_p_value: 1.0, detectable_r_squared: 1.0 };
 
 /// Forecasts `values` from `lags` of its own past and from `regressors` (each as long as `values`).
 pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Structure {
@@ -39,27 +39,35 @@ pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Struct
     let own = explained(body, &columns);
     columns.extend(regressors.iter().map(|r| standard(&r[lags..])).filter(|r| r.iter().all(|v| v.is_finite())));
     let all = explained(body, &columns);
-    let freedom = (columns.len() - 1) as f64;
+    let degrees_of_freedom = (columns.len() - 1) as f64;
     let rows = body.len() as f64 - columns.len() as f64;
     // Noncentral F by its normal approximation: power 0.95 at level 0.01.
-    let detectable = ((2.326 * (2.0 * freedom).sqrt() + 1.645 * (2.0 * freedom + 40.0).sqrt()) / rows).min(1.0);
-    Structure { share: all.0, p_value: all.1, own_share: own.0, own_p_value: own.1, detectable_share: detectable }
+    let detectable = ((2.326 * (2.0 * degrees_of_freedom).sqrt() + 1.645 * (2.0 * degrees_of_freedom + 40.0).sqrt())
+        / rows)
+        .min(1.0);
+    Structure {
+        r_squared: all.0,
+        p_value: all.1,
+        own_r_squared: own.0,
+        own_p_value: own.1,
+        detectable_r_squared: detectable,
+    }
 }
 
-/// Adjusted share and p-value of a regression whose first column is the constant.
+/// Adjusted r_squared and p-value of a regression whose first column is the constant.
 fn explained(values: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let total: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let left = Linear { residual: values.to_vec(), columns: columns.to_vec() }.normal().predicted();
-    let freedom = (columns.len() - 1) as f64;
+    let unexplained = Linear { residual: values.to_vec(), columns: columns.to_vec() }.normal().predicted();
+    let degrees_of_freedom = (columns.len() - 1) as f64;
     let rows = n - columns.len() as f64;
-    if total <= 0.0 || freedom < 1.0 || rows < 1.0 {
+    if total <= 0.0 || degrees_of_freedom < 1.0 || rows < 1.0 {
         return (0.0, 1.0);
     }
-    let share = (1.0 - (left / rows) / (total / (n - 1.0))).clamp(0.0, 1.0);
-    let f = ((total - left).max(0.0) / freedom) / (left / rows).max(1e-300);
-    (share, special::f_above(f, freedom, rows))
+    let r_squared = (1.0 - (unexplained / rows) / (total / (n - 1.0))).clamp(0.0, 1.0);
+    let f = ((total - unexplained).max(0.0) / degrees_of_freedom) / (unexplained / rows).max(1e-300);
+    (r_squared, special::f_survival(f, degrees_of_freedom, rows))
 }
 
 /// Without mean, of unit size; a constant becomes zeros, which say nothing.
@@ -95,6 +103,6 @@ mod tests {
         }
         let found = structure(&coloured, 20, &regressors);
         // An AR(1) with coefficient 0.3 gives away 0.09 of its variance.
-        assert!((found.share - 0.09).abs() < 0.03 && found.p_value < 1e-6, "{found:?}");
+        assert!((found.r_squared - 0.09).abs() < 0.03 && found.p_value < 1e-6, "{found:?}");
     }
 }

@@ -181,7 +181,7 @@ impl Course {
 
     /// The base model fitted to what is rare, where that lies in samples that were to judge: others judge then.
     fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
-        let rare = if self.narrow.windows.is_some() { None } else { folds::for_the_rare(&self.narrow, &base) };
+        let rare = if self.narrow.windows.is_some() { None } else { folds::fold_with_rare_events(&self.narrow, &base) };
         let Some(Fold { train, validation }) = rare else { return base };
         let said = "the largest errors fell in validation samples; training and validation samples were exchanged";
         self.notes.findings.push(said.to_owned());
@@ -192,7 +192,7 @@ impl Course {
             }
         }
         (self.narrow.train, self.narrow.validation) = (train, validation);
-        fit::fit(&self.narrow, &base.shape, &base.point, scales, 25).unwrap_or(base)
+        fit::fit(&self.narrow, &base.structure, &base.point, scales, 25).unwrap_or(base)
     }
 
     /// The base model with the input going another way between its samples, where that fits better than the terms chosen.
@@ -203,7 +203,7 @@ impl Course {
         let how = base_model::other_input(&mut self.narrow, &selection.chosen, scales)?;
         self.notes.findings.push(format!("the input is best interpolated by {} between samples", how.words()));
         let base = &selection.base.fit;
-        let again = fit::fit(&self.narrow, &base.shape, &base.point, scales, 25);
+        let again = fit::fit(&self.narrow, &base.structure, &base.point, scales, 25);
         Some(judged::judge(&self.narrow, again.unwrap_or_else(|| base.clone()), scales))
     }
 
@@ -236,8 +236,8 @@ impl Course {
             left_out.map(|what| format!("{}: the work limit of the conclusion was reached", findings::left_out(*what)));
         self.notes.findings.extend(left_out);
         let last = &conclusion.model.fit;
-        let (errors, _) = run::trace(&self.data, &last.shape, &last.point, &last.run(&self.data, true));
-        self.notes.mind_jumps(&self.data, &errors);
+        let (errors, _) = run::trace(&self.data, &last.structure, &last.point, &last.run(&self.data, true));
+        self.notes.report_jumps(&self.data, &errors);
         conclusion
     }
 }

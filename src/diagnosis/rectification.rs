@@ -3,7 +3,7 @@
 //! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The equation of motion is
 //! integrated in f64 (Runge–Kutta 4) until the motion repeats from one period of the vibration to the next. Then a period
 //! adds the same velocity and the same displacement every time, so that the rest of the minute is a sum in closed form:
-//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
+//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. VibratedSensor that never repeats is integrated to the end.
 
 use super::repair::Vibration;
 use crate::control::{Control, Stopped};
@@ -25,7 +25,7 @@ const MOST_STEPS: usize = 30_000_000;
 type State = [f64; 4];
 
 /// One sensor under one vibration, a whole number of steps per period.
-struct Motion<'a> {
+struct VibratedSensor<'a> {
     control: &'a Control,
     /// ω₀².
     stiffness: f64,
@@ -58,7 +58,7 @@ pub fn position_error_m(
         return Ok([0.0; 2]);
     }
     let steps_per_period = (period_s * fastest * STEPS_PER_RADIAN).ceil() as usize;
-    let motion = Motion::of(control, mass, vibration, steps_per_period);
+    let motion = VibratedSensor::of(control, mass, vibration, steps_per_period);
     let mut out = [0.0; 2];
     let mut state = [0.0; 4];
     let mut periods = 0.0;
@@ -95,7 +95,7 @@ pub fn position_error_m(
     Ok(if out.iter().all(|v| v.is_finite()) { out } else { [f64::INFINITY; 2] })
 }
 
-impl<'a> Motion<'a> {
+impl<'a> VibratedSensor<'a> {
     fn of(control: &'a Control, mass: &ProofMass, vibration: &'a Vibration, steps_per_period: usize) -> Self {
         let (omega, si) = (mass.natural_frequency_rad_s, Units { y: 1.0, u: 1.0, s: 1.0 });
         let values = |law: &StudyLaw| mass.laws.values(law, &si).map(|v| [v]);
@@ -235,7 +235,7 @@ mod tests {
         let fast = position_error_m(&mass, &vibration, TIMES_S, &Control::silent()).expect("not interrupted");
         let steps_per_period = 4000;
         let control = Control::silent();
-        let motion = Motion::of(&control, &mass, &vibration, steps_per_period);
+        let motion = VibratedSensor::of(&control, &mass, &vibration, steps_per_period);
         let slow = motion.span([0.0; 4], 10.0, 73 * steps_per_period, &mut 0).expect("not interrupted")[3];
         assert!((fast[0] / slow - 1.0).abs() < 1e-5, "{} {slow}", fast[0]);
     }

@@ -33,7 +33,7 @@ impl Outcome {
 
 /// What was diagnosed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Source {
+pub struct RecordingInfo {
     /// File as given.
     pub file: String,
     /// SHA-256, hexadecimal.
@@ -48,7 +48,7 @@ pub struct Source {
     pub dropped: Vec<Dropped>,
 }
 
-impl Source {
+impl RecordingInfo {
     /// Of a recording in memory.
     pub fn of(recording: &Recording) -> Self {
         Self {
@@ -349,7 +349,7 @@ pub struct Verdict {
     /// In plain words, for the first screen.
     pub sentence: String,
     /// What was diagnosed.
-    pub recording: Source,
+    pub recording: RecordingInfo,
     /// The base model's own numbers, fitted together with the named effects.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub base: Vec<Estimate>,

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::numerics::order;
-use crate::sensor::source::Source;
+use crate::sensor::source::ErrorSource;
 use crate::statistics::{Statistics, quantity};
 use crate::study::Study;
 
@@ -20,7 +20,7 @@ pub const ENOUGH_MEMBERS: u64 = 4096;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
     /// Whose.
-    pub source: Source,
+    pub source: ErrorSource,
     /// Position variance it owns, per time, m².
     pub variance_m2: Vec<f64>,
     /// Mean position error it makes alone, per time, m.
@@ -49,7 +49,7 @@ impl Budget {
 /// The ensembles of a budget: the sensor whole, where a source needs the others, and each source by itself.
 struct Ensembles {
     whole: Option<Job>,
-    sources: Vec<(Source, Job)>,
+    sources: Vec<(ErrorSource, Job)>,
     members: u64,
 }
 
@@ -57,8 +57,8 @@ impl Ensembles {
     fn of(study: &Study, integrator: Integrator, samples: &[u64]) -> Self {
         let members = study.members.min(ENOUGH_MEMBERS);
         let whole = Job { members, ..study.job(integrator, samples.to_vec()) };
-        let is_present = |s: &Source| (0..members.min(256)).any(|m| s.is_on(&study.member(m).sensor));
-        let sources: Vec<(Source, Job)> = Source::ALL
+        let is_present = |s: &ErrorSource| (0..members.min(256)).any(|m| s.is_on(&study.member(m).sensor));
+        let sources: Vec<(ErrorSource, Job)> = ErrorSource::ALL
             .into_iter()
             .filter(is_present)
             .map(|source| {
@@ -71,7 +71,7 @@ impl Ensembles {
                     member
                 });
                 let integrator = match source {
-                    Source::Mechanics | Source::ForceNoise => integrator,
+                    ErrorSource::Mechanics | ErrorSource::ForceNoise => integrator,
                     _ if source.needs_the_others() => integrator,
                     _ => Integrator::Ideal,
                 };
@@ -115,8 +115,9 @@ pub fn make(
         shares.push(Share { source, variance_m2, mean_m });
     }
     // Force noise acts through the mechanics: take their own part out.
-    let mechanics = shares.iter().find(|s| s.source == Source::Mechanics).map(|s| s.variance_m2.clone());
-    if let (Some(mechanics), Some(force)) = (mechanics, shares.iter_mut().find(|s| s.source == Source::ForceNoise)) {
+    let mechanics = shares.iter().find(|s| s.source == ErrorSource::Mechanics).map(|s| s.variance_m2.clone());
+    if let (Some(mechanics), Some(force)) = (mechanics, shares.iter_mut().find(|s| s.source == ErrorSource::ForceNoise))
+    {
         force.variance_m2.iter_mut().zip(mechanics).for_each(|(v, m)| *v = (*v - m).max(0.0));
     }
     order::sort_by_key(&mut shares, |s| -s.variance_m2.last().unwrap_or(&0.0));

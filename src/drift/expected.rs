@@ -8,7 +8,7 @@ use crate::excitation::{self, Waveform};
 use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
 use crate::sensor::error_law::{ErrorLaw, Growth};
-use crate::sensor::source::Source;
+use crate::sensor::source::ErrorSource;
 use crate::sensor::{SensorTerm, mechanics};
 use crate::statistics::quantity;
 use crate::study::Study;
@@ -31,9 +31,9 @@ pub struct Expected {
     /// Times, s.
     pub time_s: Vec<f64>,
     /// Sources with a closed form, each with its moments per time, in the order of `statistics::QUANTITIES`.
-    pub sources: Vec<(Source, Vec<[Moment; 4]>)>,
+    pub sources: Vec<(ErrorSource, Vec<[Moment; 4]>)>,
     /// Variance of the constant bias that the still start leaves of a source, (m/s²)² or (rad/s)²; nothing without one.
-    pub bias_left: Vec<(Source, f64)>,
+    pub bias_left: Vec<(ErrorSource, f64)>,
     /// What has no closed form, in words.
     pub left_out: Vec<String>,
 }
@@ -43,10 +43,10 @@ impl Expected {
     pub fn of(study: &Study, samples: &[u64]) -> Self {
         let still_s = study.still_s();
         let time_s: Vec<f64> = samples.iter().map(|s| *s as f64 * study.sample_s()).collect();
-        let laws = Source::ALL.map(|source| (source, law(study, source)));
+        let laws = ErrorSource::ALL.map(|source| (source, law(study, source)));
         // Worth its millions of steps only where a source follows the motion.
         let moves = laws.iter().any(|(_, law)| matches!(law, Law::Motion { .. }));
-        let motion = if moves { Motion::of(study, &time_s) } else { Motion::default() };
+        let motion = if moves { ForceIntegrals::of(study, &time_s) } else { ForceIntegrals::default() };
         let mut left_out = Vec::new();
         let (mut sources, mut bias_left) = (Vec::new(), Vec::new());
         for (source, law) in laws {
@@ -61,7 +61,7 @@ impl Expected {
                     let found = if still_s > 0.0 { mean_of_still_start(integrals, still_s) } else { 0.0 };
                     let levelled = Moment { mean: mean * found, variance: variance * found * found };
                     let mut rows = chain(source, &time_s, moment, levelled);
-                    if source == Source::Term(SensorTerm::InitialTilt) {
+                    if source == ErrorSource::Term(SensorTerm::InitialTilt) {
                         // Its SI value is the gravity that the tilt lets in.
                         let g = STANDARD_GRAVITY_M_S2;
                         let tilt = Moment { mean: mean / g, variance: variance / (g * g) };
@@ -113,7 +113,12 @@ fn now_or_later(process: Process, still_s: f64, integrations: u32, time_s: f64, 
 
 /// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by g where it is a gyro's.
 /// `levelled` is the mean of an accelerometer's source over a still start: the tilt of that much gravity hides it.
-fn chain(source: Source, time_s: &[f64], moment: impl Fn(f64, u32) -> Moment, levelled: Moment) -> Vec<[Moment; 4]> {
+fn chain(
+    source: ErrorSource,
+    time_s: &[f64],
+    moment: impl Fn(f64, u32) -> Moment,
+    levelled: Moment,
+) -> Vec<[Moment; 4]> {
     let gyro = source.is_gyro();
     let g = STANDARD_GRAVITY_M_S2;
     let by_gravity = |m: Moment| Moment { mean: g * m.mean, variance: g * g * m.variance };
@@ -165,17 +170,17 @@ enum Law {
     Motion { power: usize, mean: f64, variance: f64 },
 }
 
-fn law(study: &Study, source: Source) -> Law {
+fn law(study: &Study, source: ErrorSource) -> Law {
     match source {
-        Source::Mechanics if study.member(0).sensor.proof_mass.is_some() => {
+        ErrorSource::Mechanics if study.member(0).sensor.proof_mass.is_some() => {
             Law::None("the lag of a linear proof mass stays bounded; its nonlinearity has no closed form")
         }
-        Source::Mechanics => Law::Absent,
-        Source::ForceNoise if is_on(study, &mechanics::FORCE_NOISE) => {
+        ErrorSource::Mechanics => Law::Absent,
+        ErrorSource::ForceNoise if is_on(study, &mechanics::FORCE_NOISE) => {
             Law::Random(vec![Process::White(level(study, &mechanics::FORCE_NOISE))])
         }
-        Source::ForceNoise => Law::Absent,
-        Source::Term(term) => match study.tolerances.given(term) {
+        ErrorSource::ForceNoise => Law::Absent,
+        ErrorSource::Term(term) => match study.tolerances.given(term) {
             Some(key) if is_on(study, key) => law_of_term(study, term, key),
             _ => Law::Absent,
         },
@@ -285,12 +290,12 @@ impl Integrals {
 
 /// Integrals of the shared force and of its square.
 #[derive(Default)]
-struct Motion {
+struct ForceIntegrals {
     /// Per power (1, 2), per time.
     integrals: [Vec<Integrals>; 2],
 }
 
-impl Motion {
+impl ForceIntegrals {
     /// By the trapezoidal rule on the integration steps, or on ten million of them where there are more.
     fn of(study: &Study, time_s: &[f64]) -> Self {
         let waveform: &dyn Waveform = study.excitation.waveform.as_ref();

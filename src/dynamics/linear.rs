@@ -9,7 +9,7 @@ use super::duffing::Oscillator;
 
 /// Displacement of the proof mass with its derivative and its first two integrals over time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct MassResponse {
     /// x, m.
     pub x_m: f64,
     /// x′, m/s.
@@ -64,16 +64,16 @@ pub fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
 /// Equation 5 with given exponents: F₀/k + c₁e^(r₁t) + c₂e^(r₂t), where rest at t = 0 fixes c₁ and c₂.
 ///
 /// The exponents must differ; at critical damping the form itself does not exist.
-pub fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> Motion {
+pub fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> MassResponse {
     if time_s <= 0.0 {
-        return Motion::default();
+        return MassResponse::default();
     }
     let level = force_n / oscillator.stiffness_n_m;
     let [r1, r2] = roots;
     let (c1, c2) = (r2 / (r1 - r2) * level, -r1 / (r1 - r2) * level);
     let t = time_s;
     let sum = |f: &dyn Fn(Complex<f64>) -> Complex<f64>| (c1 * f(r1) + c2 * f(r2)).re;
-    Motion {
+    MassResponse {
         x_m: level + sum(&|r| (r * t).exp()),
         v_m_s: sum(&|r| r * (r * t).exp()),
         integral_m_s: level * t + sum(&|r| ((r * t).exp() - 1.0) / r),
@@ -92,11 +92,11 @@ pub fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f6
 }
 
 /// The exact response from rest to a rectangle: a step up and, later, a step down.
-pub fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> Motion {
+pub fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> MassResponse {
     let roots = roots(oscillator);
     let up = step_response(oscillator, roots, rectangle.force_n, time_s - rectangle.start_s);
     let down = step_response(oscillator, roots, -rectangle.force_n, time_s - rectangle.start_s - rectangle.length_s);
-    Motion {
+    MassResponse {
         x_m: up.x_m + down.x_m,
         v_m_s: up.v_m_s + down.v_m_s,
         // Each step's integrals grow on after it, so the sum is exact at every time.
@@ -119,9 +119,9 @@ pub fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
 }
 
 /// Applies an exact-hold map to a motion under a force.
-pub fn hold_step(map: &Matrix5<f64>, motion: Motion, force_n: f64) -> Motion {
+pub fn hold_step(map: &Matrix5<f64>, motion: MassResponse, force_n: f64) -> MassResponse {
     let v = map * Vector5::new(motion.x_m, motion.v_m_s, motion.integral_m_s, motion.double_integral_m_s2, force_n);
-    Motion { x_m: v[0], v_m_s: v[1], integral_m_s: v[2], double_integral_m_s2: v[3] }
+    MassResponse { x_m: v[0], v_m_s: v[1], integral_m_s: v[2], double_integral_m_s2: v[3] }
 }
 
 #[cfg(test)]
@@ -135,7 +135,7 @@ mod tests {
             let oscillator = Oscillator { damping_kg_s: damping, ..PAPER.linear() };
             let rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 3.0 };
             let map = exact_hold(&oscillator, 0.125);
-            let mut motion = Motion::default();
+            let mut motion = MassResponse::default();
             for step in 0..160 {
                 motion = hold_step(&map, motion, rectangle.at_n(f64::from(step) * 0.125));
             }

@@ -152,17 +152,17 @@ pub struct Map {
     /// Vertical axis.
     pub y: Range,
     /// Transient periods before averaging.
-    #[serde(default = "hundred")]
+    #[serde(default = "default_count")]
     pub transient_periods: u32,
     /// Number of periods in the average.
-    #[serde(default = "hundred")]
+    #[serde(default = "default_count")]
     pub periods: u32,
     /// White force noise, two-sided coefficient, N·√s.
     #[serde(default)]
     pub noise_n_rts: f64,
 }
 
-fn hundred() -> u32 {
+fn default_count() -> u32 {
     100
 }
 
@@ -180,10 +180,10 @@ pub struct Diagram {
     /// Number of amplitudes.
     pub points: u32,
     /// Periods after each change before strobing.
-    #[serde(default = "hundred")]
+    #[serde(default = "default_count")]
     pub transient_periods: u32,
     /// Strobes per amplitude.
-    #[serde(default = "hundred")]
+    #[serde(default = "default_count")]
     pub strobes: u32,
     /// White force noise, two-sided coefficient, N·√s.
     #[serde(default)]

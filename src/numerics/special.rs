@@ -16,35 +16,35 @@ pub fn normal_quantile(probability: f64) -> f64 {
     if (0.0..=1.0).contains(&probability) { Normal::standard().inverse_cdf(probability) } else { f64::NAN }
 }
 
-/// Probability that χ² with `freedom` degrees exceeds `value`.
-pub fn chi_squared_above(value: f64, freedom: f64) -> f64 {
-    ChiSquared::new(freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
+/// Probability that χ² with `degrees_of_freedom` degrees exceeds `value`.
+pub fn chi_squared_survival(value: f64, degrees_of_freedom: f64) -> f64 {
+    ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// χ² with `freedom` degrees stays below this value with `probability`. `freedom` need not be whole.
-pub fn chi_squared_quantile(probability: f64, freedom: f64) -> f64 {
-    if !(0.0..=1.0).contains(&probability) || !freedom.is_finite() {
+/// χ² with `degrees_of_freedom` degrees stays below this value with `probability`. `degrees_of_freedom` need not be whole.
+pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
+    if !(0.0..=1.0).contains(&probability) || !degrees_of_freedom.is_finite() {
         return f64::NAN;
     }
-    if freedom > 1e4 {
+    if degrees_of_freedom > 1e4 {
         // Wilson & Hilferty 1931; the error is below 1e-6 of the value here.
-        let spread = 2.0 / (9.0 * freedom);
-        return freedom * (1.0 - spread + normal_quantile(probability) * spread.sqrt()).powi(3);
+        let spread = 2.0 / (9.0 * degrees_of_freedom);
+        return degrees_of_freedom * (1.0 - spread + normal_quantile(probability) * spread.sqrt()).powi(3);
     }
-    ChiSquared::new(freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
+    ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
 /// Probability that F with these degrees of freedom exceeds `value`.
-pub fn f_above(value: f64, numerator: f64, denominator: f64) -> f64 {
+pub fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// t with `freedom` degrees stays below this value with `probability`.
-pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
+/// t with `degrees_of_freedom` degrees stays below this value with `probability`.
+pub fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) {
         return f64::NAN;
     }
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
 /// Exact interval of a probability that gave `hits` of `cases` (Clopper & Pearson, Biometrika 26, 1934), at a `level` like
@@ -93,8 +93,8 @@ mod tests {
         close(normal_quantile(0.975), 1.959964);
         close(chi_squared_quantile(0.95, 10.0), 18.3070);
         close(chi_squared_quantile(0.025, 1.0), 0.000982069);
-        close(chi_squared_above(18.3070, 10.0), 0.05);
-        close(f_above(3.3258, 5.0, 10.0), 0.05);
+        close(chi_squared_survival(18.3070, 10.0), 0.05);
+        close(f_survival(3.3258, 5.0, 10.0), 0.05);
         close(t_quantile(0.975, 10.0), 2.228);
         close(chi_squared_quantile(0.975, 2e4), ChiSquared::new(2e4).expect("valid").inverse_cdf(0.975));
     }
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn nonsense_is_nan() {
         assert!(chi_squared_quantile(0.5, -1.0).is_nan() && normal_quantile(2.0).is_nan());
-        assert!(f_above(1.0, 0.0, 1.0).is_nan() && t_quantile(0.5, f64::NAN).is_nan());
+        assert!(f_survival(1.0, 0.0, 1.0).is_nan() && t_quantile(0.5, f64::NAN).is_nan());
     }
 
     // Benjamini & Hochberg 1995, section 3.1: fifteen p-values, four discoveries at 5 %.

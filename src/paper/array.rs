@@ -28,7 +28,7 @@ pub struct Deviation {
     /// Law of the planted noise, m/s².
     pub law: Vec<(f64, f64)>,
     /// Degrees of freedom at each point.
-    freedom: Vec<f64>,
+    degrees_of_freedom: Vec<f64>,
 }
 
 /// Curves and checks of figure 1.
@@ -57,13 +57,13 @@ fn deviation(values: &[f64], sensors: f64) -> Deviation {
     let column = |pick: fn(&Point) -> usize| points.iter().map(pick).collect::<Vec<_>>();
     let covariance = Covariance::new(&column(|p| p.factor), &column(|p| p.samples), RATE_HZ);
     let squares = squares(sensors);
-    let freedom: Vec<f64> = (0..points.len()).map(|i| covariance.freedom(i, &squares)).collect();
+    let degrees_of_freedom: Vec<f64> = (0..points.len()).map(|i| covariance.degrees_of_freedom(i, &squares)).collect();
     let edge = |p: &Point, f: f64, share: f64| (p.variance * f / chi_squared_quantile(share, f)).sqrt();
     Deviation {
         curve: points.iter().map(|p| (p.tau_s, p.variance.sqrt())).collect(),
-        band: points.iter().zip(&freedom).map(|(p, f)| (edge(p, *f, 0.975), edge(p, *f, 0.025))).collect(),
+        band: points.iter().zip(&degrees_of_freedom).map(|(p, f)| (edge(p, *f, 0.975), edge(p, *f, 0.025))).collect(),
         law: points.iter().map(|p| (p.tau_s, law::variance(&squares, p.tau_s).sqrt())).collect(),
-        freedom,
+        degrees_of_freedom,
     }
 }
 
@@ -95,7 +95,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
     };
     // Four standard errors of a ratio of two deviations with these degrees of freedom, taken as independent.
     let ratio = |i: usize| {
-        let relative = (0.5 / single.freedom[i] + 0.5 / array.freedom[i]).sqrt();
+        let relative = (0.5 / single.degrees_of_freedom[i] + 0.5 / array.degrees_of_freedom[i]).sqrt();
         (single.curve[i].1 / array.curve[i].1, 4.0 * relative)
     };
     let (short, long) = (at(0.1), at(2000.0));
@@ -117,7 +117,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
             ratio(long).0,
             beyond
                 * 4.0
-                * (0.5 / single.freedom[long]).sqrt()
+                * (0.5 / single.degrees_of_freedom[long]).sqrt()
                 * (single.law[long].1 / array.law[long].1).max(1.0)
                 * 0.5,
         ),
@@ -133,7 +133,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
             "1: the Allan deviation of white noise is N/√τ; four standard errors",
             1.0,
             single.curve[short].1 * single.curve[short].0.sqrt() / WHITE_M_S_RTS,
-            4.0 * (0.5 / single.freedom[short]).sqrt(),
+            4.0 * (0.5 / single.degrees_of_freedom[short]).sqrt(),
         ),
     ]
 }

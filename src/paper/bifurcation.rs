@@ -8,7 +8,7 @@ use super::check::Check;
 use super::cubic::respond;
 use super::linear::{END_S, RECTANGLE, reading};
 use crate::dynamics::duffing::{Drive, PAPER};
-use crate::dynamics::linear::Motion;
+use crate::dynamics::linear::MassResponse;
 
 /// Step of integration: 800 per period of the force.
 const STEP_S: f64 = 0.005;
@@ -17,7 +17,7 @@ const STEP_S: f64 = 0.005;
 #[derive(Debug, Clone)]
 pub struct Bifurcation {
     /// Time and motion of the proof mass, every 20 ms.
-    pub path: Vec<(f64, Motion)>,
+    pub path: Vec<(f64, MassResponse)>,
     /// The periodic force.
     pub drive: Drive,
     /// What holds of it.
@@ -41,20 +41,20 @@ pub fn compute(drive: &Drive) -> Bifurcation {
     found
 }
 
-fn checks(figure: &Bifurcation, path: &[(f64, Motion)]) -> Vec<Check> {
+fn checks(figure: &Bifurcation, path: &[(f64, MassResponse)]) -> Vec<Check> {
     // Simpson's rule over pairs of steps.
     let cubes: f64 = path
         .windows(3)
         .step_by(2)
         .map(|w| STEP_S / 3.0 * (w[0].1.x_m.powi(3) + 4.0 * w[1].1.x_m.powi(3) + w[2].1.x_m.powi(3)))
         .sum();
-    let end = path.last().map_or(Motion::default(), |p| p.1);
+    let end = path.last().map_or(MassResponse::default(), |p| p.1);
     let impulse = figure.ideal(END_S).1;
     let momentum = PAPER.mass_kg * end.v_m_s
         + PAPER.damping_kg_s * end.x_m
         + PAPER.stiffness_n_m * end.integral_m_s
         + PAPER.cubic_n_m3 * cubes;
-    let error = |(t, m): &(f64, Motion)| reading(&PAPER, m).2 - figure.ideal(*t).2;
+    let error = |(t, m): &(f64, MassResponse)| reading(&PAPER, m).2 - figure.ideal(*t).2;
     let huge = path.iter().find(|p| error(p).abs() > 3.0).map_or(f64::NAN, |p| p.0);
     vec![
         Check::near(

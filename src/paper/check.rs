@@ -39,7 +39,7 @@ impl Check {
 /// Where a figure's numbers come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Source {
+pub enum Provenance {
     /// Computed from a model.
     Simulated,
     /// Computed from a real recording.
@@ -54,7 +54,7 @@ pub struct Exhibit {
     /// What it shows, in our words.
     pub title: String,
     /// Where its numbers come from.
-    pub source: Source,
+    pub source: Provenance,
     /// What is checked.
     pub checks: Vec<Check>,
 }
@@ -62,7 +62,7 @@ pub struct Exhibit {
 impl Exhibit {
     /// A figure computed from a model.
     pub fn simulated(figure: u32, title: &str, checks: Vec<Check>) -> Self {
-        Self { figure, title: title.into(), source: Source::Simulated, checks }
+        Self { figure, title: title.into(), source: Provenance::Simulated, checks }
     }
 }
 

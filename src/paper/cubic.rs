@@ -5,15 +5,15 @@
 use super::check::{Check, Exhibit};
 use super::linear::{END_S, RECTANGLE};
 use crate::dynamics::duffing::{Drive, Oscillator, PAPER, State};
-use crate::dynamics::linear::{Motion, Rectangle, rectangle_response};
+use crate::dynamics::linear::{MassResponse, Rectangle, rectangle_response};
 
 /// Curves and checks of figure 16.
 #[derive(Debug, Clone)]
 pub struct Cubic {
     /// Time and motion of the cubic proof mass.
-    pub cubic: Vec<(f64, Motion)>,
+    pub cubic: Vec<(f64, MassResponse)>,
     /// Time and motion of the linear one.
-    pub linear: Vec<(f64, Motion)>,
+    pub linear: Vec<(f64, MassResponse)>,
     /// Figure 16.
     pub exhibit: Exhibit,
 }
@@ -25,8 +25,8 @@ pub fn respond(
     (rectangle, drive): (Rectangle, Option<&Drive>),
     step_s: f64,
     end_s: f64,
-) -> Vec<(f64, Motion)> {
-    let mut motion = Motion::default();
+) -> Vec<(f64, MassResponse)> {
+    let mut motion = MassResponse::default();
     let mut path = vec![(0.0, motion)];
     for step in 0..(end_s / step_s).round() as u32 {
         let held = rectangle.at_n((f64::from(step) + 0.5) * step_s);
@@ -35,7 +35,7 @@ pub fn respond(
         let middle = oscillator.step(state, 0.5 * step_s, [0.0, 0.25, 0.5].map(force));
         let end = oscillator.step(middle, 0.5 * step_s, [0.5, 0.75, 1.0].map(force));
         let (a, b, c) = (state.x_m, middle.x_m, end.x_m);
-        motion = Motion {
+        motion = MassResponse {
             x_m: end.x_m,
             v_m_s: end.v_m_s,
             integral_m_s: motion.integral_m_s + step_s / 6.0 * (a + 4.0 * b + c),
@@ -57,8 +57,8 @@ pub fn compute() -> Cubic {
     Cubic { cubic, linear, exhibit }
 }
 
-fn last(path: &[(f64, Motion)]) -> Motion {
-    path.last().map_or(Motion::default(), |p| p.1)
+fn last(path: &[(f64, MassResponse)]) -> MassResponse {
+    path.last().map_or(MassResponse::default(), |p| p.1)
 }
 
 fn checks() -> Vec<Check> {

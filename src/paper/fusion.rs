@@ -73,11 +73,15 @@ pub struct Fusion {
 pub fn compute(moved: Moved) -> Fusion {
     let model = model();
     let (at_rest, in_motion) = (at_rest(&model), in_motion(&model));
-    let mut twelve = twelve(&in_motion);
-    twelve.extend(moved_checks(&moved));
+    let mut checks_of_12 = figure_12_checks(&in_motion);
+    checks_of_12.extend(moved_checks(&moved));
     let exhibits = [
-        Exhibit::simulated(11, "The Kalman filter that fuses gyro and accelerometer", eleven(&model, &at_rest)),
-        Exhibit { figure: 12, title: "The filter in motion".into(), source: moved.source, checks: twelve },
+        Exhibit::simulated(
+            11,
+            "The Kalman filter that fuses gyro and accelerometer",
+            figure_11_checks(&model, &at_rest),
+        ),
+        Exhibit { figure: 12, title: "The filter in motion".into(), source: moved.source, checks: checks_of_12 },
     ];
     Fusion { model, at_rest, in_motion, moved, exhibits }
 }
@@ -221,7 +225,7 @@ fn in_motion(model: &Model) -> InMotion {
     out
 }
 
-fn eleven(model: &Model, rest: &AtRest) -> Vec<Check> {
+fn figure_11_checks(model: &Model, rest: &AtRest) -> Vec<Check> {
     let p = model.settled_covariance();
     let expected = p[(0, 0)] / (p[(0, 0)] + model.tilt_noise_rad.powi(2));
     let n = MEMBERS as f64;
@@ -250,7 +254,7 @@ fn eleven(model: &Model, rest: &AtRest) -> Vec<Check> {
     ]
 }
 
-fn twelve(motion: &InMotion) -> Vec<Check> {
+fn figure_12_checks(motion: &InMotion) -> Vec<Check> {
     let [plain, magnitude, adaptive] = &motion.recovery_s;
     let half = |times: &[f64]| order::quantile(times, 0.5) / order::quantile(plain, 0.5);
     vec![

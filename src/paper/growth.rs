@@ -95,9 +95,13 @@ pub fn compute() -> Growth {
     let cubic = drift(300.0, 20, |m| (0.0, bias(m + 1, gyro, GYRO_BIAS_RAD_S)), (0.0, QUIET_WALK_RAD_RTS));
     let crossing_s = crossing(&quadratic, &cubic);
     let exhibits = [
-        Exhibit::simulated(2, "A tilt of 0.2° becomes metres", two(&rolls, leak, &tilted)),
-        Exhibit::simulated(3, "White rate noise becomes a walk of the angle", three(&rms, &last)),
-        Exhibit::simulated(4, "Distance errors that grow as t² and as t³", four(&quadratic, &cubic, crossing_s)),
+        Exhibit::simulated(2, "A tilt of 0.2° becomes metres", figure_2_checks(&rolls, leak, &tilted)),
+        Exhibit::simulated(3, "White rate noise becomes a walk of the angle", figure_3_checks(&rms, &last)),
+        Exhibit::simulated(
+            4,
+            "Distance errors that grow as t² and as t³",
+            figure_4_checks(&quadratic, &cubic, crossing_s),
+        ),
     ];
     Growth { rolls, tilted, walks, rms, quadratic, cubic, crossing_s, exhibits }
 }
@@ -133,7 +137,7 @@ fn crossing(first: &Envelope, second: &Envelope) -> f64 {
     })
 }
 
-fn two(rolls: &[(f64, f64, f64)], leak: f64, tilted: &Envelope) -> Vec<Check> {
+fn figure_2_checks(rolls: &[(f64, f64, f64)], leak: f64, tilted: &Envelope) -> Vec<Check> {
     let apart = Estimate::of_mean(&rolls.iter().map(|r| (r.2 - r.1) / DEGREE).collect::<Vec<_>>());
     let distance = tilted.mean.last().copied().unwrap_or(f64::NAN);
     let error = tilted.sd.last().map_or(f64::NAN, |s| s / (MEMBERS as f64).sqrt());
@@ -163,7 +167,7 @@ fn two(rolls: &[(f64, f64, f64)], leak: f64, tilted: &Envelope) -> Vec<Check> {
     ]
 }
 
-fn three(rms: &[(f64, f64)], last: &[(f64, f64)]) -> Vec<Check> {
+fn figure_3_checks(rms: &[(f64, f64)], last: &[(f64, f64)]) -> Vec<Check> {
     let n = last.len() as f64;
     let square = |pick: fn(&(f64, f64)) -> f64| last.iter().map(|p| pick(p).powi(2)).sum::<f64>() / n;
     let (xx, yy) = (square(|p| p.0), square(|p| p.1));
@@ -211,7 +215,7 @@ fn three(rms: &[(f64, f64)], last: &[(f64, f64)]) -> Vec<Check> {
     ]
 }
 
-fn four(quadratic: &Envelope, cubic: &Envelope, crossing_s: f64) -> Vec<Check> {
+fn figure_4_checks(quadratic: &Envelope, cubic: &Envelope, crossing_s: f64) -> Vec<Check> {
     let exponent = |e: &Envelope| {
         let late = e.time_s.iter().zip(&e.sd).filter(|(t, _)| **t >= 30.0);
         slope(&late.map(|(t, s)| (t.ln(), s.ln())).collect::<Vec<_>>()).value

@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::check::Source;
+use super::check::Provenance;
 use crate::diagnosis::tumble::{Imu, Slow, calibrate, poses};
 use crate::error::{Error, Result};
 use crate::navigation::tilt::{Vector, turn};
@@ -18,7 +18,7 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 #[derive(Debug, Clone)]
 pub struct Inertial {
     /// Recorded or simulated.
-    pub source: Source,
+    pub source: Provenance,
     /// Where it came from, for captions.
     pub origin: String,
     /// Time between readings.
@@ -55,13 +55,13 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
             Error::new(format!("could not use {}", path.display()), format!("no column `{name}`"), "see its README")
         })
     };
-    let three = |from: usize| -> Result<[&[f64]; 3]> {
+    let triad = |from: usize| -> Result<[&[f64]; 3]> {
         Ok([column(COLUMNS[from])?, column(COLUMNS[from + 1])?, column(COLUMNS[from + 2])?])
     };
     let imu = Imu {
         rate_hz: recording.rate_hz,
-        gyro: Some(three(0)?),
-        accelerometer: three(3)?,
+        gyro: Some(triad(0)?),
+        accelerometer: triad(3)?,
         covariate: None,
         // Tilt is a ratio of forces: the local value of g drops out.
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
@@ -76,7 +76,14 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
         force_m_s2.push(force.into());
     }
     let origin = format!("{} samples of an Xsens MTi at {:.0} Hz", recording.samples(), recording.rate_hz);
-    Ok(Inertial { source: Source::Recorded, origin, step_s: 1.0 / recording.rate_hz, force_m_s2, rate_rad_s, poses })
+    Ok(Inertial {
+        source: Provenance::Recorded,
+        origin,
+        step_s: 1.0 / recording.rate_hz,
+        force_m_s2,
+        rate_rad_s,
+        poses,
+    })
 }
 
 /// A simulation of the same sensor family: a still minute, then moves by hand between still poses.
@@ -90,7 +97,7 @@ pub fn simulated() -> Inertial {
     let mut up = [0.0, 0.1, 1.0f64];
     up = up.map(|u| u / 1.01f64.sqrt());
     let mut out = Inertial {
-        source: Source::Simulated,
+        source: Provenance::Simulated,
         origin: "a simulated sensor with the datasheet noise of an Xsens MTi at 100 Hz".into(),
         step_s,
         force_m_s2: vec![],

@@ -6,7 +6,7 @@ use super::check::{Check, Exhibit};
 use crate::dynamics::duffing::{Oscillator, PAPER, State};
 use crate::dynamics::estimate::slope;
 use crate::dynamics::linear::{
-    Motion, Rectangle, exact_hold, hold_step, printed_roots, rectangle_response, residual_n, roots,
+    MassResponse, Rectangle, exact_hold, hold_step, printed_roots, rectangle_response, residual_n, roots,
 };
 use crate::numerics::moments::mean;
 
@@ -19,7 +19,7 @@ pub const END_S: f64 = 60.0;
 #[derive(Debug, Clone)]
 pub struct Linear {
     /// The exact response at every `0.02` s: time and motion.
-    pub exact: Vec<(f64, Motion)>,
+    pub exact: Vec<(f64, MassResponse)>,
     /// The same by Runge–Kutta with coarse steps, for dots.
     pub runge_kutta: Vec<(f64, f64)>,
     /// What eq. 5 leaves over when put into eq. 4: (time, as printed, with the right roots), N.
@@ -31,7 +31,7 @@ pub struct Linear {
 }
 
 /// The reading a proof mass gives, and its integrals, scaled to acceleration: k/m times displacement.
-pub fn reading(oscillator: &Oscillator, motion: &Motion) -> (f64, f64, f64) {
+pub fn reading(oscillator: &Oscillator, motion: &MassResponse) -> (f64, f64, f64) {
     let scale = oscillator.stiffness_n_m / oscillator.mass_kg;
     (scale * motion.x_m, scale * motion.integral_m_s, scale * motion.double_integral_m_s2)
 }
@@ -52,7 +52,7 @@ fn runge_kutta(oscillator: &Oscillator, step_s: f64, end_s: f64) -> Vec<(f64, f6
 /// Computes all three figures.
 pub fn compute() -> Linear {
     let oscillator = PAPER.linear();
-    let exact: Vec<(f64, Motion)> = (0..=(END_S / 0.02) as u32)
+    let exact: Vec<(f64, MassResponse)> = (0..=(END_S / 0.02) as u32)
         .map(|i| f64::from(i) * 0.02)
         .map(|t| (t, rectangle_response(&oscillator, RECTANGLE, t)))
         .collect();
@@ -82,7 +82,7 @@ pub fn compute() -> Linear {
         Exhibit::simulated(
             15,
             "The distance error of a perfect linear sensor",
-            fifteen(&exact, &error_by_time_constant),
+            figure_15_checks(&exact, &error_by_time_constant),
         ),
     ];
     Linear { runge_kutta: runge_kutta(&oscillator, 0.25, END_S), exact, residuals, error_by_time_constant, exhibits }
@@ -92,7 +92,7 @@ fn thirteen(oscillator: &Oscillator, residuals: &[(f64, f64, f64)]) -> Vec<Check
     let at_end = rectangle_response(oscillator, RECTANGLE, END_S);
     let map = exact_hold(oscillator, 0.1);
     let held = (0..(END_S / 0.1).round() as u32)
-        .fold(Motion::default(), |m, i| hold_step(&map, m, RECTANGLE.at_n((f64::from(i) + 0.5) * 0.1)));
+        .fold(MassResponse::default(), |m, i| hold_step(&map, m, RECTANGLE.at_n((f64::from(i) + 0.5) * 0.1)));
     let error = |h: f64| runge_kutta(oscillator, h, END_S).last().map_or(f64::NAN, |p| p.1) - at_end.x_m;
     let largest = |pick: fn(&(f64, f64, f64)) -> f64| residuals.iter().map(pick).fold(0.0, |a: f64, b| a.max(b.abs()));
     vec![
@@ -157,7 +157,7 @@ fn fourteen(oscillator: &Oscillator) -> Vec<Check> {
     ]
 }
 
-fn fifteen(exact: &[(f64, Motion)], by_time_constant: &[(f64, f64)]) -> Vec<Check> {
+fn figure_15_checks(exact: &[(f64, MassResponse)], by_time_constant: &[(f64, f64)]) -> Vec<Check> {
     let oscillator = PAPER.linear();
     let end = RECTANGLE.start_s + RECTANGLE.length_s;
     // Over the last four swings before the edge, which a straight line averages out.

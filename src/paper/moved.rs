@@ -4,7 +4,7 @@
 //! accelerometer's mean in both. Moves that come near to standing upright are left out: eq. 3 has no pitch rate there.
 
 use super::beliefs::{WEIGHTINGS, model};
-use super::check::{Check, Source};
+use super::check::{Check, Provenance};
 use super::inertial::Inertial;
 use super::pitch::{Pitch, up};
 use crate::navigation::kalman::{Filter, Model, Reading};
@@ -24,7 +24,7 @@ pub type Line = (f64, f64, f64, [f64; 3]);
 #[derive(Debug, Clone)]
 pub struct Moved {
     /// Recorded or simulated.
-    pub source: Source,
+    pub source: Provenance,
     /// Largest error in a move, per filter, sorted, rad.
     pub peak_rad: [Vec<f64>; 3],
     /// Time from the end of the motion until back, per filter, sorted, s.

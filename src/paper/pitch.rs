@@ -152,7 +152,14 @@ pub fn compute(imu: &Inertial) -> Pitch {
         "The gyro's angle as a random walk",
         "How both pitches are distributed",
     ];
-    let checks = [case.five(), case.six(), case.seven(), case.eight(), nine(&points, &angle_walk), case.ten()];
+    let checks = [
+        case.figure_5_checks(),
+        case.figure_6_checks(),
+        case.figure_7_checks(),
+        case.figure_8_checks(),
+        figure_9_checks(&points, &angle_walk),
+        case.figure_10_checks(),
+    ];
     let mut figure = 4;
     let mut parts = titles.into_iter().zip(checks);
     let exhibits = std::array::from_fn(|_| {
@@ -206,7 +213,7 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    fn five(&self) -> Vec<Check> {
+    fn figure_5_checks(&self) -> Vec<Check> {
         let moving = rms(self.moves.iter().flat_map(|m| m.force.iter().zip(&m.gyro).map(|(f, g)| f - g)));
         let miss = rms(self.moves.iter().map(|m| m.miss)) / DEGREE;
         vec![
@@ -229,7 +236,7 @@ impl Case<'_> {
         ]
     }
 
-    fn six(&self) -> Vec<Check> {
+    fn figure_6_checks(&self) -> Vec<Check> {
         let shown = &self.moves[self.worst];
         let at_rest = roughness(self.force) / (2f64.sqrt() * self.n * self.imu.step_s.sqrt());
         vec![Check::between(
@@ -242,7 +249,7 @@ impl Case<'_> {
         )]
     }
 
-    fn seven(&self) -> Vec<Check> {
+    fn figure_7_checks(&self) -> Vec<Check> {
         let lag = (1.0 / self.imu.step_s).round() as usize;
         vec![
             Check::between(
@@ -262,7 +269,7 @@ impl Case<'_> {
         ]
     }
 
-    fn eight(&self) -> Vec<Check> {
+    fn figure_8_checks(&self) -> Vec<Check> {
         let half = self.force.len() / 2;
         let batches = |v: &[f64]| {
             let means: Vec<f64> = v.chunks_exact(100).map(moments::mean).collect();
@@ -288,7 +295,7 @@ impl Case<'_> {
         ]
     }
 
-    fn ten(&self) -> Vec<Check> {
+    fn figure_10_checks(&self) -> Vec<Check> {
         let short = (5.0 / self.imu.step_s) as usize;
         let windows = self.force.len() / short;
         // Five seconds at a time, each with its own mean rate taken off, as the whole stretch had.
@@ -320,7 +327,7 @@ impl Case<'_> {
     }
 }
 
-fn nine(points: &[allan::Point], angle_walk: &Coefficient) -> Vec<Check> {
+fn figure_9_checks(points: &[allan::Point], angle_walk: &Coefficient) -> Vec<Check> {
     let law: Vec<(f64, f64)> = points
         .iter()
         .filter(|p| p.on_octave() && p.tau_s < 2.0)

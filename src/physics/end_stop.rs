@@ -3,7 +3,7 @@
 use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
-use super::law::{Cloud, Law, Role};
+use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
@@ -84,11 +84,11 @@ impl Law for EndStop {
         true
     }
     /// Gaps from where the mass often is to where it hardly ever gets; stops from a bend to a wall.
-    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+    fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let (spring, reach) = (s.omega_rad_s.powi(2), self.0.reach(s).max(0.5 * s.output));
         let gaps = [0.3, 0.4, 0.5, 0.58, 0.66, 0.73, 0.79, 0.84, 0.88, 0.92, 0.95, 0.975, 0.99];
         let stops = [0.6, 2.0, 6.0, 18.0];
-        Some(Cloud::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
+        Some(StartGrid::Points(gaps.iter().flat_map(|g| stops.map(|k| vec![k * spring, g * reach])).collect()))
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(
@@ -116,7 +116,7 @@ mod tests {
 
     // ½ k (reach − gap)² is the same in every valley.
     #[test]
-    fn other_valleys_take_up_the_same_energy() {
+    fn other_local_minima_take_up_the_same_energy() {
         let scales = Scales {
             output: 1.0,
             output_range: (-1.5, 2.0),

@@ -7,7 +7,7 @@
 use crate::numerics::elementary::{Real, fma};
 
 use super::candidate::{Candidate, Kind, Parameter};
-use super::law::{Cloud, Law, Role};
+use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
@@ -65,10 +65,10 @@ impl Law for Hysteresis {
     fn fastest_rad_s(&self, p: &[f64], s: &Scales) -> f64 {
         (s.velocity * (p[1] + p[2].abs())).min(4.0 * s.omega_rad_s)
     }
-    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+    fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let bends = (0..12).map(|i| 0.1 / s.output * 250f64.powf(f64::from(i) / 11.0));
-        let shapes = bends.flat_map(|b| [-1.3, 0.0, 1.0].map(|ratio| vec![b, ratio * b, 0.0])).collect();
-        Some(Cloud::Shapes { strength: 0.01 * s.omega_rad_s.powi(2), shapes })
+        let directions = bends.flat_map(|b| [-1.3, 0.0, 1.0].map(|ratio| vec![b, ratio * b, 0.0])).collect();
+        Some(StartGrid::Directions { strength: 0.01 * s.omega_rad_s.powi(2), directions })
     }
     #[inline(always)]
     fn force<T: Real, const FMA: bool>(

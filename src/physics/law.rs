@@ -89,15 +89,15 @@ impl Role {
 
 /// Points in parameter space to look at before a fit.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cloud {
+pub enum StartGrid {
     /// All parameters of the law.
     Points(Vec<Vec<f64>>),
     /// The first parameter is a strength that acts nearly in proportion; only the others are looked for.
-    Shapes {
+    Directions {
         /// A strength at which the effect is clear.
         strength: f64,
         /// The other parameters.
-        shapes: Vec<Vec<f64>>,
+        directions: Vec<Vec<f64>>,
     },
 }
 
@@ -112,7 +112,7 @@ pub trait Law {
     /// Where a fit begins; several where the misfit has several minima.
     fn starts(&self, scales: &Scales) -> Vec<Vec<f64>>;
     /// Where to look before a fit, many points at a time; `None` where the few starts are enough.
-    fn cloud(&self, _scales: &Scales) -> Option<Cloud> {
+    fn start_grid(&self, _scales: &Scales) -> Option<StartGrid> {
         None
     }
     /// Where else, seen from a fit, its misfit may have another minimum.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::free_oscillator::transition;
-use super::law::{Cloud, Law, Role};
+use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 
@@ -100,13 +100,13 @@ impl Law for ParasiticMode {
         true
     }
     /// Frequencies 14 % apart and where the residual stands out, at three dampings.
-    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+    fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let nyquist = std::f64::consts::PI / s.interval_s;
         let grid = (0..30).map(|i| 0.2 * s.omega_rad_s * 1.14f64.powi(i));
         let peaks = s.lines_hz.iter().take(3).map(|f| f * TAU);
         let omegas: Vec<f64> = grid.chain(peaks).filter(|w| *w < 0.95 * nyquist).collect();
-        let shapes = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
-        Some(Cloud::Shapes { strength: 0.1 * s.gain.abs(), shapes })
+        let directions = omegas.iter().flat_map(|w| [0.01, 0.05, 0.25].map(|z| vec![*w, z, 0.0, 0.0])).collect();
+        Some(StartGrid::Directions { strength: 0.1 * s.gain.abs(), directions })
     }
     #[inline(always)]
     fn reading(&self, _: &Instant<'_, f64>, _: &[f64; MOST_VALUES], own: &[f64; MOST_STAGED], y: f64) -> f64 {

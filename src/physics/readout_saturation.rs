@@ -1,7 +1,7 @@
 //! A readout that clips: the reading stays at a rail while the mass moves on.
 
 use super::candidate::{Candidate, Kind, Parameter};
-use super::law::{Cloud, Law, Place, Role};
+use super::law::{Law, Place, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
@@ -50,12 +50,12 @@ impl Law for ReadoutSaturation {
         true
     }
     /// Rails from just inside the extremes to halfway, on either side or both.
-    fn cloud(&self, s: &Scales) -> Option<Cloud> {
+    fn start_grid(&self, s: &Scales) -> Option<StartGrid> {
         let (c, far) = (s.centre, 100.0 * s.output);
         let (low, high) = (s.output_range.0 - c, s.output_range.1 - c);
         let levels = [0.9999, 0.995, 0.985, 0.97, 0.94, 0.9, 0.86, 0.81, 0.75, 0.68, 0.6, 0.5];
         let rails = |r: f64| [vec![c + r * low, c + r * high], vec![c - far, c + r * high], vec![c + r * low, c + far]];
-        Some(Cloud::Points(levels.into_iter().flat_map(rails).collect()))
+        Some(StartGrid::Points(levels.into_iter().flat_map(rails).collect()))
     }
     #[inline(always)]
     fn reading(&self, _: &Instant<'_, f64>, p: &[f64; MOST_VALUES], _: &[f64; MOST_STAGED], y: f64) -> f64 {

@@ -17,7 +17,7 @@ use crate::numerics::allan::law::FLICKER_FLOOR;
 use crate::numerics::allan::{Accumulator, Point};
 use crate::numerics::moments::mean;
 use crate::numerics::order;
-use crate::numerics::special::{chi_squared_above, chi_squared_quantile, discoveries};
+use crate::numerics::special::{chi_squared_quantile, chi_squared_survival, discoveries};
 use crate::numerics::spectrum::{Density, Welch};
 use crate::parallel;
 use crate::rng::{Philox, Stream};
@@ -32,10 +32,10 @@ pub struct Deviation {
     pub tau_s: f64,
     /// Allan deviation, file units.
     pub value: f64,
-    /// 95 % interval from χ² with `freedom` degrees.
+    /// 95 % interval from χ² with `degrees_of_freedom` degrees.
     pub ci95: [f64; 2],
     /// Equivalent degrees of freedom for the fitted mixture of noises.
-    pub freedom: f64,
+    pub degrees_of_freedom: f64,
 }
 
 /// A spectral line that stands out of its neighbourhood.
@@ -187,7 +187,7 @@ impl Meter {
         // Without a fit, white noise is as good a guess as any.
         let squares = fit.as_ref().map_or([0.0, 1.0, 0.0, 0.0, 0.0], Fit::squares);
         let curve: Vec<Deviation> = points.iter().map(|p| deviation(p, rate_hz, &squares)).collect();
-        let sure = curve.iter().copied().filter(|d| d.freedom >= 10.0);
+        let sure = curve.iter().copied().filter(|d| d.degrees_of_freedom >= 10.0);
         Channel {
             name: name.into(),
             unit,
@@ -204,9 +204,11 @@ impl Meter {
 }
 
 fn deviation(point: &Point, rate_hz: f64, squares: &[f64; 5]) -> Deviation {
-    let freedom = Covariance::new(&[point.factor], &[point.samples], rate_hz).freedom(0, squares);
-    let edge = |probability: f64| (point.variance * freedom / chi_squared_quantile(probability, freedom)).sqrt();
-    Deviation { tau_s: point.tau_s, value: point.variance.sqrt(), ci95: [edge(0.975), edge(0.025)], freedom }
+    let degrees_of_freedom = Covariance::new(&[point.factor], &[point.samples], rate_hz).degrees_of_freedom(0, squares);
+    let edge = |probability: f64| {
+        (point.variance * degrees_of_freedom / chi_squared_quantile(probability, degrees_of_freedom)).sqrt()
+    };
+    Deviation { tau_s: point.tau_s, value: point.variance.sqrt(), ci95: [edge(0.975), edge(0.025)], degrees_of_freedom }
 }
 
 /// Mean density between two shares of the rate.
@@ -227,12 +229,12 @@ fn roll_off(density: &Density, rate_hz: f64) -> Option<f64> {
 /// Ordinates at more than three times the median of their neighbourhood (half a frequency to either side, six to twenty-four
 /// bins), after false-discovery control; and all power in lines, unit² at each frequency.
 fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
-    let freedom = 2.0 * density.averages;
+    let degrees_of_freedom = 2.0 * density.averages;
     let count = density.density.len();
-    if count < 100 || freedom <= 0.0 {
+    if count < 100 || degrees_of_freedom <= 0.0 {
         return (Vec::new(), Vec::new());
     }
-    let middle = chi_squared_quantile(0.5, freedom) / freedom;
+    let middle = chi_squared_quantile(0.5, degrees_of_freedom) / degrees_of_freedom;
     let excess: Vec<f64> = (0..count)
         .map(|i| {
             let half = (i / 2).clamp(6, 24);
@@ -241,7 +243,8 @@ fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
             density.density[i] * middle / *around.select_nth_unstable_by(half, f64::total_cmp).1
         })
         .collect();
-    let p_values: Vec<f64> = excess.iter().map(|e| chi_squared_above(e * freedom, freedom)).collect();
+    let p_values: Vec<f64> =
+        excess.iter().map(|e| chi_squared_survival(e * degrees_of_freedom, degrees_of_freedom)).collect();
     let found = discoveries(&p_values, 1e-3);
     // The lowest bins belong to drift; one line may be several bins wide.
     let peak = |i: &usize| {

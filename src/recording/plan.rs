@@ -12,7 +12,7 @@ use super::limits::RATES_HZ;
 use super::repeats::{Meaning, Repeated, Repeats};
 use super::request::Request;
 use super::rows::{Rows, Wanted};
-use super::source::Source;
+use super::source::FileSummary;
 use crate::error::{Error, Result};
 use crate::progress;
 use crate::signal;
@@ -299,7 +299,7 @@ pub fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Opti
 ///
 /// # Errors
 /// Both.
-pub fn check_end(path: &Path, request: &Request, plan: &Plan, source: &Source) -> Result<()> {
+pub fn check_end(path: &Path, request: &Request, plan: &Plan, source: &FileSummary) -> Result<()> {
     if source.length_bytes != plan.length_bytes {
         return Err(refuse(path, "the file changed while it was read".into(), "wait until the log is complete"));
     }

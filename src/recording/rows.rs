@@ -8,7 +8,7 @@ use super::clock::stamp::Stamp;
 use super::formats::{self, Opened};
 use super::memory::Memory;
 use super::reader::Choice;
-use super::source::Source;
+use super::source::FileSummary;
 use super::table::Table;
 use super::text::Text;
 use crate::error::{Error, Result};
@@ -226,7 +226,7 @@ impl Rows {
     ///
     /// # Errors
     /// When the file cannot be read on.
-    pub fn finish(self) -> Result<Source> {
+    pub fn finish(self) -> Result<FileSummary> {
         match self.body {
             Body::Text(text) => text.finish(),
             Body::Table(table) => table.finish(),

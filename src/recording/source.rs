@@ -5,7 +5,7 @@ use super::finding::Finding;
 
 /// What is known of a file once it has been read to its end.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Source {
+pub struct FileSummary {
     /// SHA-256 of all its bytes, hexadecimal.
     pub sha256: String,
     /// Size of the file, bytes.

@@ -6,7 +6,7 @@ use super::finding::Finding;
 use super::format::{self, Cell};
 use super::input::{Checksum, Input};
 use super::reader::{Block, Reader};
-use super::source::Source;
+use super::source::FileSummary;
 use crate::error::{Error, Result};
 
 /// A table of a binary file, being read.
@@ -170,7 +170,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::advance`].
-    pub fn finish(mut self) -> Result<Source> {
+    pub fn finish(mut self) -> Result<FileSummary> {
         loop {
             self.at = self.block.rows;
             if !self.advance()? {
@@ -193,6 +193,6 @@ impl Table {
             None if self.digested => self.input.checksum().finish(&self.input.path)?,
             None => (String::new(), self.length_bytes()),
         };
-        Ok(Source { sha256, length_bytes, rows: self.before + lost, dropped, findings })
+        Ok(FileSummary { sha256, length_bytes, rows: self.before + lost, dropped, findings })
     }
 }

@@ -18,7 +18,7 @@ use super::lines::Lines;
 use super::pack::Pack;
 use super::reader::Choice;
 use super::regular::Layout;
-use super::source::Source;
+use super::source::FileSummary;
 use crate::error::{Error, Result};
 
 /// Files of more than this are parsed ahead, bytes.
@@ -322,7 +322,7 @@ impl Text {
     ///
     /// # Errors
     /// When the file cannot be read on.
-    pub fn finish(mut self) -> Result<Source> {
+    pub fn finish(mut self) -> Result<FileSummary> {
         while self.skip()? {}
         let mut findings = self.findings;
         if self.skipped.0 > 0 {
@@ -332,7 +332,7 @@ impl Text {
             findings.extend(row.map(|first_row| Finding::BeyondDouble { column: name.clone(), first_row }));
         }
         let (sha256, length_bytes) = self.lines.finish()?;
-        Ok(Source { sha256, length_bytes, rows: self.rows, dropped: self.dropped.all(), findings })
+        Ok(FileSummary { sha256, length_bytes, rows: self.rows, dropped: self.dropped.all(), findings })
     }
 }
 

@@ -10,7 +10,7 @@ mod tilt;
 use super::html::Page;
 use super::table::Table;
 use crate::paper::Paper;
-use crate::paper::check::Source;
+use crate::paper::check::Provenance;
 
 /// One line per figure, for a terminal.
 pub fn table(paper: &Paper) -> Table {
@@ -39,10 +39,10 @@ pub fn failures(paper: &Paper) -> Vec<String> {
         .collect()
 }
 
-fn words(source: Source) -> &'static str {
+fn words(source: Provenance) -> &'static str {
     match source {
-        Source::Simulated => "simulated",
-        Source::Recorded => "recorded",
+        Provenance::Simulated => "simulated",
+        Provenance::Recorded => "recorded",
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Sense, Sensor, SensorTerm};
 
 /// One source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Source {
+pub enum ErrorSource {
     /// Resonance, damping and nonlinear springs of the proof mass: the reading is not the force.
     Mechanics,
     /// Brownian force on the proof mass.
@@ -15,7 +15,7 @@ pub enum Source {
     Term(SensorTerm),
 }
 
-impl Source {
+impl ErrorSource {
     /// All of them: the proof mass, then the terms of the table.
     pub const ALL: [Self; 2 + SensorTerm::COUNT] = {
         let mut all = [Self::Mechanics; 2 + SensorTerm::COUNT];
@@ -105,10 +105,12 @@ mod tests {
 
     #[test]
     fn every_source_can_be_had_alone_and_left_out() {
-        assert!(Source::ALL.into_iter().all(|s| s.is_on(&full()) && !s.is_on(&Sensor::default())));
-        for source in Source::ALL {
-            let alone: Vec<Source> = Source::ALL.into_iter().filter(|s| s.is_on(&source.alone(&full()))).collect();
-            let expected = if source == Source::ForceNoise { vec![Source::Mechanics, source] } else { vec![source] };
+        assert!(ErrorSource::ALL.into_iter().all(|s| s.is_on(&full()) && !s.is_on(&Sensor::default())));
+        for source in ErrorSource::ALL {
+            let alone: Vec<ErrorSource> =
+                ErrorSource::ALL.into_iter().filter(|s| s.is_on(&source.alone(&full()))).collect();
+            let expected =
+                if source == ErrorSource::ForceNoise { vec![ErrorSource::Mechanics, source] } else { vec![source] };
             assert_eq!(alone, expected);
             assert!(!source.is_on(&source.off(&full())));
         }

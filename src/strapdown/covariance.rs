@@ -14,7 +14,7 @@ use crate::kernel::flight::{Flight, Vertical};
 use crate::motion::mechanisation;
 use crate::parallel;
 use crate::sensor::error_law::ErrorLaw;
-use crate::sensor::source::Source;
+use crate::sensor::source::ErrorSource;
 use crate::sensor::{Sense, SensorTerm, coupling, mechanics};
 use crate::study::in_motion::InMotion;
 use crate::units::key::Key;
@@ -23,7 +23,7 @@ use crate::units::key::Key;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
     /// A sensor on each axis.
-    Sensor(Source),
+    Sensor(ErrorSource),
     /// What a reading takes from other axes or instruments.
     Coupling(&'static Key),
     /// The heading at the start, and without a still start the tilt.
@@ -131,7 +131,7 @@ pub fn of(motion: &InMotion, flight: &Flight) -> Covariance {
     let mut left_out = Vec::new();
     let stride = stride(flight);
     let step_s = stride as f64 * flight.clock().sample_s();
-    for source in Source::ALL {
+    for source in ErrorSource::ALL {
         let Some(given) = Given::of(source, motion) else { continue };
         match given.built(flight, found.as_ref(), stride, step_s) {
             Some((columns, families)) => causes.push((Cause::Sensor(source), columns, families)),
@@ -327,18 +327,18 @@ fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight
 
 /// What the axes have of one source: moments of its coefficient, SI.
 struct Given {
-    source: Source,
+    source: ErrorSource,
     moments: [(f64, f64); 3],
 }
 
 impl Given {
-    fn of(source: Source, motion: &InMotion) -> Option<Self> {
+    fn of(source: ErrorSource, motion: &InMotion) -> Option<Self> {
         let moments = motion.tolerances.each_ref().map(|all| match source {
-            Source::Mechanics => {
+            ErrorSource::Mechanics => {
                 (if all[&mechanics::RESONANCE].is_some() || all[&mechanics::MASS].is_some() { 1.0 } else { 0.0 }, 0.0)
             }
-            Source::ForceNoise => all.moments(&mechanics::FORCE_NOISE),
-            Source::Term(term) => all.given(term).map_or((0.0, 0.0), |key| all.moments(key)),
+            ErrorSource::ForceNoise => all.moments(&mechanics::FORCE_NOISE),
+            ErrorSource::Term(term) => all.given(term).map_or((0.0, 0.0), |key| all.moments(key)),
         });
         moments.iter().any(|m| *m != (0.0, 0.0)).then_some(Self { source, moments })
     }
@@ -364,11 +364,11 @@ impl Given {
             ((0..3).map(axis).collect(), Vec::new())
         };
         let (term, sense) = match self.source {
-            Source::Mechanics => return None,
-            Source::ForceNoise => {
+            ErrorSource::Mechanics => return None,
+            ErrorSource::ForceNoise => {
                 return Some((Vec::new(), vec![white(self.squares(Sense::Accelerometer), found)]));
             }
-            Source::Term(term) => (term, term.sense()),
+            ErrorSource::Term(term) => (term, term.sense()),
         };
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {

@@ -11,7 +11,7 @@ use crate::error::Result;
 
 /// The text of a study.toml with what the command line changes in it.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct StudyText {
     name: String,
     text: String,
     overrides: Overrides,
@@ -27,7 +27,7 @@ pub struct Sensor {
     pub gyro: Option<Table>,
 }
 
-impl Source {
+impl StudyText {
     /// Reads a study.toml.
     ///
     /// # Errors
@@ -114,7 +114,7 @@ impl Source {
     /// Whether members draw from a distribution at a dotted path.
     ///
     /// # Errors
-    /// As [`Source::number`].
+    /// As [`StudyText::number`].
     pub fn is_drawn(&self, key: &str) -> Result<bool> {
         let ends = ["sd", "min"].map(|end| self.number(&format!("{key}.{end}")));
         ends.into_iter().try_fold(false, |drawn, number| Ok(drawn || number?.is_some()))
@@ -126,5 +126,5 @@ impl Source {
 /// # Errors
 /// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the embedded file is sound.
 pub fn read_default(overrides: &Overrides) -> Result<Study> {
-    Source::of_default(overrides.clone())?.study()
+    StudyText::of_default(overrides.clone())?.study()
 }

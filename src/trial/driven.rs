@@ -214,7 +214,7 @@ impl<'a> Scene<'a> {
         self.input.iter().skip(self.lead * stride).step_by(stride).copied().collect()
     }
 
-    fn motion(&self, terms: &[Term]) -> proof_mass::Motion {
+    fn motion(&self, terms: &[Term]) -> proof_mass::MechanicalSignal {
         let c = self.case;
         let clock = Clock {
             input: &self.input,

@@ -21,7 +21,7 @@ pub struct Clock<'a> {
 
 /// What the readout sees at every step.
 #[derive(Debug, Clone)]
-pub struct Motion {
+pub struct MechanicalSignal {
     /// The mechanical signal after second mode, low-pass, gain control and mount.
     pub signal: Vec<f64>,
     /// Root mean square velocity.
@@ -30,7 +30,13 @@ pub struct Motion {
 
 /// Integrates from the clock's start; one signal value per step and one for the start. Not finite values mean that the
 /// motion diverged. `noise_seed` is that of the force noise.
-pub fn integrate(oscillator: Oscillator, terms: &[Term], scales: Scales, clock: &Clock<'_>, noise_seed: u64) -> Motion {
+pub fn integrate(
+    oscillator: Oscillator,
+    terms: &[Term],
+    scales: Scales,
+    clock: &Clock<'_>,
+    noise_seed: u64,
+) -> MechanicalSignal {
     let of = |physics| terms.iter().find(|t| t.physics == physics);
     let machine = Machine::new(oscillator, terms, scales);
     // White acceleration of two-sided density S kicks the velocity by √(S h) per step, and makes a displacement of
@@ -44,7 +50,7 @@ pub fn integrate(oscillator: Oscillator, terms: &[Term], scales: Scales, clock: 
     let mut state = [0.0; STATES];
     state[..2].copy_from_slice(&oscillator.start);
     let mut contact = if state[1] == 0.0 { Contact::Sticking } else { Contact::Slipping(state[1].signum()) };
-    let mut motion = Motion { signal: Vec::with_capacity(steps + 1), velocity_rms: 0.0 };
+    let mut motion = MechanicalSignal { signal: Vec::with_capacity(steps + 1), velocity_rms: 0.0 };
     let mut largest = 0.0f64;
     motion.signal.push(machine.signal(&state));
     for n in 0..steps {

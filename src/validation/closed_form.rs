@@ -15,7 +15,7 @@ const TIMES_S: [f64; 3] = [5.0, 10.0, 20.0];
 const SPREAD: f64 = 0.04;
 
 /// One source: how it is switched on, and what its position error must be.
-struct Source {
+struct ErrorCase {
     name: &'static str,
     set: fn(&mut Sensor),
     law: fn(f64) -> f64,
@@ -23,38 +23,38 @@ struct Source {
     constant: bool,
 }
 
-const SOURCES: [Source; 6] = [
-    Source {
+const SOURCES: [ErrorCase; 6] = [
+    ErrorCase {
         name: "bias 0.034 m/s²: ½bt²",
         set: |s| s.accelerometer.bias_m_s2 = 0.034,
         law: |t| 0.5 * 0.034 * t * t,
         constant: true,
     },
-    Source {
+    ErrorCase {
         name: "velocity random walk: N t^1.5/√3",
         set: |s| s.accelerometer.velocity_random_walk_m_s_rts = 4e-4,
         law: |t| 4e-4 * t.powf(1.5) / 3_f64.sqrt(),
         constant: false,
     },
-    Source {
+    ErrorCase {
         name: "acceleration random walk: K t^2.5/√20",
         set: |s| s.accelerometer.acceleration_random_walk_m_s2_rts = 1e-4,
         law: |t| 1e-4 * t.powf(2.5) / 20_f64.sqrt(),
         constant: false,
     },
-    Source {
+    ErrorCase {
         name: "gyro bias: gbt³/6",
         set: |s| s.gyro.bias_rad_s = 1e-4,
         law: |t| G * 1e-4 * t.powi(3) / 6.0,
         constant: true,
     },
-    Source {
+    ErrorCase {
         name: "angle random walk: gN t^2.5/√20",
         set: |s| s.gyro.angle_random_walk_rad_rts = 1e-4,
         law: |t| G * 1e-4 * t.powf(2.5) / 20_f64.sqrt(),
         constant: false,
     },
-    Source {
+    ErrorCase {
         name: "rate random walk: gK t^3.5/√252",
         set: |s| s.gyro.rate_random_walk_rad_s_rts = 1e-5,
         law: |t| G * 1e-5 * t.powf(3.5) / 252_f64.sqrt(),

@@ -7,7 +7,7 @@ use proofmass::error::Error;
 use proofmass::numerics::allan::law::TERMS;
 use proofmass::recording::noise::{self, Noise};
 use proofmass::recording::rows::{Rows, Wanted};
-use proofmass::recording::source::Source;
+use proofmass::recording::source::FileSummary;
 use proofmass::recording::unit::Unit;
 use proofmass::recording::{self, Recording, Request, inspection, roles};
 use serde_json::Value;
@@ -135,7 +135,7 @@ fn named(columns: &[&str]) -> Request {
 }
 
 /// Columns as they stand in a file, row by row, and what is known of it at its end.
-fn table(path: &Path, topic: Option<&str>, columns: &[&str]) -> Result<(Vec<Vec<f64>>, Source), Error> {
+fn table(path: &Path, topic: Option<&str>, columns: &[&str]) -> Result<(Vec<Vec<f64>>, FileSummary), Error> {
     let columns: Vec<String> = columns.iter().map(|c| (*c).to_owned()).collect();
     let mut rows = Rows::open_wanted(path, &Wanted { topic, time: None, columns: &columns, ..Wanted::default() })?;
     let mut row = vec![0.0; rows.names().len()];

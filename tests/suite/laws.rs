@@ -14,7 +14,7 @@ use proofmass::diagnosis::driven::intake::data::Data;
 use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
-use proofmass::diagnosis::driven::simulation::shape::Shape;
+use proofmass::diagnosis::driven::simulation::structure::ModelStructure;
 use proofmass::ensemble::{Options, run_on};
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
@@ -73,7 +73,7 @@ fn input(t: f64) -> f64 {
 
 /// Laws of the equation of motion, with shapes that the trial plants them with.
 fn planted() -> Vec<Planted> {
-    let term = |physics, amplitude, shape| Planted { physics, amplitude, shape };
+    let term = |physics, amplitude, structure| Planted { physics, amplitude, structure };
     vec![
         term(Physics::CubicStiffness, 0.3, [1.0, 0.0]),
         term(Physics::QuadraticStiffness, 0.2, [1.0, 0.0]),
@@ -134,7 +134,7 @@ fn simulated(term: Option<(Term, &[f64])>, steps: usize) -> Vec<f64> {
     point.extend(term.iter().flat_map(|(_, p)| p.iter()));
     let terms: Vec<Term> = term.iter().map(|(t, _)| *t).collect();
     let run = Run { range: 0..SAMPLES, steps, corrected: false };
-    innovations(&data, &Shape::new(&terms), &[point], &run, &mut Nothing).iter().map(|e| -e[0]).collect()
+    innovations(&data, &ModelStructure::new(&terms), &[point], &run, &mut Nothing).iter().map(|e| -e[0]).collect()
 }
 
 /// Readings of the trial from rest.
@@ -206,10 +206,10 @@ fn coupled_mode_by_name() -> Result<(), Failed> {
     let data = data(reading, pushed);
     let scales = first_scales(&data);
     let begin = [GAIN, 1.02 * OMEGA, ZETA, 0.0, 0.0, 0.0];
-    let base = fit(&data, &Shape::new(&[]), &begin, &scales, 25).ok_or("no base model")?;
+    let base = fit(&data, &ModelStructure::new(&[]), &begin, &scales, 25).ok_or("no base model")?;
     let start: Vec<f64> = begin.into_iter().chain([0.03, 1.35 * OMEGA, 0.05, 0.0, 0.0]).collect();
     let named = Term::all().into_iter().find(|t| t.id() == "coupled-mode").ok_or("it is not listed")?;
-    let found = fit(&data, &Shape::new(&[named]), &start, &scales, 60).ok_or("no fit")?;
+    let found = fit(&data, &ModelStructure::new(&[named]), &start, &scales, 60).ok_or("no fit")?;
     let own = &found.point[6..];
     near("mass ratio", own[0] / mu, 1.0, 0.02)?;
     near("its frequency", own[1] / omega2, 1.0, 0.005)?;

@@ -5,7 +5,7 @@ use proofmass::backend::orbits::Device;
 use proofmass::control::Control;
 use proofmass::dynamics::fractal::{Scales, correlation};
 use proofmass::navigation::kalman::{Filter, Model, Reading, Weighting};
-use proofmass::paper::check::{Check, Exhibit, Source};
+use proofmass::paper::check::{Check, Exhibit, Provenance};
 use proofmass::paper::{beliefs, compute, fusion, inertial, moved, pitch};
 use proofmass::report;
 use proofmass::rng::{Philox, Stream};
@@ -44,7 +44,7 @@ fn simulated() -> Result<(), Failed> {
     let exhibits = paper.exhibits();
     let numbers: Vec<u32> = exhibits.iter().map(|e| e.figure).collect();
     check(numbers == (1..=20).collect::<Vec<u32>>(), format!("figures are {numbers:?}"))?;
-    check(exhibits.iter().all(|e| e.source == Source::Simulated), "nothing was recorded here")?;
+    check(exhibits.iter().all(|e| e.source == Provenance::Simulated), "nothing was recorded here")?;
     let page = report::paper::page(&paper).finish();
     check(page.len() < 5_000_000, format!("the page has {} bytes", page.len()))?;
     check(!without_own_script(&page)?.contains("<script"), "the page holds a script that is not its own")?;
@@ -65,7 +65,10 @@ fn recorded(folder: &std::path::Path) -> Result<(), Failed> {
     check(imu.poses.len() > 30, "poses are missing")?;
     let pitch = pitch::compute(&imu);
     let fusion = fusion::compute(moved::compute(&imu, &pitch));
-    check(pitch.exhibits.iter().all(|e| e.source == Source::Recorded), "figures 5 to 10 are not from the recording")?;
+    check(
+        pitch.exhibits.iter().all(|e| e.source == Provenance::Recorded),
+        "figures 5 to 10 are not from the recording",
+    )?;
     all_hold(&pitch.exhibits.iter().chain(&fusion.exhibits).collect::<Vec<_>>())
 }
 

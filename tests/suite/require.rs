@@ -8,7 +8,7 @@ use proofmass::control::Control;
 use proofmass::decision::require::{Outcome, Question, answer};
 use proofmass::decision::statistic::Limit;
 use proofmass::numerics::special::exact_interval;
-use proofmass::study::{Overrides, Source};
+use proofmass::study::{Overrides, StudyText};
 use serde_json::Value;
 
 use super::world::{check, near, program, test};
@@ -67,7 +67,7 @@ fn bias() -> Result<(), Failed> {
     let (mut hits, mut wrong, seeds) = (0, 0, 60);
     for seed in 1..=seeds {
         let overrides = Overrides { seed: Some(seed), ..Overrides::default() };
-        let answer = answer(&Source::read(path.as_ref(), overrides)?, &question, &Control::silent())?;
+        let answer = answer(&StudyText::read(path.as_ref(), overrides)?, &question, &Control::silent())?;
         check(answer.outcome == Outcome::Crosses { below: true } && answer.settled, format!("{:?}", answer.outcome))?;
         let [Some(low), Some(high)] = answer.vary[0].ci95 else { return Err("an interval without ends".into()) };
         hits += u64::from(low <= expected && expected <= high);

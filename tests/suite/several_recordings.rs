@@ -80,7 +80,7 @@ fn together() -> Result<(), Failed> {
     }
     // 1500 samples less 24 at either end and the first 50.
     check(judged["fit"]["recordings"][1]["samples"] == 1402, format!("{}", judged["fit"]["recordings"]))?;
-    // Control: end to end in one file, the jump between both is not foretold.
+    // Control: end to end in one file, the jump between both is not predicted.
     let glued = csv(&planted, 0..3000, 0.0) + csv(&planted, 4000..7000, 3.0 * sd).trim_start_matches("u,y\n");
     let glued = diagnose(&[&bench.file("glued.csv", &glued)?], &model, &[])?.json()?;
     let entry = &glued["fit"]["recordings"][0];

@@ -14,7 +14,7 @@ use proofmass::diagnosis::driven::intake::input::{Input, Interpolation};
 use proofmass::diagnosis::driven::intake::work::Stage;
 use proofmass::diagnosis::driven::simulation::filter::Nothing;
 use proofmass::diagnosis::driven::simulation::run::{Run, innovations};
-use proofmass::diagnosis::driven::simulation::shape::Shape;
+use proofmass::diagnosis::driven::simulation::structure::ModelStructure;
 use proofmass::diagnosis::verdict::{Effect, Estimate, Evidence};
 use proofmass::numerics::least_squares::Residuals;
 use proofmass::physics::cubic_stiffness::CubicStiffness;
@@ -67,7 +67,7 @@ fn data(interpolation: Interpolation) -> Data {
 fn filtered(data: &Data, terms: &[Term], own: &[f64], steps: usize) -> Vec<f64> {
     let point: Vec<f64> = FITTED.iter().chain(own).copied().collect();
     let run = Run { range: data.hull.clone(), steps, corrected: false };
-    innovations(data, &Shape::new(terms), &[point], &run, &mut Nothing).iter().map(|e| e[0]).collect()
+    innovations(data, &ModelStructure::new(terms), &[point], &run, &mut Nothing).iter().map(|e| e[0]).collect()
 }
 
 fn squares(errors: &[f64]) -> f64 {
@@ -99,8 +99,8 @@ fn profile_is_refits() -> Result<(), Failed> {
     let data = planted(&terms, &own);
     let scales = first_scales(&data);
     let start: Vec<f64> = FITTED.iter().chain(&own).copied().collect();
-    let shape = Shape::new(&terms);
-    let fitted = fit(&data, &shape, &start, &scales, 20).ok_or("no fit")?;
+    let structure = ModelStructure::new(&terms);
+    let fitted = fit(&data, &structure, &start, &scales, 20).ok_or("no fit")?;
     let spread = spread(&fitted);
     let free = fitted.free.iter().position(|f| *f == BASE).ok_or("the spring does not move")?;
     let reach = 2.0 * spread.deviation[free] * fitted.slopes[free];
@@ -126,7 +126,7 @@ fn profile_is_refits() -> Result<(), Failed> {
     let rows = data.train_len() as f64 / spread.dispersion[free];
     let loss = |sum: f64| 0.5 * rows * (sum / least).ln();
     for (at, lost) in profile.points.iter().step_by(8) {
-        let mut search = Search::all(&data, &shape, &fitted.point, &scales);
+        let mut search = Search::all(&data, &structure, &fitted.point, &scales);
         search.run.steps = fitted.steps;
         search.point[BASE] = *at;
         let alone = loss(search.sums(&[search.z(&search.point)])[0]);
@@ -148,12 +148,12 @@ fn cloud_finds_gap() -> Result<(), Failed> {
     let own = [20.0 * STIFF, 0.0205];
     let data = planted(&[term], &own);
     let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };
-    let base = fit(&data, &Shape::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
+    let base = fit(&data, &ModelStructure::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
     let scales = refined(&data, &base, &scales);
     let ensemble = StartSearch::around(&data, &base).ok_or("no ensemble")?;
     let starts = ensemble.starts(term, &scales, 1).ok_or("no starts")?;
-    let (shape, point) = base.with(term, &starts[0]);
-    let found = fit(&data, &shape, &point, &scales, 20).ok_or("no fit with the stop")?;
+    let (structure, point) = base.with(term, &starts[0]);
+    let found = fit(&data, &structure, &point, &scales, 20).ok_or("no fit with the stop")?;
     near("the gap", found.point[BASE + 1] / own[1], 1.0, 0.01)?;
     // The noise is spread evenly over 1e-4.
     let noise = 1e-8 / 12.0;
@@ -167,7 +167,7 @@ fn cloud_is_closer() -> Result<(), Failed> {
     let gap = 0.0205;
     let data = planted(&[term], &[20.0 * STIFF, gap]);
     let scales = Scales { omega_rad_s: OMEGA, ..first_scales(&data) };
-    let base = fit(&data, &Shape::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
+    let base = fit(&data, &ModelStructure::new(&[]), &FITTED, &scales, 20).ok_or("no fit")?;
     let scales = refined(&data, &base, &scales);
     let search = StartSearch::around(&data, &base).ok_or("no search")?;
     let best = search.starts(term, &scales, 1).ok_or("no starts")?;

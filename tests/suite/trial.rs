@@ -131,7 +131,7 @@ fn adequate(files: &Files) -> Verdict {
         kind: Kind::Driven,
         verdict: verdict::Outcome::Adequate,
         sentence: "Nothing is missing.".into(),
-        recording: verdict::Source::of(&Recording { path: files.recording.clone(), ..Recording::default() }),
+        recording: verdict::RecordingInfo::of(&Recording { path: files.recording.clone(), ..Recording::default() }),
         base: Vec::new(),
         effects: Vec::new(),
         location: verdict::Where::default(),

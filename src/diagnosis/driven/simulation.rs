@@ -6,5 +6,5 @@ mod once;
 mod propagator;
 pub mod restarted;
 pub mod run;
-pub mod shape;
 mod step;
+pub mod structure;

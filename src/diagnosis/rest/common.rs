@@ -12,7 +12,7 @@ use super::slow::is_slow;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use crate::numerics::cosine;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 /// A channel that follows another.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ pub(super) fn find(channels: &[Channel], selected: &[Selection]) -> Option<Commo
             .filter_map(|i| {
                 let fitted = following(i, &slow[leader]);
                 let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
-                let p_value = (chi_squared_above(gain.max(0.0), 1.0) * correction).min(1.0);
+                let p_value = (chi_squared_survival(gain.max(0.0), 1.0) * correction).min(1.0);
                 let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
                 (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
             })

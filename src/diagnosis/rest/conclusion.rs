@@ -22,7 +22,7 @@ use crate::diagnosis::model;
 use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
 use crate::diagnosis::ruling::{Evidence, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Fit, LogScore, Score, Source};
+use crate::diagnosis::verdict::{Effect, Estimate, Fit, LogScore, RecordingInfo, Score};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
@@ -306,7 +306,7 @@ impl<'a> Draft<'a> {
         Answer {
             kind: Kind::Static,
             outcome: rule(&self.evidence(&effects)),
-            recording: Source::of(self.recording),
+            recording: RecordingInfo::of(self.recording),
             places,
             fit: fit(channels, self.selected, &self.finals, &before, self.unit),
             residual_after: self.remainder().whiteness(),

@@ -154,11 +154,11 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let rest = coarse(chosen.terms.iter().filter(|t| !drifts(t)).collect());
     let before = own.fit(coarse(chosen.terms.iter().collect()));
     // What a number costs where it is fitted to so many values (Schwarz 1978): a curve takes up what it can of any noise.
-    let price = (count as f64).ln();
+    let penalty = (count as f64).ln();
     let with = |curves: Vec<Curve>| -> f64 {
         own.fit(rest.iter().cloned().chain([term(Cause::RateRamp, curves)]).collect()).log_likelihood()
     };
-    let merit = |log_likelihood: f64, numbers: f64| 2.0 * log_likelihood - price * numbers;
+    let merit = |log_likelihood: f64, numbers: f64| 2.0 * log_likelihood - penalty * numbers;
     let numbers: f64 = drift.iter().map(|c| row(*c).numbers).sum();
     let held = merit(before.log_likelihood(), numbers);
     let (free, best) = profile(TEMPORAL.map(f64::ln), 12, |p: f64| with(vec![course(count, |u| u.powf(p.exp()))]));

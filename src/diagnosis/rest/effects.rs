@@ -14,7 +14,7 @@ use super::{describe, estimate};
 use crate::diagnosis::model;
 use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 /// Rounding that makes up this share of the white variance is worth a name.
 const COARSE: f64 = 0.1;
@@ -189,7 +189,7 @@ pub(super) fn of_level(
             let counts = Counts::of(&channel.values, step);
             let (sigma, interval, gain) = counts.noise(promised.sqrt() / step);
             let variance = |s: f64| (s * step).powi(2);
-            (variance(sigma), interval.map(variance), chi_squared_above(gain, 1.0))
+            (variance(sigma), interval.map(variance), chi_squared_survival(gain, 1.0))
         }
         _ => {
             let own = white - if coarse.is_some() { rounding } else { 0.0 };
@@ -197,7 +197,7 @@ pub(super) fn of_level(
             let z = ((own - promised).abs() - folded).max(0.0) / error.max(0.3 * rounding);
             let [low, high] = estimate::variance_interval(white, error).map(|v| v - white + own);
             let interval = [(low - folded).max(0.0), high + folded];
-            (own, interval, chi_squared_above(z * z, 1.0))
+            (own, interval, chi_squared_survival(z * z, 1.0))
         }
     };
     if p_value < ALPHA && ((own.max(0.0) / promised).sqrt() - 1.0).abs() > LEVEL {

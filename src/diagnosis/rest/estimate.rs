@@ -7,8 +7,8 @@ use crate::numerics::special::{chi_squared_quantile, normal_quantile};
 
 /// 95 % interval of a variance: χ² with the degrees of freedom that its standard error amounts to.
 pub(super) fn variance_interval(value: f64, error: f64) -> [f64; 2] {
-    let freedom = 2.0 * (value / error).powi(2);
-    [0.975, 0.025].map(|p| value * freedom / chi_squared_quantile(p, freedom))
+    let degrees_of_freedom = 2.0 * (value / error).powi(2);
+    [0.975, 0.025].map(|p| value * degrees_of_freedom / chi_squared_quantile(p, degrees_of_freedom))
 }
 
 /// A value whose square is a fitted strength, given with its standard error.

@@ -95,8 +95,8 @@ fn independence(sizes: &[f64]) -> Option<usize> {
 /// Probability of tails so heavy among steps; only those `apart` count as independent.
 fn many(sizes: &[f64], apart: usize) -> f64 {
     let n = sizes.len() as f64;
-    let (second, fourth) = sizes.iter().fold((0.0, 0.0), |(s, f), z| (s + z * z, f + z.powi(4)));
-    heavy_tails(n * fourth / (second * second).max(f64::MIN_POSITIVE), n / apart as f64)
+    let (second_moment, fourth_moment) = sizes.iter().fold((0.0, 0.0), |(s, f), z| (s + z * z, f + z.powi(4)));
+    heavy_tails(n * fourth_moment / (second_moment * second_moment).max(f64::MIN_POSITIVE), n / apart as f64)
 }
 
 /// Probability of a kurtosis at least this large among `n` normal values: Anscombe & Glynn, Biometrika 70, 1983.
@@ -140,9 +140,9 @@ pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
     terms.push(term(channel, jump.at));
     // A step has a size and a place; a slow term has one or two numbers of its own.
     let numbers = |t: &Term| if matches!(t.cause, Cause::GaussMarkov | Cause::WarmUp) { 2.0 } else { 1.0 };
-    let price = 2.0 * (2.0 - slow.iter().map(numbers).sum::<f64>());
+    let penalty = 2.0 * (2.0 - slow.iter().map(numbers).sum::<f64>());
     let gain = 2.0 * (channel.fit(terms).log_likelihood() - fitted.log_likelihood());
-    (gain - price > CLOSE).then_some(jump)
+    (gain - penalty > CLOSE).then_some(jump)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::telegraph::Telegraph;
 use crate::diagnosis::remainder::REAL;
 use crate::diagnosis::verdict::Stretch;
 use crate::numerics::cosine;
-use crate::numerics::special::{chi_squared_above, discoveries, normal_cdf};
+use crate::numerics::special::{chi_squared_survival, discoveries, normal_cdf};
 
 /// False discoveries among the stretches named.
 const RATE: f64 = 0.01;
@@ -31,7 +31,7 @@ pub(super) struct Residual {
     pub(super) uneven: bool,
     /// Whether it changes at once and by so much that something disturbs the sensor for a while.
     pub(super) disturbed: bool,
-    /// Fourth moment over the squared second one; 3 for normal noise.
+    /// Fourth moment over the squared second_moment one; 3 for normal noise.
     pub(super) kurtosis: f64,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,
@@ -123,7 +123,8 @@ impl Squares {
         };
         let limit = (CLIPPED_AT * (1.4826 * at(0.5)).max(at(0.95) / 1.96)).powi(2);
         let limit = if limit > 0.0 { limit } else { f64::INFINITY };
-        let (second, fourth) = innovations.iter().fold((0.0, 0.0), |(s, f), v| (s + v * v, f + v.powi(4)));
+        let (second_moment, fourth_moment) =
+            innovations.iter().fold((0.0, 0.0), |(s, f), v| (s + v * v, f + v.powi(4)));
         let mut clipped: Vec<f64> = innovations.iter().map(|v| (v * v).min(limit)).collect();
         let mean = (clipped.iter().sum::<f64>() / count).max(f64::MIN_POSITIVE);
         clipped.iter_mut().for_each(|c| *c /= mean);
@@ -131,7 +132,7 @@ impl Squares {
         Self {
             clipped,
             variance: variance.max(0.05),
-            kurtosis: count * fourth / (second * second).max(f64::MIN_POSITIVE),
+            kurtosis: count * fourth_moment / (second_moment * second_moment).max(f64::MIN_POSITIVE),
         }
     }
 }
@@ -149,8 +150,8 @@ fn creep(squares: &Squares, tolerance: f64) -> (f64, f64) {
 
 /// Two-sided probability that a mean of `count` squares of unit variance is this far from one, beyond the tolerance.
 fn off(mean: f64, count: f64, tolerance: f64) -> f64 {
-    let high = chi_squared_above(count * mean / (1.0 + tolerance), count);
-    let low = 1.0 - chi_squared_above(count * mean * (1.0 + tolerance), count);
+    let high = chi_squared_survival(count * mean / (1.0 + tolerance), count);
+    let low = 1.0 - chi_squared_survival(count * mean * (1.0 + tolerance), count);
     (2.0 * high.min(low)).min(1.0)
 }
 

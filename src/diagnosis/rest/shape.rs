@@ -12,7 +12,7 @@ use super::profile::profile;
 use super::spectrum::Law;
 use super::standing::ALPHA;
 use crate::numerics::moments::mean_sd;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 /// Values that shapes are searched on, at most.
 const MOST: usize = 4096;
@@ -101,7 +101,7 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
     }
     let (_, log_likelihood, delay, of, numbers) = best?;
     let gain = 2.0 * (log_likelihood - own.fit(noise.to_vec()).log_likelihood());
-    if SHAPES * chi_squared_above(gain.max(0.0), numbers) * correction >= ALPHA {
+    if SHAPES * chi_squared_survival(gain.max(0.0), numbers) * correction >= ALPHA {
         return None;
     }
     let samples = together as f64;

@@ -230,12 +230,12 @@ mod tests {
             (seed, p_value(&values, vec![term]))
         });
         let alarms: Vec<(u64, f64)> = all.into_iter().filter(|(_, p)| *p < 0.01).collect();
-        // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the price keeps it far below.
+        // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the penalty keeps it far below.
         assert!(alarms.len() <= 1, "{alarms:?}");
     }
 
     #[test]
-    fn hops_are_found_at_half_the_noise_and_their_power_is_foreseen() {
+    fn hops_are_found_at_half_the_noise_and_their_power_is_predicted() {
         let found = |size: f64, dwell: [f64; 2], count: usize| -> usize {
             let found = parallel::map_members(0..20, |seed| {
                 let mut rng = Philox::new(42, seed, Stream::Host);
@@ -259,9 +259,9 @@ mod tests {
             let mut fitted = channel.fit(vec![law(Cause::GaussMarkov, Law::Markov(dwell / 2.0))]);
             // As planted, not as estimated.
             fitted.strengths.values = [1.0, size * size].map(|v| v / channel.scale.powi(2)).to_vec();
-            let (foreseen, found) = (power(&channel, &fitted, 1e-3).unwrap_or(0), found(size, [dwell; 2], 4000));
+            let (expected, found) = (power(&channel, &fitted, 1e-3).unwrap_or(0), found(size, [dwell; 2], 4000));
             // Two counts of twenty differ by seven or more by chance in one of a hundred.
-            assert!(foreseen.abs_diff(found) <= 7, "{size}: foreseen {foreseen}, found {found}");
+            assert!(expected.abs_diff(found) <= 7, "{size}: foreseen {expected}, found {found}");
         }
         assert!(found(0.1, [10.0; 2], 4000) == 0);
     }

@@ -21,7 +21,7 @@ use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::Tumble;
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Score, Source};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, RecordingInfo, Score};
 use crate::numerics::special::t_quantile;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -72,7 +72,7 @@ impl Case<'_> {
         Answer {
             kind: Kind::Tumble,
             outcome: rule(&evidence(selection, &residual, self.ratio_interval(selection)[0])),
-            recording: Source::of(self.recording),
+            recording: RecordingInfo::of(self.recording),
             base: Vec::new(),
             effects,
             places,

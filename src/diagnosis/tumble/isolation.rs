@@ -8,7 +8,7 @@ use super::group::{GROUPS, Group};
 use super::imu::Observed;
 use crate::diagnosis::answer::Places;
 use crate::diagnosis::verdict::Stretch;
-use crate::numerics::special::{chi_squared_above, discoveries};
+use crate::numerics::special::{chi_squared_survival, discoveries};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Share of the stretches named that may be false.
@@ -34,7 +34,7 @@ pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> (
         .map(|k| {
             let own = (0..base.rows.pose.len()).filter(|r| base.rows.pose[*r] == k);
             let (sum, n) = own.fold((0.0, 0.0), |s, r| (s.0 + base.rows.residual[r].powi(2), s.1 + 1.0));
-            (sum / f64::max(n, 1.0), chi_squared_above(sum, f64::max(n, 1.0)))
+            (sum / f64::max(n, 1.0), chi_squared_survival(sum, f64::max(n, 1.0)))
         })
         .collect();
     let found = discoveries(&excess.iter().map(|e| e.1).collect::<Vec<_>>(), FALSE_DISCOVERIES);
@@ -69,7 +69,7 @@ fn by_component(base: &Fit, forces: &[Vector3<f64>]) -> (&'static str, Vec<Stret
             sums[bin].0 += base.rows.residual[r].powi(2);
             sums[bin].1 += 1.0;
         }
-        let p: Vec<f64> = sums.iter().map(|s| if s.1 > 0.0 { chi_squared_above(s.0, s.1) } else { 1.0 }).collect();
+        let p: Vec<f64> = sums.iter().map(|s| if s.1 > 0.0 { chi_squared_survival(s.0, s.1) } else { 1.0 }).collect();
         let found = discoveries(&p, FALSE_DISCOVERIES / 3.0);
         let excess: Vec<f64> = sums.iter().map(|s| if s.1 > 0.0 { s.0 / s.1 } else { 0.0 }).collect();
         let filled: Vec<f64> = excess.iter().zip(&sums).filter(|e| e.1.1 > 0.0).map(|e| *e.0).collect();

@@ -9,8 +9,8 @@ use crate::numerics::special::t_quantile;
 pub fn half_width(of: &dyn Fn(&Point) -> f64, fit: &Fit, replicates: &[Point]) -> f64 {
     let each: Vec<f64> = replicates.iter().map(of).collect();
     // Each pose brings about six equations; a parameter costs its part of a pose.
-    let freedom = (each.len() as f64 - fit.active.len() as f64 / 6.0).max(2.0);
-    t_quantile(0.975, freedom) * deviation(&each)
+    let degrees_of_freedom = (each.len() as f64 - fit.active.len() as f64 / 6.0).max(2.0);
+    t_quantile(0.975, degrees_of_freedom) * deviation(&each)
 }
 
 /// Standard deviation of an estimate from its delete-one replicates.

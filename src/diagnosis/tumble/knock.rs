@@ -11,7 +11,7 @@ use super::group::Group;
 use super::imu::Observed;
 use super::residual::Residual;
 use super::start;
-use crate::numerics::special::f_above;
+use crate::numerics::special::f_survival;
 
 /// Chance of leaving out a pose in which nothing happened, over all poses.
 const FALSE_KNOCK: f64 = 1e-4;
@@ -54,12 +54,13 @@ fn knocked(fit: &Fit, poses: usize) -> Option<usize> {
         let product = |r: &usize| rows.residual[*r] * deleted[*r];
         let fall: f64 = own.iter().map(|r| product(r) / fit.inflation[rows.group[*r].place()]).sum();
         let clear = own.iter().map(product).sum::<f64>() > CLEAR * own.len() as f64;
-        let (spent, freedom) = (own.len() as f64, rows.pose.len() as f64 - fit.active.len() as f64 - own.len() as f64);
-        if !clear || freedom < 4.0 {
+        let (spent, degrees_of_freedom) =
+            (own.len() as f64, rows.pose.len() as f64 - fit.active.len() as f64 - own.len() as f64);
+        if !clear || degrees_of_freedom < 4.0 {
             return None;
         }
-        let ratio = fall / spent / ((total - fall).max(0.0) / freedom).max(f64::MIN_POSITIVE);
-        let p_value = f_above(ratio, spent, freedom) * poses as f64;
+        let ratio = fall / spent / ((total - fall).max(0.0) / degrees_of_freedom).max(f64::MIN_POSITIVE);
+        let p_value = f_survival(ratio, spent, degrees_of_freedom) * poses as f64;
         (p_value < FALSE_KNOCK).then_some((k, ratio))
     });
     judged.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)

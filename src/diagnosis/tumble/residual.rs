@@ -5,7 +5,7 @@ use super::group::{GROUPS, Group};
 use crate::diagnosis::detection::structure;
 use crate::diagnosis::remainder::{Remainder, Size, Test, WHITE};
 use crate::numerics::order;
-use crate::numerics::special::f_above;
+use crate::numerics::special::f_survival;
 
 /// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard deviation.
 const NOISE_FREEDOM: f64 = 60.0;
@@ -32,8 +32,8 @@ impl Residual {
         let mut above: Vec<(Group, f64)> = Vec::new();
         for group in GROUPS.into_iter().filter(|g| fit.rows.chi_square(*g).1 > 0) {
             let (ratio, n) = (fit.reduced(group), fit.rows.chi_square(group).1 as f64);
-            let freedom = (n - fit.leverage(group)).max(1.0);
-            let p_value = TESTS * f_above(ratio, freedom, NOISE_FREEDOM);
+            let degrees_of_freedom = (n - fit.leverage(group)).max(1.0);
+            let p_value = TESTS * f_survival(ratio, degrees_of_freedom, NOISE_FREEDOM);
             let test = Test { p_value, size: Size::of(ratio, MATERIAL, MATERIAL) };
             if test.found() == Size::Material {
                 above.push((group, ratio));

@@ -13,7 +13,7 @@ use super::start;
 use super::units::factor;
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
-use crate::numerics::special::{f_above, normal_quantile};
+use crate::numerics::special::{f_survival, normal_quantile};
 use crate::rng::{Philox, Stream};
 use crate::sensor::Sense;
 
@@ -286,8 +286,12 @@ fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried:
         .iter()
         .map(|g| (smaller.rows.chi_square(*g).0 - larger.rows.chi_square(*g).0) / larger.reduced(*g).max(1.0))
         .sum();
-    let freedom = larger.rows.chi_square(term.judged).1 as f64 - larger.leverage(term.judged);
-    let p = if freedom >= 1.0 { f_above((improvement / spent).max(0.0), spent, freedom) } else { 1.0 };
+    let degrees_of_freedom = larger.rows.chi_square(term.judged).1 as f64 - larger.leverage(term.judged);
+    let p = if degrees_of_freedom >= 1.0 {
+        f_survival((improvement / spent).max(0.0), spent, degrees_of_freedom)
+    } else {
+        1.0
+    };
     let (gain, ci95) = held_out_gain(smaller, larger, term.judged, folds);
     Standing {
         term,

@@ -5,7 +5,7 @@
 //! costs nothing: each law that acts is one loop over the lanes of a stage.
 
 use super::lanes::{Kernel, LANES, Lane};
-use super::oscillator::{Motion, read, sines};
+use super::oscillator::{ProofMasses, read, sines};
 use crate::kernel::force::Force;
 use crate::kernel::member::column;
 use crate::numerics::elementary::{Real, fma};
@@ -29,14 +29,14 @@ impl<T: Real> Acting<T> {
     }
 }
 
-/// [`Motion`] under these laws.
+/// [`ProofMasses`] under these laws.
 pub(super) struct General<'a, T> {
     /// The laws.
     pub laws: &'a [Acting<T>],
     /// Number of the first substep.
     pub first: u64,
     /// The members and their force.
-    pub motion: Motion<'a, T>,
+    pub motion: ProofMasses<'a, T>,
 }
 
 impl<T: Real> Kernel for General<'_, T> {

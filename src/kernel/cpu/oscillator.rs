@@ -128,7 +128,7 @@ impl<T: Real> Oscillator<T> for RosenbrockEuler {
 }
 
 /// The proof masses of 64 members over consecutive samples.
-pub(super) struct Motion<'a, T> {
+pub(super) struct ProofMasses<'a, T> {
     /// Parameters.
     pub k: &'a [Lane<T>; COLUMNS],
     pub e: &'a mut Lane<T>,
@@ -151,8 +151,8 @@ pub(super) struct Motion<'a, T> {
     pub felt: &'a mut [Lane<T>],
 }
 
-/// [`Motion`] by one way of stepping.
-pub(super) struct Step<'a, T, O>(pub O, pub Motion<'a, T>);
+/// [`ProofMasses`] by one way of stepping.
+pub(super) struct Step<'a, T, O>(pub O, pub ProofMasses<'a, T>);
 
 impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
     type Output = ();

@@ -8,7 +8,7 @@
 use super::general::General;
 use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
-use super::oscillator::{ExactHold, ExponentialRk2, Ideal, Motion, RosenbrockEuler, RungeKutta4, Step};
+use super::oscillator::{ExactHold, ExponentialRk2, Ideal, ProofMasses, RosenbrockEuler, RungeKutta4, Step};
 use super::reading::{self, Limit, Samples, TakeOff};
 use super::stretch::{Numbers, STRETCH};
 use super::sums::Integrate;
@@ -136,7 +136,7 @@ impl<T: Real> Simulate<'_, T> {
 
         let substeps = shared.substeps as usize;
         let local = (from - self.first) as usize * substeps;
-        let motion = Motion {
+        let motion = ProofMasses {
             k: &m.columns,
             e: &mut m.e,
             q: &mut m.q,

@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     /// A car on an eight, z up: nose along the way.
-    fn eight() -> Vec<Pose> {
+    fn figure_of_eight() -> Vec<Pose> {
         let pose = |k: u32| {
             let t = f64::from(k) * 0.01;
             let position_m = Vector3::new((0.3 * t).sin() * 20.0, (0.6 * t).sin() * 10.0, 0.0);
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_wrong_order_and_a_wrong_hand_are_named_and_a_right_one_passes() {
-        let (poses, up) = (eight(), Vector3::z());
+        let (poses, up) = (figure_of_eight(), Vector3::z());
         assert_eq!(check(&poses, Order::ScalarFirst, up), Ok(()));
         let changed = |change: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| -> Vec<Pose> {
             poses.iter().map(|p| Pose { attitude: change(p.attitude), ..*p }).collect()

@@ -61,7 +61,7 @@ impl Covariance {
     }
 
     /// Equivalent degrees of freedom of point `i`: twice its squared expectation over its variance.
-    pub fn freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
+    pub fn degrees_of_freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
         2.0 * super::law::variance(squares, self.taus_s[i]).powi(2) / self.at(i, i, squares)
     }
 }
@@ -140,10 +140,10 @@ impl Pair {
 mod tests {
     use super::*;
 
-    fn freedom(term: Term, factor: usize, samples: usize) -> f64 {
+    fn degrees_of_freedom(term: Term, factor: usize, samples: usize) -> f64 {
         let mut squares = [0.0; 5];
         squares[term as usize] = 1.0;
-        Covariance::new(&[factor], &[samples], 1.0).freedom(0, &squares)
+        Covariance::new(&[factor], &[samples], 1.0).degrees_of_freedom(0, &squares)
     }
 
     // Independent arithmetic: for white noise at m = 1 the second difference is y₁ − y₀, whose square correlates by 1/4
@@ -152,7 +152,7 @@ mod tests {
     fn white_noise_at_one_sample() {
         let n = 99.0;
         let want = n / (1.0 + 0.5 * (n - 1.0) / n);
-        assert!((freedom(Term::White, 1, 100) / want - 1.0).abs() < 1e-9);
+        assert!((degrees_of_freedom(Term::White, 1, 100) / want - 1.0).abs() < 1e-9);
     }
 
     // NIST SP 1065, section 5.4.1: approximate degrees of freedom of the overlapping Allan variance,
@@ -166,7 +166,7 @@ mod tests {
             let flicker = 5.0 * n * n / (4.0 * m * (n + 3.0 * m));
             let walk = (n - 2.0) / m * ((n - 1.0).powi(2) - 3.0 * m * (n - 1.0) + 4.0 * m * m) / (n - 3.0).powi(2);
             for (term, want) in [(Term::White, white), (Term::Flicker, flicker), (Term::Walk, walk)] {
-                let got = freedom(term, factor, samples);
+                let got = degrees_of_freedom(term, factor, samples);
                 assert!((got / want - 1.0).abs() < 0.1, "{term:?} m = {m}: {got} against {want}");
             }
         }

@@ -39,7 +39,7 @@ fn of_channel(channel: &Channel) -> Value {
         .iter()
         .map(|d| {
             json!({ "tau_s": d.tau_s, "deviation": d.value * factor, "ci95": d.ci95.map(|e| e * factor),
-                    "degrees_of_freedom": d.freedom })
+                    "degrees_of_freedom": d.degrees_of_freedom })
         })
         .collect();
     let stability = channel.bias_stability().map(|(value, ci95)| {

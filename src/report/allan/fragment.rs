@@ -83,9 +83,9 @@ fn section(sense: Sense, channel: &Channel) -> String {
     for (term, key) in keys(sense) {
         let coefficient = fit.coefficients[term as usize];
         let (key, scale) = (key.key(), channel.unit.si / key.factor);
-        let [low, high] = coefficient.ci95.map(|e| five(e * scale));
+        let [low, high] = coefficient.ci95.map(|e| to_five_digits(e * scale));
         out += &if coefficient.supported() {
-            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", five(coefficient.value * scale))
+            format!("{key} = {:?}  # 95 %: {low:?} to {high:?}\n", to_five_digits(coefficient.value * scale))
         } else {
             format!("{key} = 0.0  # not supported by the data; below {high:?} (95 %)\n")
         };
@@ -94,12 +94,18 @@ fn section(sense: Sense, channel: &Channel) -> String {
         let coefficient = fit.coefficients[term as usize];
         if coefficient.supported() {
             let (unit, scale) = channel.unit.coefficient(term);
-            out += &format!("# also found, not simulated: {what} = {:?} {unit}\n", five(coefficient.value * scale));
+            out += &format!(
+                "# also found, not simulated: {what} = {:?} {unit}\n",
+                to_five_digits(coefficient.value * scale)
+            );
         }
     }
     if let Some(step) = channel.step {
         let (unit, scale) = channel.unit.signal();
-        out += &format!("# quantisation (step {:?} {unit}) is already part of the white noise\n", five(step * scale));
+        out += &format!(
+            "# quantisation (step {:?} {unit}) is already part of the white noise\n",
+            to_five_digits(step * scale)
+        );
     }
     out
 }
@@ -110,13 +116,13 @@ fn commented(channel: &Channel) -> String {
     for term in [Term::White, Term::Flicker, Term::Walk] {
         let unit = channel.unit.coefficient(term).0;
         let coefficient = fit.coefficients[term as usize];
-        let value = if coefficient.supported() { five(coefficient.value) } else { 0.0 };
+        let value = if coefficient.supported() { to_five_digits(coefficient.value) } else { 0.0 };
         out += &format!(" {} = {value:?} {unit}", term.symbol());
     }
     out + "\n"
 }
 
 /// Five significant digits: more than any log supports.
-pub(super) fn five(value: f64) -> f64 {
+pub(super) fn to_five_digits(value: f64) -> f64 {
     rounded(value, 5)
 }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::fragment::{five, keys};
+use super::fragment::{keys, to_five_digits};
 use crate::document::toml_string;
 use crate::escape::line;
 use crate::numerics::allan::law::Term;
@@ -74,7 +74,7 @@ fn drawn(channels: &[&Channel], sense: Sense) -> String {
         let supported = channels.iter().filter_map(|c| {
             let coefficient = c.fit.as_ref()?.coefficients[term as usize];
             let scale = c.unit.si / key.factor;
-            coefficient.supported().then(|| coefficient.ci95.map(|e| five(e * scale)))
+            coefficient.supported().then(|| coefficient.ci95.map(|e| to_five_digits(e * scale)))
         });
         if let Some([low, high]) = supported.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
             out += &format!("{} = {{ min = {low:?}, max = {high:?} }}\n", key.key());

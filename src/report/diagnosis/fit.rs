@@ -6,7 +6,7 @@ use crate::report::table::Table;
 
 use super::numbers::{chance, estimate, formula};
 
-/// What held-out data say; noise that no simulation foretells shows in the likelihood alone.
+/// What held-out data say; noise that no simulation predicts shows in the likelihood alone.
 pub fn sure(verdict: &Verdict) -> String {
     let (test, unit) = (&verdict.fit.test, &verdict.fit.unit);
     let (before, floor) = (significant(test.rmse_before, 3), noise(verdict));

@@ -3,7 +3,7 @@
 use super::super::figure::{Axis, Chart, Figure, Ink, Mark, Raster};
 use super::super::html::Page;
 use super::super::map;
-use super::mechanics::three;
+use super::mechanics::three_figures;
 use super::section::{checks, head, thin};
 use crate::dynamics::duffing::PAPER;
 use crate::dynamics::estimate::Estimate;
@@ -28,7 +28,7 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
         page.prefix(String::new());
         map::write(page, atlas);
     }
-    twenty(page, &paper.bifurcation, &paper.parting, &paper.attractor);
+    figure_20(page, &paper.bifurcation, &paper.parting, &paper.attractor);
 }
 
 fn pair(e: Estimate) -> String {
@@ -174,14 +174,14 @@ fn nineteen(page: &mut Page, attractor: &Attractor) {
     checks(page, &attractor.exhibits[2]);
 }
 
-fn twenty(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attractor: &Attractor) {
+fn figure_20(page: &mut Page, bifurcation: &Bifurcation, parting: &Parting, attractor: &Attractor) {
     head(page, &parting.exhibit);
     page.paragraph(
         "The rectangle of figure 13 once more, on the cubic spring of figure 16, while the periodic force of figure 17 acts: a \
          vehicle that accelerates for half a minute and vibrates meanwhile. The paper does not say how the two forces \
          combine; here they add.",
     );
-    let [a, b, c] = three(&PAPER, &bifurcation.path, END_S, (&|t| bifurcation.ideal(t), None));
+    let [a, b, c] = three_figures(&PAPER, &bifurcation.path, END_S, (&|t| bifurcation.ideal(t), None));
     page.figure_row(&[
         (
             &a,

@@ -12,9 +12,9 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
     one(page, &paper.array);
-    two(page, &paper.growth);
-    three(page, &paper.growth);
-    four(page, &paper.growth);
+    figure_2(page, &paper.growth);
+    figure_3(page, &paper.growth);
+    figure_4(page, &paper.growth);
 }
 
 fn one(page: &mut Page, array: &array::Array) {
@@ -47,7 +47,7 @@ fn one(page: &mut Page, array: &array::Array) {
     checks(page, &array.exhibit);
 }
 
-fn two(page: &mut Page, growth: &Growth) {
+fn figure_2(page: &mut Page, growth: &Growth) {
     head(page, &growth.exhibits[0]);
     page.paragraph(
         "The accelerometer cannot tell gravity from motion. If the sensor believes it is level but is tilted by Δ, a part g \
@@ -78,7 +78,7 @@ fn two(page: &mut Page, growth: &Growth) {
     checks(page, &growth.exhibits[0]);
 }
 
-fn three(page: &mut Page, growth: &Growth) {
+fn figure_3(page: &mut Page, growth: &Growth) {
     head(page, &growth.exhibits[1]);
     page.paragraph(
         "A gyro reads rate, and angle is its integral. White noise of the rate, integrated, is a walk: each step is \
@@ -121,7 +121,7 @@ fn three(page: &mut Page, growth: &Growth) {
     checks(page, &growth.exhibits[1]);
 }
 
-fn four(page: &mut Page, growth: &Growth) {
+fn figure_4(page: &mut Page, growth: &Growth) {
     head(page, &growth.exhibits[2]);
     page.paragraph(
         "An accelerometer's bias is integrated twice and grows as ½ b t². A gyro's bias is integrated once into tilt, tilt lets \

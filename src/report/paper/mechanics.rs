@@ -4,7 +4,7 @@ use super::super::figure::{Axis, Chart, Figure, Ink, Mark};
 use super::super::html::Page;
 use super::section::{checks, head, thin};
 use crate::dynamics::duffing::{Oscillator, PAPER};
-use crate::dynamics::linear::Motion;
+use crate::dynamics::linear::MassResponse;
 use crate::paper::Paper;
 use crate::paper::cubic::Cubic;
 use crate::paper::linear::{END_S, Linear, RECTANGLE, reading};
@@ -15,21 +15,21 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
 }
 
 /// Time and motion.
-type Path = [(f64, Motion)];
+type Path = [(f64, MassResponse)];
 type Curve = Vec<(f64, f64)>;
 
 /// Reading, speed and distance at a time.
 type Ideal<'a> = &'a dyn Fn(f64) -> (f64, f64, f64);
 
 /// Reading, speed and distance against the ideal ones, over part of the time.
-pub(super) fn three(
+pub(super) fn three_figures(
     oscillator: &Oscillator,
     path: &Path,
     until_s: f64,
     (ideal, dots): (Ideal<'_>, Option<&[(f64, f64)]>),
 ) -> [Figure; 3] {
-    let part: Vec<&(f64, Motion)> = path.iter().filter(|p| p.0 <= until_s).collect();
-    let pick = |value: &dyn Fn(f64, &Motion) -> f64| -> Curve {
+    let part: Vec<&(f64, MassResponse)> = path.iter().filter(|p| p.0 <= until_s).collect();
+    let pick = |value: &dyn Fn(f64, &MassResponse) -> f64| -> Curve {
         thin(&part.iter().map(|p| (p.0, value(p.0, &p.1))).collect::<Vec<_>>(), 4000)
     };
     let chart = |title: &str, label: &str, ink: Ink, real: Curve, true_one: Curve| {
@@ -77,7 +77,7 @@ fn linear(page: &mut Page, linear: &Linear) {
         and rest \
          at t = 0 fixes c₁ = r₂F₀/(k(r₁ − r₂)) and c₂ = −r₁F₀/(k(r₁ − r₂)). The residual of both is shown.",
     );
-    let [a, b, c] = three(&oscillator, &linear.exact, END_S, (&ideal, None));
+    let [a, b, c] = three_figures(&oscillator, &linear.exact, END_S, (&ideal, None));
     page.figure_row(&[
         (&a, "Reading kx/m, from the exact solution of eq. 4 with m = 1, D₀ = 0.1, k = 1 (the paper's values for its chaotic \
               case; it prints none here) under 1 m/s² for 30 s."),
@@ -101,7 +101,7 @@ fn linear(page: &mut Page, linear: &Linear) {
     checks(page, thirteen);
 
     head(page, fourteen);
-    let [a, b, c] = three(&oscillator, &linear.exact, 10.0, (&ideal, Some(&linear.runge_kutta)));
+    let [a, b, c] = three_figures(&oscillator, &linear.exact, 10.0, (&ideal, Some(&linear.runge_kutta)));
     page.figure_row(&[
         (&a, "The first ten seconds of figure 13: the reading overshoots by 85 % and rings at the proof mass's own frequency. \
               Dots: Runge–Kutta with steps of a quarter second."),
@@ -154,7 +154,7 @@ fn cubic(page: &mut Page, cubic: &Cubic) {
         "A real spring stiffens: eq. 6 adds εx³, the Duffing equation. Under the same rectangle the mass settles where kx + εx³ \
          = F₀, at 0.83 m instead of 1 m, and the reading kx is short by 17 % for as long as the force lasts.",
     );
-    let [a, b, c] = three(&PAPER, &cubic.cubic, END_S, (&|t| RECTANGLE.ideal(t), None));
+    let [a, b, c] = three_figures(&PAPER, &cubic.cubic, END_S, (&|t| RECTANGLE.ideal(t), None));
     page.figure_row(&[
         (
             &a,

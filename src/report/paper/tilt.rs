@@ -8,7 +8,7 @@ use super::section::{checks, head, thin};
 use crate::number::{significant, with_uncertainty};
 use crate::numerics::order::quantile;
 use crate::paper::Paper;
-use crate::paper::check::Source;
+use crate::paper::check::Provenance;
 use crate::paper::fusion::{BACK_AFTER_S, Fusion, MOVED_UNTIL_S, STILL_UNTIL_S};
 use crate::paper::moved::Line;
 use crate::paper::pitch::{Curve, Pitch};
@@ -18,8 +18,8 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
     moving(page, &paper.pitch);
     still(page, &paper.pitch);
     distributions(page, &paper.pitch);
-    eleven(page, &paper.fusion);
-    twelve(page, &paper.fusion, &paper.pitch);
+    figure_11(page, &paper.fusion);
+    figure_12(page, &paper.fusion, &paper.pitch);
 }
 
 fn degrees(curve: &[(f64, f64)], most: usize) -> Curve {
@@ -176,8 +176,8 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     .draw();
     // What makes the teeth is known for the recording alone; the simulation does not round.
     let teeth = match ten.source {
-        Source::Recorded => " The comb in the accelerometer's distribution is its quantisation.",
-        Source::Simulated => "",
+        Provenance::Recorded => " The comb in the accelerometer's distribution is its quantisation.",
+        Provenance::Simulated => "",
     };
     page.figure(
         &chart,
@@ -191,7 +191,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     checks(page, ten);
 }
 
-fn eleven(page: &mut Page, fusion: &Fusion) {
+fn figure_11(page: &mut Page, fusion: &Fusion) {
     let exhibit = &fusion.exhibits[0];
     head(page, exhibit);
     page.paragraph(
@@ -263,7 +263,7 @@ fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64),
     [whole.draw(), enlarged.draw()]
 }
 
-fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
+fn figure_12(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
     let exhibit = &fusion.exhibits[1];
     let (motion, moved) = (&fusion.in_motion, &fusion.moved);
     head(page, exhibit);
@@ -311,8 +311,8 @@ fn twelve(page: &mut Page, fusion: &Fusion, pitch: &Pitch) {
         noise that was not pushed, is below the filter's own standard deviation √P."),
     ]);
     let words = match moved.source {
-        Source::Recorded => "on the recording's own moves",
-        Source::Simulated => "on the moves of a simulation, since no recording was found",
+        Provenance::Recorded => "on the recording's own moves",
+        Provenance::Simulated => "on the moves of a simulation, since no recording was found",
     };
     let errors: Vec<Line> = moved.example.iter().map(|l| (l.0, l.2 - l.1, 0.0, l.3.map(|f| f - l.1))).collect();
     let end = errors.last().map_or(8.0, |l| l.0);

@@ -30,11 +30,11 @@ fn by_its_other_key(key: &Key, number: Number) -> String {
     let other = keys.unwrap_or_default().iter().find(|other| *other != key);
     other.map_or(String::new(), |other| {
         let symbol = if other.one_sided { "n" } else { "N" };
-        format!("{symbol} = {} {}", four(number.scaled(key.factor / other.factor)), other.unit)
+        format!("{symbol} = {} {}", to_four_digits(number.scaled(key.factor / other.factor)), other.unit)
     })
 }
 
 /// To four significant digits.
-fn four(number: Number) -> Number {
+fn to_four_digits(number: Number) -> Number {
     number.map(|value| rounded(value, 4))
 }

@@ -6,7 +6,7 @@ use super::oscillator::{Oscillator, environment, filters};
 use super::wave::{Shape, Wave};
 
 /// What moves: laws in use, where their states stand, and what remembers.
-pub struct Motion<'a> {
+pub struct EquationOfMotion<'a> {
     /// The recipe.
     pub o: &'a Oscillator,
     /// Its input.
@@ -27,7 +27,7 @@ pub struct Motion<'a> {
     play: f64,
 }
 
-impl Motion<'_> {
+impl EquationOfMotion<'_> {
     fn input(&self, t: f64) -> f64 {
         if self.o.held { self.held_value } else { self.wave.at(t) + self.o.constant }
     }
@@ -100,7 +100,7 @@ impl Motion<'_> {
     }
 }
 
-impl System for Motion<'_> {
+impl System for EquationOfMotion<'_> {
     fn states(&self) -> usize {
         self.states
     }
@@ -133,7 +133,7 @@ impl System for Motion<'_> {
     }
 }
 
-impl Motion<'_> {
+impl EquationOfMotion<'_> {
     /// What the first readout stage sees: the mass and what moves beside it.
     fn read(&self, s: &State) -> f64 {
         let beside: f64 =
@@ -148,7 +148,7 @@ impl Motion<'_> {
 }
 
 /// Ready to move between two times.
-pub fn motion(o: &Oscillator, span: [f64; 2]) -> Motion<'_> {
+pub fn motion(o: &Oscillator, span: [f64; 2]) -> EquationOfMotion<'_> {
     let mut states = 2;
     let laws: Vec<(&Law, usize)> = o
         .laws
@@ -173,7 +173,7 @@ pub fn motion(o: &Oscillator, span: [f64; 2]) -> Motion<'_> {
         ),
         _ => None,
     });
-    Motion {
+    EquationOfMotion {
         o,
         wave: o.input.wave(span[0], span[1]),
         laws,
@@ -190,7 +190,13 @@ pub fn motion(o: &Oscillator, span: [f64; 2]) -> Motion<'_> {
 }
 
 /// Advances with the events of dry friction; laws with a memory of the path keep it.
-pub fn glide(m: &mut Motion<'_>, span: [f64; 2], state: &mut State, h: &mut f64, tolerance: &Tolerance) -> bool {
+pub fn glide(
+    m: &mut EquationOfMotion<'_>,
+    span: [f64; 2],
+    state: &mut State,
+    h: &mut f64,
+    tolerance: &Tolerance,
+) -> bool {
     let remembers = m.laws.iter().any(|(l, _)| matches!(l, Law::Feedback { .. }));
     let plays = m.laws.iter().find_map(|(l, _)| if let Law::DrivePlay { size } = l { Some(*size) } else { None });
     if m.friction().is_some() {
@@ -220,7 +226,7 @@ pub fn glide(m: &mut Motion<'_>, span: [f64; 2], state: &mut State, h: &mut f64,
     true
 }
 
-fn slide(m: &mut Motion<'_>, span: [f64; 2], state: &mut State, h: &mut f64, tolerance: &Tolerance) -> bool {
+fn slide(m: &mut EquationOfMotion<'_>, span: [f64; 2], state: &mut State, h: &mut f64, tolerance: &Tolerance) -> bool {
     let [mut t, end] = span;
     let least = 1e-12 * (end - t).max(1e-300);
     let longest = 0.05 / m.o.omega;

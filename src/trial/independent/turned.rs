@@ -131,7 +131,7 @@ impl Turn {
 }
 
 /// Specific force and rate of the body at each row, and the pose of each row, none in a turn.
-pub struct Motion {
+pub struct BodyMotion {
     /// m/s².
     pub force: Vec<Vector>,
     /// rad/s.
@@ -147,8 +147,8 @@ fn random_axis(draw: &mut Draw) -> Vector {
 }
 
 impl Turned {
-    /// Motion in closed form, sampled at the rows.
-    pub fn motion(&self) -> Motion {
+    /// BodyMotion in closed form, sampled at the rows.
+    pub fn motion(&self) -> BodyMotion {
         let mut draw = Draw::new(self.seed, 0, 51);
         let mut turns: Vec<Turn> = Vec::new();
         let mut attitude = rotation(random_axis(&mut draw).map(|x| x * draw.between(0.0, 3.0)));
@@ -172,7 +172,7 @@ impl Turned {
         }
         // It ends in its last rest.
         let rows = (rests.last().map_or(0.0, |r| r[1]) * self.rate_hz) as usize;
-        let mut motion = Motion { force: Vec::new(), rate: Vec::new(), pose: Vec::new() };
+        let mut motion = BodyMotion { force: Vec::new(), rate: Vec::new(), pose: Vec::new() };
         let mut now = 0;
         for row in 0..rows {
             let t = row as f64 / self.rate_hz;

@@ -16,7 +16,7 @@ use crate::diagnosis::driven::verdict::effects::{Channels, unit, unit_of};
 use crate::diagnosis::remainder::{Remainder, Size, Test};
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, RecordingScore, Score, Source};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit, RecordingInfo, RecordingScore, Score};
 use crate::number::short;
 use crate::numerics::moments::{mean_sd, rms};
 use crate::physics::coulomb_friction::Sides;
@@ -69,8 +69,8 @@ impl Models<'_> {
         let channels = Channels { output: columns.output.clone(), output_unit: output_unit.clone(), input_unit };
         let [before, after] = [&self.base, &self.model].map(|m| windows::errors(self.data, pieces, self.motion, m));
         let [held_before, held_after] = [&self.base, &self.model].map(|m| m.held_out(self.motion, &self.data.test));
-        let (share, p_value) = self.predictable(fitted);
-        let test = Test { p_value, size: Size::of(share, WHITE, FAINT) };
+        let (r_squared, p_value) = self.predictable(fitted);
+        let test = Test { p_value, size: Size::of(r_squared, WHITE, FAINT) };
         let remainder = Remainder::of([test]);
         let named = !self.selection.chosen.is_empty();
         let window_ratio = ratio(&before, &after, &self.data.test);
@@ -105,9 +105,9 @@ impl Models<'_> {
                 place,
                 doubts: notes.doubts,
                 has_input: true,
-                predictable: share,
-                is_structured: share >= WHITE,
-                detectable_share: 1.0,
+                predictable: r_squared,
+                is_structured: r_squared >= WHITE,
+                detectable_r_squared: 1.0,
                 ..Account::default()
             },
             ..Detail::default()
@@ -115,7 +115,7 @@ impl Models<'_> {
         Answer {
             kind: Kind::Driven,
             outcome,
-            recording: Source::of(recording),
+            recording: RecordingInfo::of(recording),
             base: Vec::new(),
             effects: self.selection.chosen.iter().map(|law| self.effect(*law, fitted, &channels)).collect(),
             places: Places::default(),
@@ -128,11 +128,11 @@ impl Models<'_> {
         }
     }
 
-    /// Fraction of the variance of what is left of the force that its past, the motion and the input predict, and the probability
+    /// Fraction of the variance of what is residual of the force that its past, the motion and the input predict, and the probability
     /// of as much by chance.
     fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
         let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();
-        let left: Vec<f64> = rows.iter().map(|k| self.model.left(self.motion, *k)).collect();
+        let residual: Vec<f64> = rows.iter().map(|k| self.model.residual(self.motion, *k)).collect();
         let of = |f: &dyn Fn(usize) -> f64| rows.iter().map(|k| f(*k)).collect::<Vec<f64>>();
         let (x, v) = (&self.motion.x, &self.motion.v);
         let regressors = [
@@ -146,8 +146,8 @@ impl Models<'_> {
             of(&|k| self.motion.force[k]),
             of(&|k| self.motion.part(Part::Acceleration)[k]),
         ];
-        let found = structure(&left, LAGS, &regressors);
-        (found.share, found.p_value)
+        let found = structure(&residual, LAGS, &regressors);
+        (found.r_squared, found.p_value)
     }
 
     /// One named law with its parameters, those that are forces also in the unit of the input.

@@ -43,18 +43,18 @@ impl Regression {
         let normal = linear.normal();
         let inverse = normal.inverse(0.0)?;
         let coefficients: Vec<f64> = normal.step(1e-12).iter().copied().collect();
-        let left: Vec<f64> = (0..rows.len())
+        let residual: Vec<f64> = (0..rows.len())
             .map(|k| linear.residual[k] + linear.columns.iter().zip(&coefficients).map(|(c, w)| c[k] * w).sum::<f64>())
             .collect();
         let mut scores = DMatrix::zeros(parts.len(), parts.len());
         for b in 0..BLOCKS {
-            let block = left.len() * b / BLOCKS..left.len() * (b + 1) / BLOCKS;
-            let of = |c: &Vec<f64>| block.clone().map(|k| c[k] * left[k]).sum::<f64>();
+            let block = residual.len() * b / BLOCKS..left.len() * (b + 1) / BLOCKS;
+            let of = |c: &Vec<f64>| block.clone().map(|k| c[k] * residual[k]).sum::<f64>();
             let score = DVector::from_iterator(parts.len(), linear.columns.iter().map(of));
             scores += &score * score.transpose();
         }
         let covariance = &inverse * scores * &inverse * (BLOCKS as f64 / (BLOCKS as f64 - 1.0));
-        let variance = left.iter().map(|e| e * e).sum::<f64>() / left.len() as f64;
+        let variance = residual.iter().map(|e| e * e).sum::<f64>() / residual.len() as f64;
         let sound = coefficients.iter().all(|c| c.is_finite()) && coefficients[0] != 0.0 && variance.is_finite();
         sound.then_some(Self { parts: parts.to_vec(), coefficients, covariance, variance })
     }
@@ -86,7 +86,7 @@ impl Regression {
     }
 
     /// Both sides' difference at one sample.
-    pub fn left(&self, motion: &MotionAndForce, k: usize) -> f64 {
+    pub fn residual(&self, motion: &MotionAndForce, k: usize) -> f64 {
         motion.force[k] - self.parts.iter().zip(&self.coefficients).map(|(p, w)| w * motion.part(*p)[k]).sum::<f64>()
     }
 
@@ -99,7 +99,7 @@ impl Regression {
             let count = (r.len() / length).max(1);
             for b in 0..count {
                 let range = r.start + r.len() * b / count..r.start + r.len() * (b + 1) / count;
-                let here: Vec<f64> = range.clone().map(|k| self.left(motion, k)).collect();
+                let here: Vec<f64> = range.clone().map(|k| self.residual(motion, k)).collect();
                 let sum = here.iter().map(|e| e * e).sum();
                 errors.extend(here);
                 blocks.push(Block { range, one_step: sum, free: sum });
@@ -111,7 +111,7 @@ impl Regression {
     /// Root mean square of both sides' difference over that of the force, on a range.
     pub fn force_error(&self, motion: &MotionAndForce, range: &Range<usize>) -> f64 {
         let rows = || motion.counted(std::slice::from_ref(range)).into_iter().flatten();
-        let left: f64 = rows().map(|k| self.left(motion, k).powi(2)).sum();
-        (left / rows().map(|k| motion.force[k].powi(2)).sum::<f64>().max(1e-300)).sqrt()
+        let residual: f64 = rows().map(|k| self.residual(motion, k).powi(2)).sum();
+        (residual / rows().map(|k| motion.force[k].powi(2)).sum::<f64>().max(1e-300)).sqrt()
     }
 }

@@ -183,7 +183,7 @@ fn force(data: &Data, cycle: f64) -> Option<Force> {
     }
     let total: f64 = residual.iter().map(|v| v * v).sum();
     let normal = Linear { residual, columns }.normal();
-    let left = normal.predicted();
+    let residual = normal.predicted();
     // Residual plus columns times step is least: the step is the coefficients with the other sign.
     let p: Vec<f64> = normal.step(0.0).iter().map(|v| -v).collect();
     let gain = if drive > 0.0 { p[5] * size / drive } else { 0.0 };
@@ -191,7 +191,7 @@ fn force(data: &Data, cycle: f64) -> Option<Force> {
         damping: p[0],
         gain,
         k: [p[1] * size, -p[2], -p[3] / size, -p[4] / (size * size)],
-        explained: 1.0 - left / total.max(1e-300),
+        explained: 1.0 - residual / total.max(1e-300),
     })
 }
 

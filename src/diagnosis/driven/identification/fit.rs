@@ -12,14 +12,14 @@ use crate::physics::scales::{Coordinate, Scales};
 use crate::physics::state::{LANES, Lanes};
 
 pub use crate::diagnosis::driven::base::{BASE, GAIN, INITIAL, OFFSET, OMEGA, ZETA};
-pub use crate::diagnosis::driven::simulation::shape::{Shape, coordinates};
+pub use crate::diagnosis::driven::simulation::structure::{ModelStructure, coordinates};
 
 /// A fit in progress: which parameters move, and how.
 pub struct Search<'a> {
     /// The recording.
     pub data: &'a Data,
     /// The model.
-    pub shape: &'a Shape,
+    pub structure: &'a ModelStructure,
     /// Where parameters that do not move stay.
     pub point: Vec<f64>,
     /// Parameters that move.
@@ -34,15 +34,15 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// All parameters of a model on the training rows.
-    pub fn all(data: &'a Data, shape: &'a Shape, point: &[f64], scales: &Scales) -> Self {
-        let free = (0..shape.parameters).filter(|i| *i != GAIN || data.input.is_some()).collect();
+    pub fn all(data: &'a Data, structure: &'a ModelStructure, point: &[f64], scales: &Scales) -> Self {
+        let free = (0..structure.parameters).filter(|i| *i != GAIN || data.input.is_some()).collect();
         Self {
             data,
-            shape,
+            structure,
             point: point.to_vec(),
             free,
-            coordinates: coordinates(shape, scales),
-            run: Run { range: data.hull.clone(), steps: shape.steps(point, scales), corrected: true },
+            coordinates: coordinates(structure, scales),
+            run: Run { range: data.hull.clone(), steps: structure.steps(point, scales), corrected: true },
             rows: data.train.clone(),
         }
     }
@@ -102,7 +102,7 @@ impl Residuals for Search<'_> {
         let mut residual = Vec::new();
         let mut columns = Vec::with_capacity(z.len());
         let passes: Vec<Vec<Lanes>> = parallel::map_chunks(&points, LANES, |_, group| {
-            innovations(self.data, self.shape, group, &self.run, &mut Nothing)
+            innovations(self.data, self.structure, group, &self.run, &mut Nothing)
         });
         for (chunk, (group, lanes)) in points.chunks(LANES).zip(&passes).enumerate() {
             for l in 0..group.len() {
@@ -125,7 +125,7 @@ impl Residuals for Search<'_> {
         let points: Vec<Vec<f64>> = points.iter().map(|z| self.point(z)).collect();
         let mut all = Vec::with_capacity(points.len());
         for group in points.chunks(LANES) {
-            let lanes = innovations(self.data, self.shape, group, &self.run, &mut Nothing);
+            let lanes = innovations(self.data, self.structure, group, &self.run, &mut Nothing);
             let mut sums = [0.0; LANES];
             for k in self.rows.iter().flat_map(|r| r.clone()) {
                 let e = &lanes[k - self.run.range.start];
@@ -160,7 +160,7 @@ impl Residuals for Search<'_> {
 #[derive(Debug, Clone)]
 pub struct Fit {
     /// The model.
-    pub shape: Shape,
+    pub structure: ModelStructure,
     /// Its parameters.
     pub point: Vec<f64>,
     /// Integration steps per sample.
@@ -189,34 +189,34 @@ impl Fit {
     }
 
     /// The same model with one more term, at this start.
-    pub fn with(&self, term: Term, start: &[f64]) -> (Shape, Vec<f64>) {
-        let mut terms = self.shape.terms.clone();
+    pub fn with(&self, term: Term, start: &[f64]) -> (ModelStructure, Vec<f64>) {
+        let mut terms = self.structure.terms.clone();
         terms.push(term);
-        let shape = Shape::over(&terms, self.shape.further);
+        let structure = ModelStructure::over(&terms, self.structure.further);
         let mut point = self.point.clone();
         point.extend_from_slice(start);
-        point.resize(shape.parameters, 0.0);
-        (shape, point)
+        point.resize(structure.parameters, 0.0);
+        (structure, point)
     }
 
     /// The same model without its `index`th term.
-    pub fn without(&self, index: usize) -> (Shape, Vec<f64>) {
-        let mut terms = self.shape.terms.clone();
+    pub fn without(&self, index: usize) -> (ModelStructure, Vec<f64>) {
+        let mut terms = self.structure.terms.clone();
         terms.remove(index);
         let mut point = self.point.clone();
-        point.drain(self.shape.block(index));
-        (Shape::over(&terms, self.shape.further), point)
+        point.drain(self.structure.block(index));
+        (ModelStructure::over(&terms, self.structure.further), point)
     }
 
     /// Whether a law's parameter lies at the end of its plausible range, where the law is not what its name says.
     pub fn at_bound(&self, scales: &Scales) -> bool {
-        (0..self.shape.terms.len()).any(|index| self.term_at_bound(index, scales))
+        (0..self.structure.terms.len()).any(|index| self.term_at_bound(index, scales))
     }
 
     /// The same of one term. Noise has no such range.
     pub fn term_at_bound(&self, index: usize, scales: &Scales) -> bool {
-        let term = self.shape.terms[index];
-        let values = self.shape.of(index, &self.point);
+        let term = self.structure.terms[index];
+        let values = self.structure.of(index, &self.point);
         term.noise().is_none()
             && term.coordinates(scales).iter().zip(values).any(|(c, v)| match *c {
                 Coordinate::Log(low, high) | Coordinate::Bounded(_, low, high) => *v < 1.01 * low || *v > 0.99 * high,
@@ -232,19 +232,19 @@ impl Fit {
 
 /// Fits a model from a start; `None` where it breaks down there. A model of another number of recordings is taken over to those
 /// of the data.
-pub fn fit(data: &Data, shape: &Shape, start: &[f64], scales: &Scales, most: usize) -> Option<Fit> {
-    if shape.further != data.breaks.len() {
-        let here = Shape::over(&shape.terms, data.breaks.len());
+pub fn fit(data: &Data, structure: &ModelStructure, start: &[f64], scales: &Scales, most: usize) -> Option<Fit> {
+    if structure.further != data.breaks.len() {
+        let here = ModelStructure::over(&structure.terms, data.breaks.len());
         let displacements: Vec<f64> = data.breaks.iter().map(|k| data.reading[*k]).collect();
-        let start = here.from_other(shape, start, &displacements);
+        let start = here.from_other(structure, start, &displacements);
         return fit(data, &here, &start, scales, most);
     }
-    let search = Search::all(data, shape, start, scales);
+    let search = Search::all(data, structure, start, scales);
     let minimum = search.minimise(most)?;
     let point = search.point(&minimum.z);
     let slopes = search.free.iter().map(|i| search.slope(*i, &point)).collect();
     Some(Fit {
-        shape: shape.clone(),
+        structure: structure.clone(),
         steps: search.run.steps,
         variance: minimum.sum / minimum.linear.residual.len().max(1) as f64,
         converged: minimum.converged,

@@ -82,7 +82,9 @@ pub fn reach() -> f64 {
 pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
     let places: Vec<(usize, usize)> = terms
         .iter()
-        .flat_map(|i| (0..fit.shape.terms[*i].candidate().parameters.len()).map(move |j| fit.shape.first[*i] + j))
+        .flat_map(|i| {
+            (0..fit.structure.terms[*i].candidate().parameters.len()).map(move |j| fit.structure.first[*i] + j)
+        })
         .filter_map(|place| Some((place, fit.free.iter().position(|f| *f == place)?)))
         .filter(|(_, index)| spread.deviation[*index].is_finite())
         .flat_map(|(_, index)| [(index, 0), (index, 1)])
@@ -97,7 +99,7 @@ pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread
 /// How far from the best value a coordinate can be held before the others, fitted anew, leave a deviance of the 95 % level.
 fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, index: usize, side: usize) -> f64 {
     let begin = || {
-        let mut search = Search::all(data, &fit.shape, &fit.point, scales);
+        let mut search = Search::all(data, &fit.structure, &fit.point, scales);
         search.run.steps = fit.steps;
         search
     };

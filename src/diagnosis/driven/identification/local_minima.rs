@@ -18,13 +18,13 @@ const ITERATIONS: usize = 20;
 pub fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
     let rows = found.linear.residual.len() as f64;
     let starts: Vec<Vec<f64>> = found
-        .shape
+        .structure
         .terms
         .iter()
         .enumerate()
         .flat_map(|(i, term)| {
-            let first = found.shape.first[i];
-            let elsewhere = term.elsewhere(found.shape.of(i, &found.point), scales);
+            let first = found.structure.first[i];
+            let elsewhere = term.elsewhere(found.structure.of(i, &found.point), scales);
             let point = &found.point;
             elsewhere.into_iter().map(move |values| {
                 let mut point = point.clone();
@@ -33,7 +33,8 @@ pub fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
             })
         })
         .collect();
-    let others: Vec<Fit> = parallel::filter_map(&starts, |start| fit(data, &found.shape, start, scales, ITERATIONS));
+    let others: Vec<Fit> =
+        parallel::filter_map(&starts, |start| fit(data, &found.structure, start, scales, ITERATIONS));
     let best = others.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
     match best {
         Some(best) if 0.5 * rows * (found.variance / best.variance).ln() > DEEPER => best,

@@ -84,9 +84,9 @@ pub fn profiles(
     let (mut all, mut left_out) = (Vec::new(), Vec::new());
     for effect in effects {
         let simulated = |t: &Term| t.id() == effect.id && t.noise().is_none();
-        let Some(index) = fit.shape.terms.iter().position(simulated) else { continue };
+        let Some(index) = fit.structure.terms.iter().position(simulated) else { continue };
         for (j, stated) in effect.parameters.iter().enumerate() {
-            let place = fit.shape.first[index] + j;
+            let place = fit.structure.first[index] + j;
             let Some(free) = fit.free.iter().position(|f| *f == place) else { continue };
             let label = format!("{} {}", effect.id, stated.name);
             if data.work.is_spent(budget) {
@@ -112,11 +112,11 @@ fn rise(
     dispersion: f64,
 ) -> Option<Vec<(f64, f64)>> {
     let place = fit.free[free];
-    let ensemble = StartSearch::but(data, fit, Some(free))?;
-    let search = Search::all(data, &fit.shape, &fit.point, scales);
+    let ensemble = StartSearch::with_held(data, fit, Some(free))?;
+    let search = Search::all(data, &fit.structure, &fit.point, scales);
     let centre = search.z(&fit.point);
     // A noise's strength stays: it bends the gain, and where that ends no tangent says.
-    let terms = || fit.shape.terms.iter().zip(&fit.shape.first);
+    let terms = || fit.structure.terms.iter().zip(&fit.structure.first);
     let is_strength =
         |i: usize| terms().any(|(t, first)| t.noise().is_some() && (*first..first + t.values()).contains(&i));
     let moving: Vec<usize> = (0..fit.free.len()).filter(|k| !is_strength(fit.free[*k])).collect();
@@ -140,12 +140,12 @@ fn rise(
             search.point(&z)
         })
         .collect();
-    let left = ensemble.left_at(&grid);
-    let least = left.iter().copied().fold(f64::INFINITY, f64::min);
+    let residual = ensemble.unexplained_at(&grid);
+    let least = residual.iter().copied().fold(f64::INFINITY, f64::min);
     let rows = fit.linear.residual.len() as f64 / dispersion.max(1.0);
     let mut points: Vec<(f64, f64)> = grid
         .iter()
-        .zip(&left)
+        .zip(&residual)
         .filter(|(_, s)| s.is_finite())
         .map(|(p, s)| (p[place], 0.5 * rows * (s / least).ln()))
         .collect();

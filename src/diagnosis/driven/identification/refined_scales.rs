@@ -10,7 +10,7 @@ use super::fit::Fit;
 
 /// Sizes after the base (or a better model) has been fitted.
 pub fn refined(data: &Data, fit: &Fit, scales: &Scales) -> Scales {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let mut scales = scales.clone();
     scales.velocity = mean_sd(&states.v).1.max(1e-300);
     scales.residual = fit.variance.sqrt().max(1e-300);

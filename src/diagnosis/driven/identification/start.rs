@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::alignment::{Alignment, align};
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::diagnosis::model;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
@@ -60,7 +60,7 @@ struct Place {
     gain: f64,
     omega: f64,
     zeta: f64,
-    left: f64,
+    residual: f64,
 }
 
 /// Fits the base model from the best places; `None` where no place leads anywhere.
@@ -73,10 +73,10 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     if let Some(hz) = hints.resonance_hz.filter(|f| *f > 0.0 && f.is_finite()) {
         let zeta = hints.damping_ratio.filter(|z| *z > 0.0 && z.is_finite()).unwrap_or(0.1);
         let gain = places.first().map_or(1.0, |p| p.gain * (hz * TAU / p.omega).powi(2));
-        places.push(Place { gain, omega: hz * TAU, zeta, left: 1.0 });
+        places.push(Place { gain, omega: hz * TAU, zeta, residual: 1.0 });
     }
     let mean = mean_sd(&data.reading[data.hull.clone()]).0;
-    let shape = Shape::new(&[]);
+    let structure = ModelStructure::new(&[]);
     let begin = |place: &Place| {
         let mut here = scales.clone();
         here.omega_rad_s = place.omega;
@@ -90,7 +90,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
             mean,
         ]);
         point[4] = data.reading[data.hull.start] - mean;
-        let found = fit(data, &shape, &point, &here, 25)?;
+        let found = fit(data, &structure, &point, &here, 25)?;
         here.omega_rad_s = found.point[1];
         here.zeta = found.point[2];
         here.gain = if data.input.is_some() { found.point[0] } else { 1.0 };
@@ -108,7 +108,7 @@ pub fn base_from(data: &Data, point: &[f64]) -> Option<(Fit, Scales)> {
         scales.gain = if data.input.is_some() { point[GAIN] } else { 1.0 };
     };
     sized(&mut scales, point);
-    let found = fit(data, &Shape::new(&[]), point, &scales, 25)?;
+    let found = fit(data, &ModelStructure::new(&[]), point, &scales, 25)?;
     sized(&mut scales, &found.point);
     Some((found, scales))
 }
@@ -135,7 +135,7 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
                 hy += power.density[i] * size * (re * response.gain[i].re - im * response.gain[i].im);
             }
             let gain = hy / hh;
-            places.push(Place { gain, omega, zeta, left: 1.0 - hy * hy / hh / total });
+            places.push(Place { gain, omega, zeta, residual: 1.0 - hy * hy / hh / total });
         }
         omega *= 1.04;
     }
@@ -144,8 +144,8 @@ fn by_response(data: &Data, input: &[f64]) -> Vec<Place> {
 
 /// The best places, no two of them neighbours.
 fn polished(mut places: Vec<Place>) -> Vec<Place> {
-    places.retain(|p| p.left.is_finite() && p.gain.is_finite() && p.gain != 0.0);
-    order::sort_by_key(&mut places, |p| p.left);
+    places.retain(|p| p.residual.is_finite() && p.gain.is_finite() && p.gain != 0.0);
+    order::sort_by_key(&mut places, |p| p.residual);
     let mut chosen: Vec<Place> = Vec::new();
     for p in places {
         let near = |c: &Place| (p.omega / c.omega).ln().abs() < 0.15 && (p.zeta / c.zeta).ln().abs() < 0.8;
@@ -171,7 +171,7 @@ fn by_spectrum(data: &Data) -> Vec<Place> {
         let peak = density.density.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((i, _)) = peak {
             for zeta in [0.003, 0.02, 0.1, 0.4] {
-                places.push(Place { gain: 1.0, omega: TAU * density.frequency_hz[i], zeta, left: 0.0 });
+                places.push(Place { gain: 1.0, omega: TAU * density.frequency_hz[i], zeta, residual: 0.0 });
             }
         }
     }

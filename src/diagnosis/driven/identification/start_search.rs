@@ -1,16 +1,16 @@
-//! Search for start values: where to begin with a candidate whose misfit has several valleys.
+//! Search for start values: where to begin with a candidate whose misfit has several local minima.
 //!
-//! A cloud of points around the fitted model is simulated freely, eight at a time, and each is judged by what it would leave
+//! A grid of start values around the fitted model is simulated freely, eight at a time, and each is judged by what it would leave
 //! after the parameters fitted so far had moved along: its errors less their projection on the model's own
 //! derivatives. The best few are where the fit begins. Not for noise terms, which no free simulation shows.
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::numerics::order;
 use crate::parallel;
-use crate::physics::law::Cloud;
+use crate::physics::law::StartGrid;
 use crate::physics::library::Term;
 use crate::physics::scales::Scales;
 use crate::physics::state::LANES;
@@ -27,11 +27,11 @@ pub struct StartSearch<'a> {
 impl<'a> StartSearch<'a> {
     /// Around a model fitted to this data; `None` where it has noise terms, which no free simulation shows.
     pub fn around(data: &'a Data, fit: &'a Fit) -> Option<Self> {
-        if fit.shape.is_noisy() { None } else { Self::but(data, fit, None) }
+        if fit.structure.is_noisy() { None } else { Self::with_held(data, fit, None) }
     }
 
     /// Around any model, with one free parameter, by its place among them, held where each point puts it.
-    pub fn but(data: &'a Data, fit: &'a Fit, held: Option<usize>) -> Option<Self> {
+    pub fn with_held(data: &'a Data, fit: &'a Fit, held: Option<usize>) -> Option<Self> {
         if fit.linear.residual.len() != data.train_len() {
             return None;
         }
@@ -39,22 +39,22 @@ impl<'a> StartSearch<'a> {
         Some(Self { data, fit, basis: basis(columns) })
     }
 
-    /// The starts of a term's cloud that promise most, best first; `None` where it has no cloud.
+    /// The starts of a term's start grid that promise most, best first; `None` where it has none.
     pub fn starts(&self, term: Term, scales: &Scales, most: usize) -> Option<Vec<Vec<f64>>> {
-        let cloud = term.cloud(scales)?;
-        let points = match &cloud {
-            Cloud::Points(points) => points.clone(),
-            Cloud::Shapes { strength, shapes } => {
+        let grid = term.start_grid(scales)?;
+        let points = match &grid {
+            StartGrid::Points(points) => points.clone(),
+            StartGrid::Directions { strength, shapes } => {
                 let with = |s: f64, shape: &Vec<f64>| std::iter::once(s).chain(shape.iter().copied()).collect();
                 let pairs = shapes.iter().flat_map(|shape| [with(*strength, shape), with(-strength, shape)]);
                 std::iter::once(with(0.0, shapes.first()?)).chain(pairs).collect::<Vec<Vec<f64>>>()
             }
         };
-        let left = self.left(term, &points, scales)?;
-        let mut ranked: Vec<(f64, Vec<f64>)> = match cloud {
-            Cloud::Points(_) => left.into_iter().zip(points).collect(),
-            Cloud::Shapes { strength, shapes } => {
-                let (none, pairs) = left.split_first()?;
+        let residual = self.residuals(term, &points, scales)?;
+        let mut ranked: Vec<(f64, Vec<f64>)> = match grid {
+            StartGrid::Points(_) => residual.into_iter().zip(points).collect(),
+            StartGrid::Directions { strength, shapes } => {
+                let (none, pairs) = residual.split_first()?;
                 let vertex = |(pair, shape): (&[f64], Vec<f64>)| {
                     let (best, least) = parabola(*none, pair[0], pair[1]);
                     (least, std::iter::once(best * strength).chain(shape).collect())
@@ -68,8 +68,8 @@ impl<'a> StartSearch<'a> {
     }
 
     /// Sum of squares that each point leaves on the fitted rows after the model's own parameters have moved along.
-    fn left(&self, term: Term, points: &[Vec<f64>], scales: &Scales) -> Option<Vec<f64>> {
-        let models: Vec<(Shape, Vec<f64>)> = points.iter().map(|p| self.fit.with(term, p)).collect();
+    fn residuals(&self, term: Term, points: &[Vec<f64>], scales: &Scales) -> Option<Vec<f64>> {
+        let models: Vec<(ModelStructure, Vec<f64>)> = points.iter().map(|p| self.fit.with(term, p)).collect();
         let (shape, _) = models.first()?;
         let steps = models.iter().map(|m| shape.coarse_steps(&m.1, scales)).max()?.max(self.fit.steps);
         let points: Vec<Vec<f64>> = models.iter().map(|m| m.1.clone()).collect();
@@ -77,12 +77,12 @@ impl<'a> StartSearch<'a> {
     }
 
     /// The same for points of the fitted model itself.
-    pub fn left_at(&self, points: &[Vec<f64>]) -> Vec<f64> {
-        self.unexplained(&self.fit.shape, points, &self.fit.run(self.data, true))
+    pub fn unexplained_at(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        self.unexplained(&self.fit.structure, points, &self.fit.run(self.data, true))
     }
 
     /// What is left of the errors at each point after their projection on the model's derivatives.
-    fn unexplained(&self, shape: &Shape, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
+    fn unexplained(&self, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
         let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
         let of_group = |_, group: &[Vec<f64>]| {
             let lanes = innovations(self.data, shape, group, run, &mut Nothing);
@@ -109,10 +109,10 @@ fn basis<'c>(columns: impl Iterator<Item = &'c Vec<f64>>) -> Vec<Vec<f64>> {
                 rest.iter_mut().zip(b).for_each(|(r, b)| *r -= along * b);
             }
         }
-        let left = dot(&rest, &rest);
+        let residual = dot(&rest, &rest);
         // What is all but a sum of the others adds only rounding.
-        if left > 1e-8 * size {
-            let norm = left.sqrt();
+        if residual > 1e-8 * size {
+            let norm = residual.sqrt();
             rest.iter_mut().for_each(|r| *r /= norm);
             basis.push(rest);
         }

@@ -23,12 +23,12 @@ const SHARE: f64 = 5e-4;
 /// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
 /// they may. `fit` must have been fitted to this data.
 pub fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
-    let corner = fit.shape.terms.iter().any(|t| t.has_corner() && t.role().acts_on_mass());
+    let corner = fit.structure.terms.iter().any(|t| t.has_corner() && t.role().acts_on_mass());
     let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };
-    let steps = |fineness: f64| fit.shape.steps(&fit.point, &Scales { fineness, ..scales.clone() });
+    let steps = |fineness: f64| fit.structure.steps(&fit.point, &Scales { fineness, ..scales.clone() });
     let errors = |steps: usize| -> Vec<f64> {
         let run = Run { range: data.hull.clone(), steps, corrected: true };
-        let lanes = innovations(data, &fit.shape, std::slice::from_ref(&fit.point), &run, &mut Nothing);
+        let lanes = innovations(data, &fit.structure, std::slice::from_ref(&fit.point), &run, &mut Nothing);
         data.train.iter().flat_map(|r| r.clone()).map(|k| lanes[k - data.hull.start][0]).collect()
     };
     let mut reference = None;

@@ -37,9 +37,9 @@ pub struct Alignment {
     /// Samples by which the effect comes late; negative where it comes before its cause.
     pub lag: isize,
     /// Share of the effect's power that no linear oscillator of the grid explains at that lag.
-    pub left: f64,
+    pub residual: f64,
     /// The same without any lag.
-    pub left_unshifted: f64,
+    pub residual_unshifted: f64,
     /// Share explained at a lag where nothing belongs together, by chance: exceeded at one lag in twenty.
     pub chance: f64,
 }
@@ -47,12 +47,12 @@ pub struct Alignment {
 impl Alignment {
     /// Whether the lag explains more than the columns as they stand, by far.
     pub fn is_clear(&self) -> bool {
-        self.lag != 0 && self.left < 0.5 * self.left_unshifted
+        self.lag != 0 && self.residual < 0.5 * self.residual_unshifted
     }
 
     /// Whether the two have nothing to do with each other: what little is explained would be at any other lag too.
     pub fn is_chance(&self) -> bool {
-        self.left > 0.7 && 1.0 - self.left < 2.0 * self.chance
+        self.residual > 0.7 && 1.0 - self.residual < 2.0 * self.chance
     }
 
     /// Whether the columns are out of step by more than a late readout explains.
@@ -63,7 +63,7 @@ impl Alignment {
 
 /// Whether the "output" looks like the cause of the "input": far better explained that way round, and nearly whole.
 pub fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
-    backward.left < 0.1 && backward.left < 0.2 * forward.left
+    backward.residual < 0.1 && backward.residual < 0.2 * forward.residual
 }
 
 /// The best lag of `effect` behind `cause` within `among`, on its loudest stretch; `None` where there is too little to see.
@@ -108,17 +108,17 @@ fn aligned(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignm
     let from = windows.max_by(|a, b| loudness(*a).total_cmp(&loudness(*b)))?;
     let coarse = look(&cause[from..from + length], &effect[from..from + length], length as isize / 4)?;
     if !coarse.is_clear() {
-        return Some(Alignment { lag: 0, left: coarse.left_unshifted, ..coarse });
+        return Some(Alignment { lag: 0, residual: coarse.residual_unshifted, ..coarse });
     }
     // Again without the samples that have no partner.
     let rest = length - coarse.lag.unsigned_abs();
     let (late, early) = (coarse.lag.max(0) as usize, (-coarse.lag).max(0) as usize);
     let fine = look(&cause[from + early..][..rest], &effect[from + late..][..rest], 3)?;
     // Where the rows that have a partner are no better explained than all were without a shift, it was chance.
-    if fine.left >= coarse.left_unshifted {
-        return Some(Alignment { lag: 0, left: coarse.left_unshifted, ..coarse });
+    if fine.residual >= coarse.residual_unshifted {
+        return Some(Alignment { lag: 0, residual: coarse.residual_unshifted, ..coarse });
     }
-    Some(Alignment { lag: coarse.lag + fine.lag, left: fine.left, ..coarse })
+    Some(Alignment { lag: coarse.lag + fine.lag, residual: fine.residual, ..coarse })
 }
 
 /// Both columns in frequency, without mean and of unit size.
@@ -160,7 +160,7 @@ impl Pair {
     }
 
     /// Share of the effect explained at every lag up to `most`, from −most on.
-    fn shares(&self, place: Place, most: isize) -> Option<Vec<f64>> {
+    fn all_r_squared(&self, place: Place, most: isize) -> Option<Vec<f64>> {
         let n = self.samples;
         let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(n);
         let mut own = 0.0;
@@ -182,7 +182,7 @@ impl Pair {
     }
 
     /// Share of the effect explained at one lag.
-    fn share(&self, place: Place, lag: isize) -> f64 {
+    fn r_squared(&self, place: Place, lag: isize) -> f64 {
         let turn = Complex64::from_polar(1.0, TAU * lag as f64 / self.samples as f64);
         let (mut own, mut product, mut phase) = (0.0, 0.0, Complex64::new(1.0, 0.0));
         for (answer, y) in self.answers(place).zip(&self.effect) {
@@ -193,9 +193,9 @@ impl Pair {
         product * product / own / self.total
     }
 
-    /// The share explained at one lag by the best oscillator near `place`.
+    /// The r_squared explained at one lag by the best oscillator near `place`.
     fn polished(&self, mut place: Place, lag: isize) -> f64 {
-        let mut best = self.share(place, lag);
+        let mut best = self.r_squared(place, lag);
         let mut steps = [RATIO.sqrt(), 2.0];
         for _ in 0..12 {
             let mut moved = false;
@@ -203,9 +203,9 @@ impl Pair {
                 for step in [steps[axis], 1.0 / steps[axis]] {
                     let mut there = place;
                     there[axis] *= step;
-                    let share = self.share(there, lag);
-                    if share > best {
-                        (best, place, moved) = (share, there, true);
+                    let r_squared = self.r_squared(there, lag);
+                    if r_squared > best {
+                        (best, place, moved) = (r_squared, there, true);
                     }
                 }
             }
@@ -226,12 +226,12 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
     let count = ((3.0 / slowest).ln() / RATIO.ln()).ceil().max(1.0) as usize;
     let places: Vec<Place> =
         (0..count).flat_map(|i| ZETAS.map(|zeta| [slowest * RATIO.powi(i as i32), zeta])).collect();
-    let shares: Vec<Vec<f64>> = parallel::filter_map(&places, |place| pair.shares(*place, most));
-    if shares.len() < places.len() {
+    let all_r_squared: Vec<Vec<f64>> = parallel::filter_map(&places, |place| pair.all_r_squared(*place, most));
+    if all_r_squared.len() < places.len() {
         return None;
     }
     let lags = 2 * most as usize + 1;
-    let best: Vec<f64> = (0..lags).map(|i| shares.iter().map(|s| s[i]).fold(0.0, f64::max)).collect();
+    let best: Vec<f64> = (0..lags).map(|i| all_r_squared.iter().map(|s| s[i]).fold(0.0, f64::max)).collect();
     let at_rest = best[most as usize];
     let highest = best.iter().copied().fold(at_rest, f64::max);
     // A periodic input fits again a period later: the nearest summit that is nearly as high.
@@ -239,16 +239,16 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
     let index = (0..lags)
         .filter(|i| summit(*i) && best[*i] >= highest - 0.02 * (highest - at_rest))
         .min_by_key(|i| i.abs_diff(most as usize))?;
-    let left = |index: usize| {
-        let place = places.iter().zip(&shares).max_by(|a, b| a.1[index].total_cmp(&b.1[index])).map(|(p, _)| *p);
+    let residual_at = |index: usize| {
+        let place = places.iter().zip(&all_r_squared).max_by(|a, b| a.1[index].total_cmp(&b.1[index])).map(|(p, _)| *p);
         place.map_or(1.0, |p| (1.0 - pair.polished(p, index as isize - most)).max(0.0))
     };
     let mut sorted = best.clone();
     order::sort(&mut sorted);
     Some(Alignment {
         lag: index as isize - most,
-        left: left(index),
-        left_unshifted: left(most as usize),
+        residual: residual_at(index),
+        residual_unshifted: residual_at(most as usize),
         chance: sorted[lags - 1 - lags / 20],
     })
 }

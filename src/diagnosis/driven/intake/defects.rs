@@ -1,5 +1,5 @@
 //! What is wrong with a driven recording besides its physics: glitches, a scale that changes midway, jumps that neither the
-//! past nor the input foretells.
+//! past nor the input predicts.
 //!
 //! Only what no oscillator does, so that none of it is taken for physics. What one column shows by itself (gaps, rails, a
 //! dead channel) is the business of `recording`.
@@ -20,7 +20,7 @@ const BLOCKS: usize = 24;
 const RESCALED: f64 = 50.0;
 /// A change that no change of unit makes either: one of the two went dead.
 const DEAD: f64 = 1e7;
-/// Past readings, and inputs on either side, from which a reading is foretold.
+/// Past readings, and inputs on either side, from which a reading is predicted.
 const LAGS: usize = 8;
 /// A forecast this many times worse than forecasts are wont to be is a jump.
 const SURPRISING: f64 = 15.0;
@@ -97,7 +97,7 @@ pub fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(
     })
 }
 
-/// Places where the output jumps as neither its past nor the input foretells; none where the forecast itself goes to the ends
+/// Places where the output jumps as neither its past nor the input predicts; none where the forecast itself goes to the ends
 /// of the range: what a law does where the motion hardly ever comes is not known.
 pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
     let mut sorted = output[among.clone()].to_vec();
@@ -110,9 +110,9 @@ pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec
     surprises.into_iter().filter(|s| (known.0..=known.1).contains(&&s.forecast)).map(|s| s.row).collect()
 }
 
-/// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what a model foresees is
+/// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what a model predicts is
 /// physics and no accident.
-pub fn unforeseen(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
+pub fn unpredicted(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
     let seen = surprises(input.map(|u| &u[hull.clone()]), errors, &(0..errors.len()));
     let near = |place: &usize| seen.iter().any(|s| (hull.start + s.row).abs_diff(*place) <= APART);
     places.iter().copied().filter(near).collect()
@@ -244,7 +244,7 @@ mod tests {
         let noise: Vec<f64> = (0..3000).map(|k| ((k * 7919) % 1013) as f64 / 1013.0 - 0.5).collect();
         let mut lost = noise.clone();
         lost[1400..].iter_mut().for_each(|e| *e += 20.0);
-        assert_eq!(unforeseen(&[1500, 700], Some(&rough), &noise, &hull), [0; 0]);
-        assert_eq!(unforeseen(&[1500, 700], Some(&rough), &lost, &hull), [1500]);
+        assert_eq!(unpredicted(&[1500, 700], Some(&rough), &noise, &hull), [0; 0]);
+        assert_eq!(unpredicted(&[1500, 700], Some(&rough), &lost, &hull), [1500]);
     }
 }

@@ -53,15 +53,15 @@ pub struct Notes {
     pub doubts: Vec<String>,
     /// Whether the columns do not belong together as they stand, so that no physics may be blamed.
     pub broken: bool,
-    /// Where the reading jumps; only worth a word where the final model does not foresee it.
+    /// Where the reading jumps; only worth a word where the final model does not predict it.
     pub jumps: Vec<usize>,
 }
 
 impl Notes {
     /// Of the places where the reading jumps, those at which a model with these errors over `data.hull` does so too.
-    pub fn mind_jumps(&mut self, data: &Data, errors: &[f64]) {
+    pub fn report_jumps(&mut self, data: &Data, errors: &[f64]) {
         let input = data.input.as_ref().map(Input::samples);
-        let clause = match defects::unforeseen(&self.jumps, input, errors, &data.hull).as_slice() {
+        let clause = match defects::unpredicted(&self.jumps, input, errors, &data.hull).as_slice() {
             [] => return,
             [only] => format!("the reading jumps in row {only}"),
             places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
@@ -228,7 +228,7 @@ fn together(
         return Ok(());
     }
     let Some(forward) = align(input, reading, ends) else { return Ok(()) };
-    if forward.left > 0.2
+    if forward.residual > 0.2
         && let Some(backward) = align(reading, input, ends)
         && alignment::exchanged(&forward, &backward)
     {
@@ -245,7 +245,7 @@ fn together(
         let cause = format!(
             "no oscillator can be identified: the best one explains {} % of the power of {output} from {name}, no \
              more than with the input shifted in time",
-            short(100.0 * (1.0 - forward.left))
+            short(100.0 * (1.0 - forward.residual))
         );
         return Err(cause);
     }

@@ -10,7 +10,7 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::input::Interpolation;
 use crate::diagnosis::driven::intake::prepare::Notes;
 use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::diagnosis::model;
 use crate::number::short;
 use crate::numerics::moments::mean_sd;
@@ -37,17 +37,18 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
     };
     let fit = &best.0;
     let rows: Vec<f64> = data.train.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
-    let left = fit.variance / mean_sd(&rows).1.powi(2).max(1e-300);
-    let gain = -0.5 * rows.len() as f64 * left.min(1.0).ln();
+    let residual = fit.variance / mean_sd(&rows).1.powi(2).max(1e-300);
+    let gain = -0.5 * rows.len() as f64 * residual.min(1.0).ln();
     let unseen: Vec<f64> = data.validation.iter().flat_map(|r| &data.reading[r.clone()]).copied().collect();
-    let foretold = 1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
-    if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - left).min(foretold) < LEAST_SHARE) {
+    let predicted =
+        1.0 - held_out(data, fit, &best.1, &data.validation).free() / mean_sd(&unseen).1.powi(2).max(1e-300);
+    if gain < LEAST_GAIN || (data.input.is_some() && (1.0 - residual).min(predicted) < LEAST_SHARE) {
         let also: String = notes.doubts.iter().map(|d| format!("; {d}")).collect();
         return Err(format!(
             "no oscillator can be identified: the best one explains {} % of the output's power where it was fitted and {} % \
              elsewhere{also}",
-            short(100.0 * (1.0 - left).max(0.0)),
-            short(100.0 * foretold.max(0.0))
+            short(100.0 * (1.0 - residual).max(0.0)),
+            short(100.0 * predicted.max(0.0))
         ));
     }
     let hz = fit.point[OMEGA] / TAU;
@@ -74,7 +75,7 @@ pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     if filled.is_empty() {
         return;
     }
-    let (errors, _) = trace(data, &base.shape, &base.point, &base.run(data, false));
+    let (errors, _) = trace(data, &base.structure, &base.point, &base.run(data, false));
     let start = data.hull.start;
     for k in filled.iter().flat_map(Range::clone).filter(|k| data.hull.contains(k)) {
         if errors[k - start].is_finite() {
@@ -96,19 +97,19 @@ pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<
                 | Term::ParasiticMode(_)
         )
     };
-    if !chosen.fit.shape.terms.iter().any(mistaken) {
+    if !chosen.fit.structure.terms.iter().any(mistaken) {
         return None;
     }
     let (mut terms, mut point) = (Vec::new(), chosen.fit.point[..BASE].to_vec());
-    for (i, term) in chosen.fit.shape.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
+    for (i, term) in chosen.fit.structure.terms.iter().enumerate().filter(|(_, t)| !mistaken(t)) {
         terms.push(*term);
-        point.extend_from_slice(chosen.fit.shape.of(i, &chosen.fit.point));
+        point.extend_from_slice(chosen.fit.structure.of(i, &chosen.fit.point));
     }
-    let shape = Shape::new(&terms);
+    let structure = ModelStructure::new(&terms);
     for how in [Interpolation::Hold, Interpolation::Linear] {
         let kept = data.input.take()?;
         data.input = Some(kept.clone().gone(how));
-        let other = fit(data, &shape, &point, scales, 25);
+        let other = fit(data, &structure, &point, scales, 25);
         if other.is_some_and(|o| o.variance < 1.01 * chosen.fit.variance) {
             return Some(how);
         }

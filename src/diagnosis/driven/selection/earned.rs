@@ -3,7 +3,7 @@
 
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::parallel;
 use crate::physics::scales::Scales;
 
@@ -12,7 +12,7 @@ use super::held_out::{Comparison, compare, held_out};
 use super::judged::{Judged, judge};
 
 /// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
-/// price there of ln(tried), so that no further correction is due.
+/// penalty there of ln(tried), so that no further correction is due.
 pub const LEVEL: f64 = 0.002;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
 pub const SMALLEST_GAIN: f64 = 0.005;
@@ -24,7 +24,7 @@ pub const ITERATIONS: usize = 14;
 /// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show
 /// less than the fitted ones, all samples in turn.
 pub fn earned(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales, tried: usize) -> Option<Comparison> {
-    let least = if richer.fit.shape.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
+    let least = if richer.fit.structure.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
     let lead = richer.score() - poorer.score() - (tried.max(1) as f64).ln();
     let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
     let plain = compare(&poorer.held_out, &richer.held_out);
@@ -41,7 +41,7 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
     for Fold { train, validation } in turned(data) {
         let data = Data { train, validation, ..data.clone() };
         for (all, model) in both.iter_mut().zip([poorer, richer]) {
-            let here = fit(&data, &model.fit.shape, &model.fit.point, scales, ITERATIONS)?;
+            let here = fit(&data, &model.fit.structure, &model.fit.point, scales, ITERATIONS)?;
             all.blocks.extend(held_out(&data, &here, scales, &data.validation).blocks);
         }
     }
@@ -50,8 +50,8 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
 
 /// Drops every term whose absence costs nothing, the cheapest first.
 pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
-    while model.fit.shape.terms.len() > 1 {
-        let poorer = parallel::map_indices(model.fit.shape.terms.len(), |i| without(data, &model, i, scales));
+    while model.fit.structure.terms.len() > 1 {
+        let poorer = parallel::map_indices(model.fit.structure.terms.len(), |i| without(data, &model, i, scales));
         let cheapest = poorer
             .into_iter()
             .flatten()
@@ -68,8 +68,8 @@ pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> 
 /// A model refitted without one of its terms: at once, or where that breaks down, with the term made smaller step by step.
 /// `None` only where neither leads to a model.
 pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
-    let (shape, point): (Shape, Vec<f64>) = model.fit.without(index);
-    let at_once = fit(data, &shape, &point, scales, ITERATIONS);
+    let (structure, point): (ModelStructure, Vec<f64>) = model.fit.without(index);
+    let at_once = fit(data, &structure, &point, scales, ITERATIONS);
     Some(judge(data, at_once.or_else(|| continued(data, &model.fit, index, scales))?, scales))
 }
 
@@ -80,17 +80,17 @@ const ON_THE_WAY: usize = 6;
 
 /// A fit without one term, which is made smaller step by step while the others follow.
 fn continued(data: &Data, model: &Fit, index: usize, scales: &Scales) -> Option<Fit> {
-    let (first, term) = (model.shape.first[index], model.shape.terms[index]);
+    let (first, term) = (model.structure.first[index], model.structure.terms[index]);
     let own = first..first + term.values();
     let strength = model.point[first];
     let mut here = model.clone();
     for part in WAY {
-        let mut search = Search::all(data, &here.shape, &here.point, scales);
+        let mut search = Search::all(data, &here.structure, &here.point, scales);
         search.free.retain(|i| !own.contains(i));
         search.point[first] = part * strength;
         let found = search.minimise(ON_THE_WAY)?;
         here.point = search.point(&found.z);
     }
-    let (shape, point) = here.without(index);
-    fit(data, &shape, &point, scales, ITERATIONS)
+    let (structure, point) = here.without(index);
+    fit(data, &structure, &point, scales, ITERATIONS)
 }

@@ -46,8 +46,8 @@ pub fn turned(data: &Data) -> [Fold; 2] {
 
 /// Another fold, where the errors of a fit stand out in the samples that judge: what they show could not be fitted otherwise.
 /// The quieter half of the fitted samples judges then.
-pub fn for_the_rare(data: &Data, fit: &Fit) -> Option<Fold> {
-    let (errors, _) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+pub fn fold_with_rare_events(data: &Data, fit: &Fit) -> Option<Fold> {
+    let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let power = |ranges: &Stretches| {
         let squares = ranges.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
         squares.sum::<f64>() / ranges.iter().map(ExactSizeIterator::len).sum::<usize>().max(1) as f64

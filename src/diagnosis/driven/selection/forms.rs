@@ -1,4 +1,4 @@
-//! Laws that are near the library's and not it: each law that was chosen is given freedom in its form, and what that takes up
+//! Laws that are near the library's and not it: each law that was chosen is given degrees_of_freedom in its form, and what that takes up
 //! is no second effect. A law whose free form predicts samples better that were not fitted departs from its name.
 //!
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict (`ruling`).
@@ -7,7 +7,7 @@ use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
 use crate::diagnosis::driven::simulation::run::trace;
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::numerics::least_squares::Residuals;
 use crate::numerics::moments::rms;
 use crate::parallel;
@@ -19,7 +19,7 @@ use crate::physics::scales::Scales;
 use super::earned::{ITERATIONS, earned, without};
 use super::held_out::compare;
 use super::judged::{Departing, Judged, Selection, judge};
-use super::residual_structure::left;
+use super::residual_structure::residual_structure;
 
 /// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from the stated one.
 const LEAST_LEAD: f64 = 3.0;
@@ -43,7 +43,7 @@ pub fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
             values.map_or_else(Vec::new, |u| rows().map(|k| u[k]).collect())
         }
         Argument::Displacement | Argument::Velocity => {
-            let (_, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, false));
+            let (_, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
             let values = if argument == Argument::Velocity { states.v } else { states.x };
             rows().map(|k| values[k]).filter(|v| v.is_finite()).collect()
         }
@@ -79,17 +79,17 @@ fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f
 }
 
 /// A model with another term in the place of one of its own.
-fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (Shape, Vec<f64>) {
-    let mut terms = model.shape.terms.clone();
+fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (ModelStructure, Vec<f64>) {
+    let mut terms = model.structure.terms.clone();
     terms[index] = term;
     let mut point = model.point.clone();
-    point.splice(model.shape.block(index), values.iter().copied());
-    (Shape::over(&terms, model.shape.further), point)
+    point.splice(model.structure.block(index), values.iter().copied());
+    (ModelStructure::over(&terms, model.structure.further), point)
 }
 
 /// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a corner.
-fn promise(data: &Data, shape: &Shape, point: &[f64], scales: &Scales) -> f64 {
-    let search = Search::all(data, shape, point, scales);
+fn promise(data: &Data, structure: &ModelStructure, point: &[f64], scales: &Scales) -> f64 {
+    let search = Search::all(data, structure, point, scales);
     let Some(linear) = search.linearise(&search.z(point)) else { return f64::INFINITY };
     let (rows, normal) = (linear.residual.len() as f64, linear.normal());
     0.5 * rows * (normal.sum / normal.predicted().max(1e-300)).ln()
@@ -98,13 +98,13 @@ fn promise(data: &Data, shape: &Shape, point: &[f64], scales: &Scales) -> f64 {
 /// A model with the form of one of its laws freed, fitted; `None` where the law has no form to free, or where one linear step
 /// promises nothing. All of the form is free where that promises more than one value does.
 pub fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: bool) -> Option<Fit> {
-    let law = freed_law(&model.shape.terms[index])?;
-    let stated = model.shape.of(index, &model.point);
+    let law = freed_law(&model.structure.terms[index])?;
+    let stated = model.structure.of(index, &model.point);
     let (typical, size) = sizes(data, model, law, stated)?;
     let best = |model: &Fit, term: Term, starts: &[Vec<f64>]| {
         let fitted = |start: &Vec<f64>| {
-            let (shape, point) = with_instead(model, index, term, start);
-            fit(data, &shape, &point, scales, ITERATIONS)
+            let (structure, point) = with_instead(model, index, term, start);
+            fit(data, &structure, &point, scales, ITERATIONS)
         };
         let all: Vec<Fit> = parallel::filter_map(starts, fitted);
         all.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))
@@ -114,21 +114,21 @@ pub fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: 
     let starts = narrow.narrow_starts(stated, typical);
     if screened && !wide.has_corner() {
         let all = wide.wide_starts(&starts[0], typical);
-        let (shape, point) = with_instead(model, index, Term::FreeForm(wide), &all[0]);
-        if promise(data, &shape, &point, scales) < LEAST_PROMISE {
+        let (structure, point) = with_instead(model, index, Term::FreeForm(wide), &all[0]);
+        if promise(data, &structure, &point, scales) < LEAST_PROMISE {
             return None;
         }
     }
     let first = best(model, Term::FreeForm(narrow), &starts)?;
-    let starts = wide.wide_starts(first.shape.of(index, &first.point), typical);
-    let (shape, point) = with_instead(&first, index, Term::FreeForm(wide), &starts[0]);
-    if !wide.has_corner() && promise(data, &shape, &point, scales) < LEAST_PROMISE {
+    let starts = wide.wide_starts(first.structure.of(index, &first.point), typical);
+    let (structure, point) = with_instead(&first, index, Term::FreeForm(wide), &starts[0]);
+    if !wide.has_corner() && promise(data, &structure, &point, scales) < LEAST_PROMISE {
         return Some(first);
     }
     let second = best(&first, Term::FreeForm(wide), &starts);
     let better = |second: &Fit| {
-        let price = 0.5 * (second.free.len() - first.free.len()) as f64 * (first.linear.residual.len() as f64).ln();
-        second.log_likelihood() - first.log_likelihood() > price
+        let penalty = 0.5 * (second.free.len() - first.free.len()) as f64 * (first.linear.residual.len() as f64).ln();
+        second.log_likelihood() - first.log_likelihood() > penalty
     };
     second.filter(better).or(Some(first))
 }
@@ -137,7 +137,7 @@ impl Departing {
     /// Without its terms, other than the one that is free, that are not worth what they cost beside it.
     fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
         loop {
-            let others = (0..self.judged.fit.shape.terms.len()).filter(|j| *j != self.index);
+            let others = (0..self.judged.fit.structure.terms.len()).filter(|j| *j != self.index);
             let poorer = others.filter_map(|j| Some((j, without(data, &self.judged, j, scales)?)));
             let bar = self.judged.score().max(least) - LEAST_LEAD;
             let idle = poorer.filter(|(_, p)| p.score() >= bar);
@@ -149,11 +149,11 @@ impl Departing {
     /// The same terms with the form as stated, fitted.
     fn as_stated(&self, data: &Data, like: &Fit, scales: &Scales) -> Option<Judged> {
         let freed = &self.judged.fit;
-        let id = freed.shape.terms[self.index].id();
-        let place = like.shape.terms.iter().position(|t| t.id() == id)?;
-        let (shape, point) =
-            with_instead(freed, self.index, like.shape.terms[place], like.shape.of(place, &like.point));
-        Some(judge(data, fit(data, &shape, &point, scales, ITERATIONS)?, scales))
+        let id = freed.structure.terms[self.index].id();
+        let place = like.structure.terms.iter().position(|t| t.id() == id)?;
+        let (structure, point) =
+            with_instead(freed, self.index, like.structure.terms[place], like.structure.of(place, &like.point));
+        Some(judge(data, fit(data, &structure, &point, scales, ITERATIONS)?, scales))
     }
 }
 
@@ -163,8 +163,8 @@ impl Departing {
 pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
-    let laws = chosen.fit.shape.terms.iter().filter(|t| t.noise().is_none()).count();
-    if laws == 0 && chosen.fit.shape.terms.is_empty() {
+    let laws = chosen.fit.structure.terms.iter().filter(|t| t.noise().is_none()).count();
+    if laws == 0 && chosen.fit.structure.terms.is_empty() {
         return;
     }
     let mut best: Option<(Departing, Fit)> = None;
@@ -173,25 +173,28 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
             *best = Some((found, like.clone()));
         }
     };
-    // No freedom of one law ends a series that is far from done.
-    let is_series = chosen.fit.shape.terms.len() > MANY && left(data, &chosen.fit).share > UNDONE;
-    let own = if is_series { 0 } else { chosen.fit.shape.terms.len() };
+    // No degrees_of_freedom of one law ends a series that is far from done.
+    let is_series = chosen.fit.structure.terms.len() > MANY && residual_structure(data, &chosen.fit).r_squared > UNDONE;
+    let own = if is_series { 0 } else { chosen.fit.structure.terms.len() };
     for index in 0..own {
         if data.work.is_spent(budget) {
             break;
         }
         // Where another term may only patch this law's form, the form is free to do so itself, whatever one step promises.
-        let Some(found) = freed(data, &chosen.fit, index, scales, chosen.fit.shape.terms.len() == 1) else { continue };
+        let Some(found) = freed(data, &chosen.fit, index, scales, chosen.fit.structure.terms.len() == 1) else {
+            continue;
+        };
         let found = Departing { judged: judge(data, found, scales), index }.pruned(data, scales, chosen.score());
         consider(&mut best, found, &chosen.fit);
     }
-    if chosen.fit.shape.terms.len() > 1 || left(data, &chosen.fit).share > UNDONE {
+    if chosen.fit.structure.terms.len() > 1 || residual_structure(data, &chosen.fit).r_squared > UNDONE {
         let alone = selection.alone.iter().filter_map(|t| t.judged.as_ref());
         let alone: Vec<Judged> =
-            alone.filter(|j| freed_law(&j.fit.shape.terms[0]).is_some()).take(OTHERS).cloned().collect();
+            alone.filter(|j| freed_law(&j.fit.structure.terms[0]).is_some()).take(OTHERS).cloned().collect();
         for other in alone {
             let same = |b: &Departing| {
-                b.judged.fit.shape.terms.len() == 1 && b.judged.fit.shape.terms[0].id() == other.fit.shape.terms[0].id()
+                b.judged.fit.structure.terms.len() == 1
+                    && b.judged.fit.structure.terms[0].id() == other.fit.structure.terms[0].id()
             };
             if data.work.is_spent(budget) || best.as_ref().is_some_and(|(b, _)| same(b)) {
                 continue;
@@ -201,13 +204,13 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
         }
     }
     let Some((found, like)) = best else { return };
-    let fewer = found.judged.fit.shape.terms.len() < chosen.fit.shape.terms.len();
+    let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
     let lead = found.judged.score() - chosen.score();
     if lead < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
         return;
     }
-    // Of many terms none but the strongest is named: where freedom in one form does not end them, they stay as details.
-    if chosen.fit.shape.terms.len() > MANY && left(data, &found.judged.fit).share > UNDONE {
+    // Of many terms none but the strongest is named: where degrees_of_freedom in one form does not end them, they stay as details.
+    if chosen.fit.structure.terms.len() > MANY && residual_structure(data, &found.judged.fit).r_squared > UNDONE {
         return;
     }
     let Some(stated) = found.as_stated(data, &like, scales) else { return };
@@ -218,11 +221,11 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
     }
     selection.rivals = stated
         .fit
-        .shape
+        .structure
         .terms
         .iter()
         .map(|term| {
-            let place = chosen.fit.shape.terms.iter().position(|t| t.id() == term.id());
+            let place = chosen.fit.structure.terms.iter().position(|t| t.id() == term.id());
             place.and_then(|p| selection.rivals.get(p).cloned()).unwrap_or_default()
         })
         .collect();

@@ -7,7 +7,7 @@ use crate::diagnosis::driven::identification::fit::{Fit, Search};
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::shape::coordinates;
+use crate::diagnosis::driven::simulation::structure::coordinates;
 use crate::numerics::special;
 use crate::parallel;
 use crate::physics::law::Noise;
@@ -94,7 +94,7 @@ pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
     let mean = logs.iter().sum::<f64>() / n;
     let deviation = (logs.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt().max(1e-12);
     let t = mean / deviation;
-    let two_sided = special::f_above(t * t, 1.0, n - 1.0);
+    let two_sided = special::f_survival(t * t, 1.0, n - 1.0);
     let by_blocks = if t > 0.0 { 0.5 * two_sided } else { 1.0 - 0.5 * two_sided };
     let rows = after.samples() as f64 / after.colour.max(1.0);
     let by_likelihood = (-0.5 * rows * (before.one_step() / after.one_step().max(1e-300)).ln()).exp();
@@ -146,22 +146,22 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
 pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
-    let mut free = fit.shape.beginnings();
+    let mut free = fit.structure.beginnings();
     free.iter().for_each(|i| point[*i] = 0.0);
-    let offsets = (0..=fit.shape.further).map(|r| fit.point[fit.shape.offset(r)]);
-    point[OFFSET] = offsets.sum::<f64>() / (fit.shape.further + 1) as f64;
+    let offsets = (0..=fit.structure.further).map(|r| fit.point[fit.structure.offset(r)]);
+    point[OFFSET] = offsets.sum::<f64>() / (fit.structure.further + 1) as f64;
     point[INITIAL] = data.reading[range.start] - point[OFFSET];
-    let walks = fit.shape.terms.iter().any(|t| t.noise() == Some(Noise::Walk));
+    let walks = fit.structure.terms.iter().any(|t| t.noise() == Some(Noise::Walk));
     if walks {
         free.insert(0, OFFSET);
     }
     let rows = range.start..(range.start + lead).min(range.end);
     let search = Search {
         data,
-        shape: &fit.shape,
+        structure: &fit.structure,
         point: point.clone(),
         free,
-        coordinates: coordinates(&fit.shape, scales),
+        coordinates: coordinates(&fit.structure, scales),
         run: Run { range: rows.clone(), steps: fit.steps, corrected: false },
         rows: vec![rows],
     };
@@ -171,22 +171,22 @@ pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) ->
 /// The fitted model with offset and initial state as free simulation of the training rows wants them: a filter that corrects
 /// itself leaves them undetermined.
 pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
-    if !fit.shape.is_noisy() {
+    if !fit.structure.is_noisy() {
         return fit.point.clone();
     }
     let mut point = fit.point.clone();
-    let free = fit.shape.all_beginnings();
-    for (r, recording) in data.recordings().iter().enumerate().take(fit.shape.further + 1) {
-        let initial = fit.shape.initial(r);
-        point[initial] = data.reading[recording.start] - point[fit.shape.offset(r)];
+    let free = fit.structure.all_beginnings();
+    for (r, recording) in data.recordings().iter().enumerate().take(fit.structure.further + 1) {
+        let initial = fit.structure.initial(r);
+        point[initial] = data.reading[recording.start] - point[fit.structure.offset(r)];
         point[initial + 1] = 0.0;
     }
     let search = Search {
         data,
-        shape: &fit.shape,
+        structure: &fit.structure,
         point,
         free,
-        coordinates: coordinates(&fit.shape, scales),
+        coordinates: coordinates(&fit.structure, scales),
         run: Run { range: data.hull.clone(), steps: fit.steps, corrected: false },
         rows: data.train.clone(),
     };
@@ -204,9 +204,10 @@ impl Evaluation {
     fn new(data: &Data, fit: &Fit, point: &[f64], free: &[f64], range: Range<usize>) -> Self {
         let run = |corrected, point: &[f64]| {
             let run = Run { range: range.clone(), steps: fit.steps, corrected };
-            innovations(data, &fit.shape, &[point.to_vec()], &run, &mut Nothing)
+            innovations(data, &fit.structure, &[point.to_vec()], &run, &mut Nothing)
         };
-        let (free, one_step) = parallel::join(|| run(false, free), || fit.shape.is_noisy().then(|| run(true, point)));
+        let (free, one_step) =
+            parallel::join(|| run(false, free), || fit.structure.is_noisy().then(|| run(true, point)));
         Self { start: range.start, free, one_step }
     }
 

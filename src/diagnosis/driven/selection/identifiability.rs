@@ -119,7 +119,7 @@ mod tests {
     use crate::diagnosis::driven::base::{BASE, OFFSET};
     use crate::diagnosis::driven::intake::input::Interpolation;
     use crate::diagnosis::driven::intake::work::Work;
-    use crate::diagnosis::driven::simulation::shape::Shape;
+    use crate::diagnosis::driven::simulation::structure::ModelStructure;
     use crate::numerics::least_squares::Linear;
     use crate::physics::cubic_stiffness::CubicStiffness;
     use crate::physics::feedthrough::Feedthrough;
@@ -148,7 +148,7 @@ mod tests {
         let omega = TAU * 40.0;
         (point[GAIN], point[OMEGA], point[ZETA], point[OFFSET]) = (omega * omega, omega, 0.05, 0.0);
         let base = Fit {
-            shape: Shape::new(&[]),
+            structure: ModelStructure::new(&[]),
             point,
             steps: 2,
             linear: Linear { residual: Vec::new(), columns: Vec::new() },

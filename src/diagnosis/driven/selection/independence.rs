@@ -27,7 +27,7 @@ const COSINES: usize = 8;
 /// Part of its own size by which each normal equation is held back: regressors may repeat each other.
 const RIDGE: f64 = 1e-6;
 
-/// Share of a disturbance's variance that may be foreseen as a detail of the other laws.
+/// Share of a disturbance's variance that may be predicted as a detail of the other laws.
 const DETAIL: f64 = 0.02;
 
 /// What an estimated disturbance follows.
@@ -43,41 +43,41 @@ pub enum Known {
     Environment,
 }
 
-/// How much of a disturbance is foreseen by what foresees it best.
+/// How much of a disturbance is predicted by what predicts it best.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foreseen {
+pub struct Explained {
     /// Share of its variance, cross-fitted; below zero where chance is all there is.
-    pub share: f64,
+    pub r_squared: f64,
     /// Probability of as much by chance: Student's t of the gain per block, times the number of questions.
     pub p_value: f64,
     /// By what.
     pub by: Known,
 }
 
-impl Foreseen {
+impl Explained {
     /// Whether chance does not account for it, and it is more than a detail.
     pub fn is_real(&self) -> bool {
-        self.p_value < REAL && self.share > DETAIL
+        self.p_value < REAL && self.r_squared > DETAIL
     }
 }
 
-/// How much is foreseen of the disturbance that this noise stands for; `None` where the recording is too short to say.
-pub fn foreseen(data: &Data, fit: &Fit, noise: Noise) -> Option<Foreseen> {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+/// How much is predicted of the disturbance that this noise stands for; `None` where the recording is too short to say.
+pub fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option<Explained> {
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let breaks: Vec<usize> = data.breaks.iter().map(|b| b.saturating_sub(data.hull.start)).collect();
     let disturbance = smoothed(&innovations, fit, data.interval_s(), noise, &breaks)?;
     let groups = regressors(data, &states.x, &states.v);
     let tests = groups.len() as f64;
     let all = groups.iter().filter_map(|(by, columns)| {
-        let (share, p_value) = cross_fitted(&disturbance, columns)?;
-        Some(Foreseen { share, p_value: (tests * p_value).min(1.0), by: *by })
+        let (r_squared, p_value) = cross_fitted(&disturbance, columns)?;
+        Some(Explained { r_squared, p_value: (tests * p_value).min(1.0), by: *by })
     });
     all.min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
 /// The disturbance between each sample and the next, up to a factor, from the innovations after it.
 fn smoothed(innovations: &[f64], fit: &Fit, interval_s: f64, noise: Noise, breaks: &[usize]) -> Option<Vec<f64>> {
-    let noisy = fit.shape.noisy(&fit.point, interval_s);
+    let noisy = fit.structure.noisy(&fit.point, interval_s);
     let (system, k) = (gain::system(&noisy), gain::stationary(&noisy).k);
     let gain = Vector4::<f64>::from(k);
     let closed = system.transition * (Matrix4::<f64>::identity() - gain * system.sees.transpose());
@@ -154,7 +154,7 @@ fn regressors(data: &Data, x: &[f64], v: &[f64]) -> Vec<(Known, Vec<Vec<f64>>)> 
     groups
 }
 
-/// Share of the variance that regressors foresee of blocks that they were not fitted to, and the probability of that by chance.
+/// Share of the variance that regressors predict of blocks that they were not fitted to, and the probability of that by chance.
 fn cross_fitted(values: &[f64], columns: &[Vec<f64>]) -> Option<(f64, f64)> {
     let (rows, width) = (values.len(), columns.len() + 1);
     if rows < ROWS_PER_REGRESSOR * width || rows < 4 * BLOCKS {
@@ -196,7 +196,7 @@ fn cross_fitted(values: &[f64], columns: &[Vec<f64>]) -> Option<(f64, f64)> {
     let (mean, sd) = mean_sd(&gains);
     let n = gains.len() as f64;
     let t = mean / (sd * (n / (n - 1.0)).sqrt() / n.sqrt()).max(1e-300);
-    let two_sided = special::f_above(t * t, 1.0, n - 1.0);
+    let two_sided = special::f_survival(t * t, 1.0, n - 1.0);
     let p_value = if t > 0.0 { 0.5 * two_sided } else { 1.0 - 0.5 * two_sided };
     (total > 0.0).then(|| (gains.iter().sum::<f64>() / total, p_value))
 }
@@ -209,7 +209,7 @@ mod tests {
     const ROWS: usize = 4800;
 
     /// A disturbance with a memory of twenty samples beside a broad input, and how much of it is a dead zone's.
-    fn foreseen_of(seed: u64, part: f64) -> Option<(f64, f64)> {
+    fn explained_of(seed: u64, part: f64) -> Option<(f64, f64)> {
         let mut rng = Philox::new(seed, 0, Stream::Host);
         let input: Vec<f64> = (0..ROWS).map(|_| rng.normal()).collect();
         let mut slow = 0.0;
@@ -224,11 +224,11 @@ mod tests {
         cross_fitted(&disturbance, &bent(&input))
     }
 
-    // The gain of a block has a mean below zero by chance, so that fewer than the stated share of nulls alarm: of 100 at 1 %,
+    // The gain of a block has a mean below zero by chance, so that fewer than the stated r_squared of nulls alarm: of 100 at 1 %,
     // more than 5 come once in 3000 at most.
     #[test]
-    fn noise_with_a_memory_follows_nothing_and_a_dead_zone_is_foreseen() {
-        let found = |part: f64| (0..100).filter(|s| foreseen_of(*s, part).is_some_and(|f| f.1 < 0.01)).count();
+    fn noise_with_a_memory_follows_nothing_and_a_dead_zone_is_predicted() {
+        let found = |part: f64| (0..100).filter(|s| explained_of(*s, part).is_some_and(|f| f.1 < 0.01)).count();
         assert!(found(0.0) <= 5, "{} alarms", found(0.0));
         assert!(found(2.0) >= 95, "{} found", found(2.0));
     }

@@ -18,7 +18,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Log-likelihood less the price of its terms' parameters (Schwarz 1978).
+    /// Log-likelihood less the penalty of its terms' parameters (Schwarz 1978).
     pub fn score(&self) -> f64 {
         let n = self.fit.linear.residual.len().max(2) as f64;
         self.fit.log_likelihood() - 0.5 * self.fit.free.len() as f64 * n.ln()
@@ -26,7 +26,7 @@ impl Judged {
 
     /// Whether a term with this id is in it.
     pub fn has(&self, id: &str) -> bool {
-        self.fit.shape.terms.iter().any(|t| t.id() == id)
+        self.fit.structure.terms.iter().any(|t| t.id() == id)
     }
 }
 

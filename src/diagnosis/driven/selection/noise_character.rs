@@ -8,7 +8,7 @@ use crate::diagnosis::detection::structure;
 use crate::diagnosis::remainder::REAL;
 use crate::numerics::{order, special};
 
-use super::noise_scale::{Motion, local_scale};
+use super::noise_scale::{MassMotion, local_scale};
 use super::residual_structure::{MEMORY, correlation};
 
 /// Stretches whose powers are compared, and the fewest samples in one.
@@ -52,7 +52,7 @@ pub struct LoudStretch {
 }
 
 /// What kind of noise these errors are.
-pub fn noise_character(errors: &[f64], motion: &Motion<'_>) -> NoiseCharacter {
+pub fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseCharacter {
     let n = errors.len();
     let Some(powers) = clipped(errors).filter(|_| n >= 16 * LEAST_SAMPLES) else { return NoiseCharacter::default() };
     let quarters = |order: &[usize]| [order[..n / 4].to_vec(), order[n - n / 4..].to_vec()];
@@ -102,7 +102,7 @@ fn tails(errors: &[f64]) -> Option<f64> {
     let beyond = errors.iter().filter(|e| e.abs() > TAIL * sigma).count();
     let normal = 2.0 * special::normal_cdf(-TAIL);
     // Counts of rare events are Poisson: P(N ≥ k) with mean m is P(χ² with 2k degrees of freedom < 2m).
-    let p_value = 1.0 - special::chi_squared_above(2.0 * normal * n, 2.0 * beyond as f64);
+    let p_value = 1.0 - special::chi_squared_survival(2.0 * normal * n, 2.0 * beyond as f64);
     (beyond > 0 && QUESTIONS * p_value < REAL && beyond as f64 > HEAVY * normal * n).then_some(beyond as f64 / n)
 }
 
@@ -111,20 +111,20 @@ fn stretch_powers(errors: &[f64]) -> Option<(Vec<f64>, usize, f64)> {
     let length = errors.len() / STRETCHES;
     let powers = clipped(errors).filter(|_| length >= LEAST_SAMPLES)?;
     let (mean, variance, colour) = moments(errors, &powers);
-    let freedom = 2.0 * length as f64 * mean * mean / variance.max(1e-300) / colour;
-    Some((powers.chunks_exact(length).map(|c| c.iter().sum()).collect(), length, freedom))
+    let degrees_of_freedom = 2.0 * length as f64 * mean * mean / variance.max(1e-300) / colour;
+    Some((powers.chunks_exact(length).map(|c| c.iter().sum()).collect(), length, degrees_of_freedom))
 }
 
 /// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out somewhere are not even noise,
 /// however little of the whole they are.
 pub fn loudest_by_chance(errors: &[f64]) -> f64 {
-    let Some((powers, _, freedom)) = stretch_powers(errors) else { return 1.0 };
+    let Some((powers, _, degrees_of_freedom)) = stretch_powers(errors) else { return 1.0 };
     let count = powers.len() as f64;
     let most = powers.iter().copied().fold(0.0, f64::max);
     let Some(middle) = order::median(powers) else { return 1.0 };
     // The median of χ² with k degrees of freedom lies at k(1 − 2/(9k))³ (Wilson & Hilferty 1931).
-    let mean = middle / (1.0 - 2.0 / (9.0 * freedom)).powi(3);
-    (special::chi_squared_above(freedom * most / mean.max(1e-300), freedom) * count).min(1.0)
+    let mean = middle / (1.0 - 2.0 / (9.0 * degrees_of_freedom)).powi(3);
+    (special::chi_squared_survival(degrees_of_freedom * most / mean.max(1e-300), degrees_of_freedom) * count).min(1.0)
 }
 
 /// Probability, by chance alone, of a stretch as loud as the loudest whose errors are as predictable from their past: even a
@@ -141,12 +141,14 @@ pub fn disturbance_by_chance(errors: &[f64]) -> f64 {
 
 /// The loudest stretch, joined with the loud ones next to it.
 fn loudest_stretch(errors: &[f64]) -> Option<LoudStretch> {
-    let (powers, length, freedom) = stretch_powers(errors)?;
+    let (powers, length, degrees_of_freedom) = stretch_powers(errors)?;
     if QUESTIONS * loudest_by_chance(errors) >= REAL {
         return None;
     }
     let middle = order::median(powers.clone())?;
-    let limit = special::chi_squared_quantile(1.0 - REAL / powers.len() as f64, freedom) / freedom * middle;
+    let limit = special::chi_squared_quantile(1.0 - REAL / powers.len() as f64, degrees_of_freedom)
+        / degrees_of_freedom
+        * middle;
     let loud = |i: usize| powers.get(i).is_some_and(|p| *p > limit);
     let most = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
     let from = (0..most).rev().take_while(|i| loud(*i)).last().unwrap_or(most);
@@ -165,9 +167,9 @@ mod tests {
     const ROWS: usize = 6400;
 
     /// Student's t with so many degrees of freedom, from normal numbers.
-    fn student(rng: &mut Philox, freedom: usize) -> f64 {
-        let chi: f64 = (0..freedom).map(|_| rng.normal().powi(2)).sum();
-        rng.normal() / (chi / freedom as f64).sqrt()
+    fn student(rng: &mut Philox, degrees_of_freedom: usize) -> f64 {
+        let chi: f64 = (0..degrees_of_freedom).map(|_| rng.normal().powi(2)).sum();
+        rng.normal() / (chi / degrees_of_freedom as f64).sqrt()
     }
 
     fn laplace(rng: &mut Philox) -> f64 {
@@ -188,7 +190,7 @@ mod tests {
 
     fn character(errors: &[f64]) -> NoiseCharacter {
         let (x, v) = motion();
-        noise_character(errors, &Motion { x: &x, v: &v, omega_rad_s: 1.0 })
+        noise_character(errors, &MassMotion { x: &x, v: &v, omega_rad_s: 1.0 })
     }
 
     // At the level of the diagnosis (REAL over three questions) 200 trials of each law give 0.27 alarms on average if the
@@ -222,7 +224,7 @@ mod tests {
     #[test]
     fn each_kind_of_noise_is_recognised_and_plain_noise_is_none_of_them() {
         let (x, v) = motion();
-        let amplitude = Motion { x: &x, v: &v, omega_rad_s: 1.0 }.amplitude();
+        let amplitude = MassMotion { x: &x, v: &v, omega_rad_s: 1.0 }.amplitude();
         for seed in 0..20 {
             let plain = character(&rows(seed, |r, _| r.normal()));
             assert_eq!(plain, NoiseCharacter::default(), "seed {seed}");

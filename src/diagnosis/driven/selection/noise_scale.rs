@@ -14,7 +14,7 @@ const PASSES: usize = 3;
 
 /// Displacement and velocity of the mass at each sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
+pub struct MassMotion<'a> {
     /// Displacement.
     pub x: &'a [f64],
     /// Velocity.
@@ -23,7 +23,7 @@ pub struct Motion<'a> {
     pub omega_rad_s: f64,
 }
 
-impl Motion<'_> {
+impl MassMotion<'_> {
     /// √(x² + (v/ω)²) about the mean displacement.
     pub fn amplitude(&self) -> Vec<f64> {
         let mean = self.x.iter().sum::<f64>() / self.x.len().max(1) as f64;
@@ -32,7 +32,7 @@ impl Motion<'_> {
 }
 
 /// Mean absolute error to be expected at each sample, relative to that of the whole.
-pub fn local_scale(errors: &[f64], motion: &Motion<'_>) -> Vec<f64> {
+pub fn local_scale(errors: &[f64], motion: &MassMotion<'_>) -> Vec<f64> {
     let n = errors.len();
     let mut scale = vec![1.0; n];
     if n < 2 * LEAST_SAMPLES {
@@ -71,7 +71,7 @@ mod tests {
         let v: Vec<f64> = (0..n).map(|k| (0.31 * f64::from(k)).cos()).collect();
         let truth: Vec<f64> = (0..n as usize).map(|k| (0.5 + k as f64 / f64::from(n)) * (0.2 + x[k].abs())).collect();
         let errors: Vec<f64> = truth.iter().map(|s| s * rng.normal()).collect();
-        let scale = local_scale(&errors, &Motion { x: &x, v: &v, omega_rad_s: 1.0 });
+        let scale = local_scale(&errors, &MassMotion { x: &x, v: &v, omega_rad_s: 1.0 });
         let mean = truth.iter().sum::<f64>() / f64::from(n);
         let off = scale.iter().zip(&truth).map(|(s, t)| (s * mean / t).ln().powi(2)).sum::<f64>() / f64::from(n);
         // A range of displacement in which the strength changes by a half errs by a sixth at its ends.

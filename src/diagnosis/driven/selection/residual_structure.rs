@@ -1,4 +1,4 @@
-//! What a model leaves: how much of its innovations, and of their power, can still be foreseen. Noise gives nothing away.
+//! What a model leaves: how much of its innovations, and of their power, can still be predicted. Noise gives nothing away.
 
 use crate::diagnosis::detection::{Structure, structure};
 use crate::diagnosis::driven::base::OMEGA;
@@ -9,7 +9,7 @@ use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::remainder::WHITE;
 use crate::numerics::moments::mean_sd;
 
-use super::noise_scale::{Motion, local_scale};
+use super::noise_scale::{MassMotion, local_scale};
 
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
@@ -17,21 +17,21 @@ const OWN_LAGS: usize = 24;
 pub const MEMORY: usize = 40;
 
 /// How much can still be predicted of a model's innovations, from their past, the input and the state.
-pub fn left(data: &Data, fit: &Fit) -> Structure {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+pub fn residual_structure(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// As `left`, with a probability that also holds for noise of uneven strength: where the innovations look structured, they are
+/// As `residual_structure`, with a probability that also holds for noise of uneven strength: where the innovations look structured, they are
 /// also tested weighed by their local scale, and the larger probability counts.
-pub fn left_evenly(data: &Data, fit: &Fit) -> Structure {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+pub fn residual_structure_evenly(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let mut known = regressors(data, &states);
     let plain = structure(&innovations, OWN_LAGS, &known);
     if plain.p_value >= WHITE {
         return plain;
     }
-    let motion = Motion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] };
+    let motion = MassMotion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] };
     let scale = local_scale(&innovations, &motion);
     let weighed = |values: &[f64]| values.iter().zip(&scale).map(|(v, s)| v / s).collect::<Vec<f64>>();
     known.push(vec![1.0; innovations.len()]);
@@ -79,10 +79,10 @@ fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     regressors
 }
 
-/// How much of the innovations' *power* can be foreseen from the input, the state and time: noise that belongs to the sensor
+/// How much of the innovations' *power* can be predicted from the input, the state and time: noise that belongs to the sensor
 /// does not know what the sensor is doing.
-pub fn power_left(data: &Data, fit: &Fit) -> Structure {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
+pub fn power_structure(data: &Data, fit: &Fit) -> Structure {
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
     // Limited, so that single outliers do not speak for the rest.
     let power: Vec<f64> = innovations.iter().map(|e| (e * e / size.max(1e-300)).min(12.0)).collect();

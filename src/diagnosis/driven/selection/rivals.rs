@@ -45,7 +45,7 @@ impl Look<'_> {
     /// # Errors
     /// Stopped.
     pub fn one_for_two(&mut self, chosen: &Judged) -> Result<Option<Judged>, Stopped> {
-        let terms = &chosen.fit.shape.terms;
+        let terms = &chosen.fit.structure.terms;
         let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
         let mut found = Vec::new();
         for (i, j) in pairs.filter(|(i, j)| alike(&terms[*i], &terms[*j])) {
@@ -60,7 +60,7 @@ impl Look<'_> {
 
     /// The best model with another candidate in the place of both of these terms.
     fn in_place_of_two(&self, chosen: &Judged, [i, j]: [usize; 2]) -> Result<Option<Judged>, Stopped> {
-        let (data, terms) = (self.data, &chosen.fit.shape.terms);
+        let (data, terms) = (self.data, &chosen.fit.structure.terms);
         let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
         let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
         let poorer = without(data, chosen, i, self.scales).and_then(|p| without(data, &p, j, self.scales));
@@ -88,7 +88,7 @@ impl Look<'_> {
                 }
                 // Too late to look around from there: what has been seen from here is weighed against it.
                 Some((place, better)) => {
-                    let id = selection.chosen.fit.shape.terms[place].id();
+                    let id = selection.chosen.fit.structure.terms[place].id();
                     let old = Rival { judged: selection.chosen.clone(), id };
                     selection.chosen = better.judged.clone();
                     let mut others = stand_ins.clone();
@@ -118,15 +118,15 @@ impl Look<'_> {
             let fitted = others.filter_map(|t| Some(Rival { id: t.term.id(), judged: t.judged? }));
             Ok(fitted.filter(|r| !r.judged.fit.at_bound(&here)).collect())
         };
-        selection.chosen.fit.shape.terms.iter().enumerate().map(of_term).collect()
+        selection.chosen.fit.structure.terms.iter().enumerate().map(of_term).collect()
     }
 
     /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is the only one, all.
     fn in_place_of(&self, selection: &Selection, index: usize, scales: &Scales) -> Result<Vec<Trial>, Stopped> {
         let (data, candidates) = (self.data, self.candidates);
         let chosen = &selection.chosen;
-        let term = &chosen.fit.shape.terms[index];
-        let alone = chosen.fit.shape.terms.len() == 1;
+        let term = &chosen.fit.structure.terms[index];
+        let alone = chosen.fit.structure.terms.len() == 1;
         let poorer = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
         let Some(poorer) = poorer else { return Ok(Vec::new()) };
         let mut trials = if alone { selection.alone.clone() } else { Vec::new() };

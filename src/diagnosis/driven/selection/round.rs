@@ -7,7 +7,7 @@ use crate::diagnosis::driven::identification::start_search::StartSearch;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
 use crate::diagnosis::driven::simulation::run::{Run, innovations};
-use crate::diagnosis::driven::simulation::shape::Shape;
+use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::numerics::least_squares::Linear;
 use crate::numerics::order;
 use crate::parallel;
@@ -23,7 +23,7 @@ use super::judged::{Judged, Trial, judge};
 const FINALISTS: usize = 6;
 /// Starts of one candidate that are fitted in full.
 const STARTS: usize = 2;
-/// The same where its law has a corner, so that valleys are many.
+/// The same where its law has a corner, so that local minima are many.
 const CORNER_STARTS: usize = 4;
 /// Candidates that are fitted whatever the best one promises.
 pub const SURE: usize = 3;
@@ -47,10 +47,14 @@ fn screen(
     // The strength of a noise is only looked at from its starts: it bends every derivative of the base.
     let own = if term.noise().is_some() { 0 } else { term.values() };
     let Some(first) = starts.first() else { return Vec::new() };
-    let (shape, point) = model.with(term, first);
-    let search = Search::all(data, &shape, &point, scales);
-    let steps =
-        starts.iter().map(|s| shape.coarse_steps(&model.with(term, s).1, scales)).max().unwrap_or(1).max(model.steps);
+    let (structure, point) = model.with(term, first);
+    let search = Search::all(data, &structure, &point, scales);
+    let steps = starts
+        .iter()
+        .map(|s| structure.coarse_steps(&model.with(term, s).1, scales))
+        .max()
+        .unwrap_or(1)
+        .max(model.steps);
     let mut points = Vec::new();
     for start in &starts {
         let (_, point) = model.with(term, start);
@@ -58,7 +62,7 @@ fn screen(
         points.push(search.point(&z));
         for j in 0..own {
             let mut moved = z.clone();
-            let index = moved.len() - shape.block(shape.terms.len() - 1).len() + j;
+            let index = moved.len() - structure.block(structure.terms.len() - 1).len() + j;
             moved[index] += 1e-4;
             points.push(search.point(&moved));
         }
@@ -68,7 +72,7 @@ fn screen(
     let traces: Vec<Vec<f64>> = points
         .chunks(LANES)
         .flat_map(|group| {
-            let lanes = innovations(data, &shape, group, &run, &mut Nothing);
+            let lanes = innovations(data, &structure, group, &run, &mut Nothing);
             (0..group.len()).map(|l| rows.iter().map(|k| lanes[*k][l]).collect::<Vec<f64>>()).collect::<Vec<_>>()
         })
         .collect();
@@ -129,7 +133,7 @@ pub fn round(
             .iter()
             .map(|start| model.fit.with(*term, start))
             .chain(known)
-            .filter_map(|(shape, point)| fit(data, &shape, &point, scales, HEAT))
+            .filter_map(|(structure, point)| fit(data, &structure, &point, scales, HEAT))
             .min_by(|a, b| a.variance.total_cmp(&b.variance));
         trial.judged = best.map(|found| judge(data, found, scales));
         trial
@@ -140,7 +144,7 @@ pub fn round(
         let Some(judged) = &mut trial.judged else { return };
         if rank < POLISHED
             && !judged.fit.converged
-            && let Some(found) = fit(data, &judged.fit.shape, &judged.fit.point, scales, ITERATIONS)
+            && let Some(found) = fit(data, &judged.fit.structure, &judged.fit.point, scales, ITERATIONS)
         {
             *judged = judge(data, found, scales);
         }
@@ -153,18 +157,18 @@ pub fn round(
 
 /// A model of springs alone where a force that describes a chaotic motion puts it: its misfit over the linear base has other
 /// minima.
-fn known(data: &Data, shape: Shape) -> Option<(Shape, Vec<f64>)> {
+fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<f64>)> {
     let force = &data.windows.as_ref()?.force;
-    let mut point = vec![0.0; shape.parameters];
+    let mut point = vec![0.0; structure.parameters];
     point.get_mut(..force.base.len())?.copy_from_slice(&force.base);
-    for (term, first) in shape.terms.iter().zip(&shape.first) {
+    for (term, first) in structure.terms.iter().zip(&structure.first) {
         point[*first] = match term {
             Term::CubicStiffness(_) => force.cubic,
             Term::QuadraticStiffness(_) => force.quadratic,
             _ => return None,
         };
     }
-    Some((shape, point))
+    Some((structure, point))
 }
 
 /// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises more than any law of motion

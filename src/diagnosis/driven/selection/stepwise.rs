@@ -12,7 +12,7 @@ use super::earned::{earned, pruned};
 use super::forms;
 use super::identifiability::{Reach, is_linear};
 use super::judged::{Judged, Selection, Trial};
-use super::residual_structure::left;
+use super::residual_structure::residual_structure;
 use super::rivals::{Look, TIE};
 use super::round::{SURE, round};
 
@@ -29,7 +29,7 @@ const NEARLY_NOTHING: f64 = 0.01;
 const MANY: usize = 4;
 /// Fraction of the residual variance that is predictable in such a model.
 const HOPELESS: f64 = 0.5;
-/// Share of the variance that may still be foreseen in a model that is done.
+/// Share of the variance that may still be predicted in a model that is done.
 const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
 const FAR_FROM_DONE: f64 = 0.15;
@@ -52,7 +52,7 @@ pub fn search(
     let mut steps = Stepwise { data, base: &base, scales, tried, control, progress, budget, alone: Vec::new() };
     let reach = Reach::of(data, &base.fit);
     let way = steps.best_way(candidates, &reach)?;
-    let Way { mut chosen, left: mut rest, cut_short } = way;
+    let Way { mut chosen, predictable: mut rest, cut_short } = way;
     let mut look = Look {
         data,
         scales,
@@ -63,10 +63,10 @@ pub fn search(
     };
     if !cut_short && let Some(simpler) = look.one_for_two(&chosen)? {
         chosen = simpler;
-        rest = left(data, &chosen.fit).share;
+        rest = residual_structure(data, &chosen.fit).r_squared;
     }
     // What is far from explained needs no rivals: it will not be named.
-    let hopeless = chosen.fit.shape.terms.len() > 2 && rest > FAR_FROM_DONE;
+    let hopeless = chosen.fit.structure.terms.len() > 2 && rest > FAR_FROM_DONE;
     let (alone, tried) = (steps.alone, steps.tried);
     let mut selection = Selection {
         base,
@@ -106,8 +106,8 @@ struct Stepwise<'a> {
 /// Where a walk ended.
 struct Way {
     chosen: Judged,
-    /// Share of its variance that can still be foreseen.
-    left: f64,
+    /// Share of its variance that can still be predicted.
+    predictable: f64,
     /// Whether it ended because the work was spent.
     cut_short: bool,
 }
@@ -118,13 +118,13 @@ impl Stepwise<'_> {
         let base = self.base;
         let way = self.first_way(base, candidates, reach)?;
         let nearly_done = self.is_nearly_done(&way.chosen);
-        if !way.chosen.fit.shape.is_noisy() || way.left <= DONE || nearly_done || way.cut_short {
+        if !way.chosen.fit.structure.is_noisy() || way.predictable <= DONE || nearly_done || way.cut_short {
             return Ok(way);
         }
         let physics: Vec<Term> = candidates.iter().copied().filter(|t| t.noise().is_none()).collect();
         let other = self.forward(base.clone(), &physics)?;
         let other = if other.cut_short { other } else { self.forward(other.chosen, candidates)? };
-        let better = other.left < way.left && other.chosen.score() > way.chosen.score();
+        let better = other.predictable < way.predictable && other.chosen.score() > way.chosen.score();
         Ok(if better { other } else { way })
     }
 
@@ -132,34 +132,36 @@ impl Stepwise<'_> {
     /// beside others it says nothing: then the way without any is tried as well.
     fn first_way(&mut self, base: &Judged, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
         let way = self.forward(base.clone(), candidates)?;
-        let terms = &way.chosen.fit.shape.terms;
-        let alone = terms.len() == 1 && way.left <= DONE;
+        let terms = &way.chosen.fit.structure.terms;
+        let alone = terms.len() == 1 && way.predictable <= DONE;
         if !reach.tells_nothing_linear_apart() || alone || way.cut_short || !terms.iter().any(is_linear) {
             return Ok(way);
         }
         let others: Vec<Term> = candidates.iter().copied().filter(|t| !is_linear(t) && t.noise().is_none()).collect();
         let other = self.forward(base.clone(), &others)?;
-        let does = !other.cut_short && !other.chosen.fit.shape.terms.is_empty() && other.left <= way.left.max(DONE);
+        let does = !other.cut_short
+            && !other.chosen.fit.structure.terms.is_empty()
+            && other.predictable <= way.predictable.max(DONE);
         Ok(if does { other } else { way })
     }
 
     /// As far as these candidates lead.
     fn forward(&mut self, from: Judged, candidates: &[Term]) -> Result<Way, Stopped> {
         let (data, mut chosen, mut cut_short) = (self.data, from, false);
-        for _ in chosen.fit.shape.terms.len()..=MOST_TERMS {
+        for _ in chosen.fit.structure.terms.len()..=MOST_TERMS {
             let best = self.step(&chosen, candidates)?;
             self.progress.step();
             let Some(best) = best else { break };
             chosen = pruned(data, best, self.scales, self.tried);
-            if chosen.fit.shape.terms.len() >= MOST_TERMS || self.is_hopeless(&chosen) {
+            if chosen.fit.structure.terms.len() >= MOST_TERMS || self.is_hopeless(&chosen) {
                 break;
             }
-            if data.work.is_spent(self.budget) && left(data, &chosen.fit).share > DONE {
+            if data.work.is_spent(self.budget) && residual_structure(data, &chosen.fit).r_squared > DONE {
                 cut_short = true;
                 break;
             }
         }
-        Ok(Way { left: left(data, &chosen.fit).share, chosen, cut_short })
+        Ok(Way { predictable: residual_structure(data, &chosen.fit).r_squared, chosen, cut_short })
     }
 
     /// Whether next to nothing is left of the base model's error.
@@ -169,15 +171,15 @@ impl Stepwise<'_> {
 
     /// Whether more terms will not explain what this model leaves.
     fn is_hopeless(&self, chosen: &Judged) -> bool {
-        chosen.fit.shape.terms.len() >= MANY
+        chosen.fit.structure.terms.len() >= MANY
             && !self.is_nearly_done(chosen)
-            && left(self.data, &chosen.fit).share > HOPELESS
+            && residual_structure(self.data, &chosen.fit).r_squared > HOPELESS
     }
 
     /// The best model with one term more that earns it.
     fn step(&mut self, chosen: &Judged, candidates: &[Term]) -> Result<Option<Judged>, Stopped> {
         let (data, tried) = (self.data, self.tried);
-        let first = chosen.fit.shape.terms.is_empty();
+        let first = chosen.fit.structure.terms.is_empty();
         let known = self.alone.iter().filter(|t| t.judged.is_some() && candidates.contains(&t.term));
         let trials = if first && known.clone().count() >= SURE {
             known.cloned().collect()
@@ -186,7 +188,7 @@ impl Stepwise<'_> {
             let open: Vec<Term> = candidates.iter().copied().filter(|t| !chosen.has(t.id())).collect();
             round(data, chosen, &open, &here, SURE, self.control)?
         };
-        let rest = if chosen.fit.shape.terms.len() < 2 || self.is_nearly_done(chosen) {
+        let rest = if chosen.fit.structure.terms.len() < 2 || self.is_nearly_done(chosen) {
             LEAST_OF_REST
         } else {
             FAIR_PART_OF_REST
@@ -198,7 +200,7 @@ impl Stepwise<'_> {
             .filter(|j| !j.fit.at_bound(self.scales))
             .take(3)
             .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))
-            .filter(|(j, gain)| *gain > left(data, &j.fit).share * rest)
+            .filter(|(j, gain)| *gain > residual_structure(data, &j.fit).r_squared * rest)
             .collect();
         // Where the fitted samples do not tell the best apart, the others do.
         let most = earning.first().map_or(0.0, |(j, _)| j.score());

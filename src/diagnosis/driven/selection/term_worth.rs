@@ -24,7 +24,7 @@ pub struct Named {
     pub free_without: f64,
     /// Mean log-likelihood per test sample without it.
     pub log_score_without: f64,
-    /// Log-likelihood that it gains where readings are known to be rounded, less the price of its parameters; else `None`.
+    /// Log-likelihood that it gains where readings are known to be rounded, less the penalty of its parameters; else `None`.
     pub rounded_lead: Option<f64>,
     /// Candidates that would do as well.
     pub rivals: Vec<Rival>,
@@ -33,7 +33,7 @@ pub struct Named {
 impl Named {
     /// Whether the test samples speak against it.
     pub fn worsens(&self, model: &Judged) -> bool {
-        let term = model.fit.shape.terms[self.index];
+        let term = model.fit.structure.terms[self.index];
         term.noise().is_none() && model.held_out.free() > 1.02 * self.free_without
     }
 }
@@ -59,7 +59,7 @@ pub fn weighed(
     base: &Judged,
 ) -> Vec<Named> {
     let rounded = rounding(data, model);
-    let price = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
+    let penalty = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
     let weigh = |index: usize| {
         let poorer = without(data, model, index, scales).unwrap_or_else(|| base.clone());
         let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
@@ -78,10 +78,10 @@ pub fn weighed(
             rounded_lead: rounded.and_then(|l| {
                 let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
                 let rows = data.train_len() as f64;
-                Some(rows * (l.log_score - without.log_score) - price(model) + price(&poorer))
+                Some(rows * (l.log_score - without.log_score) - penalty(model) + penalty(&poorer))
             }),
             rivals: rivals.get(index).cloned().unwrap_or_default(),
         }
     };
-    parallel::map_indices(model.fit.shape.terms.len(), weigh)
+    parallel::map_indices(model.fit.structure.terms.len(), weigh)
 }

@@ -13,7 +13,7 @@ use crate::physics::law::Role;
 use crate::physics::state::{Instants, LANES, Lanes};
 
 use super::propagator::Shift;
-use super::step::{MOST_STATES, Motion, Mover, Parts, Plan, movers, together};
+use super::step::{MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
 
 /// What one pass simulates.
 #[derive(Debug)]
@@ -164,7 +164,7 @@ impl Pass<'_> {
     }
 
     /// Where everything begins.
-    fn beginning(&self, plan: &Plan<'_>, begin: &Beginning) -> Motion {
+    fn beginning(&self, plan: &Plan<'_>, begin: &Beginning) -> StepState {
         let [x, v] = begin.initial;
         // A term's values with its initial states in this recording.
         let values = |m: &Mover<'_>| -> Vec<Lanes> {
@@ -184,12 +184,12 @@ impl Pass<'_> {
             let (x, v) = together(&plan.modes, &own, [&x, &v]);
             m.term.begin(&x, &v, &values(m), &mut own[m.state..]);
         }
-        Motion { x, v, bias: [0.0; LANES], own }
+        StepState { x, v, bias: [0.0; LANES], own }
     }
 
     /// The reading expected before it is seen.
     #[inline(always)]
-    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, offset: &Lanes, motion: &Motion) -> Lanes {
+    fn expected(&self, plan: &Plan<'_>, at: &Instants<'_, f64, LANES>, offset: &Lanes, motion: &StepState) -> Lanes {
         let mut y = at.x;
         for r in &plan.sensing {
             r.term.reading(at, &self.parts.parameters[r.first..], &motion.own[r.state..], &mut y);
@@ -205,7 +205,7 @@ impl Pass<'_> {
 
     /// What a reading teaches.
     #[inline(always)]
-    fn correct(&self, plan: &Plan<'_>, e: &Lanes, motion: &mut Motion) {
+    fn correct(&self, plan: &Plan<'_>, e: &Lanes, motion: &mut StepState) {
         let Some(gains) = &self.gains else { return };
         for l in 0..LANES {
             motion.x[l] += gains[0][l] * e[l];

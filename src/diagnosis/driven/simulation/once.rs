@@ -8,8 +8,8 @@ use crate::diagnosis::driven::intake::input::Input;
 use crate::physics::state::{BaseLanes, LANES, Lanes};
 
 use super::filter::{Beginning, Keep, Pass};
-use super::shape::Shape;
 use super::step::Parts;
+use super::structure::ModelStructure;
 
 /// How a run is evaluated.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub struct Run {
 /// begun where it is said.
 pub fn once<K: Keep>(
     data: &Data,
-    shape: &Shape,
+    structure: &ModelStructure,
     points: &[Vec<f64>],
     run: &Run,
     beginnings: Vec<Beginning>,
@@ -39,12 +39,12 @@ pub fn once<K: Keep>(
         base.stiffness[l] = omega[l] * omega[l];
         base.damping[l] = 2.0 * zeta[l] * omega[l];
     }
-    let parameters: Vec<Lanes> = (BASE..shape.parameters).map(lane).collect();
-    let first: Vec<usize> = shape.first.iter().map(|f| f - BASE).collect();
-    let gains = (run.corrected && shape.is_noisy()).then(|| {
+    let parameters: Vec<Lanes> = (BASE..structure.parameters).map(lane).collect();
+    let first: Vec<usize> = structure.first.iter().map(|f| f - BASE).collect();
+    let gains = (run.corrected && structure.is_noisy()).then(|| {
         let mut gains = [[0.0; LANES]; 4];
         for l in 0..LANES {
-            let gain = shape.gain(&points[l.min(points.len() - 1)], data.interval_s());
+            let gain = structure.gain(&points[l.min(points.len() - 1)], data.interval_s());
             for (g, k) in gains.iter_mut().zip(gain.k) {
                 g[l] = k;
             }
@@ -61,7 +61,7 @@ pub fn once<K: Keep>(
         parts: Parts {
             base,
             oscillator: [omega, zeta],
-            terms: &shape.terms,
+            terms: &structure.terms,
             parameters: &parameters,
             first: &first,
             interval_s: data.interval_s(),
@@ -74,18 +74,18 @@ pub fn once<K: Keep>(
 }
 
 /// Where the run begins, by the first recording's parameters wherever that is, and where within it further recordings do.
-pub fn beginnings(data: &Data, shape: &Shape, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
+pub fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
     let lane = |index: usize| lane(points, index);
     let at = |sample: usize, recording: usize| {
-        let initial = shape.initial(recording);
+        let initial = structure.initial(recording);
         Beginning {
             sample,
             recording,
-            offset: lane(shape.offset(recording)),
+            offset: lane(structure.offset(recording)),
             initial: [lane(initial), lane(initial + 1)],
         }
     };
-    let further = data.breaks.iter().enumerate().take(shape.further).map(|(i, sample)| (*sample, i + 1));
+    let further = data.breaks.iter().enumerate().take(structure.further).map(|(i, sample)| (*sample, i + 1));
     let within = further.filter(|(sample, _)| run.range.start < *sample && *sample < run.range.end);
     std::iter::once((run.range.start, 0)).chain(within).map(|(sample, recording)| at(sample, recording)).collect()
 }

@@ -14,11 +14,11 @@ use crate::physics::state::{LANES, Lanes};
 
 use super::filter::{Beginning, Keep, Nothing};
 use super::once::{Run, lane, once};
-use super::shape::Shape;
+use super::structure::ModelStructure;
 
 /// Steps by Gauss and Newton towards the state of a window.
 const STEPS: usize = 2;
-/// Determinant of the information on a state, relative to its diagonal, below which nothing is foretold yet.
+/// Determinant of the information on a state, relative to its diagonal, below which nothing is predicted yet.
 const UNKNOWN: f64 = 1e-9;
 
 /// Errors of one point, and their derivatives by displacement and velocity at the beginning of their window, per nudge.
@@ -30,7 +30,7 @@ struct Errors {
 /// As [`super::run::innovations`], in windows.
 pub fn innovations<K: Keep>(
     data: &Data,
-    shape: &Shape,
+    structure: &ModelStructure,
     points: &[Vec<f64>],
     run: &Run,
     windows: &Windows,
@@ -41,14 +41,14 @@ pub fn innovations<K: Keep>(
     let first = |point: &Vec<f64>| -> Vec<[f64; 2]> {
         let state = |k: &usize| {
             let [level, slope] = windows.state(*k);
-            [level - point[shape.offset(recording(data, shape, *k))], slope]
+            [level - point[structure.offset(recording(data, structure, *k))], slope]
         };
         at.iter().map(state).collect()
     };
     let mut states: Vec<Vec<[f64; 2]>> = points.iter().map(first).collect();
     let mut errors = Vec::new();
     for step in 0..=STEPS {
-        errors = looked(data, shape, points, &states, run, windows, &at);
+        errors = looked(data, structure, points, &states, run, windows, &at);
         if step == STEPS {
             break;
         }
@@ -68,7 +68,7 @@ pub fn innovations<K: Keep>(
     // What is kept is seen along the states found.
     if let Some(point) = points.first() {
         let point = std::slice::from_ref(point);
-        once(data, shape, point, run, begun(data, shape, point, &at, &states), keep);
+        once(data, structure, point, run, begun(data, structure, point, &at, &states), keep);
     }
     let mut out = vec![[0.0; LANES]; run.range.len()];
     for l in 0..LANES {
@@ -93,7 +93,7 @@ pub fn innovations<K: Keep>(
 /// Errors at each point from these states, with their derivatives: three lanes for each.
 fn looked(
     data: &Data,
-    shape: &Shape,
+    structure: &ModelStructure,
     points: &[Vec<f64>],
     states: &[Vec<[f64; 2]>],
     run: &Run,
@@ -115,7 +115,7 @@ fn looked(
                 state
             })
             .collect();
-        let lanes = once(data, shape, &here, run, begun(data, shape, &here, at, &moved), &mut Nothing);
+        let lanes = once(data, structure, &here, run, begun(data, structure, &here, at, &moved), &mut Nothing);
         columns.extend((0..group.len()).map(|l| lanes.iter().map(|e| e[l]).collect::<Vec<f64>>()));
     }
     let mut columns = columns.into_iter();
@@ -133,22 +133,28 @@ fn looked(
 }
 
 /// Windows that begin from these states, a point in each lane.
-fn begun(data: &Data, shape: &Shape, points: &[Vec<f64>], at: &[usize], states: &[Vec<[f64; 2]>]) -> Vec<Beginning> {
+fn begun(
+    data: &Data,
+    structure: &ModelStructure,
+    points: &[Vec<f64>],
+    at: &[usize],
+    states: &[Vec<[f64; 2]>],
+) -> Vec<Beginning> {
     let initial = |window: usize, side: usize| {
         let state = |l: usize| states.get(l).or(states.last()).and_then(|s| s.get(window)).map_or(0.0, |s| s[side]);
         std::array::from_fn(state)
     };
     let one = |(window, sample): (usize, &usize)| {
-        let recording = recording(data, shape, *sample);
-        let offset = lane(points, shape.offset(recording));
+        let recording = recording(data, structure, *sample);
+        let offset = lane(points, structure.offset(recording));
         Beginning { sample: *sample, recording, offset, initial: [initial(window, 0), initial(window, 1)] }
     };
     at.iter().enumerate().map(one).collect()
 }
 
 /// In which of the recordings that the parameters know a sample lies.
-fn recording(data: &Data, shape: &Shape, sample: usize) -> usize {
-    data.breaks.iter().take(shape.further).filter(|b| **b <= sample).count()
+fn recording(data: &Data, structure: &ModelStructure, sample: usize) -> usize {
+    data.breaks.iter().take(structure.further).filter(|b| **b <= sample).count()
 }
 
 /// What the samples seen so far say of the state of their window, in nudges.
@@ -218,8 +224,9 @@ mod tests {
         let mut sums = Information::default();
         noise.iter().enumerate().for_each(|(k, e)| sums.add(slope(k), *e));
         let [da, db] = sums.estimate().expect("200 samples say where two numbers are");
-        let left: f64 = noise.iter().enumerate().map(|(k, e)| (e + slope(k)[0] * da + slope(k)[1] * db).powi(2)).sum();
+        let residual: f64 =
+            noise.iter().enumerate().map(|(k, e)| (e + slope(k)[0] * da + slope(k)[1] * db).powi(2)).sum();
         let sum: f64 = plain.iter().map(|w| w * w).sum();
-        assert!((sum / left - 1.0).abs() < 1e-9, "{sum} {left}");
+        assert!((sum / residual - 1.0).abs() < 1e-9, "{sum} {left}");
     }
 }

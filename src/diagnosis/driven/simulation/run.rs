@@ -8,20 +8,26 @@ use super::filter::{Keep, States};
 pub use super::once::Run;
 use super::once::{beginnings, once};
 use super::restarted;
-use super::shape::Shape;
+use super::structure::ModelStructure;
 
 /// Innovations at up to [`LANES`](crate::physics::state::LANES) points.
-pub fn innovations<K: Keep>(data: &Data, shape: &Shape, points: &[Vec<f64>], run: &Run, keep: &mut K) -> Vec<Lanes> {
+pub fn innovations<K: Keep>(
+    data: &Data,
+    structure: &ModelStructure,
+    points: &[Vec<f64>],
+    run: &Run,
+    keep: &mut K,
+) -> Vec<Lanes> {
     data.work.add(run.range.len() * run.steps);
     match &data.windows {
-        Some(windows) if !shape.is_noisy() => restarted::innovations(data, shape, points, run, windows, keep),
-        _ => once(data, shape, points, run, beginnings(data, shape, points, run), keep),
+        Some(windows) if !structure.is_noisy() => restarted::innovations(data, structure, points, run, windows, keep),
+        _ => once(data, structure, points, run, beginnings(data, structure, points, run), keep),
     }
 }
 
 /// Innovations at one point, with the states that were passed through.
-pub fn trace(data: &Data, shape: &Shape, point: &[f64], run: &Run) -> (Vec<f64>, States) {
+pub fn trace(data: &Data, structure: &ModelStructure, point: &[f64], run: &Run) -> (Vec<f64>, States) {
     let mut states = States::default();
-    let lanes = innovations(data, shape, &[point.to_vec()], run, &mut states);
+    let lanes = innovations(data, structure, &[point.to_vec()], run, &mut states);
     (lanes.iter().map(|e| e[0]).collect(), states)
 }

@@ -17,7 +17,7 @@ use super::propagator::{Shift, Transition};
 pub const MOST_STATES: usize = 8;
 
 /// Everything that moves during a pass.
-pub struct Motion {
+pub struct StepState {
     /// Displacement.
     pub x: Lanes,
     /// Velocity.
@@ -121,7 +121,7 @@ impl<'a> Plan<'a> {
 
     /// One step under nothing but the input: exact but for the course of the input, which is a parabola.
     #[inline(always)]
-    pub fn swing(&self, u: [Lanes; 3], motion: &mut Motion) -> Stride {
+    pub fn swing(&self, u: [Lanes; 3], motion: &mut StepState) -> Stride {
         let Self { parts, half, full, .. } = self;
         let (h, x, v) = (self.step_s, motion.x, motion.v);
         let mut a = [[0.0; LANES]; 3];
@@ -141,7 +141,7 @@ impl<'a> Plan<'a> {
 
     /// One step under forces that depend on the motion; `at` stands at its beginning.
     #[inline(always)]
-    pub fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut Motion) -> Stride {
+    pub fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut StepState) -> Stride {
         let Self { parts, half, full, .. } = self;
         let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction.as_ref());
         let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);

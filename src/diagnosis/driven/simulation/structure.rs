@@ -14,7 +14,7 @@ const ANGLE: f64 = 0.25;
 
 /// A model: the base and some terms.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct ModelStructure {
     /// The terms.
     pub terms: Vec<Term>,
     /// First parameter of each.
@@ -25,7 +25,7 @@ pub struct Shape {
     pub further: usize,
 }
 
-impl Shape {
+impl ModelStructure {
     /// A model of one recording with these terms.
     pub fn new(terms: &[Term]) -> Self {
         Self::over(terms, 0)
@@ -48,7 +48,7 @@ impl Shape {
 
     /// The parameters of this model from those of the same terms over another number of recordings; a recording that is new
     /// begins at rest, at this displacement.
-    pub fn from_other(&self, other: &Shape, point: &[f64], displacements: &[f64]) -> Vec<f64> {
+    pub fn from_other(&self, other: &ModelStructure, point: &[f64], displacements: &[f64]) -> Vec<f64> {
         let mut new = point[..BASE].to_vec();
         for (recording, displacement) in displacements.iter().enumerate().take(self.further) {
             let at = BASE + PER_RECORDING * recording;
@@ -153,7 +153,7 @@ impl Shape {
 }
 
 /// How every parameter of a model moves.
-pub fn coordinates(shape: &Shape, scales: &Scales) -> Vec<Coordinate> {
+pub fn coordinates(structure: &ModelStructure, scales: &Scales) -> Vec<Coordinate> {
     let omega = scales.omega_rad_s;
     let mut all = vec![
         Coordinate::Linear(0.1 * scales.gain.abs().max(1e-300)),
@@ -163,14 +163,14 @@ pub fn coordinates(shape: &Shape, scales: &Scales) -> Vec<Coordinate> {
         Coordinate::Linear(0.1 * scales.output),
         Coordinate::Linear(0.1 * scales.output * omega),
     ];
-    for _ in 0..shape.further {
+    for _ in 0..structure.further {
         all.extend_from_within(OFFSET..OFFSET + PER_RECORDING);
     }
-    for term in &shape.terms {
+    for term in &structure.terms {
         let own = term.coordinates(scales);
         let beginnings = &own[own.len() - term.unknown_beginnings()..];
         all.extend_from_slice(&own);
-        (0..shape.further).for_each(|_| all.extend_from_slice(beginnings));
+        (0..structure.further).for_each(|_| all.extend_from_slice(beginnings));
     }
     all
 }

@@ -18,7 +18,7 @@ use crate::diagnosis::driven::simulation::filter::States;
 use crate::diagnosis::driven::simulation::run::{Run, trace};
 use crate::diagnosis::model;
 use crate::diagnosis::verdict::{
-    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingScore, Role, Score, Source,
+    Fit as Fitted, Form, LogScore, Noise, Outcome, RangeScore, RecordingInfo, RecordingScore, Role, Score,
 };
 use crate::numerics::moments;
 use crate::physics::library::{CANDIDATES, Term};
@@ -35,7 +35,7 @@ use super::form::{self, Freely};
 use super::isolation::{Compared, locate};
 use super::noise_words::how;
 use super::sensor::repair;
-use super::surface::{Motion, Surface, surface};
+use super::surface::{FreeRun, Surface, surface};
 
 /// Periods of the resonance that a look at both models spans, and the samples that it has at least and at most.
 const PERIODS: f64 = 8.0;
@@ -76,15 +76,15 @@ pub fn answer(
     let forms = forms(data, c, scales);
     let named = effects::effects(data, c, selection, scales, &channels, &forms);
     let ranking = effects::ranking(c, selection, &channels);
-    let free = |fit: &Fit| trace(data, &fit.shape, &at_rest(data, fit, scales), &fit.run(data, false));
+    let free = |fit: &Fit| trace(data, &fit.structure, &at_rest(data, fit, scales), &fit.run(data, false));
     let (before, states) = free(&c.base.fit);
     let (after, repaired) = free(&c.model.fit);
     let missing = |fit: &Fit, error: &[f64], states: &States| {
         let (omega_rad_s, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
-        surface(&Motion { error, x: &states.x, v: &states.v, omega_rad_s, zeta, rate_hz: data.rate_hz })
+        surface(&FreeRun { error, x: &states.x, v: &states.v, omega_rad_s, zeta, rate_hz: data.rate_hz })
     };
     let surfaces = [missing(&c.base.fit, &before, &states), missing(&c.model.fit, &after, &repaired)];
-    let (innovations, _) = trace(data, &c.model.fit.shape, &c.model.fit.point, &c.model.fit.run(data, true));
+    let (innovations, _) = trace(data, &c.model.fit.structure, &c.model.fit.point, &c.model.fit.run(data, true));
     let errors = [before.as_slice(), after.as_slice()];
     let noise = reading_noise(&Sample::of(data));
     let (places, place, at_noise) = located(data, errors, noise, &states.x, &surfaces[0], &output_unit);
@@ -100,12 +100,12 @@ pub fn answer(
         at_noise,
         doubts,
         has_input: data.input.is_some(),
-        predictable: c.after.share,
-        is_structured: c.after.share >= WHITE,
-        detectable_share: c.after.detectable_share,
+        predictable: c.after.r_squared,
+        is_structured: c.after.r_squared >= WHITE,
+        detectable_r_squared: c.after.detectable_r_squared,
         series: c.series,
         lines_hz: selection.reach.lines_hz.clone(),
-        is_linear_class: !selection.reach.class(&c.model.fit.shape.terms).is_empty(),
+        is_linear_class: !selection.reach.class(&c.model.fit.structure.terms).is_empty(),
         few_cycles: selection.reach.few_cycles,
         resonance_hz: c.base.fit.point[OMEGA] / std::f64::consts::TAU,
     };
@@ -118,7 +118,7 @@ pub fn answer(
     let base = effects::base(c, scales, &channels);
     let detail = Detail {
         profiles,
-        forms: forms.into_iter().map(|(index, form)| (c.model.fit.shape.terms[index].id(), form)).collect(),
+        forms: forms.into_iter().map(|(index, form)| (c.model.fit.structure.terms[index].id(), form)).collect(),
         output,
         unit: output_unit,
         rate_hz: data.rate_hz,
@@ -140,7 +140,7 @@ pub fn answer(
     Answer {
         kind: Kind::Driven,
         outcome: c.outcome,
-        recording: Source::of(recording),
+        recording: RecordingInfo::of(recording),
         base,
         effects: named,
         places,
@@ -157,8 +157,8 @@ pub fn answer(
 fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
     let known = |index: usize| {
         let found = c.departing.as_ref()?;
-        let terms = &found.judged.fit.shape.terms;
-        let same = terms[found.index].id() == c.model.fit.shape.terms[index].id();
+        let terms = &found.judged.fit.structure.terms;
+        let same = terms[found.index].id() == c.model.fit.structure.terms[index].id();
         same.then_some(Freely { fit: &found.judged.fit, index: found.index, departs: true })
     };
     let of = |named: &Named| {
@@ -196,7 +196,7 @@ fn doubtful(c: &Conclusion) -> Vec<String> {
         .iter()
         .map(|(term, reason)| format!("{} was tried and dropped: {}", term.id(), findings::dropped(*reason)));
     let unconfirmed = c.named.iter().filter(|n| n.comparison.p_value > 0.05).map(|named| {
-        let id = c.model.fit.shape.terms[named.index].id();
+        let id = c.model.fit.structure.terms[named.index].id();
         format!(
             "{id} shows in training samples only: it rests on their likelihood and is not confirmed by held-out \
                  samples"
@@ -214,7 +214,7 @@ fn seen(data: &Data, c: &Conclusion, selection: &Selection, scales: &Scales, cha
 
 /// Errors of both models on fitted and on held-out samples.
 fn scores(data: &Data, c: &Conclusion, [before, after]: [&[f64]; 2], test: &[[usize; 2]], unit: &str) -> Fitted {
-    let noisy = c.model.fit.shape.is_noisy();
+    let noisy = c.model.fit.structure.is_noisy();
     let rmse = |errors: &[f64]| {
         let rows = data.train.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));
         (rows.sum::<f64>() / data.train_len().max(1) as f64).sqrt()
@@ -317,7 +317,7 @@ fn shown(data: &Data, c: &Conclusion, scales: &Scales, [before, after]: [&[f64];
         let range = window(test);
         let simulated = |fit: &Fit| {
             let run = Run { range: test.start..range.end, steps: fit.steps, corrected: false };
-            let (errors, _) = trace(data, &fit.shape, &settled(data, fit, scales, test), &run);
+            let (errors, _) = trace(data, &fit.structure, &settled(data, fit, scales, test), &run);
             errors[range.start - test.start..].to_vec()
         };
         let errors = [simulated(&c.base.fit), simulated(&c.model.fit)];

@@ -12,8 +12,8 @@ use crate::diagnosis::driven::selection::lattice::Lattice;
 use crate::diagnosis::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
 };
-use crate::diagnosis::driven::selection::noise_scale::Motion;
-use crate::diagnosis::driven::selection::residual_structure::{left_evenly, power_left};
+use crate::diagnosis::driven::selection::noise_scale::MassMotion;
+use crate::diagnosis::driven::selection::residual_structure::{power_structure, residual_structure_evenly};
 use crate::diagnosis::driven::selection::series::Series;
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding};
 use crate::diagnosis::driven::simulation::run::trace;
@@ -28,11 +28,11 @@ use crate::physics::scales::Scales;
 
 use super::draft::Draft;
 
-/// Share of the innovations' variance that may be foreseen before they are no longer called white.
+/// Share of the innovations' variance that may be predicted before they are no longer called white.
 pub const WHITE: f64 = 0.02;
-/// A remainder of less than this share, with no candidate that earns a name, is too faint to say that the library fails.
+/// A remainder of less than this r_squared, with no candidate that earns a name, is too faint to say that the library fails.
 const FAINT: f64 = 0.05;
-/// Share of the innovations' power that may be foreseen before noise is no longer taken for the sensor's own.
+/// Share of the innovations' power that may be predicted before noise is no longer taken for the sensor's own.
 const EVEN: f64 = 0.01;
 /// Questions that are asked of what is left: structure in the innovations, structure in their power, a disturbance.
 const QUESTIONS: f64 = 3.0;
@@ -79,11 +79,11 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let mut draft = Draft::fitted(data, selection, scales);
     draft.free(selection);
     // What the full model leaves is the measure.
-    let share = draft.structured(LEVEL);
+    let r_squared = draft.structured(LEVEL);
     draft.weigh();
     draft.drop_what_cannot_stay();
     draft.drop_what_follows_rounding();
-    let nameless = draft.carry_what_is_small(share);
+    let nameless = draft.carry_what_is_small(r_squared);
     let followed = draft.drop_noise_that_follows();
     let twins = draft.drop_twins();
     let series = draft.drop_series();
@@ -93,7 +93,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
     let remainder = remainder(data, draft.departing.as_ref().map_or(&draft.model, |d| &d.judged), &draft.after);
     let outcome = rule(&draft.evidence(nameless, followed || twins || series.is_some(), lattice.is_some(), remainder));
     if outcome == Outcome::Unexplained {
-        draft.settle_unexplained(share, WHITE);
+        draft.settle_unexplained(r_squared, WHITE);
     }
     let noise =
         if remainder.size == Size::Negligible { character(data, &draft.model.fit) } else { NoiseCharacter::default() };
@@ -130,11 +130,11 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
     let scales = &Scales { fineness: c.fineness, ..scales.clone() };
     let budget = data.work.budget(Stage::Conclusion, data.hull.len());
     let refit = |j: &Judged| -> Option<Judged> {
-        let fit = fit(data, &j.fit.shape, &j.fit.point, scales, 12)?;
+        let fit = fit(data, &j.fit.structure, &j.fit.point, scales, 12)?;
         Some(Judged { held_out: held_out(data, &fit, scales, &data.test), fit })
     };
     let (Some(base), Some(model)) = parallel::join(|| refit(&c.base), || refit(&c.model)) else { return c };
-    let after = left_evenly(data, &model.fit);
+    let after = residual_structure_evenly(data, &model.fit);
     let mut left_out = c.left_out.clone();
     left_out.retain(|what| *what != LeftOut::Profiles);
     let (spread, finished) = if c.outcome == Outcome::Unexplained {
@@ -153,8 +153,9 @@ pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
 
 /// What kind of noise a model leaves.
 fn character(data: &Data, fit: &Fit) -> NoiseCharacter {
-    let (innovations, states) = trace(data, &fit.shape, &fit.point, &fit.run(data, true));
-    let noise = noise_character(&innovations, &Motion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] });
+    let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
+    let noise =
+        noise_character(&innovations, &MassMotion { x: &states.x, v: &states.v, omega_rad_s: fit.point[OMEGA] });
     let start = data.hull.start;
     let stretch = noise.stretch.map(|s| LoudStretch { from: start + s.from, to: start + s.to, ..s });
     NoiseCharacter { stretch, ..noise }
@@ -162,10 +163,11 @@ fn character(data: &Data, fit: &Fit) -> NoiseCharacter {
 
 /// The three questions asked of what a model leaves.
 fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
-    let structure = Test { p_value: QUESTIONS * after.p_value, size: Size::of(after.share, WHITE, FAINT) };
+    let structure = Test { p_value: QUESTIONS * after.p_value, size: Size::of(after.r_squared, WHITE, FAINT) };
     // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
-    let power = model.fit.shape.is_noisy().then(|| power_left(data, &model.fit));
-    let power = power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.share, EVEN, f64::INFINITY) });
+    let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
+    let power =
+        power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) });
     // A disturbance does not say that the library fails.
     let by_chance = QUESTIONS * disturbance_by_chance(&model.fit.linear.residual);
     let disturbance = Test { p_value: by_chance, size: Size::Faint };
@@ -175,7 +177,7 @@ fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
 /// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they need.
 fn intervals(data: &Data, fit: &Fit, scales: &Scales, named: &[Named], budget: Budget) -> (Spread, bool) {
     let mut spread = interval::spread(fit);
-    let cornered: Vec<usize> = named.iter().map(|n| n.index).filter(|i| fit.shape.terms[*i].has_corner()).collect();
+    let cornered: Vec<usize> = named.iter().map(|n| n.index).filter(|i| fit.structure.terms[*i].has_corner()).collect();
     let over = data.work.is_spent(budget);
     if !over {
         interval::profiled(data, fit, scales, &cornered, &mut spread);

@@ -66,7 +66,7 @@ pub struct Account {
     /// Whether that is too much to be called white.
     pub is_structured: bool,
     /// Smallest such fraction that would have been seen.
-    pub detectable_share: f64,
+    pub detectable_r_squared: f64,
     /// Frequencies of the input's lines, Hz, where they are few.
     pub lines_hz: Vec<f64>,
     /// Whether they tell nothing linear apart.

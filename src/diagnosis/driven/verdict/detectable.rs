@@ -52,7 +52,7 @@ struct Signature {
     /// What remains, row by row.
     rows: Vec<f64>,
     /// Root mean square of that.
-    left: f64,
+    residual: f64,
 }
 
 /// Limits of detection around a base model that leaves noise.
@@ -61,31 +61,31 @@ pub fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], cha
         (base.linear.residual.len() as f64, data.validation.iter().map(|r| r.len()).sum::<usize>() as f64);
     let noise = base.variance.sqrt();
     let z = |probability: f64| special::normal_quantile(probability);
-    // By the price of a parameter, by the test on validation samples, and by the least gain that earns a name.
-    let price = 3.0 + (candidates.len().max(1) as f64).ln() + 0.5 * rows.ln();
-    let least = (((2.0 * price).sqrt() + z(POWER)) / rows.sqrt())
+    // By the penalty of a parameter, by the test on validation samples, and by the least gain that earns a name.
+    let penalty = 3.0 + (candidates.len().max(1) as f64).ln() + 0.5 * rows.ln();
+    let least = (((2.0 * penalty).sqrt() + z(POWER)) / rows.sqrt())
         .max(2.0 * (z(1.0 - LEVEL) + z(POWER)) / judging.max(1.0).sqrt())
         .max((SMALLEST_GAIN / (1.0 - SMALLEST_GAIN)).sqrt());
     let found: Vec<Signature> =
         parallel::map(candidates, |term| signatures(data, base, scales, *term)).into_iter().flatten().collect();
     let mut limits = Limits { least_over_noise: least, ..Limits::default() };
     for s in &found {
-        let strength = if s.left > 1e-6 * s.raw { s.strength * least * noise / s.left } else { f64::INFINITY };
+        let strength = if s.residual > 1e-6 * s.raw { s.strength * least * noise / s.residual } else { f64::INFINITY };
         let parameter = s.term.candidate().parameters[s.parameter];
         limits.candidates.push(Detectable {
             id: s.term.id().to_owned(),
             parameter: parameter.name.to_owned(),
             strength: Some(strength).filter(|v| v.is_finite()),
             unit: unit(parameter.unit, channels),
-            effect_over_noise: Some(least * s.raw / s.left).filter(|v| v.is_finite()),
-            hidden_share: 1.0 - (s.left / s.raw).powi(2).min(1.0),
+            effect_over_noise: Some(least * s.raw / s.residual).filter(|v| v.is_finite()),
+            hidden_share: 1.0 - (s.residual / s.raw).powi(2).min(1.0),
         });
     }
     for (i, a) in found.iter().enumerate() {
         for b in &found[i + 1..] {
             let product: f64 = a.rows.iter().zip(&b.rows).map(|(x, y)| x * y).sum::<f64>() / rows;
-            let seen = a.left > 1e-6 * a.raw && b.left > 1e-6 * b.raw;
-            if a.term.id() != b.term.id() && seen && product.abs() > ALIKE * a.left * b.left {
+            let seen = a.residual > 1e-6 * a.raw && b.residual > 1e-6 * b.raw;
+            if a.term.id() != b.term.id() && seen && product.abs() > ALIKE * a.residual * b.residual {
                 limits.alike.push([a.term.id(), b.term.id()]);
             }
         }
@@ -117,17 +117,17 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
                     };
                     let mut values = start.clone();
                     values[parameter] = strength;
-                    signature(data, base, scales, term, &values).map(|(raw, rows, left)| Signature {
+                    signature(data, base, scales, term, &values).map(|(raw, rows, residual)| Signature {
                         term,
                         parameter,
                         strength,
                         raw,
                         rows,
-                        left,
+                        residual,
                     })
                 })
                 .collect();
-            order::sort_by_key(&mut shapes, |s| s.strength / s.left);
+            order::sort_by_key(&mut shapes, |s| s.strength / s.residual);
             let middle = shapes.len() / 2;
             (!shapes.is_empty()).then(|| shapes.swap_remove(middle))
         })
@@ -136,14 +136,14 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
 
 /// What a term with these parameters does to the training rows: its size, what the base cannot hide, the size of that.
 fn signature(data: &Data, base: &Fit, scales: &Scales, term: Term, values: &[f64]) -> Option<(f64, Vec<f64>, f64)> {
-    let (shape, point) = base.with(term, values);
-    let steps = shape.coarse_steps(&point, scales).max(base.steps);
+    let (structure, point) = base.with(term, values);
+    let steps = structure.coarse_steps(&point, scales).max(base.steps);
     let run = Run { range: data.hull.clone(), steps, corrected: true };
-    let errors = |shape, point: &Vec<f64>| -> Vec<f64> {
-        let lanes: Vec<[f64; LANES]> = innovations(data, shape, std::slice::from_ref(point), &run, &mut Nothing);
+    let errors = |structure, point: &Vec<f64>| -> Vec<f64> {
+        let lanes: Vec<[f64; LANES]> = innovations(data, structure, std::slice::from_ref(point), &run, &mut Nothing);
         data.train.iter().flat_map(|r| r.clone()).map(|k| lanes[k - data.hull.start][0]).collect()
     };
-    let (with, without) = (errors(&shape, &point), errors(&base.shape, &base.point));
+    let (with, without) = (errors(&structure, &point), errors(&base.structure, &base.point));
     let moved: Vec<f64> = with.iter().zip(&without).map(|(a, b)| a - b).collect();
     let n = moved.len() as f64;
     let size = |rows: &[f64]| (rows.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
@@ -157,6 +157,6 @@ fn signature(data: &Data, base: &Fit, scales: &Scales, term: Term, values: &[f64
     for (column, s) in linear.columns.iter().zip(step.iter()) {
         rows.iter_mut().zip(column).for_each(|(row, c)| *row += c * s);
     }
-    let left = size(&rows);
-    Some((raw, rows, left))
+    let residual = size(&rows);
+    Some((raw, rows, residual))
 }

@@ -9,7 +9,7 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::{Budget, Stage};
 use crate::diagnosis::driven::selection::held_out::{held_out, ratio_interval};
 use crate::diagnosis::driven::selection::judged::{Departing, Judged, Rival, Selection};
-use crate::diagnosis::driven::selection::residual_structure::left_evenly;
+use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
 use crate::diagnosis::driven::selection::term_worth::{Named, weighed};
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::diagnosis::remainder::Remainder;
@@ -40,18 +40,19 @@ impl<'a> Draft<'a> {
     /// Base and final model, as finely integrated as their numbers need, and judged.
     pub(super) fn fitted(data: &'a Data, selection: &'a Selection, scales: &Scales) -> Self {
         let budget = data.work.budget(Stage::Conclusion, data.hull.len());
-        let refit =
-            |old: &Fit, scales: &Scales| fit(data, &old.shape, &old.point, scales, 20).unwrap_or_else(|| old.clone());
+        let refit = |old: &Fit, scales: &Scales| {
+            fit(data, &old.structure, &old.point, scales, 20).unwrap_or_else(|| old.clone())
+        };
         let (base, model) =
             parallel::join(|| refit(&selection.base.fit, scales), || refit(&selection.chosen.fit, scales));
         let model = deepest(data, model, scales);
         let fineness = enough(data, &model, scales);
         let scales = Scales { fineness, ..scales.clone() };
         let model =
-            if model.steps == model.shape.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
+            if model.steps == model.structure.steps(&model.point, &scales) { model } else { refit(&model, &scales) };
         let judge = |fit: Fit| Judged { held_out: held_out(data, &fit, &scales, &data.test), fit };
         let (base, model) = parallel::join(|| judge(base), || judge(model));
-        let (after, rivals) = (left_evenly(data, &model.fit), selection.rivals.clone());
+        let (after, rivals) = (residual_structure_evenly(data, &model.fit), selection.rivals.clone());
         let (named, dropped, left_out) = (Vec::new(), Vec::new(), Vec::new());
         let departing = None;
         Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
@@ -62,26 +63,26 @@ impl<'a> Draft<'a> {
     pub(super) fn free(&mut self, selection: &Selection) {
         let Some(found) = &selection.departing else { return };
         let old = &found.judged.fit;
-        let fit = fit(self.data, &old.shape, &old.point, &self.scales, 20).unwrap_or_else(|| old.clone());
-        self.after = left_evenly(self.data, &fit);
+        let fit = fit(self.data, &old.structure, &old.point, &self.scales, 20).unwrap_or_else(|| old.clone());
+        self.after = residual_structure_evenly(self.data, &fit);
         let held_out = held_out(self.data, &fit, &self.scales, &self.data.test);
         self.departing = Some(Departing { judged: Judged { fit, held_out }, index: found.index });
     }
 
     /// Whether the law whose form is free is named.
     pub(super) fn names(&self, departing: &Departing) -> bool {
-        let id = departing.judged.fit.shape.terms[departing.index].id();
+        let id = departing.judged.fit.structure.terms[departing.index].id();
         self.named.iter().any(|n| self.term(n.index).id() == id)
     }
 
-    /// Share of the innovations' variance that can still be foreseen beyond chance, at this level.
+    /// Share of the innovations' variance that can still be predicted beyond chance, at this level.
     pub(super) fn structured(&self, level: f64) -> f64 {
-        if self.after.p_value < level { self.after.share } else { 0.0 }
+        if self.after.p_value < level { self.after.r_squared } else { 0.0 }
     }
 
     /// One term of the model.
     pub(super) fn term(&self, index: usize) -> Term {
-        self.model.fit.shape.terms[index]
+        self.model.fit.structure.terms[index]
     }
 
     /// Whether it is a noise term.
@@ -107,7 +108,7 @@ impl<'a> Draft<'a> {
 
     /// Named terms in whose place another does as well, in this recording or in any with this input.
     fn tied(&self) -> usize {
-        let class = self.selection.reach.class(&self.model.fit.shape.terms);
+        let class = self.selection.reach.class(&self.model.fit.structure.terms);
         let in_class = |n: &Named| class.contains(&self.term(n.index).id());
         self.named.iter().filter(|n| !n.rivals.is_empty() || in_class(n)).count()
     }
@@ -131,7 +132,7 @@ impl<'a> Draft<'a> {
             // By what has a name: what is carried without one does not explain.
             removed: 1.0 - model.held_out.free() * (1.0 + nameless) / base.held_out.free().max(1e-300),
             search_complete: !self.selection.cut_short,
-            has_power: self.after.detectable_share < 1.0,
+            has_power: self.after.detectable_r_squared < 1.0,
             predicts_worse: model.held_out.free() > base.held_out.free()
                 && self.named.iter().any(|n| !self.is_noise(n)),
             held_out_ratio: ratio_interval(&base.held_out, &model.held_out)[0],

@@ -14,8 +14,8 @@ pub enum Dropped {
     Worsens,
     /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its own.
     NoSecondResonance,
-    /// It is a noise whose estimate is foreseen from what is known: so many per cent of its variance, cross-fitted.
-    Foreseen {
+    /// It is a noise whose estimate is predicted from what is known: so many per cent of its variance, cross-fitted.
+    Dependent {
         /// By what.
         by: Known,
         /// How much.

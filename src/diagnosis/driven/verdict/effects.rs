@@ -7,7 +7,7 @@ use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::selection::judged::{Selection, Trial};
 use crate::diagnosis::driven::selection::term_worth::Named;
-use crate::diagnosis::driven::simulation::shape::coordinates;
+use crate::diagnosis::driven::simulation::structure::coordinates;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::diagnosis::standing::{Gain, Note, Ranked};
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Form};
@@ -57,16 +57,16 @@ pub fn unit(pattern: &str, channels: &Channels) -> String {
 
 /// Standard deviation of the readout noise of a fit.
 pub fn readout_noise(data: &Data, fit: &Fit) -> f64 {
-    (fit.variance / fit.shape.gain(&fit.point, data.interval_s()).innovation_variance).sqrt()
+    (fit.variance / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance).sqrt()
 }
 
 /// What noise alone leaves in free simulation.
 pub fn noise_floor(data: &Data, fit: &Fit) -> f64 {
     let r = readout_noise(data, fit);
     let mut variance = r * r;
-    for (i, term) in fit.shape.terms.iter().enumerate() {
+    for (i, term) in fit.structure.terms.iter().enumerate() {
         if term.noise() == Some(Noise::Force) {
-            variance += (fit.shape.of(i, &fit.point)[0] * r).powi(2);
+            variance += (fit.structure.of(i, &fit.point)[0] * r).powi(2);
         }
     }
     variance.sqrt()
@@ -75,7 +75,7 @@ pub fn noise_floor(data: &Data, fit: &Fit) -> f64 {
 /// The base model's own numbers, as fitted together with the terms: ω₀, ζ, the gain of a driven recording, the offset.
 pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimate> {
     let fit = &c.model.fit;
-    let coordinates = coordinates(&fit.shape, scales);
+    let coordinates = coordinates(&fit.structure, scales);
     let rows = [("omega0", OMEGA, "rad/s"), ("zeta", ZETA, "1"), ("gain", GAIN, "y/(u s^2)"), ("offset", OFFSET, "y")];
     let known = |(name, place, pattern): (&str, usize, &str)| {
         let index = fit.free.iter().position(|f| *f == place)?;
@@ -104,7 +104,7 @@ fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 
 /// The parameters of one term with their intervals.
 pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, channels: &Channels) -> Vec<Estimate> {
     let fit = &c.model.fit;
-    let term = fit.shape.terms[index];
+    let term = fit.structure.terms[index];
     let coordinates = term.coordinates(scales);
     let reach = interval::reach();
     if let Some(noise) = term.noise() {
@@ -116,7 +116,7 @@ pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, cha
         .iter()
         .enumerate()
         .map(|(j, parameter)| {
-            let place = fit.shape.first[index] + j;
+            let place = fit.structure.first[index] + j;
             let value = fit.point[place];
             let reach = fit.free.iter().position(|f| *f == place).map_or([0.0; 2], |f| c.spread.reach[f]);
             let ci95 = interval_about(value, coordinates[j], reach);
@@ -150,15 +150,15 @@ fn in_input(force: &Estimate, c: &Conclusion, channels: &Channels) -> Estimate {
 /// noise is negligible that ratio is only bounded below, while the strength itself is well known.
 fn strength(data: &Data, c: &Conclusion, index: usize, noise: Noise, reach: f64, channels: &Channels) -> Estimate {
     let fit = &c.model.fit;
-    let place = fit.shape.first[index];
+    let place = fit.structure.first[index];
     let factor = if noise == Noise::Walk { data.rate_hz.sqrt() } else { 1.0 };
     let value = fit.point[place] * readout_noise(data, fit);
     // By the delta method over every noise ratio: all of them are relative to the same readout noise.
     let noises: Vec<(usize, f64)> = fit
-        .shape
+        .structure
         .terms
         .iter()
-        .zip(&fit.shape.first)
+        .zip(&fit.structure.first)
         .filter(|(t, _)| t.noise().is_some())
         .filter_map(|(_, first)| {
             let mut moved = fit.clone();
@@ -177,7 +177,7 @@ fn strength(data: &Data, c: &Conclusion, index: usize, noise: Noise, reach: f64,
     let deviation = variance.max(0.0).sqrt().min(10.0);
     let of_variance = (0.5 / fit.linear.residual.len().max(1) as f64).sqrt();
     let reach = reach * deviation.hypot(of_variance);
-    let parameter = fit.shape.terms[index].candidate().parameters[0];
+    let parameter = fit.structure.terms[index].candidate().parameters[0];
     Estimate {
         name: parameter.name.to_owned(),
         value: value * factor,
@@ -196,9 +196,9 @@ pub fn effects(
     forms: &[(usize, Form)],
 ) -> Vec<Effect> {
     let floor = noise_floor(data, &c.model.fit).powi(2);
-    let class = selection.reach.class(&c.model.fit.shape.terms);
+    let class = selection.reach.class(&c.model.fit.structure.terms);
     let alike = |named: &Named| -> Vec<String> {
-        let id = c.model.fit.shape.terms[named.index].id();
+        let id = c.model.fit.structure.terms[named.index].id();
         let rivals: Vec<&str> = named.rivals.iter().map(|r| r.id).collect();
         let of_class = if class.contains(&id) { class.as_slice() } else { &[] };
         let others = of_class.iter().filter(|other| **other != id && !rivals.contains(other));
@@ -206,7 +206,7 @@ pub fn effects(
     };
     let mut effects: Vec<Effect> = Vec::new();
     for named in &c.named {
-        let term = c.model.fit.shape.terms[named.index];
+        let term = c.model.fit.structure.terms[named.index];
         let words = term.candidate();
         effects.push(Effect {
             id: words.id.to_owned(),
@@ -221,13 +221,15 @@ pub fn effects(
     }
     // A rival stands beside the term it is tied with, with its own parameters.
     for named in &c.named {
-        let id = c.model.fit.shape.terms[named.index].id();
+        let id = c.model.fit.structure.terms[named.index].id();
         for rival in &named.rivals {
             if effects.iter().any(|e| e.id == rival.id) {
                 continue;
             }
-            let Some(index) = rival.judged.fit.shape.terms.iter().position(|t| t.id() == rival.id) else { continue };
-            let words = rival.judged.fit.shape.terms[index].candidate();
+            let Some(index) = rival.judged.fit.structure.terms.iter().position(|t| t.id() == rival.id) else {
+                continue;
+            };
+            let words = rival.judged.fit.structure.terms[index].candidate();
             let there =
                 Conclusion { model: rival.judged.clone(), spread: interval::spread(&rival.judged.fit), ..c.clone() };
             effects.push(Effect {
@@ -273,7 +275,7 @@ pub fn effects(
 
 /// Share of the held-out error beyond the noise that a term removes; for a noise term, what it adds to the log-score.
 fn gain(c: &Conclusion, named: &Named, floor: f64) -> f64 {
-    if c.model.fit.shape.terms[named.index].noise().is_some() {
+    if c.model.fit.structure.terms[named.index].noise().is_some() {
         return c.model.held_out.log_score(c.model.fit.variance) - named.log_score_without;
     }
     let beyond = named.free_without - floor.min(c.model.held_out.free());
@@ -285,7 +287,7 @@ pub fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Ve
     let mut ranked: Vec<Ranked> = Vec::new();
     for named in &c.named {
         ranked.push(Ranked {
-            id: c.model.fit.shape.terms[named.index].id(),
+            id: c.model.fit.structure.terms[named.index].id(),
             channels: vec![channels.output.clone()],
             gain: Gain::held_out(named.comparison.gain, named.comparison.ci95),
             p_value: named.comparison.p_value,

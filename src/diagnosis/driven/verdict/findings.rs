@@ -27,7 +27,7 @@ pub fn dropped(reason: Dropped) -> String {
         Dropped::Twin => "only together with another that it can be confused with".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
-        Dropped::Foreseen { by, percent } => {
+        Dropped::Dependent { by, percent } => {
             let by = match by {
                 Known::Input => "the input",
                 Known::Motion => "displacement and velocity",

@@ -49,7 +49,7 @@ pub fn form(data: &Data, model: &Judged, index: usize, scales: &Scales, known: O
 /// Its numbers.
 fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
     let fit = freely.fit;
-    let Term::FreeForm(form) = fit.shape.terms[freely.index] else { return None };
+    let Term::FreeForm(form) = fit.structure.terms[freely.index] else { return None };
     let mut visited = visits(data, fit, form.law.argument());
     order::sort(&mut visited);
     if visited.len() < 2 {
@@ -57,7 +57,7 @@ fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
     }
     let last = visited.len() - 1;
     let at: Vec<f64> = (0..VISITS).map(|i| visited[last * i / (VISITS - 1)]).collect();
-    let mut values = fit.shape.of(freely.index, &fit.point).to_vec();
+    let mut values = fit.structure.of(freely.index, &fit.point).to_vec();
     let fitted = values.len();
     values.resize(VALUES, 0.0);
     let curve = |p: &[f64], at: &[f64]| -> Vec<f64> { at.iter().map(|a| form.curve::<f64, false>(p, *a)).collect() };
@@ -68,7 +68,7 @@ fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
     let departure = rest / size;
     // The departure's own direction as a linear function of the free values.
     let spread = interval::spread(fit);
-    let first = fit.shape.first[freely.index];
+    let first = fit.structure.first[freely.index];
     let free: Vec<usize> = (0..fitted).filter_map(|j| fit.free.iter().position(|f| *f == first + j)).collect();
     let slopes: Vec<f64> = free
         .iter()

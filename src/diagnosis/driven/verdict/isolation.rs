@@ -104,8 +104,12 @@ fn independent(values: &[f64]) -> f64 {
 
 /// Stretches above the noise after false-discovery control, neighbours of like excess joined.
 fn named(all: &[(Range<f64>, f64, f64)]) -> Vec<Stretch> {
-    let p: Vec<f64> =
-        all.iter().map(|(_, excess, freedom)| special::chi_squared_above(excess * freedom, *freedom)).collect();
+    let p: Vec<f64> = all
+        .iter()
+        .map(|(_, excess, degrees_of_freedom)| {
+            special::chi_squared_survival(excess * degrees_of_freedom, *degrees_of_freedom)
+        })
+        .collect();
     let found = special::discoveries(&p, FALSE_DISCOVERY);
     let mut out: Vec<Stretch> = Vec::new();
     let mut open = false;

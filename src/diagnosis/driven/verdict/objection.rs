@@ -4,7 +4,7 @@ use crate::diagnosis::driven::identification::interval;
 use crate::diagnosis::driven::selection::earned::without;
 use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::left_evenly;
+use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::{Dropped, LeftOut};
 use crate::physics::library::Term;
@@ -36,7 +36,7 @@ impl Draft<'_> {
             return Some(Dropped::NoSecondResonance);
         }
         // A law of several strengths is nothing only where each of them may be.
-        let (first, spread) = (fit.shape.first[named.index], interval::spread(fit));
+        let (first, spread) = (fit.structure.first[named.index], interval::spread(fit));
         let term = self.term(named.index);
         let parameters = term.candidate().parameters.len();
         let strengths: Vec<usize> = term
@@ -76,7 +76,7 @@ impl Draft<'_> {
             }
             // Without that term the form is another question.
             self.departing = None;
-            self.after = left_evenly(self.data, &self.model.fit);
+            self.after = residual_structure_evenly(self.data, &self.model.fit);
             self.weigh();
         }
     }

@@ -18,7 +18,7 @@ pub fn is_beside_the_first(fit: &Fit) -> bool {
 /// (Ewins, Modal Testing, 2nd ed., 2000, §2.4).
 pub fn is_resolved(fit: &Fit, index: usize) -> bool {
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
-    let [_, second_omega, second_zeta, ..] = fit.shape.of(index, &fit.point) else { return false };
+    let [_, second_omega, second_zeta, ..] = fit.structure.of(index, &fit.point) else { return false };
     let widths = zeta * omega + second_zeta * second_omega;
     zeta.max(*second_zeta) < NO_PEAK && (second_omega - omega).abs() > widths
 }

@@ -55,15 +55,15 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     let gain = if data.input.is_some() { fit.point[GAIN] } else { 1.0 };
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
     let mut mass = ProofMass { natural_frequency_rad_s: omega, damping_ratio: zeta, ..ProofMass::default() };
-    let readout = fit.variance.sqrt() / fit.shape.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
+    let readout = fit.variance.sqrt() / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
     // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration by ω₀²/G.
     let to_acceleration = omega * omega / gain.abs();
     let mut accelerometer = Accelerometer {
         velocity_random_walk_m_s_rts: readout * to_acceleration * data.interval_s().sqrt(),
         ..Accelerometer::default()
     };
-    for (i, term) in fit.shape.terms.iter().enumerate() {
-        let p = fit.shape.of(i, &fit.point);
+    for (i, term) in fit.structure.terms.iter().enumerate() {
+        let p = fit.structure.of(i, &fit.point);
         let law = laws().iter().find(|law| law.term == *term);
         if let Some(law) = law {
             if is_refused(law, p) {

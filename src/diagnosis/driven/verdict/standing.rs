@@ -2,7 +2,7 @@
 
 use crate::diagnosis::driven::identification::fit::{Fit, fit as refitted};
 use crate::diagnosis::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN};
-use crate::diagnosis::driven::selection::independence::{Foreseen, foreseen};
+use crate::diagnosis::driven::selection::independence::{Explained, explained_by_known};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
 use crate::diagnosis::driven::selection::term_worth::Named;
@@ -33,8 +33,8 @@ impl Draft<'_> {
         let lean = self.only_named();
         let follows = |n: &Named| {
             let noise = self.term(n.index).noise()?;
-            let found = foreseen(self.data, &lean, noise).filter(Foreseen::is_real)?;
-            Some((n.index, Dropped::Foreseen { by: found.by, percent: (100.0 * found.share).round() as u8 }))
+            let found = explained_by_known(self.data, &lean, noise).filter(Explained::is_real)?;
+            Some((n.index, Dropped::Dependent { by: found.by, percent: (100.0 * found.r_squared).round() as u8 }))
         };
         let all: Vec<(usize, Dropped)> = self.named.iter().filter_map(follows).collect();
         for (index, reason) in &all {
@@ -48,9 +48,9 @@ impl Draft<'_> {
     /// not what the verdict states.
     fn only_named(&self) -> Fit {
         let mut fit = self.model.fit.clone();
-        for index in (0..fit.shape.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
-            let (shape, point) = fit.without(index);
-            let Some(found) = refitted(self.data, &shape, &point, &self.scales, ITERATIONS) else { continue };
+        for index in (0..fit.structure.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
+            let (structure, point) = fit.without(index);
+            let Some(found) = refitted(self.data, &structure, &point, &self.scales, ITERATIONS) else { continue };
             fit = found;
         }
         fit
@@ -69,13 +69,13 @@ impl Draft<'_> {
 
     /// What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
     /// the others, but is not named. How much of the variance these laws carry together.
-    pub(super) fn carry_what_is_small(&mut self, share: f64) -> f64 {
-        let need = SMALLEST_GAIN.max(if share <= COLOURED { share } else { FAR_ABOVE * share });
+    pub(super) fn carry_what_is_small(&mut self, r_squared: f64) -> f64 {
+        let need = SMALLEST_GAIN.max(if r_squared <= COLOURED { r_squared } else { FAR_ABOVE * r_squared });
         let removed = self.removed();
         let holds = |n: &Named| {
             if self.is_noise(n) {
                 // Noise follows whatever is left: beside it, what is left must be next to nothing.
-                return n.growth >= need.max(FAR_ABOVE * share).max(removed * LEAST_PART_OF_NOISE);
+                return n.growth >= need.max(FAR_ABOVE * r_squared).max(removed * LEAST_PART_OF_NOISE);
             }
             n.growth >= need.max(removed * LEAST_PART)
         };

@@ -29,7 +29,7 @@ const TAIL: f64 = 0.01;
 
 /// What the surface is made of.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
+pub struct FreeRun<'a> {
     /// Error of free simulation, sample by sample.
     pub error: &'a [f64],
     /// Displacement that the model passes through.
@@ -127,7 +127,7 @@ impl Surface {
 }
 
 /// The surface of what a model leaves; empty where there is too little motion.
-pub fn surface(m: &Motion<'_>) -> Surface {
+pub fn surface(m: &FreeRun<'_>) -> Surface {
     let n = m.error.len().min(m.x.len()).min(m.v.len());
     // The ends of a stretch ring in the transform.
     let edge = (3.0 * m.rate_hz * TAU / m.omega_rad_s).ceil() as usize;
@@ -169,9 +169,9 @@ pub fn surface(m: &Motion<'_>) -> Surface {
         .iter()
         .zip(&visits)
         .map(|(c, visits)| {
-            let freedom = visits.len() as f64 - 1.0;
+            let degrees_of_freedom = visits.len() as f64 - 1.0;
             if c.force.is_finite() && c.error > 0.0 {
-                special::f_above((c.force / c.error).powi(2), 1.0, freedom)
+                special::f_survival((c.force / c.error).powi(2), 1.0, degrees_of_freedom)
             } else {
                 f64::NAN
             }
@@ -199,7 +199,7 @@ fn judged(visits: &[(f64, usize)]) -> Cell {
 }
 
 /// The force over ω₀² that an error of the displacement stands for, within the band.
-fn force(m: &Motion<'_>, n: usize) -> Option<Vec<f64>> {
+fn force(m: &FreeRun<'_>, n: usize) -> Option<Vec<f64>> {
     let mut planner = RealFftPlanner::<f64>::new();
     let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
     let mut values = m.error[..n].to_vec();
@@ -250,7 +250,7 @@ mod tests {
     }
 
     fn seen(error: &[f64], x: &[f64], v: &[f64]) -> Surface {
-        surface(&Motion { error, x, v, omega_rad_s: OMEGA, zeta: ZETA, rate_hz: 1.0 })
+        surface(&FreeRun { error, x, v, omega_rad_s: OMEGA, zeta: ZETA, rate_hz: 1.0 })
     }
 
     #[test]

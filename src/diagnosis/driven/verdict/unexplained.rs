@@ -3,7 +3,7 @@
 use crate::diagnosis::driven::selection::earned::without;
 use crate::diagnosis::driven::selection::held_out::held_out;
 use crate::diagnosis::driven::selection::judged::Judged;
-use crate::diagnosis::driven::selection::residual_structure::left_evenly;
+use crate::diagnosis::driven::selection::residual_structure::residual_structure_evenly;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
 use crate::physics::library::Term;
@@ -15,8 +15,8 @@ use super::standing::FAR_ABOVE;
 impl Draft<'_> {
     /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In that model each must still be
     /// what its name says.
-    pub(super) fn settle_unexplained(&mut self, share: f64, tolerated: f64) {
-        self.drop_stand_ins(share, tolerated);
+    pub(super) fn settle_unexplained(&mut self, r_squared: f64, tolerated: f64) {
+        self.drop_stand_ins(r_squared, tolerated);
         self.keep_what_is_named();
         while let Some((index, reason)) = self.named.iter().find_map(|n| Some((n.index, self.stands_in(n)?))) {
             self.drop_term(index, reason);
@@ -35,7 +35,7 @@ impl Draft<'_> {
 
     /// The model of a verdict that explains nothing holds what it names and nothing else; and predicts no worse than the base.
     fn keep_what_is_named(&mut self) {
-        let terms = self.model.fit.shape.terms.len();
+        let terms = self.model.fit.structure.terms.len();
         let named = |draft: &Self, index: usize| draft.named.iter().any(|n| n.index == index);
         for index in (0..terms).rev() {
             if named(self, index) {
@@ -56,16 +56,16 @@ impl Draft<'_> {
             self.departing = None;
             self.model = self.base.clone();
         }
-        if self.departing.is_none() && self.model.fit.shape.terms.len() < terms {
-            self.after = left_evenly(self.data, &self.model.fit);
+        if self.departing.is_none() && self.model.fit.structure.terms.len() < terms {
+            self.after = residual_structure_evenly(self.data, &self.model.fit);
         }
     }
 
     /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by itself.
-    fn drop_stand_ins(&mut self, share: f64, tolerated: f64) {
-        let bar = FAR_ABOVE * share.max(tolerated);
+    fn drop_stand_ins(&mut self, r_squared: f64, tolerated: f64) {
+        let bar = FAR_ABOVE * r_squared.max(tolerated);
         // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
-        let noisy = self.model.fit.shape.is_noisy();
+        let noisy = self.model.fit.structure.is_noisy();
         let towers = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
         let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(towers);
         for n in others {

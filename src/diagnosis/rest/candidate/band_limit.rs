@@ -9,7 +9,7 @@ use super::row::{NO_CANDIDATE, Offer, Row};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::Fitted;
 use crate::diagnosis::rest::spectrum::{self, Filter, Law, Part};
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 /// Times that neighbours are averaged.
 const SMOOTHINGS: [u8; 3] = [1, 2, 4];
@@ -31,7 +31,7 @@ pub(super) const ROW: Row = Row {
     },
     numbers: 2.0,
     // Moving averages, cut-offs and qualities that differ by more than chance.
-    chance: |gain, _| 10.0 * chi_squared_above(gain, 1.0),
+    chance: |gain, _| 10.0 * chi_squared_survival(gain, 1.0),
     ..NO_CANDIDATE
 };
 

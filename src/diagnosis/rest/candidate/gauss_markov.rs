@@ -8,7 +8,7 @@ use crate::diagnosis::rest::channel::Addition;
 use crate::diagnosis::rest::estimate::{root, searched};
 use crate::diagnosis::rest::search;
 use crate::diagnosis::rest::spectrum::Law;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "gauss-markov",
@@ -43,7 +43,7 @@ pub(super) const ROW: Row = Row {
         Ok(if filters { Vec::new() } else { vec![best] })
     },
     numbers: 2.0,
-    chance: |gain, _| 4.0 * chi_squared_above(gain, 2.0),
+    chance: |gain, _| 4.0 * chi_squared_survival(gain, 2.0),
     imitates: &[Cause::RandomWalk],
     is_drift: true,
     parameters: |of| {

@@ -5,7 +5,7 @@ use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::estimate::root;
 use crate::diagnosis::rest::spectrum::Law;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "random-walk",
@@ -23,7 +23,7 @@ pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
     offer: |to| to.law(Cause::RandomWalk, Law::Walk),
     numbers: 1.0,
-    chance: |gain, _| 0.5 * chi_squared_above(gain, 1.0),
+    chance: |gain, _| 0.5 * chi_squared_survival(gain, 1.0),
     imitates: &[],
     is_drift: true,
     parameters: |of| {

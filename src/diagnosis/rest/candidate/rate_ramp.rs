@@ -5,7 +5,7 @@ use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::Curve;
 use crate::diagnosis::rest::estimate::straight;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "rate-ramp",
@@ -30,7 +30,7 @@ pub(super) const ROW: Row = Row {
         Ok(vec![to.with_curves(Cause::RateRamp, vec![ramp], 0.0)])
     },
     numbers: 1.0,
-    chance: |gain, _| chi_squared_above(gain, 1.0),
+    chance: |gain, _| chi_squared_survival(gain, 1.0),
     imitates: &[],
     is_drift: true,
     parameters: |of| {

@@ -6,7 +6,7 @@ use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use crate::diagnosis::rest::spectrum::Law;
 use crate::diagnosis::verdict::Estimate;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 /// Laws beside white noise that one spectrum can tell apart.
 pub(in crate::diagnosis::rest) const MOST_LAWS: usize = 4;
@@ -43,7 +43,7 @@ pub(super) const NO_CANDIDATE: Row = Row {
 
 /// A jump: its size, and its place among the samples.
 pub(in crate::diagnosis::rest) const JUMP: Row =
-    Row { chance: |gain, samples| samples * chi_squared_above(gain, 1.0), ..NO_CANDIDATE };
+    Row { chance: |gain, samples| samples * chi_squared_survival(gain, 1.0), ..NO_CANDIDATE };
 
 /// A model to which candidates are offered.
 pub(in crate::diagnosis::rest) struct Offer<'a> {

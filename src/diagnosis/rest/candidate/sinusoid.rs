@@ -9,7 +9,7 @@ use crate::diagnosis::rest::channel::{Channel, Curve, Fitted};
 use crate::diagnosis::rest::estimate::straight;
 use crate::diagnosis::rest::search;
 use crate::diagnosis::verdict::Estimate;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "sinusoid",
@@ -41,7 +41,7 @@ pub(super) const ROW: Row = Row {
         Ok(vec![search::best(within, FREQUENCIES, to.control, |f| to.with_curves(Cause::Sinusoid, wave(f), f))?])
     },
     numbers: 3.0,
-    chance: |gain, samples| 2.0 * samples * chi_squared_above(gain, 2.0),
+    chance: |gain, samples| 2.0 * samples * chi_squared_survival(gain, 2.0),
     imitates: &[],
     is_drift: false,
     parameters,
@@ -82,7 +82,7 @@ fn strongest_line(channel: &Channel, current: &Fitted) -> Option<f64> {
     let (from, to) = (k.saturating_sub(40).max(1), (k + 42).min(count));
     let around: f64 = (from..to).filter(|i| i.abs_diff(k) > 3).map(near).sum::<f64>() / (to - from).max(8) as f64;
     let local = (c[k] * c[k] + c[k + 1] * c[k + 1]) / around.max(f64::MIN_POSITIVE);
-    let chance = 2.0 * channel.values.len() as f64 * chi_squared_above(local.min(score), 2.0);
+    let chance = 2.0 * channel.values.len() as f64 * chi_squared_survival(local.min(score), 2.0);
     let share = near(k + 1).sqrt() / (near(k).sqrt() + near(k + 1).sqrt());
     (chance < 0.01).then_some((k as f64 + share) / (2 * count) as f64)
 }

@@ -8,7 +8,7 @@ use crate::diagnosis::rest::estimate::straight;
 use crate::diagnosis::rest::followed::{Delay, Followed};
 use crate::diagnosis::rest::profile::Profiled;
 use crate::diagnosis::verdict::Estimate;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "temperature-sensitivity",
@@ -44,7 +44,7 @@ pub(super) const ROW: Row = Row {
         Ok(open.map(with).collect())
     },
     numbers: 1.0,
-    chance: |gain, _| chi_squared_above(gain, 1.0),
+    chance: |gain, _| chi_squared_survival(gain, 1.0),
     imitates: &[],
     is_drift: true,
     parameters: |of| {

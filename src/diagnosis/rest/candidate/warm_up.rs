@@ -6,7 +6,7 @@ use crate::diagnosis::rest::cause::Cause;
 use crate::diagnosis::rest::channel::{Addition, Curve};
 use crate::diagnosis::rest::estimate::{searched, straight};
 use crate::diagnosis::rest::search;
-use crate::numerics::special::chi_squared_above;
+use crate::numerics::special::chi_squared_survival;
 
 pub(super) const CANDIDATE: Candidate = Candidate {
     id: "warm-up",
@@ -40,7 +40,7 @@ pub(super) const ROW: Row = Row {
         Ok(vec![search::best(PARTS.map(|p| (p * count as f64).ln()), TIMES, to.control, |m| with(m.exp()))?])
     },
     numbers: 2.0,
-    chance: |gain, _| 5.0 * chi_squared_above(gain, 1.0),
+    chance: |gain, _| 5.0 * chi_squared_survival(gain, 1.0),
     imitates: &[Cause::RateRamp],
     is_drift: true,
     parameters: |of| {

@@ -102,7 +102,7 @@ pub fn sentence(answer: &Answer, detail: &Detail) -> String {
             "Nothing is missing that this recording could show: the base model's residual of {} {unit} is white, \
              and an effect worth {} % of its variance would have been detected.",
             short(before),
-            short(100.0 * account.detectable_share)
+            short(100.0 * account.detectable_r_squared)
         ),
     };
     sentence + &doubts(&account.doubts)
