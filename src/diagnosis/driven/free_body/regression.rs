@@ -48,7 +48,7 @@ impl Regression {
             .collect();
         let mut scores = DMatrix::zeros(parts.len(), parts.len());
         for b in 0..BLOCKS {
-            let block = residual.len() * b / BLOCKS..left.len() * (b + 1) / BLOCKS;
+            let block = residual.len() * b / BLOCKS..residual.len() * (b + 1) / BLOCKS;
             let of = |c: &Vec<f64>| block.clone().map(|k| c[k] * residual[k]).sum::<f64>();
             let score = DVector::from_iterator(parts.len(), linear.columns.iter().map(of));
             scores += &score * score.transpose();

@@ -44,22 +44,23 @@ impl<'a> StartSearch<'a> {
         let grid = term.start_grid(scales)?;
         let points = match &grid {
             StartGrid::Points(points) => points.clone(),
-            StartGrid::Directions { strength, shapes } => {
-                let with = |s: f64, shape: &Vec<f64>| std::iter::once(s).chain(shape.iter().copied()).collect();
-                let pairs = shapes.iter().flat_map(|shape| [with(*strength, shape), with(-strength, shape)]);
-                std::iter::once(with(0.0, shapes.first()?)).chain(pairs).collect::<Vec<Vec<f64>>>()
+            StartGrid::Directions { strength, directions } => {
+                let with = |s: f64, direction: &Vec<f64>| std::iter::once(s).chain(direction.iter().copied()).collect();
+                let pairs =
+                    directions.iter().flat_map(|direction| [with(*strength, direction), with(-strength, direction)]);
+                std::iter::once(with(0.0, directions.first()?)).chain(pairs).collect::<Vec<Vec<f64>>>()
             }
         };
         let residual = self.residuals(term, &points, scales)?;
         let mut ranked: Vec<(f64, Vec<f64>)> = match grid {
             StartGrid::Points(_) => residual.into_iter().zip(points).collect(),
-            StartGrid::Directions { strength, shapes } => {
+            StartGrid::Directions { strength, directions } => {
                 let (none, pairs) = residual.split_first()?;
-                let vertex = |(pair, shape): (&[f64], Vec<f64>)| {
+                let vertex = |(pair, direction): (&[f64], Vec<f64>)| {
                     let (best, least) = parabola(*none, pair[0], pair[1]);
-                    (least, std::iter::once(best * strength).chain(shape).collect())
+                    (least, std::iter::once(best * strength).chain(direction).collect())
                 };
-                pairs.chunks_exact(2).zip(shapes).map(vertex).collect()
+                pairs.chunks_exact(2).zip(directions).map(vertex).collect()
             }
         };
         ranked.retain(|r| r.0.is_finite());
@@ -70,10 +71,10 @@ impl<'a> StartSearch<'a> {
     /// Sum of squares that each point leaves on the fitted rows after the model's own parameters have moved along.
     fn residuals(&self, term: Term, points: &[Vec<f64>], scales: &Scales) -> Option<Vec<f64>> {
         let models: Vec<(ModelStructure, Vec<f64>)> = points.iter().map(|p| self.fit.with(term, p)).collect();
-        let (shape, _) = models.first()?;
-        let steps = models.iter().map(|m| shape.coarse_steps(&m.1, scales)).max()?.max(self.fit.steps);
+        let (structure, _) = models.first()?;
+        let steps = models.iter().map(|m| structure.coarse_steps(&m.1, scales)).max()?.max(self.fit.steps);
         let points: Vec<Vec<f64>> = models.iter().map(|m| m.1.clone()).collect();
-        Some(self.unexplained(shape, &points, &Run { range: self.data.hull.clone(), steps, corrected: false }))
+        Some(self.unexplained(structure, &points, &Run { range: self.data.hull.clone(), steps, corrected: false }))
     }
 
     /// The same for points of the fitted model itself.
@@ -85,7 +86,7 @@ impl<'a> StartSearch<'a> {
     fn unexplained(&self, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<f64> {
         let rows: Vec<usize> = self.data.train.iter().flat_map(|r| r.clone()).map(|k| k - run.range.start).collect();
         let of_group = |_, group: &[Vec<f64>]| {
-            let lanes = innovations(self.data, shape, group, run, &mut Nothing);
+            let lanes = innovations(self.data, structure, group, run, &mut Nothing);
             let one = |l: usize| {
                 let sum: f64 = rows.iter().map(|k| lanes[*k][l].powi(2)).sum();
                 let along = |b: &Vec<f64>| rows.iter().zip(b).map(|(k, b)| lanes[*k][l] * b).sum::<f64>().powi(2);

@@ -227,6 +227,6 @@ mod tests {
         let residual: f64 =
             noise.iter().enumerate().map(|(k, e)| (e + slope(k)[0] * da + slope(k)[1] * db).powi(2)).sum();
         let sum: f64 = plain.iter().map(|w| w * w).sum();
-        assert!((sum / residual - 1.0).abs() < 1e-9, "{sum} {left}");
+        assert!((sum / residual - 1.0).abs() < 1e-9, "{sum} {residual}");
     }
 }
