@@ -1,8 +1,8 @@
 //! Is what is left more than noise? How much of a sequence of innovations can still be predicted from its own past, from the
 //! input and from the state: white noise gives nothing away.
 //!
-//! With very many samples every model is rejected by a significance test alone; so the answer is a *r_squared* of the variance
-//! with its p-value, and the caller decides what r_squared matters. Not for naming what was predicted.
+//! With very many samples every model is rejected by a significance test alone; so the answer is a *fraction* of the variance (R²)
+//! with its p-value, and the caller decides which fraction matters. Not for naming what was predicted.
 
 use crate::numerics::least_squares::Linear;
 use crate::numerics::special;
@@ -19,7 +19,7 @@ pub struct Structure {
     pub own_r_squared: f64,
     /// Of the F test that its own past gives nothing.
     pub own_p_value: f64,
-    /// Smallest r_squared that would have been found 95 times in 100 at the 1 % level: the power of a silence.
+    /// Smallest R² that would have been found 95 times in 100 at the 1 % level: the power of a silence.
     pub detectable_r_squared: f64,
 }
 
@@ -54,7 +54,7 @@ pub fn structure(values: &[f64], lags: usize, regressors: &[Vec<f64>]) -> Struct
     }
 }
 
-/// Adjusted r_squared and p-value of a regression whose first column is the constant.
+/// Adjusted R² and p-value of a regression whose first column is the constant.
 fn explained(values: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -3,7 +3,7 @@
 //! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The equation of motion is
 //! integrated in f64 (Runge–Kutta 4) until the motion repeats from one period of the vibration to the next. Then a period
 //! adds the same velocity and the same displacement every time, so that the rest of the minute is a sum in closed form:
-//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. VibratedSensor that never repeats is integrated to the end.
+//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
 
 use super::repair::Vibration;
 use crate::control::{Control, Stopped};

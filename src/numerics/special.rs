@@ -16,12 +16,12 @@ pub fn normal_quantile(probability: f64) -> f64 {
     if (0.0..=1.0).contains(&probability) { Normal::standard().inverse_cdf(probability) } else { f64::NAN }
 }
 
-/// Probability that χ² with `degrees_of_freedom` degrees exceeds `value`.
+/// Probability that χ² with `degrees_of_freedom` degrees of freedom exceeds `value`.
 pub fn chi_squared_survival(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// χ² with `degrees_of_freedom` degrees stays below this value with `probability`. `degrees_of_freedom` need not be whole.
+/// χ² with `degrees_of_freedom` degrees of freedom stays below this value with `probability`. `degrees_of_freedom` need not be whole.
 pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) || !degrees_of_freedom.is_finite() {
         return f64::NAN;
@@ -39,7 +39,7 @@ pub fn f_survival(value: f64, numerator: f64, denominator: f64) -> f64 {
     FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// t with `degrees_of_freedom` degrees stays below this value with `probability`.
+/// t with `degrees_of_freedom` degrees of freedom stays below this value with `probability`.
 pub fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) {
         return f64::NAN;

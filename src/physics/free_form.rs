@@ -1,4 +1,4 @@
-//! A law of the library with degrees_of_freedom in its form: what a law that is near the stated one, but not it, looks like to a fit.
+//! A law of the library with a free form: what a law that is near the stated one, but not it, looks like to a fit.
 //!
 //! It is no candidate and is never named by itself: it says how far the law that it frees departs from what its name states
 //! (`diagnosis::driven::selection::forms`). Its values are those of a fit alone; a study cannot run it.
@@ -45,7 +45,7 @@ pub enum Argument {
     Input,
 }
 
-/// A law with degrees_of_freedom in its form.
+/// A law with a free form.
 ///
 /// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s − 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the
 /// stated law is d = e = h = 0. Friction: tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a

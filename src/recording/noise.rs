@@ -32,7 +32,7 @@ pub struct Deviation {
     pub tau_s: f64,
     /// Allan deviation, file units.
     pub value: f64,
-    /// 95 % interval from χ² with `degrees_of_freedom` degrees.
+    /// 95 % interval from χ² with `degrees_of_freedom` degrees of freedom.
     pub ci95: [f64; 2],
     /// Equivalent degrees of freedom for the fitted mixture of noises.
     pub degrees_of_freedom: f64,

@@ -31,7 +31,7 @@ pub(super) struct Residual {
     pub(super) uneven: bool,
     /// Whether it changes at once and by so much that something disturbs the sensor for a while.
     pub(super) disturbed: bool,
-    /// Fourth moment over the squared second_moment one; 3 for normal noise.
+    /// Fourth moment over the squared second one; 3 for normal noise.
     pub(super) kurtosis: f64,
     /// Time of a step that no noise of this law would take.
     pub(super) jump: Option<f64>,

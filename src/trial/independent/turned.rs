@@ -147,7 +147,7 @@ fn random_axis(draw: &mut Draw) -> Vector {
 }
 
 impl Turned {
-    /// BodyMotion in closed form, sampled at the rows.
+    /// Motion in closed form, sampled at the rows.
     pub fn motion(&self) -> BodyMotion {
         let mut draw = Draw::new(self.seed, 0, 51);
         let mut turns: Vec<Turn> = Vec::new();

@@ -128,7 +128,7 @@ impl Models<'_> {
         }
     }
 
-    /// Fraction of the variance of what is residual of the force that its past, the motion and the input predict, and the probability
+    /// Fraction of the variance of what is left of the force that its past, the motion and the input predict, and the probability
     /// of as much by chance.
     fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
         let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();

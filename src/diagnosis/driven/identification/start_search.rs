@@ -39,7 +39,7 @@ impl<'a> StartSearch<'a> {
         Some(Self { data, fit, basis: basis(columns) })
     }
 
-    /// The starts of a term's start grid that promise most, best first; `None` where it has none.
+    /// The most promising starts of a term's start grid, best first; `None` where it has none.
     pub fn starts(&self, term: Term, scales: &Scales, most: usize) -> Option<Vec<Vec<f64>>> {
         let grid = term.start_grid(scales)?;
         let points = match &grid {

@@ -193,7 +193,7 @@ impl Pair {
         product * product / own / self.total
     }
 
-    /// The r_squared explained at one lag by the best oscillator near `place`.
+    /// R² explained at one lag by the best oscillator near `place`.
     fn polished(&self, mut place: Place, lag: isize) -> f64 {
         let mut best = self.r_squared(place, lag);
         let mut steps = [RATIO.sqrt(), 2.0];

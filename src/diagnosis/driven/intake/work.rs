@@ -20,7 +20,7 @@ pub enum Stage {
     SearchAgain,
     /// Candidates in the place of others.
     Rivals,
-    /// Laws with degrees_of_freedom in their form.
+    /// Laws with a free form.
     Forms,
     /// Final fits, what each term is worth, intervals and profiles.
     Conclusion,

@@ -1,4 +1,4 @@
-//! Laws that are near the library's and not it: each law that was chosen is given degrees_of_freedom in its form, and what that takes up
+//! Laws that are near the library's and not it: each law that was chosen is given freedom in its form, and what that takes up
 //! is no second effect. A law whose free form predicts samples better that were not fitted departs from its name.
 //!
 //! Not for how far it departs (`verdict::form`) and not for what follows for the verdict (`ruling`).
@@ -173,7 +173,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
             *best = Some((found, like.clone()));
         }
     };
-    // No degrees_of_freedom of one law ends a series that is far from done.
+    // No freedom of one law ends a series that is far from done.
     let is_series = chosen.fit.structure.terms.len() > MANY && residual_structure(data, &chosen.fit).r_squared > UNDONE;
     let own = if is_series { 0 } else { chosen.fit.structure.terms.len() };
     for index in 0..own {
@@ -209,7 +209,7 @@ pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: B
     if lead < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
         return;
     }
-    // Of many terms none but the strongest is named: where degrees_of_freedom in one form does not end them, they stay as details.
+    // Of many terms none but the strongest is named: where freedom in one form does not end them, they stay as details.
     if chosen.fit.structure.terms.len() > MANY && residual_structure(data, &found.judged.fit).r_squared > UNDONE {
         return;
     }

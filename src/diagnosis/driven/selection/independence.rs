@@ -224,7 +224,7 @@ mod tests {
         cross_fitted(&disturbance, &bent(&input))
     }
 
-    // The gain of a block has a mean below zero by chance, so that fewer than the stated r_squared of nulls alarm: of 100 at 1 %,
+    // The gain of a block has a mean below zero by chance, so that fewer than the stated fraction of nulls alarm: of 100 at 1 %,
     // more than 5 come once in 3000 at most.
     #[test]
     fn noise_with_a_memory_follows_nothing_and_a_dead_zone_is_predicted() {

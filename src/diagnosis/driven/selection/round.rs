@@ -23,7 +23,7 @@ use super::judged::{Judged, Trial, judge};
 const FINALISTS: usize = 6;
 /// Starts of one candidate that are fitted in full.
 const STARTS: usize = 2;
-/// The same where its law has a corner, so that local minima are many.
+/// The same where its law has a corner, so that there are many local minima.
 const CORNER_STARTS: usize = 4;
 /// Candidates that are fitted whatever the best one promises.
 pub const SURE: usize = 3;

@@ -30,7 +30,7 @@ use super::draft::Draft;
 
 /// Share of the innovations' variance that may be predicted before they are no longer called white.
 pub const WHITE: f64 = 0.02;
-/// A remainder of less than this r_squared, with no candidate that earns a name, is too faint to say that the library fails.
+/// A remainder of less than this fraction, with no candidate that earns a name, is too faint to say that the library fails.
 const FAINT: f64 = 0.05;
 /// Share of the innovations' power that may be predicted before noise is no longer taken for the sensor's own.
 const EVEN: f64 = 0.01;
