@@ -23,7 +23,7 @@ use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::shard::{MOST as MOST_SHARDS, Shard};
-use crate::study::{Axis, StudyText, Study};
+use crate::study::{Axis, Study, StudyText};
 
 const EXAMPLES: &str = "Examples:
   proofmass study study.toml --members 100000

@@ -73,7 +73,7 @@ fn input(t: f64) -> f64 {
 
 /// Laws of the equation of motion, with shapes that the trial plants them with.
 fn planted() -> Vec<Planted> {
-    let term = |physics, amplitude, structure| Planted { physics, amplitude, structure };
+    let term = |physics, amplitude, shape| Planted { physics, amplitude, shape };
     vec![
         term(Physics::CubicStiffness, 0.3, [1.0, 0.0]),
         term(Physics::QuadraticStiffness, 0.2, [1.0, 0.0]),
