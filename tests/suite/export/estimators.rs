@@ -3,7 +3,7 @@
 use libtest_mimic::Failed;
 
 use super::super::world::{check, near};
-use super::{DEG_H, DEG_RTH, DT, G, RATE_HZ, SENSOR, WALK, WHITE, exported, number, scaled};
+use super::{DEG_H, DEG_RTH, DT, RATE_HZ, SENSOR, WALK, WHITE, exported, number, scaled};
 
 /// Variance of velocity or angle, and of the bias, that a step adds.
 type Step = fn(&str, usize) -> Result<[f64; 2], Failed>;
