@@ -22,7 +22,7 @@ pub trait Watcher: Send + Sync {
 pub trait Stage: Send + Sync {
     /// Steps done since the beginning.
     fn set(&self, steps: u64);
-    /// More steps done.
+    /// Adds member-steps to the progress.
     fn add(&self, steps: u64);
     /// What is done right now.
     fn rename(&self, name: &str);
@@ -55,7 +55,7 @@ impl Control {
         Self { watcher: None, hides_stages: false }
     }
 
-    /// With a watcher.
+    /// A control that reports progress to a watcher.
     pub fn new(watcher: impl Watcher + 'static) -> Self {
         Self { watcher: Some(Arc::new(watcher)), hides_stages: false }
     }
@@ -106,7 +106,7 @@ impl Progress {
         self.0.iter().for_each(|s| s.set(steps));
     }
 
-    /// More steps done.
+    /// Adds member-steps to the progress.
     pub fn add(&self, steps: u64) {
         self.0.iter().for_each(|s| s.add(steps));
     }

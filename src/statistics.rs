@@ -119,7 +119,7 @@ pub struct Statistics {
 pub const QUANTITIES: [&str; 4] =
     ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];
 
-/// Places in [`QUANTITIES`].
+/// Indices into [`QUANTITIES`].
 pub mod quantity {
     /// Position error, m.
     pub const POSITION: usize = 0;

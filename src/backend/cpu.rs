@@ -33,9 +33,9 @@ pub enum Precision {
 /// The CPU, with one instruction set and one precision.
 #[derive(Debug, Clone, Copy)]
 pub struct Cpu {
-    /// Precision.
+    /// Precision of the lanes: f32 or f64.
     pub precision: Precision,
-    /// Instruction set.
+    /// Instruction set of the kernels.
     pub level: Level,
     /// Most samples per tile.
     pub tile_samples: u64,

@@ -22,9 +22,9 @@ pub struct Partial {
 /// A batch that was stopped between two tiles.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Unfinished {
-    /// Its members.
+    /// Members that it covers, half-open.
     pub members: Range<u64>,
-    /// Samples done.
+    /// Samples simulated so far.
     pub samples: u64,
     /// One per report time that was passed.
     pub partials: Vec<Partial>,

@@ -10,9 +10,9 @@ pub const MOST_TILES: usize = 256;
 /// A tile in time, and the report it ends with, if any.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tile {
-    /// Samples, 0-based.
+    /// Samples of the tile, counted from zero, half-open.
     pub samples: Range<u64>,
-    /// Place in `Clock::report_samples`.
+    /// Index into `Clock::report_samples`, if the tile ends at a report time.
     pub report: Option<usize>,
 }
 

@@ -8,7 +8,7 @@ use crate::error::Result;
 /// One measurement.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Row {
-    /// What was done.
+    /// Name of the work unit.
     pub work: String,
     /// "cpu", or the adapter's name.
     pub place: String,
@@ -18,7 +18,7 @@ pub struct Row {
     pub members: u64,
     /// Shortest of several runs, s.
     pub seconds: f64,
-    /// Units per second.
+    /// Units of work per second.
     pub per_second: f64,
     /// What a unit is.
     pub unit: String,

@@ -22,7 +22,7 @@ impl Values {
 /// A column: its name ends in its unit (`time_s`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its heading.
+    /// Heading of the column.
     pub name: String,
     /// A value a row.
     pub values: Values,

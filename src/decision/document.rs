@@ -54,7 +54,7 @@ struct Part {
 /// What was found: of keys, of parts, or both.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
-    /// Of keys.
+    /// Result of `--vary`.
     pub answer: Option<Answer>,
     /// Of parts, and the members that it took.
     pub parts: Option<(Vec<Judged>, u64)>,

@@ -16,7 +16,7 @@ pub struct Panel {
 /// Where a statistic crosses a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Where it does.
+    /// Value at which the statistic meets the limit.
     pub value: f64,
     /// The 95 % interval; an end that the pair does not reach is absent.
     pub ci95: [Option<f64>; 2],

@@ -19,7 +19,7 @@ use crate::study::source::Sensor;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Catalogue {
-    /// The parts.
+    /// Parts of the catalogue.
     pub part: Vec<Part>,
 }
 
@@ -42,13 +42,13 @@ pub struct Part {
 pub struct Judged {
     /// What it is called.
     pub name: String,
-    /// What it costs.
+    /// Price, in the catalogue's currency.
     pub price: Option<f64>,
     /// Whether it meets the requirement.
     pub meets: bool,
     /// Whether the interval of the statistic says so too.
     pub sure: bool,
-    /// The statistic.
+    /// Value of the limited statistic with its standard error.
     pub statistic: Estimate,
 }
 
@@ -82,9 +82,9 @@ impl Catalogue {
 /// What is asked of a catalogue.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
-    /// What must hold.
+    /// Requirement.
     pub limit: &'a Limit,
-    /// The parts.
+    /// Parts to rank.
     pub parts: &'a Catalogue,
     /// Most members of one part, where not the usual.
     pub most: Option<u64>,

@@ -28,10 +28,10 @@ const STAGES: usize = 12;
 /// Members are asked for so many times over, so that the next stage is usually the last.
 const MARGIN: f64 = 1.15;
 
-/// What is asked.
+/// A requirement and the keys to vary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question {
-    /// What must hold.
+    /// Requirement.
     pub limit: Limit,
     /// Dotted paths of the keys; several are scaled by one factor.
     pub vary: Vec<String>,
@@ -44,7 +44,7 @@ pub struct Question {
 /// One key in the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// Dotted path.
+    /// Dotted path of the key in study.toml.
     pub key: String,
     /// Where the requirement is just met; `None` where no value meets it.
     pub value: Option<f64>,
@@ -62,7 +62,7 @@ pub enum Outcome {
     },
     /// All values that were tried meet it.
     Always,
-    /// None does.
+    /// No value meets the limit.
     Never,
 }
 
@@ -71,7 +71,7 @@ pub enum Outcome {
 pub struct Answer {
     /// Where the limit lies.
     pub outcome: Outcome,
-    /// One per key.
+    /// Values found, one per key.
     pub vary: Vec<Value>,
     /// Whether the interval is as narrow as was asked.
     pub settled: bool,

@@ -44,7 +44,7 @@ const NAMES: [(&str, Statistic); 10] = [
 ];
 
 impl Statistic {
-    /// Its name.
+    /// Name as in an expression of a limit.
     pub fn name(self) -> &'static str {
         NAMES.iter().find(|(_, statistic)| *statistic == self).map_or("quantile", |(name, _)| name)
     }
@@ -114,7 +114,7 @@ fn quantile(values: &mut [f64], p: f64) -> f64 {
 /// A requirement: a statistic of a quantity at a time stays below a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limit {
-    /// What is limited.
+    /// Statistic that is limited.
     pub statistic: Statistic,
     /// Of which error.
     pub quantity: Watched,

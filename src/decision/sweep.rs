@@ -13,7 +13,7 @@ use crate::kernel::job::Job;
 use crate::statistics::Summary;
 use crate::study::{Assignment, Axis, Study, StudyText};
 
-/// What is asked.
+/// Axes of a sweep and an optional limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// One for a curve, two for a map.
@@ -47,7 +47,7 @@ pub struct Crossing {
 /// The answer.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// What was asked.
+    /// Plan of the sweep.
     pub plan: Plan,
     /// Report times, s.
     pub time_s: Vec<f64>,
@@ -66,11 +66,11 @@ pub struct Sweep {
 /// A statistic of a quantity at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Followed {
-    /// Which statistic.
+    /// Statistic that is swept.
     pub statistic: Statistic,
     /// Of which error.
     pub quantity: Watched,
-    /// When, s.
+    /// Report time, s.
     pub time_s: f64,
 }
 

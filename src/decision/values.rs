@@ -77,7 +77,7 @@ pub struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// Nothing done yet.
+    /// Starts without any simulated values.
     pub fn new(control: &'a Control, name: &str) -> Self {
         Self { control, progress: control.stage(name, 0), members: 0 }
     }

@@ -14,7 +14,7 @@ pub struct Answer {
     pub kind: Kind,
     /// Which of the four verdicts.
     pub outcome: Outcome,
-    /// What was diagnosed.
+    /// File, size and rate of the recording.
     pub recording: RecordingInfo,
     /// The base model's own numbers, fitted together with the named effects; empty where a kind does not give them.
     pub base: Vec<Estimate>,

@@ -16,10 +16,10 @@ use crate::study::Study;
 /// Members that are enough for a budget: the variance of each source to 2.2 %.
 pub const ENOUGH_MEMBERS: u64 = 4096;
 
-/// One source's share.
+/// Contribution of one error source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
-    /// Whose.
+    /// Error source.
     pub source: ErrorSource,
     /// Position variance it owns, per time, m².
     pub variance_m2: Vec<f64>,

@@ -29,7 +29,7 @@ pub struct Likeness {
     pub sense: Sense,
     /// Averaging times, s.
     pub tau_s: Vec<f64>,
-    /// Of the log.
+    /// Allan deviation of the log, one per averaging time.
     pub recorded: Vec<f64>,
     /// 5 %, 50 % and 95 % of the simulated members.
     pub simulated: [Vec<f64>; 3],
@@ -38,9 +38,9 @@ pub struct Likeness {
 /// A stretch of averaging times where the log lies outside the simulated band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// First, s.
+    /// Shortest averaging time of the departure, s.
     pub from_s: f64,
-    /// Last, s.
+    /// Longest averaging time of the departure, s.
     pub to_s: f64,
     /// Recorded over simulated median, where it is farthest from one.
     pub ratio: f64,
@@ -49,7 +49,7 @@ pub struct Departure {
 /// What came of a study's `[compare]`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// There is none.
+    /// The study has no `[compare]`.
     NotAsked,
     /// The log is not on this machine.
     Absent(String),

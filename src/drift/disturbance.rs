@@ -22,7 +22,7 @@ const TO_DEVIATION: f64 = 1.4826;
 /// Fewer means than this do not tell what is usual.
 const LEAST: usize = 20;
 
-/// Which.
+/// Kind of disturbance in a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Readings far off their neighbours.

@@ -20,7 +20,7 @@ pub struct Dimension {
 pub struct Scales {
     /// Largest scale, as a power of one half.
     pub coarse: u32,
-    /// Smallest scale.
+    /// Smallest scale, as a power of one half.
     pub fine: u32,
 }
 

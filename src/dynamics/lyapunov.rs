@@ -5,7 +5,7 @@
 
 use super::duffing::{Drive, Oscillator, State};
 
-/// For how long.
+/// Transient and averaging time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
     /// Runge–Kutta steps per forcing period.

@@ -47,7 +47,7 @@ impl Keeper {
     /// What the files are called; `*` is the number of a part.
     pub const FILES: &str = "interrupted-*.json";
 
-    /// Keeps nothing.
+    /// A keeper that saves no state.
     pub fn none() -> Self {
         Self::of(None, "", false)
     }

@@ -15,10 +15,10 @@ pub enum Choice {
     Cpu,
 }
 
-/// How to run.
+/// Device, precision and batches of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Where.
+    /// Device to integrate on.
     pub backend: Choice,
     /// Precision; f64 means the CPU.
     pub precision: Precision,

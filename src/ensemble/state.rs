@@ -16,7 +16,7 @@ use crate::statistics::{Bins, Fold, Histogram, Machine, Origin};
 pub struct Report {
     /// Of the blocks summed.
     pub moments: Fold,
-    /// Per quantity.
+    /// Histograms, one per quantity.
     pub histograms: Vec<Histogram>,
     /// Members that failed.
     pub failed: u64,
@@ -54,9 +54,9 @@ pub struct Run<'a> {
     pub identity: &'a str,
     /// Number of the part, from 1 on.
     pub part: usize,
-    /// What it integrates.
+    /// Ensemble that it integrates.
     pub job: &'a Job,
-    /// In which precision.
+    /// Precision of the kernels.
     pub precision: Precision,
 }
 

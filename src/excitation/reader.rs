@@ -9,7 +9,7 @@ use crate::units::number::Number;
 
 /// One kind of excitation.
 pub struct Kind {
-    /// `kind = …`
+    /// Value of `kind`.
     pub name: &'static str,
     /// The keys that it takes.
     pub keys: Keys,

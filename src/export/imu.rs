@@ -72,7 +72,7 @@ impl Errors {
 }
 
 impl Imu {
-    /// A bare one.
+    /// An IMU without errors.
     pub fn new(source: &str, rate_hz: f64) -> Self {
         let [accelerometer, gyro] = [Sense::Accelerometer, Sense::Gyro].map(Errors::ideal);
         Self { source: source.into(), rate_hz, accelerometer, gyro, others: Vec::new(), axes: None }

@@ -55,7 +55,7 @@ impl Coupling {
 pub struct Misalignment {
     /// About north and east. After a still start, levelling takes its place.
     pub tilt_sd_rad: f64,
-    /// About down.
+    /// Standard deviation of the initial heading, rad.
     pub heading_sd_rad: f64,
 }
 
@@ -66,7 +66,7 @@ pub struct Flight {
     pub axes: [Job; 3],
     /// What couples them, per member; `None` where nothing does.
     pub coupling: Option<Arc<dyn Fn(u64) -> Coupling + Send + Sync>>,
-    /// The truth.
+    /// True motion.
     pub course: Arc<Course>,
     /// Vertical channel.
     pub vertical: Vertical,

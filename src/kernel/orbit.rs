@@ -16,7 +16,7 @@ pub struct Point {
     pub cubic_per_m2_s2: f64,
     /// A = F₀/m, m/s².
     pub amplitude_m_s2: f64,
-    /// ω.
+    /// Angular frequency of the force ω, rad/s.
     pub omega_rad_s: f64,
     /// White force noise w per unit mass, two-sided coefficient N (σ = N/√h held over a step h), m/s²·√s.
     pub noise_m_s2_rts: f64,

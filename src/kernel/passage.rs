@@ -201,7 +201,7 @@ impl Passage<f64> {
 /// The specific force along one body axis of a truth, straight between its samples. What a reading at the end of a sample
 /// sees is the force in its middle: a reading is the mean over its sample, and the attitude that turns it is the middle's.
 pub struct Along {
-    /// The motion.
+    /// True motion.
     pub truth: Arc<Truth>,
     /// Which axis: 0, 1, 2.
     pub axis: usize,

@@ -18,7 +18,7 @@ pub struct Model {
     pub tilt_noise_rad: f64,
     /// Deviation of one component of specific force at rest, m/s².
     pub force_noise_m_s2: f64,
-    /// g.
+    /// Gravity g, m/s².
     pub gravity_m_s2: f64,
     /// What is believed at the start: deviation of tilt, rad, and of bias, rad/s.
     pub start_deviation: [f64; 2],
@@ -38,11 +38,11 @@ pub enum Weighting {
 /// One reading: rate of the tilt by the gyro, tilt by the accelerometer, length of its specific force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// rad/s.
+    /// Gyro reading, rad/s.
     pub rate_rad_s: f64,
-    /// rad.
+    /// Tilt, rad.
     pub tilt_rad: f64,
-    /// m/s².
+    /// Accelerometer reading, m/s².
     pub force_m_s2: f64,
 }
 

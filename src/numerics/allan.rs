@@ -71,7 +71,7 @@ impl Default for Accumulator {
 }
 
 impl Accumulator {
-    /// Nothing yet.
+    /// Starts an empty curve.
     pub fn new() -> Self {
         let levels = (0..LEVELS).map(|l| Level::new(if l == 0 { &FIRST } else { &FURTHER })).collect();
         Self { levels, origin: None, phase: 0.0, index: 0, count: 0 }

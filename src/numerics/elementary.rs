@@ -27,7 +27,7 @@ pub trait Real:
     const NAME: &str;
     /// Rounds from f64.
     fn of(value: f64) -> Self;
-    /// Exact.
+    /// Converts to f64, exactly.
     fn f64(self) -> f64;
     /// self·b + c with one rounding.
     fn mul_add(self, b: Self, c: Self) -> Self;

@@ -34,7 +34,7 @@ pub fn matches(pattern: &str, name: &str) -> bool {
 /// A run that has written here.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Run {
-    /// Which one.
+    /// Identity of the run.
     #[serde(flatten)]
     pub identity: Identity,
     /// SHA-256 of each file, hexadecimal, by its name in the folder.

@@ -18,11 +18,11 @@ pub struct Dimension {
 /// How many new units one old one is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
-    /// Of displacement.
+    /// Of displacement: new units per old one.
     pub y: f64,
-    /// Of input.
+    /// Of input: new units per old one.
     pub u: f64,
-    /// Of time.
+    /// Of time: new units per old one.
     pub s: f64,
 }
 

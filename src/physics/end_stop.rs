@@ -13,9 +13,9 @@ pub enum Side {
     /// Both, at the same distance.
     #[default]
     Both,
-    /// Positive displacement.
+    /// Stop at positive displacement.
     Upper,
-    /// Negative displacement.
+    /// Stop at negative displacement.
     Lower,
 }
 

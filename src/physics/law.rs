@@ -37,7 +37,7 @@ pub enum Role {
 pub enum Place {
     /// What moves beside the mass joins its displacement.
     Modes,
-    /// A low-pass.
+    /// First-order low-pass.
     LowPass,
     /// A static nonlinearity.
     Nonlinearity,
@@ -45,7 +45,7 @@ pub enum Place {
     Input,
     /// Something that depends on time alone is added.
     Bias,
-    /// Rails.
+    /// Saturation at two rails.
     Rails,
 }
 
@@ -59,7 +59,7 @@ impl Place {
 /// Noise that no simulation predicts sample by sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
-    /// White force.
+    /// White force noise.
     Force,
     /// Random walk of the reading.
     Walk,

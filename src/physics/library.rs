@@ -120,7 +120,7 @@ library! {
 }
 
 impl Term {
-    /// Library id.
+    /// Public id of the candidate.
     pub fn id(&self) -> &'static str {
         self.candidate().id
     }

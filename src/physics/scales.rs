@@ -30,7 +30,7 @@ pub struct Scales {
     pub zeta: f64,
     /// Gain of the base model.
     pub gain: f64,
-    /// Sampling interval.
+    /// Sampling interval, s.
     pub interval_s: f64,
     /// Length of the fitted stretch.
     pub duration_s: f64,

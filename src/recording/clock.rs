@@ -59,7 +59,7 @@ pub struct Clock {
     pub unit: TimeUnit,
     /// From sample to sample, in that unit.
     pub tick: f64,
-    /// How rows follow.
+    /// Whether the rows are evenly spaced.
     pub kind: Kind,
     /// Steps of more than ten ticks.
     pub breaks: Vec<Break>,

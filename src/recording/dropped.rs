@@ -57,9 +57,9 @@ impl Serialize for Reason {
 /// Rows that were not used for one reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Dropped {
-    /// Why.
+    /// Reason for leaving the rows out.
     pub reason: Reason,
-    /// How many.
+    /// Number of rows.
     pub rows: usize,
     /// The first of them, counted from zero after the header.
     pub first_row: usize,

@@ -7,7 +7,7 @@ use super::clock::stamp::Stamp;
 pub enum Kind {
     /// Whole, with a sign.
     Signed,
-    /// Whole, without.
+    /// Unsigned integer.
     Unsigned,
     /// Binary floating point.
     Float,

@@ -14,7 +14,7 @@ pub enum Finding {
     NoHeader,
     /// The numbers of a file without headings are those of a trajectory.
     TrajectoryRecognised {
-        /// Which kind.
+        /// Layout of the trajectory.
         kind: Trajectory,
     },
     /// A row of units below the headings.
@@ -24,9 +24,9 @@ pub enum Finding {
     },
     /// The column that holds the time was not named, and found.
     ClockFound {
-        /// Its heading.
+        /// Heading of the column.
         heading: String,
-        /// How.
+        /// How the clock was chosen.
         by: ClockBy,
     },
     /// One part of several was read.
@@ -38,7 +38,7 @@ pub enum Finding {
     },
     /// Bytes that are no part of the format were passed over.
     SkippedBytes {
-        /// How many.
+        /// Number of bytes.
         bytes: u64,
         /// The first of them, counted from zero.
         first: u64,
@@ -54,7 +54,7 @@ pub enum Finding {
     },
     /// Lines between the rows that are comments or blank.
     SkippedLines {
-        /// How many.
+        /// Number of lines.
         lines: u64,
         /// The first, counted from one.
         first_line: u64,
@@ -81,7 +81,7 @@ pub enum Finding {
     },
     /// A counter ran over and began again.
     ClockWrapped {
-        /// How often.
+        /// Number of overflows.
         times: usize,
         /// Where it begins again, in the unit of the stamps.
         modulus: f64,
@@ -92,11 +92,11 @@ pub enum Finding {
     },
     /// The sampling rate changes slowly.
     RateVaries {
-        /// Lowest rate.
+        /// Lowest rate, Hz.
         from_hz: f64,
-        /// Highest rate.
+        /// Highest rate, Hz.
         to_hz: f64,
-        /// Rate used.
+        /// Mean rate, which is used, Hz.
         mean_hz: f64,
     },
     /// More than 1 % of the steps are off by more than a quarter.
@@ -105,19 +105,19 @@ pub enum Finding {
         share: f64,
         /// Sampling rate that follows.
         rate_hz: f64,
-        /// What was done.
+        /// How the uneven clock was treated.
         treatment: Uneven,
     },
     /// Samples without a row that straight lines stand in for.
     GapsFilled {
         /// Samples filled.
         samples: usize,
-        /// How many gaps.
+        /// Number of gaps.
         gaps: usize,
     },
     /// Gaps too long to be filled: the longest part is used.
     LongGaps {
-        /// How many gaps.
+        /// Number of gaps.
         gaps: usize,
         /// Length of the first.
         first_s: f64,
@@ -125,14 +125,14 @@ pub enum Finding {
         after_s: f64,
         /// Rows concerned.
         rows: usize,
-        /// Rows there are.
+        /// Rows in the file.
         of: usize,
         /// When the part used begins, from the first row.
         from_s: f64,
     },
     /// Gaps that no averaging time reaches across.
     Breaks {
-        /// How many gaps.
+        /// Number of gaps.
         gaps: usize,
     },
     /// Only part of the file was asked for.
@@ -141,7 +141,7 @@ pub enum Finding {
         from_row: usize,
         /// Row behind the last one used.
         to_row: usize,
-        /// Rows there are.
+        /// Rows in the file.
         of: usize,
     },
     /// Rows that repeat the row before them in every column, where no clock tells.
@@ -157,7 +157,7 @@ pub enum Finding {
     MissingReadings {
         /// Heading.
         column: String,
-        /// How many.
+        /// Number of readings.
         readings: usize,
         /// Most in a row.
         longest: usize,
@@ -200,7 +200,7 @@ pub enum Finding {
     Leap {
         /// Heading.
         column: String,
-        /// Where.
+        /// Row near the jump.
         near_row: usize,
         /// Change over the usual change.
         ratio: f64,

@@ -87,7 +87,7 @@ pub struct Rows {
     pub rate_hz: Option<f64>,
     /// Rows that were not used.
     pub dropped: Vec<Dropped>,
-    /// What was found.
+    /// Findings while reading.
     pub findings: Vec<Finding>,
     /// Every column of numbers but the clock.
     pub columns: Vec<Column>,

@@ -88,7 +88,7 @@ impl Channel {
 /// What is known of a static log.
 #[derive(Debug)]
 pub struct Noise {
-    /// The file.
+    /// File that was read.
     pub source: Streamed,
     /// Channels in the order asked for.
     pub channels: Vec<Channel>,

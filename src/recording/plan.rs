@@ -27,7 +27,7 @@ pub struct Plan {
     pub rows: Range<usize>,
     /// The clock, where there is a time column.
     pub clock: Option<Clock>,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// Rows that repeat the one before, where there is none.
     pub repeated: Option<Repeated>,

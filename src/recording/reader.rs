@@ -88,9 +88,9 @@ impl Block {
 /// Which columns are wanted, by their place among the headings.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// The clock.
+    /// Index of the time column.
     pub time: Option<usize>,
-    /// Readings.
+    /// Indices of the columns of readings.
     pub places: Vec<usize>,
 }
 

@@ -14,14 +14,14 @@ pub enum Quantity {
     Accelerometer,
     /// Angular rate.
     Gyro,
-    /// Not said.
+    /// Quantity not stated.
     Unknown,
 }
 
 /// A column's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// What it measures.
+    /// Quantity that the column measures.
     pub quantity: Quantity,
     /// m/s² or rad/s per unit of the file; 1 where unknown.
     pub si: f64,

@@ -31,7 +31,7 @@ pub use raster::Raster;
 pub use theme::Ink;
 
 impl Chart {
-    /// Draws it.
+    /// Renders the figure.
     pub fn draw(&self) -> Figure {
         let legend = Legend::of(self);
         let plot = Plot::of(self, &legend);

@@ -106,7 +106,7 @@ impl Place {
         Ok(Self { path, _lock: lock })
     }
 
-    /// Where it is.
+    /// Path of the shard's file.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -12,7 +12,7 @@ use crate::output::manifest::matches;
 /// A file and its head.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// Where it stands.
+    /// Path of the file.
     pub path: PathBuf,
     /// What it says of itself.
     pub header: Header,

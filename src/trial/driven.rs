@@ -22,7 +22,7 @@ const LEAST_LOG_LIKELIHOOD: f64 = 8.0;
 /// A planted effect with its size.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Planted {
-    /// What.
+    /// Planted term.
     pub term: Term,
     /// rms of what the best linear proof mass cannot explain, over the rms output: the size that can be seen.
     pub visible: f64,
@@ -37,11 +37,11 @@ pub struct Driven {
     pub seed: u64,
     /// Sampling rate.
     pub rate_hz: f64,
-    /// Rows.
+    /// Number of rows.
     pub samples: usize,
-    /// ω₀.
+    /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub zeta: f64,
     /// Output unit per input unit and s².
     pub gain: f64,

@@ -17,9 +17,9 @@ const FRACTIONAL: usize = 7;
 /// A linear proof mass: x'' + 2ζω₀x' + ω₀²x = gain·u.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
-    /// ω₀.
+    /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub zeta: f64,
     /// Output unit per input unit and s².
     pub gain: f64,

@@ -44,15 +44,15 @@ pub enum Excitation {
 pub struct Lines {
     /// Root mean square at full envelope.
     pub rms: f64,
-    /// Lowest frequency.
+    /// Lowest frequency, Hz.
     pub from_hz: f64,
-    /// Highest frequency.
+    /// Highest frequency, Hz.
     pub to_hz: f64,
     /// Number of lines.
     pub count: usize,
     /// Envelope at time zero; it rises linearly to one at `duration_s`.
     pub envelope_start: f64,
-    /// Length.
+    /// Length, s.
     pub duration_s: f64,
     /// Of phases and, for a random signal, frequencies and amplitudes.
     pub seed: u64,

@@ -37,7 +37,7 @@ impl Share {
         Self { value: hits as f64 / cases.max(1) as f64, ci95: [low, high], hits, cases }
     }
 
-    /// Over booleans.
+    /// Counts the true ones.
     pub fn over(hits: impl IntoIterator<Item = bool>) -> Self {
         let (mut count, mut cases) = (0, 0);
         for hit in hits {

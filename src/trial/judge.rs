@@ -35,7 +35,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// For people.
+    /// Name for tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Named => "named",

@@ -107,7 +107,7 @@ pub struct Outcome {
     pub families: Vec<Row>,
     /// Every combination that occurred.
     pub confusion: Vec<Confusion>,
-    /// Per effect.
+    /// Detection limits, one per effect.
     pub detection_limit: Vec<Limit>,
     /// Per kind of physics foreign to the library.
     pub unknown: Vec<Unknown>,

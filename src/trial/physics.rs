@@ -89,9 +89,9 @@ pub struct Scales {
     pub u: f64,
     /// Length of the recording.
     pub duration_s: f64,
-    /// ω₀.
+    /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
-    /// 2ζω₀.
+    /// Damping 2ζω₀, rad/s.
     pub damping_rad_s: f64,
     /// Output unit per input unit and s².
     pub gain: f64,
@@ -103,7 +103,7 @@ pub const DEGREES: f64 = 3.0;
 /// One planted effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Term {
-    /// Which.
+    /// Kind of physics.
     pub physics: Physics,
     /// Dimensionless amplitude; see the module's table.
     pub amplitude: f64,

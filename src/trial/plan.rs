@@ -15,10 +15,10 @@ use crate::rng::{Philox, Stream};
 /// Readout noise of every planted case, relative to the rms output.
 const NOISE: f64 = 0.002;
 
-/// What to make.
+/// Seed, number, size and families of the cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Of everything.
+    /// Seed of all random draws.
     pub seed: u64,
     /// About how many; each family gets its share.
     pub cases: usize,

@@ -116,7 +116,7 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
 pub enum Size {
     /// After the best refit of the base, relative to the rms output.
     Visible(f64),
-    /// Before any refit.
+    /// Size before any refit.
     Raw(f64),
 }
 

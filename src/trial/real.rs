@@ -27,7 +27,7 @@ pub struct Recipe {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Real {
-    /// For people.
+    /// Name for tables.
     pub name: String,
     /// In the folder of recordings.
     pub file: PathBuf,
@@ -65,7 +65,7 @@ pub struct Score {
     pub force: bool,
     /// What the error is multiplied by.
     pub factor: f64,
-    /// Its unit then.
+    /// Unit of the known value.
     pub unit: String,
     /// The best published, in that unit; absent where none is comparable.
     pub published: Option<f64>,
@@ -127,9 +127,9 @@ pub struct Known {
 /// What came out of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
-    /// For people.
+    /// Name for tables.
     pub name: String,
-    /// Known.
+    /// What is known from elsewhere.
     pub truth: Vec<String>,
     /// Where that is known from.
     pub source: String,

@@ -20,9 +20,9 @@ pub struct Window<'a> {
 /// A fitted base model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// ω₀.
+    /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub zeta: f64,
     /// Output unit per input unit and s²; zero for a ring-down.
     pub gain: f64,

@@ -62,7 +62,7 @@ impl From<Outcome> for Ending {
 /// One verdict, in brief.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Said {
-    /// How it ended.
+    /// Verdict, or an error.
     pub outcome: Ending,
     /// Named effects; under "undecidable" those that tie stand in one group.
     pub groups: Vec<Vec<String>>,

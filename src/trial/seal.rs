@@ -21,10 +21,10 @@ pub struct Truth {
     pub cases: Vec<Case>,
 }
 
-/// A closed envelope.
+/// Truth of a trial, sealed by its SHA-256.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sealed {
-    /// Where it lies.
+    /// Path of the sealed truth.
     pub path: PathBuf,
     /// Of its bytes, hexadecimal.
     pub sha256: String,

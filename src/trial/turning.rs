@@ -40,7 +40,7 @@ catalogue! {
 /// A planted fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Planted {
-    /// Which.
+    /// Kind of fault.
     pub fault: Fault,
     /// Whether it sits in the gyro.
     pub in_gyro: bool,

@@ -19,7 +19,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// A backend and its name.
 pub struct Place {
-    /// For the rows.
+    /// Name of the backend in the rows.
     pub name: String,
     /// Whether it is a GPU.
     pub is_gpu: bool,

@@ -7,9 +7,9 @@ pub use super::spectrum::Filter;
 /// What the Earth does to a sensor at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Earth {
-    /// It pulls.
+    /// Gravity, which an accelerometer reads.
     Gravity,
-    /// It turns.
+    /// Rotation, which a gyro reads.
     Rate,
 }
 

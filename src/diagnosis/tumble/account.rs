@@ -31,7 +31,7 @@ pub struct Account {
 /// A slow drift of offsets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Of which sensor.
+    /// Sensor that drifts.
     pub sensor: Sense,
     /// From the lowest to the highest over the poses, per axis: mm/s² or °/s.
     pub range: [f64; 3],

@@ -39,15 +39,15 @@ pub struct Found {
 
 /// What a conclusion is drawn about.
 pub struct Case<'a> {
-    /// As read.
+    /// Recording as read.
     pub recording: &'a Recording,
-    /// As given.
+    /// Model as given.
     pub model: &'a Tumble,
     /// Poses and noise.
     pub observed: &'a Observed<'a>,
     /// Held-out poses.
     pub folds: &'a Folds,
-    /// So far.
+    /// Findings so far.
     pub findings: Vec<String>,
     /// Whether the tool found the poses.
     pub poses_found: bool,

@@ -10,7 +10,7 @@ use super::noise::{AxisNoise, batch_error};
 /// Six columns of counts on a uniform clock.
 #[derive(Debug, Clone)]
 pub struct Imu<'a> {
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// Rates x, y, z, counts; `None` where the accelerometer was recorded alone.
     pub gyro: Option<[&'a [f64]; 3]>,

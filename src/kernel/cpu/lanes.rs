@@ -94,7 +94,7 @@ impl Level {
         self != Self::Baseline || cfg!(target_arch = "aarch64")
     }
 
-    /// For provenance.
+    /// Name for the provenance of a result.
     pub fn name(self) -> &'static str {
         match self {
             Self::Baseline if cfg!(target_arch = "aarch64") => "NEON",

@@ -30,7 +30,7 @@ pub struct State<T> {
     /// Since the last multiple of [`CHUNK`] samples: attitude σ (rad), velocity (m/s), position (m) without what the total
     /// of the velocity adds to it.
     parts: [Axes<T>; 3],
-    /// Up to there.
+    /// Sums up to that sample.
     totals: [Axes<f64>; 3],
 }
 

@@ -19,7 +19,7 @@ pub enum Place {
         /// Time since the first stamp.
         elapsed_s: f64,
     },
-    /// Not used.
+    /// Row not used, with the reason.
     Dropped(Reason),
 }
 

@@ -32,7 +32,7 @@ pub struct Stretch {
     pub from: f64,
     /// Steps that are no breaks.
     pub steps: f64,
-    /// Their sum.
+    /// Sum of the steps.
     pub span: f64,
     /// Ticks of the stretch's own clock that they last.
     pub ticks: f64,
@@ -43,7 +43,7 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Both as one.
+    /// Joins two neighbouring stretches.
     pub fn joined(self, next: Self) -> Self {
         Self {
             first_row: self.first_row,
@@ -75,7 +75,7 @@ pub struct Break {
 pub struct Value {
     /// The step.
     pub step: f64,
-    /// How many.
+    /// Number of such steps.
     pub count: f64,
     last: f64,
     spacing: f64,
@@ -208,7 +208,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Nothing follows.
+    /// Ends the survey.
     pub fn finish(&mut self) {
         self.close_run();
         if !self.open.is_empty() {

@@ -36,7 +36,7 @@ pub struct SetBack {
 /// Overflows of the counter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wraps {
-    /// How many.
+    /// Number of overflows.
     pub times: usize,
     /// What was added each time, in the file's unit.
     pub modulus: f64,

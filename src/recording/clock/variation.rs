@@ -18,7 +18,7 @@ const CLEAR: f64 = 6.0;
 /// What became of the rate; steps are in the file's unit per sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Variation {
-    /// One rate.
+    /// Constant rate.
     None,
     /// Slow, between these steps.
     Slight {
@@ -29,7 +29,7 @@ pub enum Variation {
     },
     /// From one step to another, near this row.
     Sudden {
-        /// Where.
+        /// Row of the change.
         row: usize,
         /// Time since the first stamp.
         at: f64,

@@ -15,7 +15,7 @@ pub use tumble::residual;
 /// A diagnosis in words and numbers.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// The public document.
+    /// Verdict, as in verdict.json.
     pub verdict: Verdict,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,

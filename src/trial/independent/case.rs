@@ -70,7 +70,7 @@ pub struct Case {
     pub sub: String,
     /// The change, where it is another one written otherwise.
     pub change: Option<Change>,
-    /// What is there.
+    /// Planted truth.
     pub truth: Truth,
     /// How it is made.
     pub body: Body,

@@ -11,7 +11,7 @@ use super::readout::{self, Noise, Readout};
 use super::simulate::{self, Run};
 use super::truth::Parameter;
 
-/// What was drawn.
+/// A driven recording as drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
     /// Its physics.

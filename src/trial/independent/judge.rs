@@ -53,7 +53,7 @@ impl Mark {
         Self::Error,
     ];
 
-    /// For people.
+    /// Name for tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",

@@ -85,7 +85,7 @@ pub enum Noise {
 }
 
 impl Noise {
-    /// In words.
+    /// Name for tables.
     pub fn word(&self) -> String {
         match self {
             Self::Gauss => "normal".into(),

@@ -26,7 +26,7 @@ pub type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
 /// How the cases are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Seed of everything.
+    /// Seed of all random draws.
     pub seed: u64,
     /// Cases, without those that are others written otherwise.
     pub cases: usize,

@@ -25,7 +25,7 @@ pub enum Wish {
     OperatingPoint,
 }
 
-/// Rows at most.
+/// Limit on the length of recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
     /// The longest recording.

@@ -276,7 +276,7 @@ impl Still {
 }
 
 impl Process {
-    /// Its size.
+    /// The number that scales the process.
     pub fn size(&self) -> f64 {
         let mut copy = *self;
         *copy.size_mut()

@@ -46,7 +46,7 @@ impl Family {
     /// All, in the order of the report.
     pub const ALL: [Self; 4] = [Self::Letter, Self::Near, Self::Foreign, Self::Null];
 
-    /// For people.
+    /// Name for tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Letter => "to the letter",
@@ -70,7 +70,7 @@ pub struct Parameter {
     pub value: f64,
 }
 
-/// What is there.
+/// An effect that is present in a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// Names of which any one is right.

@@ -20,7 +20,7 @@ pub struct Sensor {
     pub scale: Vector,
     /// M with ones on its diagonal.
     pub skew: Rotation,
-    /// Counts.
+    /// Offset, counts.
     pub offset: Vector,
     /// k₂ per unit.
     pub square: Vector,

@@ -22,11 +22,11 @@ pub struct Search<'a> {
     pub structure: &'a ModelStructure,
     /// Where parameters that do not move stay.
     pub point: Vec<f64>,
-    /// Parameters that move.
+    /// Indices of the free parameters.
     pub free: Vec<usize>,
     /// How each parameter (free or not) moves.
     pub coordinates: Vec<Coordinate>,
-    /// The run.
+    /// Range, substeps and mode of the simulation.
     pub run: Run,
     /// Rows that count, relative to the recording.
     pub rows: Vec<Range<usize>>,
@@ -161,13 +161,13 @@ impl Residuals for Search<'_> {
 pub struct Fit {
     /// The model.
     pub structure: ModelStructure,
-    /// Its parameters.
+    /// Fitted parameter vector.
     pub point: Vec<f64>,
     /// Integration steps per sample.
     pub steps: usize,
     /// Innovations on the training rows, and their derivatives by the coordinates of the free parameters.
     pub linear: Linear,
-    /// Parameters that moved.
+    /// Indices of the fitted parameters.
     pub free: Vec<usize>,
     /// Derivative of each free parameter by its coordinate.
     pub slopes: Vec<f64>,

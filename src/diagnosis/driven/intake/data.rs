@@ -10,15 +10,15 @@ use super::work::Work;
 /// The recording, as fits see it.
 #[derive(Debug, Clone)]
 pub struct Data {
-    /// Readings.
+    /// Readings, in the unit of the output.
     pub reading: Vec<f64>,
     /// Input; `None` for a ring-down.
     pub input: Option<Input>,
     /// Environment less its mean, row by row.
     pub environment: Vec<f64>,
-    /// Columns in it.
+    /// Number of environment columns.
     pub environments: usize,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// From the first to the last sample that is fitted.
     pub hull: Range<usize>,
@@ -49,7 +49,7 @@ impl Data {
         starts.zip(ends).map(|(a, b)| a..b).collect()
     }
 
-    /// Sampling interval.
+    /// Sampling interval, s.
     pub fn interval_s(&self) -> f64 {
         1.0 / self.rate_hz
     }

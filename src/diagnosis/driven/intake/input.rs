@@ -9,14 +9,14 @@ use std::sync::OnceLock;
 pub enum Interpolation {
     /// Nothing above half the sampling rate: windowed sinc.
     BandLimited,
-    /// Straight lines.
+    /// Linear interpolation between samples.
     Linear,
     /// Each value held until the next.
     Hold,
 }
 
 impl Interpolation {
-    /// In words.
+    /// Name for messages.
     pub fn words(self) -> &'static str {
         match self {
             Interpolation::BandLimited => "band-limited",
@@ -59,7 +59,7 @@ impl Input {
         Self { pieces: self.pieces, ..Self::new(self.samples, interpolation) }
     }
 
-    /// The samples themselves.
+    /// Samples of the input, in its own unit.
     pub fn samples(&self) -> &[f64] {
         &self.samples
     }

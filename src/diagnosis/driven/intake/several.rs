@@ -33,7 +33,7 @@ pub struct Piece {
     pub range: Range<usize>,
 }
 
-/// What is diagnosed.
+/// Recordings joined into one sequence.
 #[derive(Debug)]
 pub struct Taken {
     /// All recordings as one data set.

@@ -53,7 +53,7 @@ impl Budget {
 pub struct Work(Arc<AtomicU64>);
 
 impl Work {
-    /// Counts steps.
+    /// Adds integration steps to the work done.
     pub fn add(&self, steps: usize) {
         self.0.fetch_add(steps as u64, Ordering::Relaxed);
     }

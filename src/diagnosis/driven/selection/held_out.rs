@@ -24,7 +24,7 @@ pub const LEAD: usize = 50;
 /// Errors on one block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// Samples.
+    /// Range of samples.
     pub range: Range<usize>,
     /// Sum of squared one-step errors.
     pub one_step: f64,

@@ -50,7 +50,7 @@ pub struct Explained {
     pub r_squared: f64,
     /// Probability of as much by chance: Student's t of the gain per block, times the number of questions.
     pub p_value: f64,
-    /// By what.
+    /// Known quantity that explains it best.
     pub by: Known,
 }
 

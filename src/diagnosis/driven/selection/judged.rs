@@ -84,7 +84,7 @@ pub struct Selection {
     pub rivals_left_out: bool,
 }
 
-/// Judges a fit.
+/// Scores a fit on validation samples.
 pub fn judge(data: &Data, fit: Fit, scales: &Scales) -> Judged {
     let held_out = held_out(data, &fit, scales, &data.validation);
     Judged { fit, held_out }

@@ -14,7 +14,7 @@ use super::structure::ModelStructure;
 /// How a run is evaluated.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Samples.
+    /// Range of samples.
     pub range: Range<usize>,
     /// Integration steps per sample.
     pub steps: usize,

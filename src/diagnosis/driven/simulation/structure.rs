@@ -15,7 +15,7 @@ const ANGLE: f64 = 0.25;
 /// A model: the base and some terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelStructure {
-    /// The terms.
+    /// Terms added to the base model.
     pub terms: Vec<Term>,
     /// First parameter of each.
     pub first: Vec<usize>,

@@ -16,9 +16,9 @@ pub enum Dropped {
     NoSecondResonance,
     /// It is a noise whose estimate is predicted from what is known: so many per cent of its variance, cross-fitted.
     Dependent {
-        /// By what.
+        /// Known quantity that predicts it.
         by: Known,
-        /// How much.
+        /// Fraction of the variance, %.
         percent: u8,
     },
     /// It follows the rounding of the readings.

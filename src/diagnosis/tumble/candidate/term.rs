@@ -11,9 +11,9 @@ use crate::sensor::Sense;
 pub struct Term {
     /// What the library says of it.
     pub candidate: &'static Candidate,
-    /// Where it acts.
+    /// Sensor on which it acts.
     pub sensor: Sense,
-    /// Parameters it frees.
+    /// Ranges of the parameters that it frees.
     pub parameters: &'static [Range<usize>],
     /// The residual it is judged by.
     pub judged: Group,
