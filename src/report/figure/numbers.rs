@@ -33,6 +33,8 @@ pub fn behind(chart: &Chart) -> Vec<Numbers> {
 
 /// One series as columns beside an abscissa.
 struct Part<'a> {
+    /// What tells it from the others.
+    called: &'a str,
     series: &'a Series,
     x: Vec<f64>,
     /// Name and values of each.
@@ -47,7 +49,7 @@ fn called(chart: &Chart, place: usize) -> &str {
     before.or_else(|| all[place..].iter().find(same)).map_or("", |s| s.name.as_str())
 }
 
-fn part<'a>(chart: &Chart, series: &'a Series, called: &str) -> Part<'a> {
+fn part<'a>(chart: &Chart, series: &'a Series, called: &'a str) -> Part<'a> {
     // Words with a unit of their own stand for the axis.
     let named = |more: &[&str]| match name::has_unit(called) {
         true => name::column(called, more),
@@ -61,7 +63,7 @@ fn part<'a>(chart: &Chart, series: &'a Series, called: &str) -> Part<'a> {
         }
         _ => vec![(named(&[]), y)],
     };
-    Part { series, x: series.points.iter().map(|p| p.0).collect(), columns }
+    Part { called, series, x: series.points.iter().map(|p| p.0).collect(), columns }
 }
 
 fn columns(chart: &Chart) -> Option<Columns> {
@@ -95,10 +97,21 @@ fn columns(chart: &Chart) -> Option<Columns> {
             }
         }
     } else {
+        let mut lines: Vec<(&str, Vec<f64>)> = Vec::new();
         for part in parts {
-            out.numbers(&name::column(&chart.x.label, &[&part.series.name]), part.x);
-            part.columns.into_iter().for_each(|(name, values)| out.numbers(&name, values));
+            // A vertical line says where it stands, and nothing by its ends; those of one legend are one column.
+            match part.x[..] {
+                [x, end] if x == end => match lines.iter_mut().find(|(called, _)| *called == part.called) {
+                    Some((_, all)) => all.push(x),
+                    None => lines.push((part.called, vec![x])),
+                },
+                _ => {
+                    out.numbers(&name::column(&chart.x.label, &[&part.series.name]), part.x);
+                    part.columns.into_iter().for_each(|(name, values)| out.numbers(&name, values));
+                }
+            }
         }
+        lines.into_iter().for_each(|(called, x)| out.numbers(&name::column(&chart.x.label, &[called]), x));
     }
     Some(out)
 }
@@ -193,6 +206,17 @@ mod tests {
         let paths = behind(&paths);
         assert_eq!(names(&paths[0].columns), ["time_a_s", "error_a_m", "time_b_s", "error_b_m"]);
         assert_eq!(paths[0].columns.all()[0].values, Values::Numbers(vec![0.0, 2.0, 1.0]));
+    }
+
+    #[test]
+    fn vertical_lines_of_one_legend_are_one_column_of_where_they_stand() {
+        let line = |x: f64| vec![(x, 0.0), (x, 1.0)];
+        let chart = chart().with("members", Ink::Blue, Mark::Line, vec![(0.0, 0.1), (1.0, 0.2)]);
+        let chart =
+            chart.with("5, 95 %", Ink::Red, Mark::Dashed, line(0.3)).with("", Ink::Red, Mark::Dashed, line(0.7));
+        let columns = &behind(&chart)[0].columns;
+        assert_eq!(names(columns), ["time_members_s", "error_members_m", "time_5_95_percent_s"]);
+        assert_eq!(columns.all()[2].values, Values::Numbers(vec![0.3, 0.7]));
     }
 
     #[test]
