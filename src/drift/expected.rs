@@ -201,7 +201,7 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
         ErrorLaw::Proportional(power) => motion(study, key, power as usize),
-        ErrorLaw::Force => motion(study, key, 1),
+        ErrorLaw::Force(power) => motion(study, key, power as usize),
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),

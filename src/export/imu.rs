@@ -209,7 +209,7 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
             ErrorLaw::Constant => errors.bias = value,
             ErrorLaw::Rounding => errors.step = value.mean,
             ErrorLaw::FullScale => errors.range = value.mean,
-            ErrorLaw::Proportional(_) | ErrorLaw::Ramp | ErrorLaw::Offset | ErrorLaw::Force => {}
+            ErrorLaw::Proportional(_) | ErrorLaw::Ramp | ErrorLaw::Offset | ErrorLaw::Force(_) => {}
         }
     }
     errors

@@ -87,7 +87,10 @@ fn over_times(sweep: &Sweep) -> (Figure, String) {
         sweep.points.iter().filter_map(|p| Some((p.values[0], drift(p.at.get(k)?)?))).collect()
     };
     let (label, words) = match radius {
-        Some(_) => ("horizontal error, CEP50 / m", "Circle that holds half of the members, at each report time."),
+        Some(_) => (
+            "horizontal error, CEP50 / m",
+            "Radius of the circle about the truth that holds half of the members, at each report time.",
+        ),
         None => ("position error, sd / m", "Standard deviation of the position error at each report time."),
     };
     let heights: Vec<f64> = (0..sweep.time_s.len()).flat_map(of).map(|p| p.1).collect();

@@ -12,8 +12,9 @@ pub enum ErrorLaw {
     Constant,
     /// A further constant beside the bias, unit: what geometry adds to it.
     Offset,
-    /// In proportion to the specific force along the axis, unit/(m/s²): in an instrument that should not feel it.
-    Force,
+    /// In proportion to the specific force along the axis to a power, unit/(m/s²)^power: in an instrument that should not
+    /// feel it.
+    Force(u32),
     /// In proportion to the true signal to a power, unit^(1 − power).
     Proportional(u32),
     /// White noise with random-walk coefficient N, unit·√s.
@@ -65,7 +66,7 @@ impl ErrorLaw {
             Self::FullScale => 6,
             Self::Ramp => 7,
             Self::Offset => 8,
-            Self::Force => 9,
+            Self::Force(_) => 9,
         }
     }
 
@@ -76,7 +77,9 @@ impl ErrorLaw {
             Self::Ramp => Growth::OfAConstant(1),
             Self::White(_) => Growth::OfWhiteNoise(0),
             Self::Walk(_) => Growth::OfWhiteNoise(1),
-            Self::Force | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => Growth::Other,
+            Self::Force(_) | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => {
+                Growth::Other
+            }
         }
     }
 
@@ -103,9 +106,12 @@ impl ErrorLaw {
             Self::Walk(_) => coefficient * sample_s.sqrt(),
             Self::Ramp => coefficient * sample_s,
             Self::FullScale => coefficient.min(NO_LIMIT),
-            Self::Constant | Self::Offset | Self::Force | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding => {
-                coefficient
-            }
+            Self::Constant
+            | Self::Offset
+            | Self::Force(_)
+            | Self::Proportional(_)
+            | Self::Flicker(_)
+            | Self::Rounding => coefficient,
         }
     }
 

@@ -232,8 +232,14 @@ sensor_terms! {
         /// Sensitivity to the specific force along the accelerometer's axis, rad/s per m/s².
         g_sensitivity_rad_s_per_m_s2: GSensitivity = Row {
             name: "gyro g-sensitivity",
-            law: ErrorLaw::Force,
+            law: ErrorLaw::Force(1),
             keys: &[G_SENSITIVITY],
+        };
+        /// Sensitivity to the square of the specific force along its axis, rad/s per (m/s²)²: rectified vibration.
+        g2_sensitivity_rad_s_per_m2_s4: G2Sensitivity = Row {
+            name: "gyro g²-sensitivity",
+            law: ErrorLaw::Force(2),
+            keys: &[Key::new(46, "gyro.g2_sensitivity_deg_h_g2", "g²-sensitivity", "°/h/g²", DEGREE_PER_HOUR / (STANDARD_GRAVITY_M_S2 * STANDARD_GRAVITY_M_S2), Any)],
         };
         /// Angle random walk N, rad/√s.
         angle_random_walk_rad_rts: AngleRandomWalk = Row {

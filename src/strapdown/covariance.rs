@@ -378,7 +378,7 @@ impl Given {
                 Sense::Accelerometer => Gain::Force(axis, axis, power as i32),
                 Sense::Gyro => Gain::Rate(3 + axis, axis),
             }),
-            ErrorLaw::Force => constants(&|axis| Gain::Force(first + axis, axis, 1)),
+            ErrorLaw::Force(power) => constants(&|axis| Gain::Force(first + axis, axis, power as i32)),
             ErrorLaw::Ramp => constants(&|axis| Gain::Time(first + axis, found.map_or(0.0, |f| f.seconds))),
             ErrorLaw::White(_) => (Vec::new(), vec![white(self.squares(sense), found)]),
             ErrorLaw::Walk(_) => (Vec::new(), vec![walk(self.squares(sense), found)]),

@@ -59,6 +59,7 @@ pub fn everything() -> Sensor {
     g.bias_instability_rad_s = 10.0 * DEGREE_PER_HOUR;
     g.rate_random_walk_rad_s_rts = 1e-5;
     g.g_sensitivity_rad_s_per_m_s2 = DEGREE_PER_HOUR;
+    g.g2_sensitivity_rad_s_per_m2_s4 = DEGREE_PER_HOUR;
     sensor
 }
 

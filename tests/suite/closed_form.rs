@@ -68,6 +68,12 @@ const CASES: &[Case] = &[
         "[gyro]\ng_sensitivity_deg_h_g = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
         |t| G * 50.0 * 4.848_136_8e-6 * 2.0 / G * t.powi(3) / 6.0,
     ),
+    // k a² instead: 1 °/h/g² under 2 m/s² = 4.8481e-6 × (2/9.80665)² rad/s
+    (
+        "gyro g²-sensitivity",
+        "[gyro]\ng2_sensitivity_deg_h_g2 = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
+        |t| G * 50.0 * 4.848_136_8e-6 * (2.0 / G).powi(2) * t.powi(3) / 6.0,
+    ),
     // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the noise itself.
     ("quantisation over noise", "[accelerometer]\nquantisation_mg = 5.0\nnoise_density_ug_rthz = 400.0", |t| {
         let (noise, rounding) = (400e-6 * G / 2f64.sqrt(), 5e-3 * G / 12f64.sqrt() / 10.0);

@@ -184,7 +184,8 @@ fn agree(text: &str) -> Result<(), Failed> {
 }
 
 fn covariance() -> Result<(), Failed> {
-    let couplings = "misalignment_mrad = { mean = 0.0, sd = 1.0 }\ng_sensitivity_deg_h_g = { mean = 0.0, sd = 3.0 }\n";
+    let couplings = "misalignment_mrad = { mean = 0.0, sd = 1.0 }\ng_sensitivity_deg_h_g = { mean = 0.0, sd = 3.0 }\n\
+                     g2_sensitivity_deg_h_g2 = { mean = 0.0, sd = 2.0 }\n";
     agree(&format!(
         "{SPREADS}{NOISE}{couplings}[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 0.02\nheading_sd_deg = 0.5\n"
     ))

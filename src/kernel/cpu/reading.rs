@@ -49,7 +49,8 @@ pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::Walk(_) => Some(&WALK),
         ErrorLaw::Ramp => Some(&RAMP),
         ErrorLaw::Offset => Some(&OFFSET),
-        ErrorLaw::Force => Some(&FORCE),
+        ErrorLaw::Force(1) => Some(&FORCE),
+        ErrorLaw::Force(_) => Some(&FORCE_SQUARED),
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
     }
 }
@@ -84,7 +85,7 @@ pub(super) fn add<T: Real>(
         }
         ErrorLaw::Ramp => level.run(AddRamp { scale, first: numbers.from, out }),
         ErrorLaw::Offset => level.run(AddOffset { scale, out }),
-        ErrorLaw::Force => level.run(AddForce { scale, felt, out }),
+        ErrorLaw::Force(power) => level.run(AddForce { scale, felt, squared: power == 2, out }),
         // In `oscillator` with the reading itself, and in `Limit`.
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
     }
@@ -271,10 +272,23 @@ pub const FORCE: Fragment = Fragment {
     end: "",
 };
 
-/// What follows the specific force.
+/// What follows its square, in the shader.
+pub const FORCE_SQUARED: Fragment = Fragment {
+    begin: FORCE.begin,
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_share * felt, felt, $out);
+                }
+",
+    end: "",
+};
+
+/// What follows the specific force or its square.
 struct AddForce<'a, T> {
     scale: &'a Lane<T>,
     felt: &'a [Lane<T>],
+    squared: bool,
     out: &'a mut [Lane<T>],
 }
 
@@ -284,7 +298,8 @@ impl<T: Real> Kernel for AddForce<'_, T> {
     fn run<const FMA: bool>(self) {
         for (out, felt) in self.out.iter_mut().zip(self.felt) {
             for l in 0..LANES {
-                out[l] = fma::<T, FMA>(self.scale[l], felt[l], out[l]);
+                let gain = if self.squared { self.scale[l] * felt[l] } else { self.scale[l] };
+                out[l] = fma::<T, FMA>(gain, felt[l], out[l]);
             }
         }
     }
