@@ -20,6 +20,7 @@ pub mod glitch;
 pub mod headings;
 pub mod health;
 pub mod in_memory;
+pub mod inertial;
 pub mod input;
 pub mod inspection;
 pub mod limits;

@@ -11,3 +11,4 @@ mod family;
 mod held;
 mod linear;
 pub mod run;
+pub mod windows;

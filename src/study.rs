@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod draw;
 pub mod file;
+pub mod flown;
 pub mod in_motion;
 pub mod overrides;
 mod per_axis;
@@ -159,7 +160,9 @@ impl Study {
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
         let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);
-        let reads = recordings.map(|recording| folder.join(recording)).collect();
+        let mut reads: Vec<PathBuf> = recordings.map(|recording| folder.join(recording)).collect();
+        let flown = file.trajectory.as_ref().and_then(|t| t.compare.as_ref());
+        reads.extend(flown.into_iter().flat_map(|compare| compare.reads()).map(Path::to_path_buf));
         let run = Run { source, duration_s: clock.duration_s(), seed, folder: &folder };
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));

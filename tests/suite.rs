@@ -22,6 +22,7 @@ mod suite {
     pub mod dynamics;
     pub mod emit;
     pub mod export;
+    pub mod flown;
     pub mod formats;
     pub mod fuzz;
     pub mod hostile_names;
@@ -90,6 +91,8 @@ fn main() {
         suite::law::tests(),
         // motion: trajectories from files, and what is wrong with them.
         suite::motion::tests(),
+        // flown: recorded flights in windows beside the predicted bands.
+        suite::flown::tests(),
         // convergence: integrators have their order, f32 stays below the noise.
         suite::convergence::tests(),
         // parity: CPU and GPU agree.

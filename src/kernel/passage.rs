@@ -79,6 +79,11 @@ impl Course {
         Self { truth: Arc::new(truth), earth, mounting, places }
     }
 
+    /// From the sensor's axes to the body's.
+    pub fn mounting(&self) -> UnitQuaternion<f64> {
+        self.mounting
+    }
+
     /// Heading of the body at a sample, the last one if it is beyond, rad.
     pub fn heading_rad(&self, sample: u64) -> f64 {
         let at = (sample as usize).min(self.truth.samples.len().saturating_sub(1));

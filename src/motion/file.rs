@@ -18,6 +18,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::pose::Pose;
 use crate::error::{Error, Result};
+use crate::recording::clock::instant::Instant;
 use crate::recording::formats;
 use finding::Finding;
 use format::{Format, Order, Up};
@@ -49,6 +50,8 @@ pub struct Request<'a> {
 pub struct Poses {
     /// In order of time.
     pub poses: Vec<Pose>,
+    /// When the file's first pose was, where its stamps say it.
+    pub start: Option<Instant>,
     /// What was found and survived.
     pub findings: Vec<Finding>,
 }
@@ -68,7 +71,7 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
     drop(opened);
     let said = layout.insist(request.quaternion);
     let stretch = Stretch { from_s: request.from_s - BEYOND_S, to_s: request.from_s + request.duration_s + BEYOND_S };
-    let (rows, mut findings) = read::rows(path, &layout, request.times, stretch)?;
+    let read::Read { rows, start, mut findings } = read::rows(path, &layout, request.times, stretch)?;
     let scalar_first = said.map(|order| order == Order::ScalarFirst);
     findings.insert(0, Finding::Recognised { format: layout.format, scalar_first });
     let numbers: Vec<Vec<f64>> = rows.iter().map(|row| row.attitude.clone()).collect();
@@ -95,7 +98,7 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
         pose.position_m = to_level * pose.position_m;
         pose.attitude = turn * pose.attitude;
     }
-    Ok(Poses { poses, findings })
+    Ok(Poses { poses, start, findings })
 }
 
 /// From the file's reference to north, east and down, and what is to be said of it.

@@ -9,7 +9,7 @@ mod increments;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-pub use increments::{Increment, increments};
+pub use increments::{Increment, increments, integrals};
 
 use super::earth::{Earth, Place};
 use super::truth::{Sample, Truth};

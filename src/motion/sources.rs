@@ -6,6 +6,7 @@
 
 pub mod car;
 pub mod circle;
+pub mod compare;
 pub mod drone;
 pub mod figure_eight;
 pub mod file;
@@ -16,6 +17,7 @@ pub mod source;
 pub mod track;
 pub mod waypoints;
 
+pub use compare::{Bias, Compare};
 pub use section::{Kind, Section};
 pub use source::Source;
 

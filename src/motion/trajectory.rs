@@ -35,6 +35,17 @@ pub struct Sampling {
     pub lever_arm_m: Vector3<f64>,
 }
 
+/// A stretch of a motion, evenly sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// Where it begins, s.
+    pub from_s: f64,
+    /// From one sample to the next, s.
+    pub interval_s: f64,
+    /// How many of these.
+    pub steps: usize,
+}
+
 /// Share of a sample by which a motion may end early.
 const ROUNDING: f64 = 1e-6;
 
@@ -80,20 +91,28 @@ impl Trajectory {
             ));
         }
         let steps = (sampling.duration_s * sampling.rate_hz).round().max(0.0) as usize;
+        Ok(self.stretch(earth, sampling.lever_arm_m, Stretch { from_s: 0.0, interval_s, steps }))
+    }
+
+    /// The truth over a stretch, as if it were a motion of its own that begins at the Earth's start; where the motion itself
+    /// begins or ends within it, it stands there.
+    pub fn stretch(&self, earth: &Earth, lever_arm_m: Vector3<f64>, over: Stretch) -> Truth {
+        let Stretch { from_s, interval_s, steps } = over;
         let mut place = earth.start();
-        let origin = self.at(0.0, sampling.lever_arm_m).pose.position_m;
+        let origin = self.at(from_s, lever_arm_m).pose.position_m;
         let mut samples: Vec<Sample> = Vec::with_capacity(steps + 1);
         for k in 0..=steps {
-            let motion = self.at(k as f64 * interval_s, sampling.lever_arm_m);
+            let motion = self.at(from_s + k as f64 * interval_s, lever_arm_m);
             if let Some(before) = samples.last() {
                 let mean = 0.5 * (before.velocity_m_s + motion.velocity_m_s);
                 place = place.moved(earth.place_rates(place, mean), interval_s);
             }
             let mut sample = reading(earth, place, &motion);
             sample.position_m -= origin;
+            sample.time_s -= from_s;
             samples.push(sample);
         }
-        Ok(Truth { interval_s, samples })
+        Truth { interval_s, samples }
     }
 }
 

@@ -3,6 +3,7 @@
 //! `survey` gathers in a first pass, [`judge`] decides, `place` puts each row where it belongs in a second pass. All readers
 //! go by it, so they agree. Not for values: gaps are filled and uneven rows resampled by the readers.
 
+pub mod instant;
 pub mod place;
 pub mod resample;
 pub mod stamp;

@@ -1,6 +1,7 @@
 //! The page and the terminal text of a study in motion.
 
 mod figures;
+mod windows;
 
 use super::html::Page;
 use super::table::Table;
@@ -38,6 +39,9 @@ pub fn page(study: &Study, answer: &Answer) -> Page {
         (&figures::attitude(answer).draw(), "Standard deviation of the attitude error about the vehicle's level axes."),
     ]);
     page.table(&attitude_table(answer));
+    if let Some(compared) = &answer.compared {
+        windows::section(&mut page, compared);
+    }
     page.section("Which error is to blame");
     page.figure(&figures::shares(answer).draw(), "Fraction of the mean square of the horizontal position error.");
     page.paragraph(
@@ -203,12 +207,25 @@ fn provenance(study: &Study, answer: &Answer) -> Table {
     table
 }
 
+/// The sensor that the recorded flight justifies, as a file; none where there is no such flight.
+pub fn inflated_toml(study: &Study, answer: &Answer) -> Option<String> {
+    answer.compared.as_ref().and_then(|compared| windows::inflated_toml(study, compared))
+}
+
 /// What the terminal shows.
 pub fn terminal(answer: &Answer) -> String {
     let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
+    let flown: String = match &answer.compared {
+        Some(compared) => {
+            let lines: String = windows::sentences(compared).iter().map(|line| format!("{line}\n")).collect();
+            let found: String = compared.findings.iter().map(|f| format!("Note: {f}\n")).collect();
+            format!("recorded flight\n{lines}{found}\n")
+        }
+        None => String::new(),
+    };
     let findings: String = findings(answer).iter().map(|sentence| format!("{sentence}\n\n")).collect();
     format!(
-        "{}\n\nposition error\n{}\nvelocity and attitude error\n{}\nerror budget: fraction of the mean square \
+        "{}\n\n{flown}position error\n{}\nvelocity and attitude error\n{}\nerror budget: fraction of the mean square \
         horizontal error; rms alone at the end\n{}\n{findings}integrator: {}\nbackend:    {} ({}, {}), {} for {} \
         million member-steps\n",
         lede(answer),

@@ -3,6 +3,7 @@
 use super::backends::run_on;
 use super::covariance::{self, Covariance, Part};
 use super::run::Ensemble;
+use super::windows::{self, Compared};
 use crate::backend::flight::Quantity;
 use crate::control::Control;
 use crate::drift::curve_samples;
@@ -26,6 +27,8 @@ pub struct Answer {
     pub own: Part,
     /// Where the two differ by more than chance.
     pub apart: Vec<Apart>,
+    /// The recorded flight beside it, where the study asks for one.
+    pub compared: Option<Compared>,
 }
 
 /// A spread of the ensemble that is not that of the linear model.
@@ -78,6 +81,8 @@ impl Answer {
 /// # Errors
 /// Whatever stops a run; mechanics that no integrator can step; members all of which diverge.
 pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Control) -> Result<Answer> {
+    // Refused before the work, not after it.
+    let compared = windows::compare(motion, control)?;
     let samples = curve_samples(&study.clock);
     let flight = study.flight(motion, samples.clone())?;
     let ensemble = run_on(choice, &flight, control)?;
@@ -92,7 +97,7 @@ pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Contro
     let own = covariance::own_error(motion, &flight);
     let report: Vec<usize> = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, *k)).collect();
-    Ok(Answer { flight, ensemble, report, covariance, own, apart })
+    Ok(Answer { flight, ensemble, report, covariance, own, apart, compared })
 }
 
 /// Where ensemble and linear model differ at a report.

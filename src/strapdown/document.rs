@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::answer::Answer;
 use super::covariance::Part;
+use super::windows;
+use super::windows::document::{Entry, Flight};
 use crate::backend::flight::Quantity;
 use crate::drift::document::{Backend, Distribution, SCHEMA};
 use crate::study::Study;
@@ -27,6 +29,10 @@ pub struct Document {
     spherical_error_m: Spherical,
     covariance: Linear,
     error_budget: Vec<Share>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    windows: Option<Vec<Entry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recorded_flight: Option<Flight>,
     findings: Vec<String>,
     member_steps: u64,
     seconds: f64,
@@ -175,6 +181,8 @@ impl Document {
             },
             covariance: Linear::of(answer),
             error_budget: answer.parts().map(|part| Share::of(answer, part)).collect(),
+            windows: answer.compared.as_ref().map(windows::document::entries),
+            recorded_flight: answer.compared.as_ref().map(windows::document::flight),
             findings,
             member_steps: ensemble.member_steps,
             seconds: ensemble.seconds,

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::check::{self, refuse};
 use super::draw;
 use super::file::{AlignmentKind, File, VerticalKind};
+use super::flown::{self, Flown};
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::excitation::Waveform;
@@ -51,6 +52,8 @@ pub struct InMotion {
     pub misalignment: Misalignment,
     /// What the navigator makes of motion within a sample.
     pub mechanisation: Mechanisation,
+    /// The recorded flight to lay beside it.
+    pub flown: Option<Flown>,
     /// What shakes each axis beside the motion.
     vibration: [Option<Arc<dyn Waveform>>; 3],
 }
@@ -77,10 +80,7 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     }
     let tolerances: Vec<Tolerances> = (0..3).map(|axis| check::tolerances(name, file, axis)).collect::<Result<_>>()?;
     let between: [Tolerances; 3] = tolerances.try_into().unwrap_or_default();
-    let mut tolerances = between.clone();
-    for axis in &mut tolerances {
-        coupling::KEYS.into_iter().for_each(|key| axis[key] = None);
-    }
+    let tolerances = alone(&between);
     let earth = earth(name, file)?;
     let (lever_arm_m, rotation) = mounting(name, file)?;
     let sampling = Sampling { rate_hz: 1.0 / clock.sample_s(), duration_s: clock.duration_s(), lever_arm_m };
@@ -105,7 +105,17 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
     let course = Arc::new(Course::new(truth, earth, rotation));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
-    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation }))
+    let flown = flown::read(name, file, lever_arm_m)?;
+    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation, flown }))
+}
+
+/// The numbers of each axis without what it takes from the others.
+fn alone(between: &[Tolerances; 3]) -> [Tolerances; 3] {
+    let mut alone = between.clone();
+    for axis in &mut alone {
+        coupling::KEYS.into_iter().for_each(|key| axis[key] = None);
+    }
+    alone
 }
 
 /// Refuses what a study of one axis has no place for.
@@ -196,6 +206,16 @@ fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Opt
 }
 
 impl InMotion {
+    /// The same along another course.
+    pub fn along(&self, course: Arc<Course>) -> Self {
+        Self { course, ..self.clone() }
+    }
+
+    /// The same with another sensor.
+    pub fn with_sensor(&self, axes: &[Tolerances; 3]) -> Self {
+        Self { tolerances: alone(axes), between: axes.clone(), ..self.clone() }
+    }
+
     /// A proof mass of one axis as hard to step as any of the members'.
     fn stiffest(&self, seed: u64, members: u64, axis: usize) -> Option<ProofMass> {
         let masses = (0..members.min(ASKED)).filter_map(|m| {

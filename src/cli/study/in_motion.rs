@@ -15,6 +15,7 @@ use crate::study::Study;
 use crate::study::in_motion::InMotion;
 
 const REPORT: &str = "report.html";
+const INFLATED: &str = "inflated.toml";
 
 /// What the command line asks for.
 pub struct Asked<'a> {
@@ -41,7 +42,9 @@ pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Re
             "leave --resume out to start over",
         ));
     }
-    let mut folder = Folder::open(path, output::Request { writes: [REPORT].map(str::to_owned).into(), ..request })?;
+    let writes =
+        if motion.flown.is_some() { vec![REPORT.to_owned(), INFLATED.to_owned()] } else { vec![REPORT.to_owned()] };
+    let mut folder = Folder::open(path, output::Request { writes, ..request })?;
     let answer = answer(study, motion, backend, &progress::terminal())?;
     if json {
         sayln!("{}", to_json(&Document::of(study, &answer, page::findings(&answer)))?)?;
@@ -49,6 +52,9 @@ pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Re
         say(format_args!("{}", page::terminal(&answer)))?;
     }
     folder.write(REPORT, page::page(study, &answer).finish().as_bytes())?;
+    if let Some(inflated) = page::inflated_toml(study, &answer) {
+        folder.write(INFLATED, inflated.as_bytes())?;
+    }
     folder.finish()?;
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;

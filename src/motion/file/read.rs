@@ -9,6 +9,7 @@ use super::layout::Layout;
 use super::refusal::{Refusal, refusal};
 use crate::error::{Error, Result};
 use crate::number::rounded;
+use crate::recording::clock::instant::{Instant, unit_by_size};
 use crate::recording::clock::stamp::Stamp;
 use crate::recording::rows::{Rows, Wanted};
 use crate::recording::time_unit::TimeUnit;
@@ -35,15 +36,22 @@ pub struct Stretch {
     pub to_s: f64,
 }
 
-/// Stamps that are dates of our time, by their size: from here on, in this unit.
-const DATES: [(f64, TimeUnit); 3] =
-    [(1e17, TimeUnit::Nanosecond), (1e14, TimeUnit::Microsecond), (1e11, TimeUnit::Millisecond)];
+/// Rows of a stretch, and what was found about them.
+#[derive(Debug, Clone)]
+pub struct Read {
+    /// In order of time.
+    pub rows: Vec<Row>,
+    /// When the file's first pose was, where its stamps say it.
+    pub start: Option<Instant>,
+    /// What was found and survived.
+    pub findings: Vec<Finding>,
+}
 
 /// Reads the rows of a stretch, and one or two beyond each end, so that poses lie on both sides of it.
 ///
 /// # Errors
 /// A file that cannot be read, stamps that run backwards, no times.
-pub fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch) -> Result<(Vec<Row>, Vec<Finding>)> {
+pub fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch) -> Result<Read> {
     let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
     let times = match (&layout.time, times) {
         (Some(_), None) => None,
@@ -102,13 +110,13 @@ pub fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch)
         let cause = format!("{} rows hold no pose (NaN or empty), {} do", missing.0, all.len());
         return Err(fail(refusal(cause, "are these the right columns, and is the file whole?")));
     }
-    Ok((used, found.into_iter().flatten().collect()))
+    Ok(Read { rows: used, start: clock.first, findings: found.into_iter().flatten().collect() })
 }
 
 /// Stamps to seconds since the first of them.
 struct Clock {
     unit: Option<TimeUnit>,
-    first: Option<Stamp>,
+    first: Option<Instant>,
 }
 
 impl Clock {
@@ -120,10 +128,8 @@ impl Clock {
         if stamp.is_missing() {
             return f64::NAN;
         }
-        let size = stamp.value().abs();
-        let date = || DATES.iter().find(|(from, _)| size >= *from).map_or(TimeUnit::Second, |(_, unit)| *unit);
-        let unit = *self.unit.get_or_insert_with(date);
-        stamp.since(self.first.get_or_insert(stamp)) * unit.seconds()
+        let at = Instant::new(stamp, *self.unit.get_or_insert_with(|| unit_by_size(&stamp)));
+        at.since(self.first.get_or_insert(at))
     }
 }
 

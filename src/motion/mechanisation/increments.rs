@@ -17,21 +17,28 @@ pub struct Increment {
 /// Samples that an interval's polynomial goes through.
 const NODES: usize = 8;
 
-/// Increments from each sample to the next: the polynomial through eight samples about an interval, integrated. For motion
-/// at a tenth of the sampling rate it errs by 2·10⁻⁵ of the increment, below by the eighth power of the frequency.
+/// Increments from each sample to the next.
 pub fn increments(truth: &Truth) -> Vec<Increment> {
-    let count = truth.samples.len();
+    let of = |value: fn(&Sample) -> Vector3<f64>| {
+        integrals(&truth.samples.iter().map(value).collect::<Vec<_>>(), truth.interval_s)
+    };
+    let (rotations, velocities) = (of(|s| s.rate_rad_s), of(|s| s.specific_force_m_s2));
+    let both = rotations.into_iter().zip(velocities);
+    both.map(|(rotation_rad, velocity_m_s)| Increment { rotation_rad, velocity_m_s }).collect()
+}
+
+/// Integrals from each of the values, `interval_s` apart, to the next: the polynomial through eight samples about an interval,
+/// integrated. For motion at a tenth of the sampling rate it errs by 2·10⁻⁵ of the integral, below by the eighth power of the
+/// frequency.
+pub fn integrals(values: &[Vector3<f64>], interval_s: f64) -> Vec<Vector3<f64>> {
+    let count = values.len();
     let nodes = NODES.min(count);
     let weights: Vec<Vec<f64>> = (0..nodes.saturating_sub(1)).map(|at| weights(nodes, at)).collect();
-    let increment = |k: usize| {
+    let integral = |k: usize| -> Vector3<f64> {
         let first = (k + 1).saturating_sub(nodes / 2).min(count - nodes);
-        let of = |value: fn(&Sample) -> Vector3<f64>| -> Vector3<f64> {
-            let terms = weights[k - first].iter().zip(&truth.samples[first..]);
-            terms.map(|(w, sample)| value(sample) * (w * truth.interval_s)).sum()
-        };
-        Increment { rotation_rad: of(|s| s.rate_rad_s), velocity_m_s: of(|s| s.specific_force_m_s2) }
+        weights[k - first].iter().zip(&values[first..]).map(|(w, value)| value * (w * interval_s)).sum()
     };
-    (0..count.saturating_sub(1)).map(increment).collect()
+    (0..count.saturating_sub(1)).map(integral).collect()
 }
 
 /// Integral, from node `at` to the next, of the polynomial through nodes at 0, 1, 2, …: the weight of each.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::compare::Compare;
 use crate::motion::file::format::{Format, Order, Up};
 
 /// The kinds, by name.
@@ -62,6 +63,8 @@ pub struct Section {
     pub up: Option<Up>,
     /// Order of the file's quaternions; absent: recognised.
     pub quaternion: Option<Order>,
+    /// The recorded IMU that belongs to the file of poses.
+    pub compare: Option<Compare>,
 }
 
 impl Section {
@@ -70,6 +73,7 @@ impl Section {
         for file in [&mut self.file, &mut self.times].into_iter().flatten() {
             *file = folder.join(&*file);
         }
+        self.compare = self.compare.map(|compare| compare.in_folder(folder));
         self
     }
 
@@ -90,6 +94,7 @@ impl Section {
             ("times", self.times.is_some()),
             ("up", self.up.is_some()),
             ("quaternion", self.quaternion.is_some()),
+            ("compare", self.compare.is_some()),
         ];
         keys.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect()
     }

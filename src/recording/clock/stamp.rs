@@ -1,6 +1,7 @@
 //! A time stamp as it is printed: whole units and the rest, so that 19 digits keep their precision.
 
 use crate::recording::format;
+use crate::recording::time_unit::TimeUnit;
 
 /// A time stamp in the file's unit, exact to 1e-16 of a unit whatever its size.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +52,12 @@ impl Stamp {
     /// Time since another stamp, in the file's unit.
     pub fn since(&self, origin: &Self) -> f64 {
         (i128::from(self.whole) - i128::from(origin.whole)) as f64 + (self.fraction - origin.fraction)
+    }
+
+    /// Whole seconds, and the rest below one, of a stamp in this unit.
+    pub fn seconds(&self, unit: TimeUnit) -> (i64, f64) {
+        let each = (1.0 / unit.seconds()).round() as i64;
+        (self.whole.div_euclid(each), (self.whole.rem_euclid(each) as f64 + self.fraction) / each as f64)
     }
 
     /// Nearest double.

@@ -1,0 +1,247 @@
+//! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots beside the bands of the
+//! study's sensor, and the shares inside them.
+
+use crate::number::{rounded, significant};
+use crate::numerics::special::normal_quantile;
+use crate::report::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
+use crate::report::html::Page;
+use crate::report::table::Table;
+use crate::strapdown::windows::document::{AXES, TOGETHER};
+use crate::strapdown::windows::inflation::Inflation;
+use crate::strapdown::windows::score::{self, BANDS};
+use crate::strapdown::windows::{Compared, Length, Sensor};
+use crate::study::Study;
+use crate::units::{DEGREE, DEGREE_PER_HOUR_PER_ROOT_HOUR, DEGREE_PER_ROOT_HOUR, MICRO_G};
+
+/// How the nine errors are called and shown: name, unit, and its size in SI units.
+const SHOWN: [(&str, &str, f64); 9] = [
+    ("north", "m", 1.0),
+    ("east", "m", 1.0),
+    ("down", "m", 1.0),
+    ("velocity north", "m/s", 1.0),
+    ("velocity east", "m/s", 1.0),
+    ("velocity down", "m/s", 1.0),
+    ("roll", "°", DEGREE),
+    ("pitch", "°", DEGREE),
+    ("heading", "°", DEGREE),
+];
+const _: () = assert!(SHOWN.len() == AXES.len());
+
+/// The section of the page.
+pub fn section(page: &mut Page, compared: &Compared) {
+    page.section("Predicted and recorded flight");
+    page.paragraph(&format!(
+        "The recorded IMU ({} s beside the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
+         begins with the reference's position, velocity and attitude; biases that other readings gave are taken off. The band \
+         is that of the study's sensor in the same window, by the linear error model, and includes what the biases taken off \
+         are uncertain by. Nothing in it was fitted to these windows.",
+        rounded(compared.seconds, 4),
+        &compared.sha256[..compared.sha256.len().min(12)],
+    ));
+    for group in 0..3 {
+        let charts: Vec<Figure> = (3 * group..3 * group + 3).map(|place| chart(compared, place).draw()).collect();
+        let name = ["position", "velocity", "attitude"][group];
+        let caption = format!(
+            "Error of {name} at the end of each window (dots) beside the 50 and 90 % bands that the study's sensor predicts."
+        );
+        page.figure(&Figure::row(&charts).named(&format!("windows-{name}")), &caption);
+    }
+    page.table(&table(compared));
+    page.paragraph(
+        "Fractions of the windows inside the central 50, 90 and 99 % of the prediction, in brackets exact 95 % intervals \
+         (Clopper and Pearson). The last column is the mean of the normalised errors squared: 1 where errors are as large as \
+         predicted; in brackets what it stays within in 95 of 100 cases if they are.",
+    );
+    page.table(&joint(compared));
+    if let Some(inflation) = &compared.inflation {
+        page.paragraph(&format!(
+            "The inflation that this motion justifies: what each cause would have to be for {} windows of {} s to be \
+             consistent, found together by maximum likelihood, with 95 % intervals of the profile likelihood. \
+             inflated.toml is the stated sensor with these figures, for a study or `proofmass export`.",
+            inflation.windows, compared.lengths[0].seconds,
+        ));
+        page.table(&inflated(compared, inflation));
+    }
+    page.list(&compared.findings);
+}
+
+/// One sentence per sensor and length of window.
+pub fn sentences(compared: &Compared) -> Vec<String> {
+    let mut all = Vec::new();
+    for length in &compared.lengths {
+        let errors = length.errors();
+        let rms = |first: usize, unit: f64| {
+            let axes = (first..first + 3).map(|p| score::axis(&errors, &length.expected[0], p).rms_recorded / unit);
+            axes.map(|v| significant(v, 2)).collect::<Vec<_>>().join("/")
+        };
+        all.push(format!(
+            "{} windows of {} s: after them the recorded IMU errs by {} m north/east/down and {}° roll/pitch/heading (rms).",
+            length.windows.len(),
+            length.seconds,
+            rms(0, 1.0),
+            rms(6, DEGREE),
+        ));
+        for (sensor, expected) in compared.sensors.iter().zip(&length.expected) {
+            let axes: Vec<_> = (0..9).map(|place| score::axis(&errors, expected, place)).collect();
+            let sd = |first: usize, unit: f64| {
+                let each = axes[first..first + 3].iter().map(|a| significant(a.sd_predicted / unit, 2));
+                each.collect::<Vec<_>>().join("/")
+            };
+            let inside: usize = axes.iter().map(|a| a.inside[1]).sum();
+            let position = score::together(&errors, expected, 0..9);
+            all.push(format!(
+                "  {}: predicts {} m and {}°; {:.0} % of the errors lie inside its 90 % bands; normalised error squared {} \
+                 (right: {}–{}).",
+                words(sensor),
+                sd(0, 1.0),
+                sd(6, DEGREE),
+                100.0 * inside as f64 / (9 * length.windows.len()) as f64,
+                significant(position.mean, 2),
+                significant(position.interval[0], 2),
+                significant(position.interval[1], 2),
+            ));
+        }
+    }
+    if let Some(inflation) = &compared.inflation {
+        all.push(format!("consistent with {} windows would be:", inflation.windows));
+        for row in inflated(compared, inflation).rows {
+            let factor =
+                if row[4].is_empty() { String::new() } else { format!(", {} × the stated {}", row[4], row[3]) };
+            all.push(format!("  {}: {} ({}){factor}", row[0], row[1], row[2]));
+        }
+    }
+    all
+}
+
+/// The causes as a table.
+fn inflated(compared: &Compared, inflation: &Inflation) -> Table {
+    let mut table = Table::new(&["cause", "justified", "95 %", "stated", "factor"]);
+    for (place, (name, unit, size)) in CAUSES.into_iter().enumerate() {
+        let shown = |value: f64| if value.is_finite() { significant(value / size, 2) } else { "∞".into() };
+        let (value, stated, [low, high]) =
+            (inflation.coefficients[place], compared.stated[place], inflation.interval[place]);
+        table.row([
+            name.to_owned(),
+            format!("{} {unit}", shown(value)),
+            format!("{}–{}", shown(low), shown(high)),
+            format!("{} {unit}", shown(stated)),
+            if stated > 0.0 { significant(value / stated, 2) } else { String::new() },
+        ]);
+    }
+    table
+}
+
+/// What the causes are called, the unit that they are shown in, and its size in SI units.
+const CAUSES: [(&str, &str, f64); 5] = [
+    ("attitude of the reference", "°", DEGREE),
+    ("gyro, white noise", "°/√h", DEGREE_PER_ROOT_HOUR),
+    ("gyro, random walk", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR),
+    ("accelerometer, white noise", "m/s/√h", 1.0 / 60.0),
+    ("accelerometer, random walk", "µg/√s", MICRO_G),
+];
+
+/// The stated sensor with the justified figures, as a file that a study and `export` take; none where nothing was fitted.
+pub fn inflated_toml(study: &Study, compared: &Compared) -> Option<String> {
+    let inflation = compared.inflation.as_ref()?;
+    let line = |place: usize, key: &str| {
+        let (_, unit, size) = CAUSES[place];
+        let of = |value: f64| if value.is_finite() { significant(value / size, 3) } else { "inf".into() };
+        let [low, high] = inflation.interval[place].map(of);
+        format!("{key} = {:e} # {unit}; 95 %: {low} to {high}\n", inflation.coefficients[place] / size)
+    };
+    Some(format!(
+        "# {}: what {} windows of {} s justify, by maximum likelihood; the stated figures of the same causes are replaced.\n\
+         # Attitude of the reference: {}° (95 %: {} to {}).\n\
+         [sensor]\nsample_rate_hz = {:?}\n\n[gyro]\n{}{}\n[accelerometer]\n{}{}",
+        study.name,
+        inflation.windows,
+        compared.lengths[0].seconds,
+        significant(inflation.coefficients[0] / DEGREE, 3),
+        significant(inflation.interval[0][0] / DEGREE, 3),
+        significant(inflation.interval[0][1] / DEGREE, 3),
+        1.0 / study.sample_s(),
+        line(1, "angle_random_walk_deg_rth"),
+        line(2, "rate_random_walk_deg_h_rth"),
+        line(3, "velocity_random_walk_m_s_rth"),
+        line(4, "acceleration_random_walk_ug_rts"),
+    ))
+}
+
+/// What a sensor is called.
+fn words(sensor: &Sensor) -> String {
+    match sensor {
+        Sensor::Stated => "stated sensor".into(),
+        Sensor::Tenfold => "tenfold noise".into(),
+        Sensor::File(name) => name.clone(),
+        Sensor::Inflated => "inflated".into(),
+    }
+}
+
+/// One error: dots of the recorded windows over their length, on the bands of the stated sensor.
+fn chart(compared: &Compared, place: usize) -> Chart {
+    let (name, unit, size) = SHOWN[place];
+    let mut chart = Chart::new(name, Axis::linear("length of the window / s"), Axis::linear(&labelled("error", unit)));
+    for (share, name, ink) in [(BANDS[1], "predicted, 90 %", Ink::Sky), (BANDS[0], "50 %", Ink::Blue)] {
+        let most = normal_quantile(0.5 + 0.5 * share);
+        let edge =
+            |length: &Length| most * score::axis(&length.errors(), &length.expected[0], place).sd_predicted / size;
+        let edges: Vec<(f64, f64)> = compared.lengths.iter().map(|l| (l.seconds, edge(l))).collect();
+        let with_zero = || std::iter::once((0.0, 0.0)).chain(edges.iter().copied());
+        let upper = with_zero().map(|(_, e)| e).collect();
+        chart.add(name, ink, Mark::Band(upper), with_zero().map(|(t, e)| (t, -e)).collect());
+    }
+    let dots = compared.lengths.iter().flat_map(|l| l.windows.iter().map(|w| (l.seconds, w.error[place] / size)));
+    chart.add("recorded", Ink::Red, Mark::Dots(3), dots.collect());
+    chart.size = (400, 330);
+    chart
+}
+
+/// Fractions inside the bands, axis by axis.
+fn table(compared: &Compared) -> Table {
+    let mut headings = vec!["sensor".to_owned(), "windows".into(), "error".into()];
+    headings.extend(BANDS.iter().map(|b| format!("inside {:.0} %", 100.0 * b)));
+    headings.extend(["rms recorded", "sd predicted", "normalised error squared"].map(str::to_owned));
+    let mut table = Table { headings, rows: Vec::new() };
+    for length in &compared.lengths {
+        let errors = length.errors();
+        for (sensor, expected) in compared.sensors.iter().zip(&length.expected) {
+            for (place, (name, unit, size)) in SHOWN.into_iter().enumerate() {
+                let axis = score::axis(&errors, expected, place);
+                let percent = |share: f64| format!("{:.0}", 100.0 * share);
+                let fraction = |k: usize| {
+                    let [low, high] = axis.interval[k].map(percent);
+                    format!("{} % ({low}–{high})", percent(axis.inside[k] as f64 / axis.windows.max(1) as f64))
+                };
+                let mut row = vec![words(sensor), format!("{} × {} s", axis.windows, length.seconds), name.into()];
+                row.extend((0..3).map(fraction));
+                row.extend(
+                    [axis.rms_recorded, axis.sd_predicted].map(|v| format!("{} {unit}", significant(v / size, 2))),
+                );
+                row.push(squared(&axis.nees));
+                table.row(row);
+            }
+        }
+    }
+    table
+}
+
+fn squared(nees: &score::Nees) -> String {
+    let [low, high] = nees.interval.map(|v| significant(v, 2));
+    format!("{} ({low}–{high})", significant(nees.mean, 2))
+}
+
+/// Normalised errors squared of several axes together.
+fn joint(compared: &Compared) -> Table {
+    let mut headings = vec!["sensor".to_owned(), "windows".into()];
+    headings.extend(TOGETHER.iter().map(|(name, _)| format!("{name}, squared")));
+    let mut table = Table { headings, rows: Vec::new() };
+    for length in &compared.lengths {
+        let errors = length.errors();
+        for (sensor, expected) in compared.sensors.iter().zip(&length.expected) {
+            let mut row = vec![words(sensor), format!("{} × {} s", length.windows.len(), length.seconds)];
+            row.extend(TOGETHER.iter().map(|(_, places)| squared(&score::together(&errors, expected, places.clone()))));
+            table.row(row);
+        }
+    }
+    table
+}

@@ -1,0 +1,148 @@
+//! The run in steps that resolve the motion, and mean and covariance of the errors carried through them.
+
+use nalgebra::{Matrix3, SVector, Vector3};
+
+use crate::kernel::cpu::navigate::roll_pitch_heading;
+use crate::kernel::flight::Flight;
+use crate::parallel;
+use crate::strapdown::family::{Column, Family};
+use crate::strapdown::linear::{Model, Square, Step};
+
+/// Largest turn of the body in a step, rad.
+const MOST_TURN_RAD: f64 = 0.1;
+/// Samples of a step, so that a run has `fewest` steps at least: a power of four, so that held processes are renewed at its
+/// beginnings.
+pub fn stride(flight: &Flight, fewest: u64) -> u64 {
+    let clock = flight.clock();
+    let samples = clock.samples - clock.still_samples;
+    let fastest = flight.course.truth.samples.iter().map(|s| s.rate_rad_s.norm()).fold(1e-12, f64::max);
+    let most = (samples / fewest).min((MOST_TURN_RAD / (fastest * clock.sample_s())) as u64).max(1);
+    4u64.pow(most.ilog(4))
+}
+
+/// One step of the run, or the beginning of one as far as a report.
+pub struct Stop {
+    /// The number of the step.
+    number: u64,
+    /// Time at which it begins, s.
+    begin_s: f64,
+    step: Step,
+    /// Whether it is only looked at, for the report with this heading, rad.
+    report_heading_rad: Option<f64>,
+    /// Whether the run goes on from its end.
+    goes_on: bool,
+}
+
+/// The steps of a flight, in order.
+pub fn steps(flight: &Flight, stride: u64) -> Vec<Stop> {
+    let clock = flight.clock();
+    let sample_s = clock.sample_s();
+    let reports: Vec<u64> = clock.report_samples.iter().map(|n| n - clock.still_samples).collect();
+    let heading = |n: u64| flight.heading_rad(n);
+    let count = (clock.samples - clock.still_samples).div_ceil(stride);
+    let make = |number: usize| -> Vec<Stop> {
+        let number = number as u64;
+        let (from, until) = (number * stride, (number + 1) * stride);
+        let stop = |to: u64, report_heading_rad, goes_on| Stop {
+            number,
+            begin_s: from as f64 * sample_s,
+            step: Step::new(Model::over(&flight.course, flight.vertical, from, to), (to - from) as f64 * sample_s),
+            report_heading_rad,
+            goes_on,
+        };
+        let inside = reports.iter().filter(|r| from < **r && **r < until).map(|r| stop(*r, Some(heading(*r)), false));
+        let mut all: Vec<Stop> = inside.collect();
+        all.push(stop(until, reports.contains(&until).then(|| heading(until)), true));
+        all
+    };
+    parallel::map_indices(count as usize, make).into_iter().flatten().collect()
+}
+
+/// Mean and covariance of position (m), velocity (m/s), and roll, pitch and heading (rad).
+#[derive(Debug, Clone, Copy)]
+pub struct Errors {
+    /// Mean.
+    pub mean: SVector<f64, 9>,
+    /// Covariance.
+    pub covariance: Square,
+}
+
+impl Errors {
+    /// Means and variances.
+    pub fn apart(all: &[Self]) -> (Vec<[f64; 9]>, Vec<[f64; 9]>) {
+        let mean = |e: &Self| std::array::from_fn(|i| e.mean[i]);
+        let variance = |e: &Self| std::array::from_fn(|i| e.covariance[(i, i)].max(0.0));
+        (all.iter().map(mean).collect(), all.iter().map(variance).collect())
+    }
+}
+
+/// The errors at every report.
+pub fn propagated(steps: &[Stop], mut columns: Vec<Column>, mut families: Vec<Family>) -> Vec<Errors> {
+    let mut all = Vec::new();
+    let mut renewed = None;
+    for stop in steps {
+        if renewed != Some(stop.number) {
+            renewed = Some(stop.number);
+            families.iter_mut().for_each(|family| family.renew(stop.number));
+        }
+        let (mut c, mut f);
+        let (columns, families) = match stop.goes_on {
+            true => (&mut columns, &mut families),
+            false => {
+                (c, f) = (columns.clone(), families.clone());
+                (&mut c, &mut f)
+            }
+        };
+        columns.iter_mut().for_each(|column| column.advance(&stop.step, stop.begin_s));
+        families.iter_mut().for_each(|family| family.advance(&stop.step));
+        if let Some(heading_rad) = stop.report_heading_rad {
+            all.push(summed(columns, families, heading_rad));
+        }
+    }
+    all
+}
+
+/// What each column has become at the last report, per unit of its constant.
+pub fn responses(steps: &[Stop], mut columns: Vec<Column>) -> Vec<SVector<f64, 9>> {
+    let mut last = Vec::new();
+    for stop in steps {
+        let mut looked_at;
+        let columns = match stop.goes_on {
+            true => &mut columns,
+            false => {
+                looked_at = columns.clone();
+                &mut looked_at
+            }
+        };
+        columns.iter_mut().for_each(|column| column.advance(&stop.step, stop.begin_s));
+        if let Some(heading_rad) = stop.report_heading_rad {
+            let about = about(heading_rad);
+            last = columns.iter().map(|column| about * column.state).collect();
+        }
+    }
+    last
+}
+
+/// Columns and families together.
+fn summed(columns: &[Column], families: &[Family], heading_rad: f64) -> Errors {
+    let mut mean = SVector::<f64, 9>::zeros();
+    let mut all = Square::zeros();
+    for column in columns {
+        mean += column.state * column.mean;
+        all += column.state * column.state.transpose() * column.variance;
+    }
+    families.iter().for_each(|family| all += family.errors * family.share);
+    let about = about(heading_rad);
+    Errors { mean: about * mean, covariance: about * all * about.transpose() }
+}
+
+/// From the states of the model to position, velocity, and roll, pitch and heading.
+fn about(heading_rad: f64) -> Square {
+    let turn =
+        Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()].map(|v| roll_pitch_heading(v, heading_rad)));
+    let mut about = Square::zeros();
+    about.fixed_view_mut::<3, 3>(6, 0).copy_from(&turn);
+    about.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::identity());
+    about.fixed_view_mut::<3, 3>(0, 6).copy_from(&Matrix3::identity());
+    about
+}

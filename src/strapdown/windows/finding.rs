@@ -1,0 +1,117 @@
+//! What was found about a recorded flight and survived: typed; the sentence stands beside it.
+
+use std::fmt;
+
+use crate::number::rounded;
+
+/// One thing that a person should know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Finding {
+    /// Rows without a reading were left out.
+    LeftOut {
+        /// How many.
+        rows: usize,
+        /// The first, counted from zero after the header.
+        first_row: usize,
+    },
+    /// Readings are missing in between, and short holes were bridged by straight lines.
+    Bridged {
+        /// How many readings were made up.
+        readings: usize,
+    },
+    /// Holes that no window goes across.
+    Holes {
+        /// How many.
+        holes: usize,
+        /// The longest, s.
+        longest_s: f64,
+    },
+    /// The log and the reference share a part of their time.
+    Overlap {
+        /// How long, s.
+        seconds: f64,
+        /// Rows of the log within it: the first and the last.
+        rows: [usize; 2],
+        /// Rows of the log outside it.
+        outside: usize,
+    },
+    /// The units of the log are not stated.
+    UnitsTaken,
+    /// The readings follow the reference badly.
+    Follows {
+        /// Correlation of the angular rates.
+        correlation: f64,
+    },
+    /// No window of a length fits.
+    NoWindow {
+        /// The length, s.
+        seconds: f64,
+        /// The longest stretch without a hole, s.
+        longest_s: f64,
+    },
+    /// Windows of a length without any other to take biases from.
+    NoOther {
+        /// The length, s.
+        seconds: f64,
+        /// How many.
+        windows: usize,
+    },
+    /// Where the still stretch was found.
+    Still {
+        /// Its begin on the reference's clock, s.
+        from_s: f64,
+        /// Its length, s.
+        seconds: f64,
+    },
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::LeftOut { rows, first_row } => {
+                write!(
+                    f,
+                    "{rows} rows of the IMU's log hold no reading or repeat a stamp and were left out, the first is row {first_row}"
+                )
+            }
+            Self::Bridged { readings } => {
+                write!(f, "{readings} readings are missing from the IMU's log; straight lines stand in their place")
+            }
+            Self::Holes { holes, longest_s } => write!(
+                f,
+                "the IMU's log has {holes} holes, up to {} s long; no window goes across one",
+                rounded(longest_s, 3)
+            ),
+            Self::Overlap { seconds, rows, outside } => write!(
+                f,
+                "the IMU's log and the reference share {} s: rows {} to {} of the log; {outside} rows lie outside",
+                rounded(seconds, 4),
+                rows[0],
+                rows[1]
+            ),
+            Self::UnitsTaken => write!(f, "the IMU's log states no units: its readings are taken for rad/s and m/s²"),
+            Self::Follows { correlation } => write!(
+                f,
+                "the angular rates of log and reference correlate by {} only: a time offset, another mounting, or a reference \
+                 that hardly turns",
+                rounded(correlation, 2)
+            ),
+            Self::NoWindow { seconds, longest_s } => write!(
+                f,
+                "no window of {seconds} s fits: the longest stretch without a hole lasts {} s",
+                rounded(longest_s, 4)
+            ),
+            Self::NoOther { seconds, windows } => write!(
+                f,
+                "{windows} windows of {seconds} s have no other beside them to take biases from, and were left out"
+            ),
+            Self::Still { from_s, seconds } => {
+                write!(
+                    f,
+                    "the biases are the mean of the quietest {seconds} s, from {} s of the reference on",
+                    rounded(from_s, 4)
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! A recorded IMU, dead-reckoned beside its reference: windows of a made-up flight lie inside the predicted bands as often as
+//! those say, and what is no recording of the flight is refused by name.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use libtest_mimic::{Failed, Trial};
+use nalgebra::Vector3;
+use proofmass::control::Control;
+use proofmass::motion::sources::{self, Section};
+use proofmass::motion::{Earth, Sampling, Truth};
+use proofmass::rng::{Philox, Stream};
+use proofmass::strapdown::windows::inflation::CAUSES;
+use proofmass::strapdown::windows::score::{self, BANDS};
+use proofmass::strapdown::windows::{self, Compared, Sensor};
+use proofmass::{document, numerics, study};
+use serde_json::Value;
+
+use super::world::{check, data_test, near, program, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test(
+            "flown: windows of a made-up flight lie inside the bands as often as these say, not with three times the noise",
+            shares,
+        ),
+        test("flown: logs that are not of the flight are refused by name, the same log untouched is not", bad_input),
+        data_test("flown: two EuRoC flights err as an independent strapdown does, beside the stated sensor", euroc),
+    ]
+}
+
+/// Noise of the made-up sensor: N of gyros, rad/√s, and accelerometers, m/s/√s; K of gyros, rad/s/√s, and accelerometers,
+/// m/s²/√s.
+const NOISE: [f64; 4] = [3e-4, 3e-3, 2e-6, 2e-5];
+/// Its biases: of gyros, rad/s, and accelerometers, m/s².
+const BIASES: [[f64; 3]; 2] = [[2e-3, -1e-3, 5e-4], [0.05, -0.02, 0.03]];
+const RATE_HZ: f64 = 200.0;
+
+/// The same in study.toml: °/√h, m/s/√h, °/h/√h, µg/√s.
+fn study_text(windows: &str, more: &str) -> String {
+    let [gyro, accelerometer, gyro_walk, accelerometer_walk] = NOISE;
+    format!(
+        "duration_s = 10.0\n[sensor]\nsample_rate_hz = {RATE_HZ}\n[trajectory]\nkind = \"file\"\nfile = \"poses.csv\"\n\
+         up = \"-z\"\n{more}\n[trajectory.compare]\nimu = \"imu.csv\"\nwindows_s = {windows}\n[gyro]\n\
+         angle_random_walk_deg_rth = {}\nrate_random_walk_deg_h_rth = {}\n[accelerometer]\n\
+         velocity_random_walk_m_s_rth = {}\nacceleration_random_walk_ug_rts = {}\n",
+        gyro.to_degrees() * 60.0,
+        gyro_walk.to_degrees() * 3600.0 * 60.0,
+        accelerometer * 60.0,
+        accelerometer_walk / 9.806_65e-6,
+    )
+}
+
+fn truth(section: &str, duration_s: f64) -> Result<Truth, Failed> {
+    let section: Section = document::parse_toml("trajectory", section)?;
+    let sampling = Sampling { rate_hz: RATE_HZ, duration_s, lever_arm_m: Vector3::zeros() };
+    Ok(sources::trajectory(&section, duration_s)?.truth(&Earth::FLAT, sampling)?)
+}
+
+/// Poses at 100 Hz, as a table; the third axis points down.
+fn poses(truth: &Truth) -> String {
+    let mut text = "t_s,x,y,z,qw,qx,qy,qz\n".to_owned();
+    for s in truth.samples.iter().step_by(2) {
+        let (p, q) = (s.position_m, s.attitude);
+        let _ = writeln!(
+            text,
+            "{:.6},{:.9},{:.9},{:.9},{:.12},{:.12},{:.12},{:.12}",
+            s.time_s, p.x, p.y, p.z, q.w, q.i, q.j, q.k
+        );
+    }
+    text
+}
+
+/// What the sensor reads, with its noise times a factor.
+fn readings(truth: &Truth, factor: f64, row: impl Fn(f64, Vector3<f64>, Vector3<f64>) -> String) -> String {
+    let [gyro, accelerometer, gyro_walk, accelerometer_walk] = NOISE.map(|n| n * factor);
+    let mut draw = Philox::new(20, 0, Stream::Start);
+    let mut vector = |size: f64| Vector3::from_fn(|_, _| size * draw.normal());
+    let mut walked = [Vector3::zeros(); 2];
+    let mut text = "t_s,gx,gy,gz,ax,ay,az\n".to_owned();
+    for s in &truth.samples {
+        let (white_rate, white_force) = (vector(gyro * RATE_HZ.sqrt()), vector(accelerometer * RATE_HZ.sqrt()));
+        walked[0] += vector(gyro_walk / RATE_HZ.sqrt());
+        walked[1] += vector(accelerometer_walk / RATE_HZ.sqrt());
+        let rate = s.rate_rad_s + Vector3::from(BIASES[0]) + walked[0] + white_rate;
+        let force = s.specific_force_m_s2 + Vector3::from(BIASES[1]) + walked[1] + white_force;
+        text += &row(s.time_s, rate, force);
+    }
+    text
+}
+
+fn plain(t: f64, w: Vector3<f64>, f: Vector3<f64>) -> String {
+    format!("{t:.6},{:.9},{:.9},{:.9},{:.9},{:.9},{:.9}\n", w.x, w.y, w.z, f.x, f.y, f.z)
+}
+
+fn compared(folder: &Path, text: &str) -> Result<Compared, Failed> {
+    let study = study::parse("study.toml", text, folder)?;
+    let motion = study.in_motion.as_ref().ok_or("no motion")?;
+    Ok(windows::compare(motion, &Control::silent())?.ok_or("nothing compared")?)
+}
+
+fn shares() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    for (name, section) in [
+        ("drone", "kind = \"drone\"\nseed = 4"),
+        ("figure-eight", "kind = \"figure-eight\"\nradius_m = 10.0\nspeed_m_s = 3.0"),
+    ] {
+        let truth = truth(section, 200.0)?;
+        std::fs::write(folder.path().join("poses.csv"), poses(&truth))?;
+        std::fs::write(folder.path().join("imu.csv"), readings(&truth, 1.0, plain))?;
+        let text = study_text("[5.0, 10.0]", "");
+        let right = compared(folder.path(), &text)?;
+        std::fs::write(folder.path().join("imu.csv"), readings(&truth, 3.0, plain))?;
+        let loud = compared(folder.path(), &text)?;
+        check(right.sensors == [Sensor::Stated, Sensor::Tenfold, Sensor::Inflated], "sensors")?;
+        for (compared, factor) in [(&right, 1.0), (&loud, 3.0)] {
+            let inflation = compared.inflation.ok_or("no inflation")?;
+            for (place, noise) in [(1, NOISE[0]), (3, NOISE[1])] {
+                let [low, high] = inflation.interval[place];
+                let held = |noise: f64| low <= noise && noise <= high;
+                // Four intervals of 95 %, widened by a fifth: a miss by more is one in some hundreds.
+                let near = low / 1.2 <= factor * noise && factor * noise <= high * 1.2;
+                check(near, format!("{name}: {:?} {low} to {high}, truth {}", CAUSES[place], factor * noise))?;
+                check(factor == 1.0 || !held(noise), format!("{name}: tripled noise in {low} to {high} as {noise}"))?;
+            }
+        }
+        for (length, loud) in right.lengths.iter().zip(&loud.lengths) {
+            let windows = length.windows.len();
+            check(windows as f64 >= 0.95 * 200.0 / length.seconds, format!("{name}: {windows} windows"))?;
+            let (errors, shrill) = (length.errors(), loud.errors());
+            let mut inside = [0; 2];
+            for place in 0..9 {
+                let axis = score::axis(&errors, &length.expected[0], place);
+                for (share, inside) in BANDS.into_iter().zip(axis.inside) {
+                    // 108 counts: an exact interval of 99.99 % leaves one in a hundred runs of a right prediction outside.
+                    let [low, high] = numerics::special::exact_interval(inside as u64, windows as u64, 0.9999);
+                    check(
+                        low <= share && share <= high,
+                        format!("{name} {place}: {inside} of {windows} inside {share}"),
+                    )?;
+                }
+                // Normalised errors squared have the variance 2: five standard errors.
+                near(&format!("{name} {place}: nees"), axis.nees.mean, 1.0, 5.0 * (2.0 / windows as f64).sqrt())?;
+                let shrill = score::axis(&shrill, &loud.expected[0], place);
+                check(
+                    shrill.nees.mean > 4.0,
+                    format!("{name} {place}: three times the noise gives {}", shrill.nees.mean),
+                )?;
+                inside[0] += axis.inside[1];
+                inside[1] += shrill.inside[1];
+            }
+            // A normal error of three times the size lies inside 0.548 sd: in 42 % of the cases.
+            let [right, loud] = inside.map(|hits| hits as f64 / (9 * windows) as f64);
+            check(
+                right > 0.8 && loud < 0.6,
+                format!("{name}: {right} inside 90 %, {loud} with three times the noise"),
+            )?;
+            let all = score::together(&errors, &length.expected[0], 0..9);
+            near(&format!("{name}: nees of all"), all.mean, 1.0, 5.0 * (2.0 / all.freedom as f64).sqrt())?;
+            // Tenfold noise on a sensor that is right is too much: nothing is beyond its 50 % band.
+            let tenfold = score::axis(&errors, &length.expected[1], 0);
+            check(tenfold.inside[0] == windows, format!("{name}: {tenfold:?}"))?;
+        }
+        let biases = right.lengths[1].windows[0].biases;
+        for (k, bias) in BIASES[1].iter().chain(&BIASES[0]).enumerate() {
+            near(&format!("{name}: bias {k}"), biases[k], *bias, if k < 3 { 0.01 } else { 5e-4 })?;
+        }
+    }
+    Ok(())
+}
+
+fn bad_input() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let truth = truth("kind = \"drone\"\nseed = 4", 60.0)?;
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text);
+    write("poses.csv", &poses(&truth))?;
+    let text = study_text("[5.0]", "");
+    let said = |imu: &str| -> Result<String, Failed> {
+        write("imu.csv", imu)?;
+        let study = study::parse("study.toml", &text, folder.path())?;
+        let motion = study.in_motion.as_ref().ok_or("no motion")?;
+        match windows::compare(motion, &Control::silent()) {
+            Ok(_) => Ok("taken".into()),
+            Err(error) => Ok(error.cause.clone()),
+        }
+    };
+    let changed = |row: &dyn Fn(f64, Vector3<f64>, Vector3<f64>) -> String| readings(&truth, 1.0, row);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let cases: [(&str, String, &str); 7] = [
+        ("untouched", changed(&plain), "taken"),
+        ("later", changed(&|t, w, f| plain(t + 90.0, w, f)), "do not overlap: the log begins 30"),
+        ("years later", changed(&|t, w, f| plain(t + 1.4e9, w, f)), "the log begins 44.4 years after"),
+        ("degrees", changed(&|t, w, f| plain(t, w * 180.0 / std::f64::consts::PI, f)), "degrees, not radians"),
+        ("sign of gravity", changed(&|t, w, f| plain(t, w, -f)), "gravity has the wrong sign"),
+        ("in g", changed(&|t, w, f| plain(t, w, f / 9.806_65)), "readings in g"),
+        (
+            "turned",
+            changed(&|t, w, f| {
+                let turn = |v: Vector3<f64>| Vector3::new(v.x, half * (v.y - v.z), half * (v.y + v.z));
+                plain(t, turn(w), turn(f))
+            }),
+            "away from up",
+        ),
+    ];
+    for (name, imu, cause) in cases {
+        let got = said(&imu)?;
+        check(got.contains(cause), format!("{name}: got `{got}`, expected `{cause}`"))?;
+    }
+    // Rows without a reading are counted, and the windows stay.
+    let rows =
+        changed(&|t, w, f| if (10.0..10.01).contains(&t) { format!("{t:.6},nan,0,0,0,0,0\n") } else { plain(t, w, f) });
+    write("imu.csv", &rows)?;
+    let found = compared(folder.path(), &text)?;
+    check(
+        found.findings.iter().any(|f| f.contains("2 rows of the IMU's log hold no reading")),
+        format!("{:?}", found.findings),
+    )?;
+    check(found.findings.iter().any(|f| f.contains("2 readings are missing")), format!("{:?}", found.findings))?;
+    // A reference at 2 Hz is said; one that jumps is refused.
+    write("imu.csv", &changed(&plain))?;
+    let every = poses(&truth);
+    let (header, rows) = every.split_once('\n').ok_or("no header")?;
+    let slow: String = rows.lines().step_by(50).map(|row| format!("{row}\n")).collect();
+    write("poses.csv", &format!("{header}\n{slow}"))?;
+    let refusal = |text: &str| match compared(folder.path(), text) {
+        Ok(found) => found.findings.join("; "),
+        Err(error) => format!("{error:?}"),
+    };
+    let said = refusal(&text);
+    check(said.contains("2 Hz"), format!("slow: {said}"))?;
+    let jump = |(k, row): (usize, &str)| match (
+        k > 3000,
+        row.split_once(',').and_then(|(t, rest)| Some((t, rest.split_once(',')?))),
+    ) {
+        (true, Some((t, (x, rest)))) => format!("{t},{},{rest}\n", x.parse::<f64>().unwrap_or_default() + 2.0),
+        _ => format!("{row}\n"),
+    };
+    let jumped: String = rows.lines().enumerate().map(jump).collect();
+    write("poses.csv", &format!("{header}\n{jumped}"))?;
+    let said = refusal(&text);
+    check(said.contains("jumps by 2"), format!("jump: {said}"))?;
+    // Keys in the wrong company.
+    write("poses.csv", &every)?;
+    for (more, cause) in [
+        ("still_s = 5.0", "belongs to bias = \"others\"".replace("others", "still")),
+        ("bias = \"still\"", "still_s` is missing".into()),
+        ("windows = [1.0]", "windows".into()),
+    ] {
+        let wrong = text.replace("[gyro]", &format!("{more}\n[gyro]"));
+        let error = study::parse("study.toml", &wrong, folder.path()).err().ok_or(format!("{more} was taken"))?;
+        check(error.cause.contains(&cause), format!("{more}: {error}"))?;
+    }
+    let error =
+        study::parse("study.toml", &text.replace("[5.0]", "[10.0, 5.0]"), folder.path()).err().ok_or("taken")?;
+    check(error.cause.contains("does not increase"), error.cause.clone())
+}
+
+/// Rms after ten seconds of a plain strapdown (trapezia, flat Earth) that began with the reference's state and took off the
+/// reference's own median biases: m, and ° about the axes; by an independent script in NumPy over the same flights.
+const STRAPDOWN: [(&str, usize, f64, f64); 2] = [("euroc_v102", 8, 2.14, 0.456), ("euroc_mh04", 9, 0.990, 0.195)];
+
+fn euroc(data: &Path) -> Result<(), Failed> {
+    for (flight, count, position_m, attitude_deg) in STRAPDOWN {
+        let folder = tempfile::tempdir()?;
+        let of = |file: &str| data.join(flight).join(file).display().to_string();
+        let text = format!(
+            "members = 64\nduration_s = 10.0\n[sensor]\nsample_rate_hz = 200.0\n[earth]\nlatitude_deg = 47.4\n[trajectory]\n\
+             kind = \"file\"\nfile = \"{}\"\nup = \"z\"\n[trajectory.compare]\nimu = \"{}\"\nwindows_s = [10.0, 30.0]\n[gyro]\n\
+             angle_random_walk_deg_rth = 0.58332\n[accelerometer]\nvelocity_random_walk_m_s_rth = 0.12\n",
+            of("ground_truth.csv"),
+            of("imu0.csv")
+        );
+        let path = folder.path().join("study.toml");
+        std::fs::write(&path, text)?;
+        let output =
+            program().arg("--json").arg("study").arg(&path).arg("--out").arg(folder.path().join("out")).output()?;
+        check(output.status.success(), String::from_utf8_lossy(&output.stderr))?;
+        let answer: Value = serde_json::from_slice(&output.stdout)?;
+        let entries = answer["windows"].as_array().ok_or("no windows")?;
+        let of = |axis: &str, key: &str| -> f64 {
+            let is = |e: &&Value| e["axis"] == axis && e["seconds"] == 10.0 && e["sensor"] == "stated";
+            entries.iter().find(is).and_then(|e| e[key].as_f64()).unwrap_or(f64::NAN)
+        };
+        near(&format!("{flight}: windows"), of("north", "windows"), count as f64, 0.0)?;
+        let norm = |axes: [&str; 3], key: &str| axes.map(|axis| of(axis, key).powi(2)).iter().sum::<f64>().sqrt();
+        let (position, attitude) =
+            (norm(["north", "east", "down"], "rms_recorded"), norm(["roll", "pitch", "heading"], "rms_recorded"));
+        // Biases of other windows in the place of the reference's own, and other instants of beginning: a factor of two.
+        check(
+            (0.5..2.0).contains(&(position / position_m)),
+            format!("{flight}: {position} m, {position_m} m by the script"),
+        )?;
+        let attitude = attitude.to_degrees();
+        check(
+            (0.5..2.0).contains(&(attitude / attitude_deg)),
+            format!("{flight}: {attitude}°, {attitude_deg}° by the script"),
+        )?;
+        // The stated gyros predict √10 · 1.6968e-4 rad = 0.031° about each axis, and the biases taken off their share.
+        let predicted = of("roll", "sd_predicted").to_degrees();
+        check((0.03..0.06).contains(&predicted), format!("{flight}: {predicted}° predicted"))?;
+        check(of("roll", "nees") > 3.0, "the stated sensor explains the flight")?;
+    }
+    Ok(())
+}
