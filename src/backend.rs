@@ -20,7 +20,7 @@ pub mod orbits;
 pub mod partial;
 pub mod tile;
 
-pub use partial::{Partial, Unfinished};
+pub(crate) use partial::{Partial, Unfinished};
 
 /// Members of a job to integrate in one go.
 pub struct Batch<'a> {

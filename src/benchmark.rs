@@ -34,15 +34,15 @@ use row::row;
 pub use work::FULL;
 
 /// Name of the rows that all shares refer to.
-pub const PEAK: &str = "multiply-add peak";
+pub(crate) const PEAK: &str = "multiply-add peak";
 /// Name of a row that has a published counterpart.
-pub const LORENZ: &str = "Lorenz, 1000 Runge-Kutta steps";
+const LORENZ: &str = "Lorenz, 1000 Runge-Kutta steps";
 /// Name of a row that has a published counterpart.
-pub const DIFFUSION: &str = "three states, 256 Euler-Maruyama steps";
+const DIFFUSION: &str = "three states, 256 Euler-Maruyama steps";
 /// Name of the rows of the same without its numbers.
-pub const NOISELESS: &str = "full without force noise";
+pub(crate) const NOISELESS: &str = "full without force noise";
 /// Name of the rows of its numbers alone.
-pub const NORMAL: &str = "normal numbers, one a member-step";
+pub(crate) const NORMAL: &str = "normal numbers, one a member-step";
 const MAP: &str = "Lyapunov map: orbit and tangent by Runge-Kutta";
 const STEPS: &str = "member-steps";
 

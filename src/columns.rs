@@ -12,7 +12,7 @@ pub use table::{Column, Columns, Values};
 
 /// A file of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// Comma-separated values with one row of headings; a missing number is an empty cell, and every other one reads back as
     /// the same `f64`.
     Csv,

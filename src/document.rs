@@ -39,7 +39,7 @@ pub fn parse_toml<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
 ///
 /// # Errors
 /// As [`parse_toml`], and when the file cannot be read.
-pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
+pub(crate) fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     let (name, text) = (path.display().to_string(), read_text(path)?);
     parse_toml(&name, &text)
 }
@@ -48,7 +48,7 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 ///
 /// # Errors
 /// As [`parse_toml`], without a place.
-pub fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result<T> {
+pub(crate) fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result<T> {
     let fail = |error: toml::de::Error| {
         let message = error.message();
         Error::new(format!("could not read {name}"), plain(message), hint(message))
@@ -60,7 +60,7 @@ pub fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) -> Result
 ///
 /// # Errors
 /// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
-pub fn open(path: &Path, what: &str) -> Result<File> {
+pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
     let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
     if about.is_dir() {
         return Err(Error::io("read", path, &std::io::ErrorKind::IsADirectory.into()));
@@ -82,7 +82,7 @@ const LONGEST_BYTES: u64 = 16 << 20;
 ///
 /// # Errors
 /// A file that cannot be read, is too long for a document, or holds something else than UTF-8 text (the line is named).
-pub fn read_text(path: &Path) -> Result<String> {
+pub(crate) fn read_text(path: &Path) -> Result<String> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read {}", path.display()), cause, hint.to_owned());
     let file = open(path, "document")?;

@@ -120,7 +120,7 @@ fn integrator(study: &Study) -> Result<Choice> {
 }
 
 /// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.
-pub fn curve_samples(clock: &Clock) -> Vec<u64> {
+pub(crate) fn curve_samples(clock: &Clock) -> Vec<u64> {
     let last = clock.samples as f64;
     let first = (last / 1000.0).max(1.0);
     let [by_ratio, by_time] = CURVE_POINTS;

@@ -37,14 +37,14 @@ pub use sine::MemberSine;
 pub use waveform::Waveform;
 
 /// Every kind; the first is the one of a study that names none.
-pub const KINDS: &[Kind] =
+pub(crate) const KINDS: &[Kind] =
     &[rest::KIND, rectangle::KIND, sine::KIND, sweep::KIND, multisine::KIND, random::KIND, shock::KIND, replay::KIND];
 
 /// Reads `[excitation]`.
 ///
 /// # Errors
 /// An unknown kind or key, a value of another form.
-pub fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
+pub(crate) fn section<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Section, D::Error> {
     static KNOWN: OnceLock<Known> = OnceLock::new();
     section::read(deserializer, KNOWN.get_or_init(|| Known::of(KINDS.iter().map(|k| (k.name, k.keys)))))
 }

@@ -49,6 +49,12 @@
 //! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
 //! can name; *null*, a recording without any.
 
+// What only the missing feature uses is left over.
+#![cfg_attr(
+    not(all(feature = "cli", feature = "formats", feature = "gpu", feature = "plots")),
+    allow(dead_code, unused_imports)
+)]
+
 pub mod backend;
 pub mod benchmark;
 #[cfg(feature = "cli")]

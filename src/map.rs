@@ -14,8 +14,8 @@ use crate::backend::orbits::Device;
 use crate::control::Control;
 use crate::error::Result;
 use crate::parallel;
-pub use atlas::Atlas;
-pub use diagram::Bifurcation;
+pub(crate) use atlas::Atlas;
+pub(crate) use diagram::Bifurcation;
 use document::Document;
 
 /// Computes everything a document asks for.

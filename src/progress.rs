@@ -8,17 +8,17 @@ mod bars;
 
 /// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and signals stop.
 #[cfg(feature = "cli")]
-pub fn terminal() -> Control {
+pub(crate) fn terminal() -> Control {
     Control::new(bars::Terminal::new())
 }
 
 /// What a program without a command line hands down: nothing is shown.
 #[cfg(not(feature = "cli"))]
-pub fn terminal() -> Control {
+pub(crate) fn terminal() -> Control {
     Control::silent()
 }
 
 /// A bar without a [`Control`]; it goes when it is dropped.
-pub fn bar(name: &str, length: u64) -> Progress {
+pub(crate) fn bar(name: &str, length: u64) -> Progress {
     terminal().stage(name, length)
 }

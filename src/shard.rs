@@ -22,7 +22,7 @@ pub struct Shard {
 }
 
 /// Most shards of a run.
-pub const MOST: u64 = 1_000_000;
+pub(crate) const MOST: u64 = 1_000_000;
 
 impl Shard {
     /// The file that it writes.
@@ -73,7 +73,6 @@ impl std::fmt::Display for Shard {
 impl std::str::FromStr for Shard {
     type Err = String;
 
-    /// `3/16`.
     fn from_str(text: &str) -> Result<Self, String> {
         let need = || format!("need K/N with K from 1 to N and N at most {MOST}, e.g. 3/16");
         let (number, of) = text.split_once('/').ok_or_else(need)?;

@@ -5,12 +5,11 @@ use std::sync::atomic::{AtomicU8, Ordering};
 #[cfg(feature = "cli")]
 mod listen;
 #[cfg(feature = "cli")]
-pub use listen::listen_for_interrupt;
+pub(crate) use listen::listen_for_interrupt;
 
 /// A request to stop, by the signal that carried it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// SIGINT: Ctrl-C.
+pub(crate) enum Signal {
     Interrupt,
     /// SIGTERM: `kill`, `timeout`, a batch system.
     Terminate,
@@ -42,22 +41,23 @@ impl Signal {
 static STOP: AtomicU8 = AtomicU8::new(0);
 
 /// Raises the flag that long loops look at.
-pub fn raise(signal: Signal) {
+pub(crate) fn raise(signal: Signal) {
     let _ = STOP.compare_exchange(0, signal.exit_code(), Ordering::SeqCst, Ordering::SeqCst);
 }
 
 /// Takes it down again, where the process outlives what was stopped.
-pub fn lower() {
+#[cfg(feature = "python")]
+pub(crate) fn lower() {
     STOP.store(0, Ordering::SeqCst);
 }
 
 /// The signal that asked the process to stop, if one has; the first, where several came.
-pub fn stopped_by() -> Option<Signal> {
+pub(crate) fn stopped_by() -> Option<Signal> {
     let code = STOP.load(Ordering::Relaxed);
     [Signal::Interrupt, Signal::Terminate, Signal::HangUp].into_iter().find(|s| s.exit_code() == code)
 }
 
 /// Whether the user asked to stop. Long loops look at it at least every 100 ms.
-pub fn interrupted() -> bool {
+pub(crate) fn interrupted() -> bool {
     STOP.load(Ordering::Relaxed) != 0
 }

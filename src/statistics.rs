@@ -9,7 +9,7 @@ pub mod jcgm101;
 pub mod moments;
 
 pub use fold::Fold;
-pub use histogram::{Bins, Histogram};
+pub(crate) use histogram::{Bins, Histogram};
 pub use moments::Moments;
 
 use std::ops::Range;
@@ -36,7 +36,7 @@ pub struct Summary {
 }
 
 /// Which percentiles a [`Summary`] holds, in its order.
-pub const PERCENTILES: [f64; 5] = [0.01, 0.05, 0.50, 0.95, 0.99];
+const PERCENTILES: [f64; 5] = [0.01, 0.05, 0.50, 0.95, 0.99];
 
 impl Summary {
     /// The summary of moments and histogram of the same values.

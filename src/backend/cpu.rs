@@ -58,7 +58,6 @@ const FEWEST_MEMBERS: u64 = 4096;
 /// Substeps tabulated at a time: 20 bytes each, so that the table stays in the second-level cache.
 const MOST_SUBSTEPS: u64 = 16_384;
 
-/// This processor.
 pub(super) fn machine(precision: Precision, level: Level, integrator: Integrator) -> Machine {
     Machine {
         kind: "cpu".to_owned(),

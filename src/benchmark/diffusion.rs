@@ -9,10 +9,8 @@ use crate::numerics::elementary::{Real, fma};
 use crate::parallel;
 use crate::rng::Stream;
 
-/// Trajectories.
-pub const MEMBERS: usize = 32_768;
-/// Steps.
-pub const STEPS: usize = 256;
+pub(crate) const MEMBERS: usize = 32_768;
+pub(crate) const STEPS: usize = 256;
 const STEP: f64 = 1.0 / 256.0;
 const DRIFT: f64 = 1.5;
 const DIFFUSION: f64 = 0.1;

@@ -10,15 +10,12 @@ use crate::parallel;
 use crate::rng::Stream;
 use crate::units::MICRO_G;
 
-/// Oscillators.
-pub const MEMBERS: usize = 8192;
-/// Steps.
-pub const STEPS: usize = 4096;
-/// Step, s.
-pub const STEP_S: f64 = 1e-3;
+pub(crate) const MEMBERS: usize = 8192;
+pub(crate) const STEPS: usize = 4096;
+pub(crate) const STEP_S: f64 = 1e-3;
 
 /// Parameters and force of the work unit.
-pub struct Problem<T> {
+pub(super) struct Problem<T> {
     blocks: Vec<Block<T>>,
     force: Vec<T>,
 }

@@ -7,11 +7,8 @@ use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::numerics::elementary::{Real, fma};
 use crate::parallel;
 
-/// Systems.
-pub const MEMBERS: usize = 16_384;
-/// Steps.
-pub const STEPS: usize = 1000;
-/// Step.
+pub(crate) const MEMBERS: usize = 16_384;
+pub(crate) const STEPS: usize = 1000;
 const STEP: f64 = 0.01;
 const SIGMA: f64 = 10.0;
 const BETA: f64 = 8.0 / 3.0;

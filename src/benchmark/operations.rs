@@ -9,12 +9,12 @@ use crate::kernel::cpu::members::Members;
 use crate::numerics::elementary::Real;
 
 /// A Runge–Kutta step of the Duffing oscillator in displacement: 16 for four accelerations, 14 for the stages.
-pub const DUFFING: f64 = 30.0;
+pub(super) const DUFFING: f64 = 30.0;
 /// A Runge–Kutta step of a Lorenz system: 24 for four rates of six, 9 for the stages, 12 for the sum.
-pub const LORENZ: f64 = 45.0;
+pub(super) const LORENZ: f64 = 45.0;
 /// A step of orbit and tangent together, without fused multiply-adds: four rates of 7 and four bends of 6, 6 for the force,
 /// 24 for the stages of four numbers, 24 for their sums, 2 for the step.
-pub const LYAPUNOV: f64 = 108.0;
+pub(super) const LYAPUNOV: f64 = 108.0;
 
 /// A proof mass in error coordinates by Runge–Kutta: four accelerations of 6, 8 for the stages, 7 for the sums, 1 for the
 /// force noise.
@@ -35,7 +35,7 @@ pub fn normal<T: Real>() -> f64 {
 }
 
 /// An Euler–Maruyama step of three states: two multiply-adds and a normal number each.
-pub fn diffusion<T: Real>() -> f64 {
+pub(super) fn diffusion<T: Real>() -> f64 {
     3.0 * (2.0 + normal::<T>())
 }
 
@@ -45,10 +45,10 @@ pub fn full<T: Real>() -> f64 {
 }
 
 /// The same on a GPU, whose lanes are 32 bits wide for whole numbers too.
-pub const FULL_GPU: f64 = PROOF_MASS + INTEGRATIONS + BOX_MULLER + PHILOX_NARROW;
+pub(super) const FULL_GPU: f64 = PROOF_MASS + INTEGRATIONS + BOX_MULLER + PHILOX_NARROW;
 
 /// Bytes that a member-step of the full path moves to and from memory: parameters and state of a member, once in and once
 /// out per tile. Within a tile they stay in the first-level cache.
-pub fn full_bytes<T: Real>(tile_samples: u64) -> f64 {
+pub(super) fn full_bytes<T: Real>(tile_samples: u64) -> f64 {
     2.0 * size_of::<Members<T>>() as f64 / LANES as f64 / tile_samples as f64
 }

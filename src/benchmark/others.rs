@@ -3,7 +3,7 @@
 
 /// A reading of the counters, in clock ticks since the machine and the program began.
 #[derive(Debug, Clone, Copy)]
-pub struct Ticks {
+pub(crate) struct Ticks {
     all: u64,
     busy: u64,
     own: u64,

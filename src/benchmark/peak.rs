@@ -32,7 +32,7 @@ impl<T: Real, const N: usize> Kernel for Chains<T, N> {
 /// Runs `N` × 64 chains on every thread; returns the multiply-adds done, for a clock to divide.
 ///
 /// Which `N` fills the registers without spilling depends on the machine: take the best of 1, 2 and 3.
-pub fn multiply_adds<T: Real, const N: usize>() -> f64 {
+pub(crate) fn multiply_adds<T: Real, const N: usize>() -> f64 {
     let threads = parallel::threads();
     let one = |_| Level::best().run(Chains::<T, N>(black_box(T::of(0.999_999))));
     let sums: Vec<f64> = parallel::map_indices(threads, one);

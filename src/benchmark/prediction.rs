@@ -16,14 +16,14 @@ pub struct Card {
 }
 
 /// Cards that a reader may have.
-pub const CARDS: [Card; 3] = [
+pub(crate) const CARDS: [Card; 3] = [
     Card { name: "NVIDIA V100 SXM2", lanes: 5120, boost_ghz: 1.53 },
     Card { name: "NVIDIA GeForce RTX 4090", lanes: 16_384, boost_ghz: 2.52 },
     Card { name: "NVIDIA H200 SXM", lanes: 16_896, boost_ghz: 1.98 },
 ];
 
 /// Share of the issue bound at which a compute-bound kernel of this kind is expected: a guess, stated as such.
-pub const EXPECTED_SHARE: f64 = 0.45;
+pub(crate) const EXPECTED_SHARE: f64 = 0.45;
 
 impl Card {
     /// Instructions per second over all lanes.

@@ -32,8 +32,7 @@ impl Published {
     }
 }
 
-/// All.
-pub const PUBLISHED: [Published; 2] = [
+pub(crate) const PUBLISHED: [Published; 2] = [
     // The card is not written in the file; the timings of DiffEqGPU.jl committed with it are those that the article's
     // artifacts keep under Tesla_V100, number for number.
     Published {

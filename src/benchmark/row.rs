@@ -64,7 +64,7 @@ fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<
 ///
 /// # Errors
 /// As the work; stopped.
-pub fn row(
+pub(crate) fn row(
     control: &Control,
     work: &str,
     precision: &str,

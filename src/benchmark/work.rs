@@ -14,13 +14,13 @@ use crate::validation::parity::everything;
 /// Name of the rows of ensembles by the full path.
 pub const FULL: &str = "full: Runge-Kutta 4, force noise, two integrations";
 /// Sizes at which the full path is timed: from one sensor to a fleet.
-pub const SIZES: [u64; 7] = [1, 64, 1024, 8192, 65_536, 1 << 20, 10_000_000];
+pub(crate) const SIZES: [u64; 7] = [1, 64, 1024, 8192, 65_536, 1 << 20, 10_000_000];
 /// Name of these rows.
-pub const SIZED: &str = "full, by size of the ensemble";
+pub(crate) const SIZED: &str = "full, by size of the ensemble";
 /// Name of the rows of 8192 members over ever longer runs.
-pub const SCALED: &str = "full, by length of the run";
+pub(crate) const SCALED: &str = "full, by length of the run";
 /// Samples of the runs of [`SCALED`].
-pub const LENGTHS: [u64; 4] = [1000, 10_000, 100_000, 1_000_000];
+pub(super) const LENGTHS: [u64; 4] = [1000, 10_000, 100_000, 1_000_000];
 
 fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Job {
     Job {
@@ -49,13 +49,13 @@ pub fn full(members: u64) -> Job {
 }
 
 /// The same without force noise: what is left of its time is the generator's.
-pub fn noiseless(members: u64) -> Job {
+pub(super) fn noiseless(members: u64) -> Job {
     let sensor = Sensor { proof_mass: Some(duffing(30.0, 0.7)), ..Sensor::default() };
     Job { draw: Arc::new(move |_| Member { sensor, sine: None }), ..full(members) }
 }
 
 /// The full path over that many samples, one report at its end: what cost per member-step depends on if it is not constant.
-pub fn long(members: u64, samples: u64) -> Job {
+pub(crate) fn long(members: u64, samples: u64) -> Job {
     let mut job = full(members);
     (job.clock.samples, job.clock.report_samples) = (samples, vec![samples]);
     job
@@ -85,12 +85,12 @@ pub fn orbits(points: usize) -> (Vec<Point>, Plan) {
 }
 
 /// Steps of orbit and tangent in that map.
-pub fn orbit_steps(points: usize, plan: &Plan) -> f64 {
+pub(super) fn orbit_steps(points: usize, plan: &Plan) -> f64 {
     points as f64 * f64::from(plan.steps_per_period) * f64::from(ALIGN_PERIODS + plan.periods)
 }
 
 /// What an ensemble is mostly asked for.
-pub fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
+pub(crate) fn ensembles(members: u64) -> Vec<(&'static str, Job)> {
     let linear = duffing(1200.0, 0.7).with(&CUBIC_STIFFNESS, 0.0);
     let mut plain = Sensor { proof_mass: Some(linear), ..Sensor::default() };
     plain.accelerometer.velocity_random_walk_m_s_rts = 4e-4;

@@ -6,7 +6,7 @@ use super::table::{Columns, Values};
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
 /// The columns of numbers, side by side; missing ones are NaN.
-pub fn bytes(table: &Columns) -> Vec<u8> {
+pub(crate) fn bytes(table: &Columns) -> Vec<u8> {
     let numbers: Vec<&Vec<f64>> = table
         .all()
         .iter()

@@ -8,15 +8,12 @@ use super::thrift::Value;
 /// Rows of a row group; each of its columns is one page.
 const GROUP: usize = 1 << 17;
 const MAGIC: &[u8; 4] = b"PAR1";
-/// Physical types.
 const DOUBLE: i32 = 5;
 const BYTE_ARRAY: i32 = 6;
-/// Encodings.
 const PLAIN: i32 = 0;
 const RLE: i32 = 3;
 
-/// The whole file.
-pub fn bytes(table: &Columns) -> Vec<u8> {
+pub(crate) fn bytes(table: &Columns) -> Vec<u8> {
     let rows = table.rows();
     let mut out = MAGIC.to_vec();
     let mut groups = Vec::new();

@@ -10,7 +10,6 @@ pub enum Values {
 }
 
 impl Values {
-    /// Rows.
     fn len(&self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),

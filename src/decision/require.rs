@@ -169,15 +169,11 @@ pub fn answer(source: &StudyText, question: &Question, control: &Control) -> Res
 
 /// Two neighbouring values of a key between which a requirement is just met.
 pub(super) struct Between<'a> {
-    /// The study.
     pub source: &'a StudyText,
     /// What else is set in it.
     pub fixed: Vec<Assignment>,
-    /// The key.
     pub key: &'a str,
-    /// The requirement.
     pub limit: &'a Limit,
-    /// The values, increasing.
     pub ends: [f64; 2],
 }
 
@@ -223,11 +219,9 @@ impl Between<'_> {
 
 /// What the last search has found.
 struct Settled {
-    /// Where, if anywhere.
     crossing: Option<Crossing>,
     /// Whether its interval is as narrow as was asked.
     narrow: bool,
-    /// The statistic there.
     statistic: Estimate,
 }
 

@@ -34,7 +34,6 @@ fn slots(summary: &Summary) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
     })
 }
 
-/// Fourth central moment.
 fn fourth_moment(summary: &Summary) -> f64 {
     let sum: f64 = slots(summary).map(|(low, high, n)| n as f64 * (0.5 * (low + high) - summary.mean).powi(4)).sum();
     sum / summary.count.max(1) as f64

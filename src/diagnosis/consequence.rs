@@ -13,7 +13,7 @@ use crate::sensor::{Sense, Sensor, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Times that the cost is stated for, s.
-pub const TIMES_S: [f64; 2] = [10.0, 60.0];
+pub(crate) const TIMES_S: [f64; 2] = [10.0, 60.0];
 /// Position error of one sensor at the stated times, m.
 struct Drift {
     /// Variance of everything but the mechanics.

@@ -66,7 +66,7 @@ const RULES: &[(Contradiction, Test, Remedy)] = &[
 ];
 
 /// Brings an answer into accord with its own numbers; what was wrong, in the order of the rules.
-pub fn settle(answer: &mut Answer) -> Vec<Contradiction> {
+pub(crate) fn settle(answer: &mut Answer) -> Vec<Contradiction> {
     let mut broken = Vec::new();
     for (contradiction, test, remedy) in RULES {
         if test(answer) {

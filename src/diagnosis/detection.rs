@@ -23,8 +23,7 @@ pub struct Structure {
     pub detectable_r_squared: f64,
 }
 
-/// Nothing to judge.
-pub const EMPTY: Structure =
+const EMPTY: Structure =
     Structure { r_squared: 0.0, p_value: 1.0, own_r_squared: 0.0, own_p_value: 1.0, detectable_r_squared: 1.0 };
 
 /// Forecasts `values` from `lags` of its own past and from `regressors` (each as long as `values`).

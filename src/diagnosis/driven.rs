@@ -56,7 +56,7 @@ pub fn diagnose(recording: &Recording, model: &model::Driven, control: &Control)
 ///
 /// # Errors
 /// As [`diagnose`], and as `several::taken`.
-pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
+pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: &Control) -> Result<Answer> {
     let recording = &recordings.train[0];
     let attempt = || format!("could not diagnose {}", recording.path.display());
     let Taken { prepared, pieces, judging } = several::taken(recordings, model)?;
@@ -80,7 +80,6 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, control: 
 
 /// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of it.
 struct Course {
-    /// The whole recording.
     data: Data,
     /// What terms are chosen on: the loudest stretch of a long recording, else all of it.
     narrow: Data,

@@ -27,9 +27,7 @@ type State = [f64; 4];
 /// One sensor under one vibration, a whole number of steps per period.
 struct VibratedSensor<'a> {
     control: &'a Control,
-    /// ω₀².
     stiffness: f64,
-    /// 2ζω₀.
     damping: f64,
     /// Further laws and their parameters.
     laws: Vec<(Term, [[f64; 1]; MOST_VALUES])>,
@@ -44,7 +42,7 @@ struct VibratedSensor<'a> {
 ///
 /// # Errors
 /// Stopped.
-pub fn position_error_m(
+pub(crate) fn position_error_m(
     mass: &ProofMass,
     vibration: &Vibration,
     times_s: [f64; 2],

@@ -9,7 +9,7 @@ use super::verdict::Whiteness;
 
 /// A mismatch is real where noise alone would show as much with less than this probability, corrected for all tests and
 /// channels of the diagnosis.
-pub const REAL: f64 = 0.004;
+pub(super) const REAL: f64 = 0.004;
 /// The residual is called coloured by a test whose probability, corrected for all tests and channels, is below this, if what it
 /// found is more than negligible: in enough rows every test finds something.
 pub const WHITE: f64 = 0.05;

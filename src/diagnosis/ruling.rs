@@ -30,7 +30,7 @@ pub struct Evidence {
     pub base_determined: bool,
     /// Whether any effect, of any size, would have been seen.
     pub has_power: bool,
-    /// Effects that hold.
+    /// Number of effects that hold.
     pub named: usize,
     /// Whether the form of one of them is not the stated one.
     pub departs: bool,

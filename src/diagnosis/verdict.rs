@@ -31,7 +31,7 @@ impl Outcome {
     }
 }
 
-/// What was diagnosed.
+/// File, size and rate of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordingInfo {
     /// File as given.
@@ -106,11 +106,11 @@ pub struct Form {
 /// One named effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
-    /// Library id.
+    /// Id in the library of candidates.
     pub id: String,
     /// What was left out.
     pub statement: String,
-    /// The term.
+    /// The law as an equation.
     pub equation: String,
     /// Fitted parameters.
     pub parameters: Vec<Estimate>,
@@ -152,11 +152,11 @@ pub struct Stretch {
 /// Where the mismatch lives, after false-discovery control.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Where {
-    /// In a sentence.
+    /// Place of the mismatch in one sentence.
     pub summary: String,
-    /// In time, s.
+    /// Intervals of time with excess residual, s.
     pub time_s: Vec<Stretch>,
-    /// In frequency, Hz.
+    /// Bands with excess residual, Hz.
     pub frequency_hz: Vec<Stretch>,
     /// In state (amplitude), output unit; for static logs averaging time in s.
     pub state: Vec<Stretch>,
@@ -181,7 +181,7 @@ pub struct StateCell {
 /// Fit on one part of the recording: root-mean-square error of free simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Score {
-    /// Base model.
+    /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
     /// With the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -198,7 +198,7 @@ pub struct RangeScore {
     pub from: usize,
     /// The one after the last.
     pub to: usize,
-    /// Base model.
+    /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
     /// With the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -209,9 +209,9 @@ pub struct RangeScore {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Fitted.
+    /// Fitted (training).
     Train,
-    /// Only judges.
+    /// Validation only.
     Test,
 }
 
@@ -224,7 +224,7 @@ pub struct RecordingScore {
     pub role: Role,
     /// Samples on which the errors were taken.
     pub samples: usize,
-    /// Base model.
+    /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
     /// With the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -241,7 +241,7 @@ pub struct RecordingScore {
 /// Mean log-likelihood per sample on the test part.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogScore {
-    /// Base model.
+    /// Value for the base model.
     pub before: f64,
     /// With the named effects.
     pub after: f64,
@@ -254,7 +254,7 @@ pub struct Noise {
     pub value: f64,
     /// Its unit.
     pub unit: String,
-    /// From what.
+    /// How it was measured.
     pub how: String,
 }
 
@@ -298,7 +298,7 @@ pub struct Whiteness {
 /// The smallest strength of a candidate that would have been named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Detectable {
-    /// Library id.
+    /// Id in the library of candidates.
     pub id: String,
     /// Its strength's symbol.
     pub parameter: String,
@@ -344,11 +344,11 @@ pub struct Verdict {
     pub schema: &'static str,
     /// Kind of recording.
     pub kind: super::candidate::Kind,
-    /// What is said.
+    /// Verdict.
     pub verdict: Outcome,
     /// In plain words, for the first screen.
     pub sentence: String,
-    /// What was diagnosed.
+    /// File, size and rate of the recording.
     pub recording: RecordingInfo,
     /// The base model's own numbers, fitted together with the named effects.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -14,7 +14,7 @@ use crate::statistics::{Statistics, quantity};
 use crate::study::Study;
 
 /// Members that are enough for a budget: the variance of each source to 2.2 %.
-pub const ENOUGH_MEMBERS: u64 = 4096;
+const ENOUGH_MEMBERS: u64 = 4096;
 
 /// Contribution of one error source.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +93,7 @@ pub fn jobs(study: &Study, integrator: Integrator, samples: &[u64]) -> Vec<Job> 
 ///
 /// # Errors
 /// Whatever stops a run.
-pub fn make(
+pub(crate) fn make(
     study: &Study,
     integrator: Integrator,
     samples: &[u64],

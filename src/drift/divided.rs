@@ -21,7 +21,7 @@ use crate::shard::{Piece, Shard, rest};
 use crate::study::{Study, read_again};
 
 /// The subcommand that divides studies.
-pub const COMMAND: &str = "study";
+pub(crate) const COMMAND: &str = "study";
 
 /// The study, as a shard's file carries it.
 #[derive(Serialize, Deserialize)]
@@ -36,7 +36,7 @@ struct Carried {
 }
 
 /// A study and its ensembles.
-pub struct Divided {
+pub(crate) struct Divided {
     /// The ensembles: the parts that are divided.
     pub jobs: Vec<Job>,
     run: Run,
@@ -88,6 +88,7 @@ impl Divided {
     }
 
     /// The same of a shard that takes its share of what is left of a run.
+    #[cfg_attr(not(feature = "mpi"), allow(dead_code, reason = "ranks take what is left of a run"))]
     pub fn rest(&self, shard: Shard, gaps: &[(usize, Range<u64>)]) -> Header {
         self.with(shard, rest(shard, &parts(&self.jobs), gaps))
     }
@@ -108,7 +109,7 @@ impl Divided {
 ///
 /// # Errors
 /// A file that is damaged; a recording of the study that has changed or is not there.
-pub fn merged(found: &[Found], control: &Control) -> Result<(Study, Drift)> {
+pub(crate) fn merged(found: &[Found], control: &Control) -> Result<(Study, Drift)> {
     let refuse = |cause: String, hint: &str| Error::new("could not merge the shards of a study", cause, hint);
     let first = found.first().ok_or_else(|| refuse("there are none".into(), "give the folders that hold them"))?;
     let carried: Carried = serde_json::from_value(first.header.document.clone())

@@ -136,7 +136,6 @@ fn chain(
     time_s.iter().map(row).collect()
 }
 
-/// tⁿ/n!
 fn power(n: u32, time_s: f64) -> f64 {
     Process::Constant(1.0).variance(n, time_s).sqrt()
 }
@@ -158,16 +157,22 @@ fn mean_of_still_start(integrals: u32, still_s: f64) -> f64 {
 
 /// What kind of error a source is in this study.
 enum Law {
-    /// Not there.
     Absent,
     /// There, without a closed form.
     None(&'static str),
     /// A constant per member, integrated so often.
-    Constant { mean: f64, variance: f64, integrals: u32 },
-    /// Zero-mean processes.
+    Constant {
+        mean: f64,
+        variance: f64,
+        integrals: u32,
+    },
     Random(Vec<Process>),
     /// A constant per member times the force to a power.
-    Motion { power: usize, mean: f64, variance: f64 },
+    Motion {
+        power: usize,
+        mean: f64,
+        variance: f64,
+    },
 }
 
 fn law(study: &Study, source: ErrorSource) -> Law {

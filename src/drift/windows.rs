@@ -27,9 +27,9 @@ const MOST_MEMBERS: u64 = 16_384;
 /// Points of the curves over the longest window.
 const CURVE_POINTS: usize = 24;
 /// Quantiles that the curves show.
-pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Central bands, as shares of the simulated members that they hold.
-pub const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
+pub(crate) const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
 
 /// How the log is cut for windows of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +142,7 @@ impl Drifted {
 ///
 /// # Errors
 /// A log that is shorter than a still start or than two windows with theirs; windows below one sample.
-pub fn cuts(study: &Study, compare: &Compare, log: &Recording) -> Result<Vec<Cut>> {
+pub(super) fn cuts(study: &Study, compare: &Compare, log: &Recording) -> Result<Vec<Cut>> {
     let (Some(windows_s), Alignment::Still { .. }) = (&compare.windows_s, study.alignment) else {
         return Ok(Vec::new());
     };
@@ -224,7 +224,7 @@ fn integrals(values: &[f64], still: usize) -> impl Iterator<Item = [f64; 2]> + '
 ///
 /// # Errors
 /// Sections of the axis that make no sense; whatever stops the simulation.
-pub fn drifted(
+pub(crate) fn drifted(
     study: &Study,
     axis: &Axis,
     log: &Recording,

@@ -22,12 +22,9 @@ pub struct MassResponse {
 
 /// A force that is `force_n` from `start_s` for `length_s`, and zero otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
-    /// Height.
+pub(crate) struct Rectangle {
     pub force_n: f64,
-    /// Beginning.
     pub start_s: f64,
-    /// Length.
     pub length_s: f64,
 }
 
@@ -48,14 +45,14 @@ impl Rectangle {
 }
 
 /// The roots (−D₀ ± √(D₀² − 4km)) / 2m of equation 4's characteristic polynomial.
-pub fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
+pub(crate) fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let root = Complex::new(d * d - 4.0 * k * m, 0.0).sqrt();
     [(-root - d) / (2.0 * m), (root - d) / (2.0 * m)]
 }
 
 /// The exponents ±½√(D₀² − 4km/m − D₀²/m) that stand in equation 5 as printed, everything under one root.
-pub fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
+pub(crate) fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let half = Complex::new(d * d - 4.0 * k * m / m - d * d / m, 0.0).sqrt() * 0.5;
     [-half, half]
@@ -64,7 +61,7 @@ pub fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
 /// Equation 5 with given exponents: F₀/k + c₁e^(r₁t) + c₂e^(r₂t), where rest at t = 0 fixes c₁ and c₂.
 ///
 /// The exponents must differ; at critical damping the form itself does not exist.
-pub fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> MassResponse {
+fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> MassResponse {
     if time_s <= 0.0 {
         return MassResponse::default();
     }
@@ -82,7 +79,7 @@ pub fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n:
 }
 
 /// What is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ + kx − F₀, N.
-pub fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
+pub(crate) fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let [r1, r2] = roots;
     let level = force_n / k;
@@ -92,7 +89,7 @@ pub fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f6
 }
 
 /// The exact response from rest to a rectangle: a step up and, later, a step down.
-pub fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> MassResponse {
+pub(crate) fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s: f64) -> MassResponse {
     let roots = roots(oscillator);
     let up = step_response(oscillator, roots, rectangle.force_n, time_s - rectangle.start_s);
     let down = step_response(oscillator, roots, -rectangle.force_n, time_s - rectangle.start_s - rectangle.length_s);
@@ -106,7 +103,7 @@ pub fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, time_s:
 }
 
 /// The exact-hold map: over one step of constant force, `[x, v, ∫x, ∬x, F]` is multiplied by this matrix.
-pub fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
+pub(crate) fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let mut rate = Matrix5::zeros();
     rate[(0, 1)] = 1.0;
@@ -119,7 +116,7 @@ pub fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
 }
 
 /// Applies an exact-hold map to a motion under a force.
-pub fn hold_step(map: &Matrix5<f64>, motion: MassResponse, force_n: f64) -> MassResponse {
+pub(crate) fn hold_step(map: &Matrix5<f64>, motion: MassResponse, force_n: f64) -> MassResponse {
     let v = map * Vector5::new(motion.x_m, motion.v_m_s, motion.integral_m_s, motion.double_integral_m_s2, force_n);
     MassResponse { x_m: v[0], v_m_s: v[1], integral_m_s: v[2], double_integral_m_s2: v[3] }
 }

@@ -111,7 +111,6 @@ impl Kept {
         Ok(())
     }
 
-    /// Writes the file.
     pub(super) fn write(&mut self, last: Option<&State>) -> Result<()> {
         self.note(last)?;
         self.place.write(&self.header, &self.results)

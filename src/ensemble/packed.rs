@@ -14,7 +14,6 @@ use crate::backend::Unfinished;
 use crate::statistics::fold::{Fold, Node};
 use crate::statistics::{Bins, Machine, Moments, Origin};
 
-/// What is small.
 #[derive(Serialize, Deserialize)]
 struct Head {
     fingerprint: String,
@@ -230,7 +229,6 @@ mod tests {
         job(Sensor::default(), 1500, &[0.5, 1.0], sine, Integrator::Ideal)
     }
 
-    /// These members summed.
     fn state(run: &Run<'_>, members: Range<u64>) -> State {
         let bins = vec![[Bins { from: -1.0, per_unit: 2048.0 }; 4]; run.job.clock.report_samples.len()];
         let mut state = State::new(run, members.clone());

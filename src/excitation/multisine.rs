@@ -14,8 +14,7 @@ use rand::RngExt;
 /// Most lines: they are summed afresh at every step.
 const MOST_LINES: u32 = 4096;
 
-/// `kind = "multisine"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "multisine",
     keys: &[("rms_m_s2", Form::Number), ("from_hz", Form::Number), ("to_hz", Form::Number), ("lines", Form::Whole)],
     plan: |given| {
@@ -35,7 +34,7 @@ pub const KIND: Kind = Kind {
 
 /// Equal lines over a band.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Multisine {
+pub(crate) struct Multisine {
     amplitude_m_s2: f64,
     lines: Vec<(f64, f64)>,
 }

@@ -113,6 +113,6 @@ impl Plan {
 }
 
 /// A number's 99 % quantile, as the highest frequency that counts.
-pub fn highest_hz(number: Number) -> f64 {
+pub(crate) fn highest_hz(number: Number) -> f64 {
     number.quantile(0.99, true)
 }

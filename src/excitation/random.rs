@@ -18,8 +18,7 @@ use crate::error::Result;
 use crate::rng::{Philox, Stream};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
-/// `kind = "random"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "random",
     keys: &[("psd_g2_hz", Form::Pairs)],
     plan: |given| {
@@ -53,7 +52,7 @@ const LONGEST: usize = 1 << 22;
 
 /// One-sided power spectral density over frequency, straight lines on log-log axes between its points, zero outside.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spectrum {
+pub(crate) struct Spectrum {
     /// (frequency in Hz, density in g²/Hz), frequencies increasing, both positive, at least two points.
     pub points: Vec<(f64, f64)>,
 }
@@ -90,9 +89,8 @@ impl Spectrum {
     }
 }
 
-/// One realisation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RandomVibration {
+pub(crate) struct RandomVibration {
     samples_m_s2: Vec<f64>,
     rate_hz: f64,
 }

@@ -5,8 +5,7 @@ use super::reader::Kind;
 use super::section::Form;
 use super::waveform::Waveform;
 
-/// `kind = "rectangle"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "rectangle",
     keys: &[("amplitude_m_s2", Form::Number), ("start_s", Form::Number), ("length_s", Form::Number)],
     plan: |given| {
@@ -20,12 +19,9 @@ pub const KIND: Kind = Kind {
 
 /// `amplitude` from `start_s` (inclusive) for `length_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
-    /// Height, m/s².
+pub(crate) struct Rectangle {
     pub amplitude_m_s2: f64,
-    /// First instant, s.
     pub start_s: f64,
-    /// Duration, s.
     pub length_s: f64,
 }
 

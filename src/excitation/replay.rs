@@ -8,8 +8,7 @@ use crate::error::Result;
 use crate::recording;
 use crate::units::number::Number;
 
-/// `kind = "replay"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "replay",
     keys: &[
         ("file", Form::Text),
@@ -57,7 +56,7 @@ fn read(given: &Reader<'_>) -> Result<(Replay, String)> {
 
 /// Samples on a uniform clock that starts at t = 0.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Replay {
+struct Replay {
     /// Specific force at k / `rate_hz`, m/s².
     pub samples_m_s2: Vec<f64>,
     /// Sampling rate of the recording.

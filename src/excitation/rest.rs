@@ -4,8 +4,7 @@ use super::plan::{Plan, Spectrum};
 use super::reader::Kind;
 use super::waveform::Waveform;
 
-/// `kind = "rest"`
-pub const KIND: Kind = Kind { name: "rest", keys: &[], plan: |_| Ok(plan()) };
+pub(crate) const KIND: Kind = Kind { name: "rest", keys: &[], plan: |_| Ok(plan()) };
 
 /// The plan of it.
 pub fn plan() -> Plan {

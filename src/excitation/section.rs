@@ -40,7 +40,7 @@ pub enum Value {
 }
 
 /// Keys with their forms; a key has the same form in every kind that takes it.
-pub type Keys = &'static [(&'static str, Form)];
+pub(super) type Keys = &'static [(&'static str, Form)];
 
 /// The section.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -8,8 +8,7 @@ use super::section::Form;
 use super::waveform::Waveform;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
-/// `kind = "shock"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "shock",
     keys: &[("peak_g", Form::Number), ("start_s", Form::Number), ("length_s", Form::Number)],
     plan: |given| {
@@ -23,10 +22,8 @@ pub const KIND: Kind = Kind {
 
 /// One half period of a sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shock {
-    /// Peak, m/s².
+struct Shock {
     pub peak_m_s2: f64,
-    /// First instant, s.
     pub start_s: f64,
     /// Length of the half period, s.
     pub length_s: f64,

@@ -10,8 +10,7 @@ use super::section::Form;
 use super::waveform::Waveform;
 use crate::units::number::Number;
 
-/// `kind = "sine"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "sine",
     keys: &[("amplitude_m_s2", Form::Number), ("frequency_hz", Form::Number), ("phase_rad", Form::Number)],
     plan: |given| {

@@ -7,8 +7,7 @@ use super::reader::Kind;
 use super::section::Form;
 use super::waveform::Waveform;
 
-/// `kind = "sweep"`
-pub const KIND: Kind = Kind {
+pub(crate) const KIND: Kind = Kind {
     name: "sweep",
     keys: &[("amplitude_m_s2", Form::Number), ("from_hz", Form::Number), ("to_hz", Form::Number)],
     plan: |given| {
@@ -22,8 +21,7 @@ pub const KIND: Kind = Kind {
 
 /// Linear sweep; the phase is the integral of the frequency, so that no instant jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweep {
-    /// Amplitude, m/s².
+pub(crate) struct Sweep {
     pub amplitude_m_s2: f64,
     /// Frequency at t = 0, Hz.
     pub from_hz: f64,

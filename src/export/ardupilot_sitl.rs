@@ -12,7 +12,6 @@ use crate::units::DEGREE;
 const RATE_HZ: f64 = 1000.0;
 /// Amplitude of the accelerometer's noise that is always there, m/s².
 const ACCELEROMETER_FLOOR_M_S2: f64 = 0.01;
-/// The gyro's, °/s.
 const GYRO_FLOOR_DEG_S: f64 = 0.04;
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {

@@ -6,10 +6,9 @@ use crate::number::short;
 
 /// The process that a tool has for a moving bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub(crate) enum Form {
     /// None: white noise alone.
     None,
-    /// A random walk.
     Walk,
     /// First-order Gauss–Markov; with a long correlation time, a random walk.
     GaussMarkov,
@@ -17,7 +16,7 @@ pub enum Form {
 
 /// The bias process written for a sensor, and what is to be said of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Process {
+pub(crate) struct Process {
     /// Strength of the white noise that drives it, unit/√s: the random walk K at times short against the correlation time.
     pub drive: f64,
     /// Correlation time, s; [`WALK_S`] for a random walk.
@@ -27,7 +26,7 @@ pub struct Process {
 }
 
 /// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation is 0.04 % low.
-pub const WALK_S: f64 = 1e6;
+const WALK_S: f64 = 1e6;
 /// Where a substitute for bias instability agrees with it, s.
 const AGREES_S: f64 = 100.0;
 /// Allan deviation of bias instability over B: √(2 ln 2/π).

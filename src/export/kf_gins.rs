@@ -8,7 +8,6 @@ use crate::units::{DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR};
 
 /// Correlation time, h: a bias is a random walk for runs that are short against it.
 const CORRELATION_H: f64 = 100.0;
-/// mGal → m/s².
 const MILLI_GAL: f64 = 1e-5;
 
 pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {

@@ -7,7 +7,7 @@ use crate::sensor::SensorTerm;
 
 /// How a tool writes numbers and comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Syntax {
+pub(super) enum Syntax {
     /// `key: value`, `# comment`.
     Yaml,
     /// `<key>value</key>`, `<!-- comment -->`.
@@ -22,14 +22,11 @@ pub enum Syntax {
     Parm,
 }
 
-/// One number.
 #[derive(Debug, Clone, Copy)]
-pub struct Field<'a> {
-    /// Its key.
+pub(crate) struct Field<'a> {
     pub key: &'a str,
     /// In the tool's unit.
     pub value: f64,
-    /// The tool's unit.
     pub unit: &'a str,
     /// Convention: N or density, per sample or continuous, σ or variance.
     pub means: &'a str,
@@ -54,9 +51,8 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Text that grows.
 #[derive(Debug)]
-pub struct Sheet {
+pub(super) struct Sheet {
     syntax: Syntax,
     documented: &'static str,
     indent: usize,
@@ -123,7 +119,6 @@ impl Sheet {
         self.indent = spaces;
     }
 
-    /// A comment.
     pub fn note(&mut self, note: &str) {
         self.notes += 1;
         let line = match self.syntax {
@@ -166,7 +161,6 @@ impl Sheet {
         }
     }
 
-    /// The text.
     pub fn finish(self) -> String {
         self.text
     }

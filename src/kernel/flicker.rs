@@ -11,41 +11,41 @@
 use crate::numerics::allan::law::FLICKER_FLOOR;
 
 /// e⁻¹: what is left of a term at its next update.
-pub const RETAINED: f64 = 0.367_879_441_171_442_3;
+pub(super) const RETAINED: f64 = 0.367_879_441_171_442_3;
 /// √(1 − e⁻²): the share of the new number.
-pub const RENEWED: f64 = 0.929_873_495_032_193_7;
+pub(super) const RENEWED: f64 = 0.929_873_495_032_193_7;
 /// Most terms a kernel carries: 4¹⁵ samples, 124 days at 100 Hz.
-pub const MOST_TERMS: usize = 16;
+pub(crate) const MOST_TERMS: usize = 16;
 
 /// Variance of term j for a unit Allan variance. The fast end has no faster neighbours and differs from the rest; found
 /// by non-negative fitting of the Allan variance in the test below.
 const VARIANCE: [f64; 6] = [1.262, 1.060, 0.957, 1.028, 0.984, 0.996];
 
 /// Terms needed for a run: until one is held for longer than it.
-pub fn terms(samples: u64) -> usize {
+pub(crate) fn terms(samples: u64) -> usize {
     (1..MOST_TERMS).find(|&j| 4_u64.pow(j as u32 - 1) >= samples).map_or(MOST_TERMS, |j| j + 1)
 }
 
 /// Standard deviation of term j for bias instability 1.
-pub fn amplitude(term: usize) -> f64 {
+pub(crate) fn amplitude(term: usize) -> f64 {
     FLICKER_FLOOR * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
 }
 
 /// Places in the schedule at which runs begin are multiples of this many samples, a stretch of the CPU's kernel.
 const PLACES: u64 = 16;
 /// Places spread over by a Weyl sequence: the golden ratio of 2³², odd, so that any power of two of groups has all places.
-pub const SPREAD: u32 = 0x9E37_79B9;
+pub(crate) const SPREAD: u32 = 0x9E37_79B9;
 /// Places up to the longest time a term is held, 4¹⁵ samples.
-pub const PLACE_MASK: u32 = (1 << 26) - 1;
+pub(super) const PLACE_MASK: u32 = (1 << 26) - 1;
 
 /// Where in the schedule the 64 members from `first_member` on begin, samples.
-pub fn place(first_member: u64) -> u64 {
+pub(crate) fn place(first_member: u64) -> u64 {
     PLACES * u64::from(((first_member / 64) as u32).wrapping_mul(SPREAD) & PLACE_MASK)
 }
 
 /// For how long term j is held, and when it may first be renewed, in samples: one first renewal for each of the places at
 /// which a run may begin, all equally likely; an even selection of at most `most`.
-pub fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
+pub(crate) fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
     let hold = 4_u64.pow(term as u32);
     let places = (hold / PLACES).max(1);
     let shown = places.min(most.max(1));
@@ -63,7 +63,7 @@ pub fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
 /// Which slow term (1, 2, …) is renewed at place n of the schedule: those with n = 4ʲ/2 + a multiple of 4ʲ. At most one per sample, and
 /// at most two in four: term 1 at 4m + 2, another perhaps at 4m. Term 0 is renewed at every sample, all of them at n = 0.
 #[inline(always)]
-pub fn slow_term(sample: u64) -> Option<usize> {
+pub(super) fn slow_term(sample: u64) -> Option<usize> {
     let zeros = sample.trailing_zeros() as usize;
     (sample != 0 && zeros % 2 == 1).then_some(zeros.div_ceil(2))
 }

@@ -66,7 +66,7 @@ pub struct Method {
 }
 
 /// The methods, in the order of [`Integrator`]'s variants.
-pub const METHODS: &[Method] = &[
+pub(super) const METHODS: &[Method] = &[
     Method { name: "ideal", wgsl: "ideal", moves: false, reach: Reach::Nothing, stable_below: f64::INFINITY },
     Method { name: "exact map", wgsl: "exact_hold", moves: true, reach: Reach::Linear, stable_below: f64::INFINITY },
     Method { name: "Runge-Kutta 4", wgsl: "runge_kutta_4", moves: true, reach: Reach::Cubic, stable_below: RK4_STABLE },

@@ -12,9 +12,9 @@ use crate::physics::free_oscillator::transition;
 use crate::sensor::{ProofMass, SensorTerm};
 
 /// Numbers of one member.
-pub const COLUMNS: usize = column::TERMS + SensorTerm::COUNT;
+pub(crate) const COLUMNS: usize = column::TERMS + SensorTerm::COUNT;
 /// Coefficients of the oscillator, the first columns.
-pub const COEFFICIENTS: usize = 8;
+pub(super) const COEFFICIENTS: usize = 8;
 
 /// Places in a member's column, emitted into the shader by the same names.
 pub mod column {
@@ -107,7 +107,7 @@ impl Column {
 }
 
 /// The column of a term that a member does not have.
-pub fn absent(term: SensorTerm) -> f64 {
+pub(crate) fn absent(term: SensorTerm) -> f64 {
     term.law().per_sample(term.law().neutral(), 1.0)
 }
 
@@ -120,7 +120,7 @@ fn steps_per_m_s2(quantisation_m_s2: f64) -> f64 {
 }
 
 /// Amplitudes of the flicker terms of a run.
-pub fn flicker_amplitudes(clock: &Clock) -> Vec<f64> {
+pub(crate) fn flicker_amplitudes(clock: &Clock) -> Vec<f64> {
     (0..flicker::terms(clock.samples)).map(flicker::amplitude).collect()
 }
 

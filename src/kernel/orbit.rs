@@ -70,10 +70,10 @@ pub struct Orbit {
 
 /// Displacements beyond this count as lost, m. The cubic spring holds any orbit far inside; only a step too long for it
 /// leaves.
-pub const LOST_M: f64 = 1e6;
+pub(super) const LOST_M: f64 = 1e6;
 
 /// Periods during which the tangent vector turns into its growing direction before growth is counted.
-pub const ALIGN_PERIODS: u32 = 8;
+pub(crate) const ALIGN_PERIODS: u32 = 8;
 
 impl Orbit {
     /// Period in forcing periods, up to half the recorded strobes: the smallest shift that maps the strobes onto

@@ -35,7 +35,7 @@ const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
 const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
 
 /// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has 64-bit integers.
-pub fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
+fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
     let multiply = if int64 { MULTIPLY_64 } else { MULTIPLY_16 };
     Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
 }
@@ -46,7 +46,7 @@ pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
 }
 
 /// The same, writing the errors of every reading of a tile for `navigate`: binding 6.
-pub fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
+pub(crate) fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, true)
 }
 
@@ -115,7 +115,7 @@ pub fn lyapunov(int64: bool) -> Shader {
 }
 
 /// The kernel of orbits strobed once per period.
-pub fn poincare(int64: bool) -> Shader {
+pub(crate) fn poincare(int64: bool) -> Shader {
     with_random_numbers(
         "poincare",
         &[cubic_stiffness::WGSL, ORBIT, include_str!("../../shaders/poincare.wgsl")].join("\n"),
@@ -124,23 +124,22 @@ pub fn poincare(int64: bool) -> Shader {
 }
 
 /// The navigation in six axes.
-pub fn navigate() -> Shader {
+pub(crate) fn navigate() -> Shader {
     let bound = format!("const BOUND_M_S = {BOUND_M_S:?};\n");
     let text = [&bound, ACCUMULATE, include_str!("../../shaders/navigate.wgsl")].join("\n");
     Shader { name: "navigate", text }
 }
 
-/// The reduction.
-pub fn reduce() -> Shader {
+pub(crate) fn reduce() -> Shader {
     Shader { name: "reduce", text: [LAYOUT, include_str!("../../shaders/reduce.wgsl")].join("\n") }
 }
 
 /// Nothing but multiply-adds: the device's peak.
-pub fn peak() -> Shader {
+pub(crate) fn peak() -> Shader {
     Shader { name: "peak", text: include_str!("../../shaders/peak.wgsl").to_owned() }
 }
 
 /// A check of the device: what sums keep of a small number beside a large one.
-pub fn compensation() -> Shader {
+pub(crate) fn compensation() -> Shader {
     Shader { name: "compensation", text: [ACCUMULATE, include_str!("../../shaders/compensation.wgsl")].join("\n") }
 }

@@ -21,7 +21,7 @@ use crate::shard::gather::Found;
 use crate::shard::{Part, Piece, Shard};
 
 /// The subcommand that divides maps.
-pub const COMMAND: &str = "map";
+pub(crate) const COMMAND: &str = "map";
 
 /// The map, as a shard's file carries it.
 #[derive(Serialize, Deserialize)]
@@ -66,7 +66,7 @@ fn run(document: &Document) -> Run {
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.
-pub fn header(
+pub(crate) fn header(
     document: &Document,
     text: &str,
     input: &Path,
@@ -158,7 +158,7 @@ fn unpack_diagram(bytes: &[u8], asked: &super::document::Diagram) -> Option<Bifu
 ///
 /// # Errors
 /// A file that is damaged.
-pub fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
+pub(crate) fn merged(found: &[Found]) -> Result<(Atlas, Vec<String>)> {
     let carried = |found: &Found| -> Result<Carried> {
         serde_json::from_value(found.header.document.clone()).map_err(|e| damaged(&found.path, &e.to_string()))
     };

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::kernel::orbit::{Plan, Point};
 
 /// Strobes recorded to recognise a period: up to half as many can be found.
-pub const STROBES: u32 = 32;
+const STROBES: u32 = 32;
 /// Strobes agree, relative to their size, when they repeat: above rounding in f32, below any period doubling drawn here.
 const TOLERANCE: f32 = 2e-3;
 

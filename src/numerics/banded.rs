@@ -4,7 +4,7 @@
 
 /// A symmetric matrix of which only the diagonal and the bands below it are kept.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Banded {
+pub(crate) struct Banded {
     /// Bands, the diagonal included.
     bands: usize,
     /// Row by row: the entries from `row − bands + 1` to the diagonal.
@@ -13,7 +13,7 @@ pub struct Banded {
 
 /// The lower triangular factor of a band matrix.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Factor(Banded);
+pub(crate) struct Factor(Banded);
 
 impl Banded {
     /// Zeros, of this size, with this many bands, the diagonal included.
@@ -21,7 +21,6 @@ impl Banded {
         Self { bands, entries: vec![0.0; size * bands] }
     }
 
-    /// Rows.
     pub fn size(&self) -> usize {
         self.entries.len() / self.bands
     }

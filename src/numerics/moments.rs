@@ -14,13 +14,13 @@ pub fn mean_sd(values: &[f64]) -> (f64, f64) {
 }
 
 /// Root mean square; zero of nothing.
-pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (squares, count) = values.into_iter().fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
     (squares / f64::max(count, 1.0)).sqrt()
 }
 
 /// Scalar product; of the shorter length where they differ.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Eight partial sums: independent chains, and less rounding than one.
     let mut sums = [0.0; 8];
     let whole = a.len().min(b.len()) / 8 * 8;

@@ -34,7 +34,7 @@ pub struct Response {
 
 /// Welch's density with Hann windows that overlap by half; each segment loses its mean. `segment` is a number of samples,
 /// limited to the length of `values`; fewer than four samples give an empty density.
-pub fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
+pub(crate) fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
     let Some(mut welch) = Welch::new(segment.min(values.len())) else { return Density::empty() };
     values.iter().for_each(|v| welch.push(*v));
     welch.density(rate_hz)
@@ -42,7 +42,7 @@ pub fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
 
 /// Welch's density of a stream.
 #[derive(Debug)]
-pub struct Welch {
+pub(crate) struct Welch {
     hann: Windowed,
     segment: Vec<f64>,
     length: usize,
@@ -57,7 +57,6 @@ impl Welch {
         Some(Self { hann: Windowed::new(length)?, segment, length, sum, count: 0 })
     }
 
-    /// The next sample.
     pub fn push(&mut self, value: f64) {
         self.segment.push(value);
         if self.segment.len() == self.length {
@@ -87,7 +86,7 @@ impl Welch {
 }
 
 /// The periodogram of a sequence without its mean: one average, what a Whittle likelihood wants.
-pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
+pub(crate) fn periodogram(values: &[f64], rate_hz: f64) -> Density {
     let count = values.len();
     if count < 4 {
         return Density::empty();
@@ -104,7 +103,7 @@ pub fn periodogram(values: &[f64], rate_hz: f64) -> Density {
 }
 
 /// The response of `output` to `input` (equally long) by Welch's averages.
-pub fn response(input: &[f64], output: &[f64], rate_hz: f64, segment: usize) -> Response {
+pub(crate) fn response(input: &[f64], output: &[f64], rate_hz: f64, segment: usize) -> Response {
     let length = input.len().min(output.len());
     let segment = segment.min(length);
     let (Some(mut x), Some(mut y)) = (Windowed::new(segment), Windowed::new(segment)) else {

@@ -10,7 +10,7 @@ const NAME: &str = ".proofmass.lock";
 
 /// A folder's lock, held until this is dropped.
 #[derive(Debug)]
-pub struct Lock {
+pub(crate) struct Lock {
     file: File,
     path: PathBuf,
 }

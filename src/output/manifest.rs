@@ -24,7 +24,7 @@ pub struct Identity {
 }
 
 /// Whether a name is that of a pattern, which may hold one `*` for any text.
-pub fn matches(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
         Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),

@@ -66,7 +66,7 @@ fn together<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
 }
 
 /// The error that names the files.
-pub fn refuse(folder: &Path, found: &[(String, Reason)]) -> Error {
+pub(crate) fn refuse(folder: &Path, found: &[(String, Reason)]) -> Error {
     let mut reasons: Vec<&Reason> = found.iter().map(|(_, reason)| reason).collect();
     reasons.sort();
     reasons.dedup();

@@ -10,11 +10,11 @@ use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// Sensors in the array.
-pub const SENSORS: u64 = 16;
+pub(crate) const SENSORS: u64 = 16;
 /// Velocity random walk of each sensor, m/s/√s.
-pub const WHITE_M_S_RTS: f64 = 1e-3;
+const WHITE_M_S_RTS: f64 = 1e-3;
 /// Acceleration random walk that all share, m/s²/√s.
-pub const WALK_M_S2_RTS: f64 = 4e-6;
+const WALK_M_S2_RTS: f64 = 4e-6;
 const RATE_HZ: f64 = 20.0;
 const SAMPLES: usize = 20 * 4 * 3600;
 

@@ -16,10 +16,9 @@ use crate::parallel;
 
 /// Groups of orbits between which errors are estimated.
 const GROUPS: usize = 8;
-/// Orbits per group.
 const ORBITS: usize = 64;
 /// Each enlargement is this much smaller than the one before.
-pub const ENLARGEMENT: f64 = 1.0 / 8.0;
+const ENLARGEMENT: f64 = 1.0 / 8.0;
 
 /// A window into the section and what the points in it measure.
 #[derive(Debug, Clone)]

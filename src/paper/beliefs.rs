@@ -5,10 +5,10 @@ use crate::navigation::kalman::{Model, Weighting};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK, STANDARD_GRAVITY_M_S2};
 
 /// Three ways to trust the accelerometer, in the order of all arrays here.
-pub const WEIGHTINGS: [Weighting; 3] = [Weighting::Plain, Weighting::Magnitude, Weighting::Adaptive];
+pub(super) const WEIGHTINGS: [Weighting; 3] = [Weighting::Plain, Weighting::Magnitude, Weighting::Adaptive];
 
 /// Sampling interval of the simulated sensors, s.
-pub const STEP_S: f64 = 0.01;
+pub(crate) const STEP_S: f64 = 0.01;
 
 /// The filter's beliefs from the printed noise of the paper's sensor family.
 pub fn model() -> Model {

@@ -20,7 +20,7 @@ pub struct Cubic {
 
 /// Time and motion at every step; the integrals are Simpson's, of the order of Runge–Kutta itself. Edges of the rectangle
 /// fall on steps; a periodic force may act besides.
-pub fn respond(
+pub(super) fn respond(
     oscillator: &Oscillator,
     (rectangle, drive): (Rectangle, Option<&Drive>),
     step_s: f64,

@@ -11,12 +11,12 @@ use crate::kernel::orbit::{Orbit, Plan, Point};
 use crate::numerics::order;
 
 /// "f = 1.5 Hz" read as an angular frequency.
-pub const OMEGA_RAD_S: f64 = 1.5;
+pub(super) const OMEGA_RAD_S: f64 = 1.5;
 /// "f = 1.5 Hz" read as printed.
-pub const OMEGA_OF_HERTZ_RAD_S: f64 = 2.0 * std::f64::consts::PI * 1.5;
+pub(super) const OMEGA_OF_HERTZ_RAD_S: f64 = 2.0 * std::f64::consts::PI * 1.5;
 
 /// An exponent counts as positive above this, 1/s: a periodic orbit near a bifurcation shows up to 0.002.
-pub const POSITIVE_PER_S: f64 = 0.01;
+const POSITIVE_PER_S: f64 = 0.01;
 
 /// Starts per force: displacements in units of the static deflection, at rest.
 const STARTS: [f64; 8] = [0.0, 0.3, -0.3, 0.7, -0.7, 1.0, -1.0, 1.4];
@@ -73,7 +73,7 @@ impl Scan {
 ///
 /// # Errors
 /// Stopped.
-pub fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) -> Result<Scan, Stopped> {
+pub(crate) fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) -> Result<Scan, Stopped> {
     let force = |i: u32| to_n * f64::from(i + 1) / f64::from(points);
     let at_rest = |i: u32| Point::at_rest(&PAPER, &Drive { amplitude_n: force(i), omega_rad_s });
     let starts = (0..points).flat_map(|i| {
@@ -106,7 +106,7 @@ pub fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) -> Resu
 ///
 /// # Errors
 /// Stopped.
-pub fn choose(scan: &Scan, control: &Control) -> Result<Option<f64>, Stopped> {
+pub(crate) fn choose(scan: &Scan, control: &Control) -> Result<Option<f64>, Stopped> {
     let candidates: Vec<f64> = scan.everywhere().into_iter().take(20).map(|p| p.0).collect();
     let Some(largest) = candidates.iter().copied().max_by(f64::total_cmp) else { return Ok(None) };
     let starts: Vec<Point> = candidates

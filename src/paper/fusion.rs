@@ -13,11 +13,9 @@ use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// The paper's times: still until, moved until, back only after, s.
-pub const STILL_UNTIL_S: f64 = 1.2;
-/// See [`STILL_UNTIL_S`].
-pub const MOVED_UNTIL_S: f64 = 1.4;
-/// See [`STILL_UNTIL_S`].
-pub const BACK_AFTER_S: f64 = 3.0;
+pub(crate) const STILL_UNTIL_S: f64 = 1.2;
+pub(crate) const MOVED_UNTIL_S: f64 = 1.4;
+pub(crate) const BACK_AFTER_S: f64 = 3.0;
 
 const MEMBERS: u64 = 400;
 const END_S: f64 = 8.0;

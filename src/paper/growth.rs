@@ -10,18 +10,17 @@ use crate::parallel;
 use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DEGREE_PER_HOUR, DEGREE_PER_ROOT_HOUR, MILLI_G, STANDARD_GRAVITY_M_S2};
 
-/// The paper's example.
-pub const TILT_BIAS_RAD: f64 = 0.2 * DEGREE;
+const TILT_BIAS_RAD: f64 = 0.2 * DEGREE;
 /// White noise of the accelerometer in figure 2 (a density of 200 µg/√Hz), two-sided, m/s/√s.
 const VELOCITY_WALK_M_S_RTS: f64 = 1.4e-3;
 /// Angle random walk of figure 3.
-pub const ANGLE_WALK_RAD_RTS: f64 = 3.0 * DEGREE_PER_ROOT_HOUR;
+pub(crate) const ANGLE_WALK_RAD_RTS: f64 = 3.0 * DEGREE_PER_ROOT_HOUR;
 /// Angle random walk of figure 4: small, so that the biases show.
 const QUIET_WALK_RAD_RTS: f64 = 0.03 * DEGREE_PER_ROOT_HOUR;
 /// Standard deviation of the accelerometer's bias in figure 4.
-pub const ACCELEROMETER_BIAS_M_S2: f64 = MILLI_G;
+const ACCELEROMETER_BIAS_M_S2: f64 = MILLI_G;
 /// Standard deviation of the gyro's bias in figure 4.
-pub const GYRO_BIAS_RAD_S: f64 = 10.0 * DEGREE_PER_HOUR;
+const GYRO_BIAS_RAD_S: f64 = 10.0 * DEGREE_PER_HOUR;
 
 const MEMBERS: u64 = 2000;
 const STEP_S: f64 = 0.1;

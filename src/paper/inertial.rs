@@ -33,9 +33,8 @@ pub struct Inertial {
 
 /// One-sided noise densities that the maker of the paper's sensor family prints: gyro, rad/s/√Hz; accelerometer,
 /// m/s²/√Hz (Xsens, MTi and MTx User Manual, table of specifications).
-pub const PRINTED_GYRO_DENSITY: f64 = 0.05 * DEGREE;
-/// See [`PRINTED_GYRO_DENSITY`].
-pub const PRINTED_ACCELEROMETER_DENSITY: f64 = 0.002;
+pub(super) const PRINTED_GYRO_DENSITY: f64 = 0.05 * DEGREE;
+pub(super) const PRINTED_ACCELEROMETER_DENSITY: f64 = 0.002;
 
 /// Columns of the recording.
 const COLUMNS: [&str; 6] = ["gx_cnt", "gy_cnt", "gz_cnt", "ax_cnt", "ay_cnt", "az_cnt"];
@@ -87,7 +86,7 @@ pub fn recorded(folder: &Path) -> Result<Inertial> {
 }
 
 /// A simulation of the same sensor family: a still minute, then moves by hand between still poses.
-pub fn simulated() -> Inertial {
+pub(crate) fn simulated() -> Inertial {
     let step_s: f64 = 0.01;
     let mut random = Philox::new(5, 0, Stream::Host);
     let mut normal = || random.normal();

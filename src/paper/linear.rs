@@ -11,9 +11,9 @@ use crate::dynamics::linear::{
 use crate::numerics::moments::mean;
 
 /// One metre per second squared for half a minute. The paper prints neither; only ratios matter in a linear equation.
-pub const RECTANGLE: Rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 30.0 };
+pub(crate) const RECTANGLE: Rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 30.0 };
 /// How far the figures reach.
-pub const END_S: f64 = 60.0;
+pub(crate) const END_S: f64 = 60.0;
 
 /// Curves and checks of figures 13 to 15.
 #[derive(Debug, Clone)]

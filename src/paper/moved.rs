@@ -13,12 +13,12 @@ use crate::numerics::order;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
 /// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each filter's noise.
-pub const BACK_RAD: f64 = 0.25 * DEGREE;
+const BACK_RAD: f64 = 0.25 * DEGREE;
 /// Steeper poses and moves are left out.
 const STEEPEST_RAD: f64 = 60.0 * DEGREE;
 
 /// Time, reference, accelerometer and the three filters, s and rad.
-pub type Line = (f64, f64, f64, [f64; 3]);
+pub(crate) type Line = (f64, f64, f64, [f64; 3]);
 
 /// All usable moves of one recording.
 #[derive(Debug, Clone)]
@@ -148,7 +148,7 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
 }
 
 /// Checks on the moves.
-pub fn moved_checks(moved: &Moved) -> Vec<Check> {
+pub(super) fn moved_checks(moved: &Moved) -> Vec<Check> {
     let median = |values: &[f64]| order::quantile(values, 0.5);
     let [plain, magnitude, adaptive] = &moved.peak_rad;
     vec![

@@ -10,13 +10,13 @@ use crate::parallel;
 use crate::rng::{Philox, Stream};
 
 /// Force noise, two-sided coefficient, N·√s.
-pub const NOISE_N_RTS: f64 = 1e-6;
+pub(crate) const NOISE_N_RTS: f64 = 1e-6;
 /// The same for the twins, so small that they stay near for many Lyapunov times.
 const TWIN_NOISE_N_RTS: f64 = 1e-10;
 /// Members of each ensemble.
-pub const MEMBERS: u64 = 200;
+pub(crate) const MEMBERS: u64 = 200;
 /// How long they are followed.
-pub const END_S: f64 = 240.0;
+pub(crate) const END_S: f64 = 240.0;
 /// Runge–Kutta steps per period of the force.
 const STEPS: u32 = 256;
 

@@ -13,7 +13,7 @@ use crate::rng::{Philox, Stream};
 use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
 
 /// Time against a value.
-pub type Curve = Vec<(f64, f64)>;
+pub(crate) type Curve = Vec<(f64, f64)>;
 
 /// Curves and checks of figures 5 to 10. Angles in rad.
 #[derive(Debug, Clone)]
@@ -63,7 +63,6 @@ fn roughness(values: &[f64]) -> f64 {
     rms(values.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]))
 }
 
-/// Lag-one-second autocorrelation.
 fn autocorrelation(values: &[f64], lag: usize) -> f64 {
     let mean = moments::mean(values);
     let product = |k: usize| values.iter().zip(&values[k..]).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
@@ -71,7 +70,7 @@ fn autocorrelation(values: &[f64], lag: usize) -> f64 {
 }
 
 /// "Up" in the sensor's frame, from the mean force of a still pose.
-pub fn up(imu: &Inertial, pose: usize) -> Vector {
+pub(crate) fn up(imu: &Inertial, pose: usize) -> Vector {
     let force = mean(&imu.force_m_s2[imu.poses[pose].clone()]);
     force.map(|f| f / norm(force))
 }

@@ -10,7 +10,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct BiasDrift;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "bias-drift",
     kind: Kind::Driven,
     statement: "The offset of the reading drifts in proportion to time.",

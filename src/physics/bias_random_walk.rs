@@ -11,7 +11,7 @@ use super::scales::{Coordinate, Scales};
 pub struct BiasRandomWalk;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "bias-random-walk",
     kind: Kind::Driven,
     statement: "The offset of the reading wanders like a random walk.",

@@ -9,7 +9,7 @@ use super::study::Given;
 use crate::units::key::Key;
 
 /// Most coefficients that there may be.
-pub const MOST: usize = 16;
+pub(crate) const MOST: usize = 16;
 
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ pub fn laws() -> &'static [StudyLaw] {
 }
 
 /// The keys of all of them.
-pub fn keys() -> impl Iterator<Item = &'static Key> {
+pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
     laws().iter().flat_map(|law| law.given()).map(|given| &given.key)
 }
 

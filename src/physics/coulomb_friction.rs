@@ -33,7 +33,7 @@ pub enum Sides {
 pub struct CoulombFriction(pub Sides);
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "coulomb-friction",
     kind: Kind::Driven,
     statement: "Dry friction opposes motion with a constant force and can hold the mass still.",
@@ -46,7 +46,7 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// What the library says of it where the sides differ: the same candidate, with one parameter more.
-pub const APART: Candidate = Candidate {
+pub(crate) const APART: Candidate = Candidate {
     statement: "Dry friction opposes motion, more in one direction than in the other, and can hold the mass still.",
     equation: "x″ + 2ζω₀x′ + f_c sgn x′ + f_d + ω₀²x = g·u while it slides",
     parameters: &[
@@ -58,7 +58,7 @@ pub const APART: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] =
+pub(crate) const GIVEN: &[Given] =
     &[Given::new(Key::new(6, "sensor.coulomb_friction_m_s2", "Coulomb friction", "m/s²", 1.0, Sign::NotNegative))];
 
 impl Law for CoulombFriction {
@@ -109,7 +109,7 @@ impl Law for CoulombFriction {
 }
 
 /// What holds each lane back: forwards, and backwards.
-pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
+pub(crate) fn resistance(p: &[Lanes]) -> [Lanes; 2] {
     match p {
         [size, difference, ..] => {
             [std::array::from_fn(|l| size[l] + difference[l]), std::array::from_fn(|l| size[l] - difference[l])]
@@ -121,7 +121,7 @@ pub fn resistance(p: &[Lanes]) -> [Lanes; 2] {
 
 /// The force of friction on a lane that slides this way; 0 where it holds.
 #[inline(always)]
-pub fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
+pub(crate) fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
     if side > 0.0 {
         friction[0][l]
     } else if side < 0.0 {
@@ -134,7 +134,7 @@ pub fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
 /// The way in which each lane slides: that of its velocity, or from rest that of a pull greater than friction; 0 where it
 /// holds. `at` is displacement, velocity and what accelerates besides friction and the base.
 #[inline(always)]
-pub fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
+pub(crate) fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
     let [x, v, acceleration] = at;
     let mut sides = [0.0; LANES];
     for l in 0..LANES {
@@ -154,10 +154,8 @@ pub fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes 
 
 /// A step taken with each lane sliding the way it did at the beginning.
 #[derive(Debug, Clone, Copy)]
-pub struct Sliding<'a> {
-    /// Its length.
+pub(crate) struct Sliding<'a> {
     pub step_s: f64,
-    /// The base model.
     pub base: &'a BaseLanes,
     /// Friction forwards and backwards.
     pub friction: &'a [Lanes; 2],
@@ -214,7 +212,6 @@ struct Event {
     side: f64,
     /// Displacement, velocity and acceleration before.
     begin: [f64; 3],
-    /// The same after.
     end: [f64; 3],
 }
 

@@ -17,7 +17,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct CoupledMode;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "coupled-mode",
     kind: Kind::Driven,
     statement: "A second mass is coupled to the proof mass and reacts on it: frame, electrode or package move too.",

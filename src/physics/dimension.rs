@@ -6,12 +6,11 @@
 
 /// Powers of the units of displacement, input and time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Dimension {
+pub(crate) struct Dimension {
     /// Of the displacement's unit.
     pub y: i32,
     /// Of the input's unit.
     pub u: i32,
-    /// Of the second.
     pub s: i32,
 }
 

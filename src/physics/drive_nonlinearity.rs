@@ -12,7 +12,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct DriveNonlinearity;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "drive-nonlinearity",
     kind: Kind::Driven,
     statement: "The force is not proportional to the input: its square acts too, as with electrostatic drive.",

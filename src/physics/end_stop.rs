@@ -36,7 +36,7 @@ impl Side {
 pub struct EndStop(pub Side);
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "end-stop",
     kind: Kind::Driven,
     statement: "Beyond a gap the mass runs into a stop, on one side or both.",

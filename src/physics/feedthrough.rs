@@ -10,7 +10,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct Feedthrough;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "feedthrough",
     kind: Kind::Driven,
     statement: "Part of the input reaches the reading without passing the proof mass.",

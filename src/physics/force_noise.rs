@@ -11,7 +11,7 @@ use super::scales::{Coordinate, Scales};
 pub struct ForceNoise;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "force-noise",
     kind: Kind::Driven,
     statement: "Noise enters as a force before the proof mass, which colours it like the resonator itself.",

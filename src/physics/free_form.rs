@@ -76,8 +76,7 @@ impl Default for FreeForm {
     }
 }
 
-/// Most values.
-pub const VALUES: usize = 4;
+pub(crate) const VALUES: usize = 4;
 /// Where the slope of the form turns about, in sizes.
 const PIVOT: f64 = 0.7;
 /// Least argument in sizes: below it the logarithm is held.

@@ -16,7 +16,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct Hysteresis;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "hysteresis",
     kind: Kind::Driven,
     statement: "Part of the restoring force depends on the path taken: it yields and recovers (Bouc–Wen).",

@@ -11,7 +11,7 @@ use super::scales::{Coordinate, Scales};
 pub struct InputLag;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "input-lag",
     kind: Kind::Driven,
     statement: "The measured input comes late by a fixed time: the reading leads it.",

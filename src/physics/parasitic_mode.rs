@@ -13,7 +13,7 @@ use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, S
 pub struct ParasiticMode;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "parasitic-mode",
     kind: Kind::Driven,
     statement: "A second resonance answers the same input.",

@@ -12,7 +12,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct PeriodicDisturbance;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "periodic-disturbance",
     kind: Kind::Driven,
     statement: "A steady oscillation that the input does not cause is added to the reading, e.g. mains pickup.",

@@ -14,7 +14,7 @@ use crate::units::key::{Key, Sign};
 pub struct QuadraticStiffness;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "quadratic-stiffness",
     kind: Kind::Driven,
     statement: "The spring is stiffer on one side than on the other.",
@@ -27,7 +27,7 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] = &[Given::turning(Key::new(
+pub(crate) const GIVEN: &[Given] = &[Given::turning(Key::new(
     3,
     "sensor.quadratic_stiffness_per_m_s2",
     "quadratic stiffness α",

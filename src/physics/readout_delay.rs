@@ -12,7 +12,7 @@ use super::scales::{Coordinate, Scales};
 pub struct ReadoutDelay;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-delay",
     kind: Kind::Driven,
     statement: "The reading lags the input by a fixed time.",

@@ -10,7 +10,7 @@ use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, S
 pub struct ReadoutLowpass;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-lowpass",
     kind: Kind::Driven,
     statement: "The readout smooths: a first-order low-pass stands behind the proof mass.",

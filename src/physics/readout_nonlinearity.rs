@@ -10,7 +10,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct ReadoutNonlinearity;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-nonlinearity",
     kind: Kind::Driven,
     statement: "The readout is nonlinear: reading and displacement are not proportional.",

@@ -9,7 +9,7 @@ use super::scales::{Coordinate, Scales};
 pub struct ReadoutQuantisation;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-quantisation",
     kind: Kind::Driven,
     statement: "The reading is rounded to steps that are coarse beside the noise.",

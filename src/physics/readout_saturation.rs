@@ -10,7 +10,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct ReadoutSaturation;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "readout-saturation",
     kind: Kind::Driven,
     statement: "The readout clips: the reading stays at a rail while the mass moves on.",

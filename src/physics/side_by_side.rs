@@ -10,7 +10,7 @@ use super::state::{Instants, MOST_STAGED, MOST_VALUES};
 
 /// Adds a law's force to the acceleration of N masses and writes the rates of its states.
 #[inline(always)]
-pub fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
+pub(crate) fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
     law: &L,
     at: &Instants<'_, T, N>,
     p: &[[T; N]],
@@ -36,7 +36,7 @@ pub fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
 
 /// Lets a law change the readings of N masses.
 #[inline(always)]
-pub fn each_reading<L: Law, const N: usize>(
+pub(super) fn each_reading<L: Law, const N: usize>(
     law: &L,
     at: &Instants<'_, f64, N>,
     p: &[[f64; N]],

@@ -14,7 +14,7 @@ use crate::units::key::{Key, Sign};
 pub struct SqueezeFilmDamping;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "squeeze-film-damping",
     kind: Kind::Driven,
     statement: "Damping grows with displacement, as the gas film is squeezed.",
@@ -27,7 +27,7 @@ pub const CANDIDATE: Candidate = Candidate {
 };
 
 /// How a study gives it.
-pub const GIVEN: &[Given] = &[Given::new(Key::new(
+pub(crate) const GIVEN: &[Given] = &[Given::new(Key::new(
     5,
     "sensor.squeeze_film_per_m2_s",
     "squeeze-film damping",

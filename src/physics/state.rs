@@ -6,11 +6,11 @@
 /// Parameter sets that the diagnosis simulates side by side.
 pub const LANES: usize = 8;
 /// One value per parameter set.
-pub type Lanes = [f64; LANES];
+pub(crate) type Lanes = [f64; LANES];
 /// Most values of one law: its parameters and the unknown initial values of its states.
-pub const MOST_VALUES: usize = 6;
+pub(crate) const MOST_VALUES: usize = 6;
 /// Most states of laws that act on the mass, together: they go through the stages of a step with it.
-pub const MOST_STAGED: usize = 3;
+pub(crate) const MOST_STAGED: usize = 3;
 
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Base<T, const N: usize> {
 }
 
 /// The base model of the diagnosis.
-pub type BaseLanes = Base<f64, LANES>;
+pub(crate) type BaseLanes = Base<f64, LANES>;
 
 /// One mass at one instant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -78,7 +78,7 @@ impl<T: Copy, const N: usize> Instants<'_, T, N> {
 }
 
 /// What a law needs at every step of a pass and that does not change during it.
-pub type Constants = [Lanes; 6];
+pub(crate) type Constants = [Lanes; 6];
 
 /// One step that the masses have taken.
 #[derive(Debug, Clone, Copy)]

@@ -15,7 +15,7 @@ pub struct StiffnessDrift {
 }
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "stiffness-drift",
     kind: Kind::Driven,
     statement: "The spring changes during the recording, with time or with its environment.",

@@ -6,9 +6,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 /// A mass; by default free, without spring or damping.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mass {
-    /// ω₀, rad/s.
     pub omega: f64,
-    /// ζ.
     pub zeta: f64,
     /// Gain of the input.
     pub gain: f64,

@@ -10,7 +10,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 pub struct WarmUp;
 
 /// What the library says of it.
-pub const CANDIDATE: Candidate = Candidate {
+pub(crate) const CANDIDATE: Candidate = Candidate {
     id: "warm-up",
     kind: Kind::Driven,
     statement: "The offset of the reading settles exponentially after switch-on.",

@@ -73,10 +73,8 @@ fn passed(mut reader: Box<dyn Read + Send>, skip: u64) -> std::io::Result<Box<dy
 
 /// A column of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Field {
-    /// Its name.
+pub(crate) struct Field {
     pub name: String,
-    /// Its numbers.
     pub element: Element,
     /// Bytes from the beginning of the row to its number; of an array in columns, from that of the array to the column.
     pub offset: u64,
@@ -84,10 +82,8 @@ pub struct Field {
 
 /// An array of numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Array {
-    /// Its columns.
+pub(crate) struct Array {
     pub fields: Vec<Field>,
-    /// Its rows.
     pub rows: u64,
     /// Bytes from row to row, where rows follow one another; absent where columns do.
     pub row_bytes: Option<u64>,
@@ -145,7 +141,7 @@ impl Array {
 
 /// The arrays of a file; those of one length are one table.
 #[derive(Debug)]
-pub struct Arrays {
+pub(crate) struct Arrays {
     input: Input,
     arrays: Vec<Array>,
     parts: Vec<Part>,

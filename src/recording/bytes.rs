@@ -2,13 +2,12 @@
 
 /// What is left of some bytes.
 #[derive(Debug, Clone, Copy)]
-pub struct Bytes<'a> {
+pub(super) struct Bytes<'a> {
     rest: &'a [u8],
     taken: usize,
 }
 
 impl<'a> Bytes<'a> {
-    /// All of them.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, taken: 0 }
     }
@@ -28,7 +27,6 @@ impl<'a> Bytes<'a> {
         self.taken
     }
 
-    /// What is left.
     pub fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -46,22 +44,18 @@ impl<'a> Bytes<'a> {
         self.take(N)?.try_into().ok()
     }
 
-    /// One byte.
     pub fn u8(&mut self) -> Option<u8> {
         self.array::<1>().map(|[b]| b)
     }
 
-    /// Two, lowest first.
     pub fn u16(&mut self) -> Option<u16> {
         self.array().map(u16::from_le_bytes)
     }
 
-    /// Four, lowest first.
     pub fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    /// Eight, lowest first.
     pub fn u64(&mut self) -> Option<u64> {
         self.array().map(u64::from_le_bytes)
     }
@@ -79,7 +73,7 @@ impl<'a> Bytes<'a> {
 }
 
 /// Text that ends with the first zero byte.
-pub fn until_zero(bytes: &[u8]) -> String {
+pub(super) fn until_zero(bytes: &[u8]) -> String {
     let end = memchr::memchr(0, bytes).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end]).into_owned()
 }

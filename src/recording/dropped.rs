@@ -65,14 +65,12 @@ pub struct Dropped {
     pub first_row: usize,
 }
 
-/// Counts them.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Tally {
+pub(super) struct Tally {
     all: Vec<Dropped>,
 }
 
 impl Tally {
-    /// One more row.
     pub fn add(&mut self, reason: Reason, row: usize) {
         match self.all.iter_mut().find(|d| d.reason == reason) {
             Some(dropped) => {
@@ -97,16 +95,6 @@ impl Tally {
     /// Rows that were dropped elsewhere.
     pub fn join(&mut self, others: &[Dropped]) {
         self.all.extend_from_slice(others);
-    }
-
-    /// How many rows were dropped for this reason.
-    pub fn of(&self, reason: Reason) -> usize {
-        self.all.iter().find(|d| d.reason == reason).map_or(0, |d| d.rows)
-    }
-
-    /// How many rows were dropped.
-    pub fn rows(&self) -> usize {
-        self.all.iter().map(|d| d.rows).sum()
     }
 
     /// Every reason once, in the order first met.

@@ -114,7 +114,6 @@ impl Element {
     }
 }
 
-/// IEEE 754 binary16.
 fn half(bits: u16) -> f64 {
     let (sign, exponent, fraction) = (bits >> 15, (bits >> 10) & 31, f64::from(bits & 1023));
     let size = match exponent {

@@ -10,7 +10,7 @@ const PIECE: usize = 1 << 17;
 
 /// A file being read.
 #[derive(Debug)]
-pub struct Feed {
+pub(crate) struct Feed {
     input: Input,
     cursor: Cursor,
     buffer: Vec<u8>,

@@ -230,7 +230,7 @@ pub enum Uneven {
 }
 
 /// Drops what a better finding explains: a column of rounded whole numbers may seem constant.
-pub fn settle(findings: &mut Vec<Finding>) {
+pub(crate) fn settle(findings: &mut Vec<Finding>) {
     let rounded: Vec<String> = findings
         .iter()
         .filter_map(|f| if let Finding::BeyondDouble { column, .. } = f { Some(column.clone()) } else { None })
@@ -239,7 +239,7 @@ pub fn settle(findings: &mut Vec<Finding>) {
 }
 
 /// Every finding as a sentence.
-pub fn sentences(findings: &[Finding]) -> Vec<String> {
+pub(crate) fn sentences(findings: &[Finding]) -> Vec<String> {
     findings.iter().map(ToString::to_string).collect()
 }
 

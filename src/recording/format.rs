@@ -7,8 +7,7 @@ use crate::error::{Error, Result};
 
 /// How cells are separated and whether the first row names them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Format {
-    /// Between cells.
+pub(crate) struct Format {
     pub separator: u8,
     /// Bytes of a byte-order mark to skip.
     pub skip: usize,
@@ -18,7 +17,7 @@ pub struct Format {
 ///
 /// # Errors
 /// Empty files, UTF-16 and binary content, each by its own sentence.
-pub fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
+pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     let fail = |cause: &str, hint: &str| Err(Error::new(format!("could not read {}", path.display()), cause, hint));
     match head {
         [] => return fail("the file is empty", "was the recording stopped before it was written?"),
@@ -105,7 +104,7 @@ const TENS: [f64; 23] = [
 /// Then one division rounds as it must (Clinger, *How to read floating point numbers accurately*, 1990). `None` for anything
 /// else, which is for the library.
 #[inline]
-pub fn leading_number(bytes: &[u8]) -> Option<(f64, usize)> {
+pub(super) fn leading_number(bytes: &[u8]) -> Option<(f64, usize)> {
     let sign = usize::from(bytes.first() == Some(&b'-'));
     let front = digits(&bytes[sign..], 0);
     let mut end = sign + front.1;
@@ -205,7 +204,7 @@ pub fn number(text: &[u8]) -> Option<f64> {
 }
 
 /// Whether a number was a whole one that double precision had to round.
-pub fn was_rounded(cell: &[u8], value: f64) -> bool {
+pub(super) fn was_rounded(cell: &[u8], value: f64) -> bool {
     // Sixteen digits are the fewest of which that is true.
     cell.len() > 15
         && value.abs() >= 2f64.powi(53)
@@ -213,7 +212,7 @@ pub fn was_rounded(cell: &[u8], value: f64) -> bool {
 }
 
 /// Whether a heading names a clock, so that it is no channel.
-pub fn names_a_clock(heading: &str) -> bool {
+pub(super) fn names_a_clock(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
     let stem = stem.trim_start_matches(['#', '%']);
@@ -235,7 +234,7 @@ pub fn names_a_clock(heading: &str) -> bool {
 }
 
 /// Whether a heading that names a clock counts rows instead, or writes dates.
-pub fn counts_rows(heading: &str) -> bool {
+pub(super) fn counts_rows(heading: &str) -> bool {
     let heading = heading.to_ascii_lowercase();
     let stem = heading.split(['_', ' ', '(', '[', '/', '.']).next().unwrap_or_default();
     matches!(stem, "date" | "datetime" | "seq" | "index" | "sample" | "row")

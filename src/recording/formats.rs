@@ -138,7 +138,7 @@ pub enum Opened {
 ///
 /// # Errors
 /// A folder that holds none, or several.
-pub fn located(path: &Path) -> Result<PathBuf> {
+pub(crate) fn located(path: &Path) -> Result<PathBuf> {
     if !path.is_dir() {
         return Ok(path.into());
     }
@@ -231,7 +231,7 @@ fn known(input: Input, head: &[u8]) -> Result<Found> {
 ///
 /// # Errors
 /// As [`find`]; a part that is not there, that holds no numbers, or none that can be chosen without a word of the user.
-pub fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
+pub(crate) fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
     open_in(path, None, topic)
 }
 
@@ -239,7 +239,7 @@ pub fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
 ///
 /// # Errors
 /// As [`open`].
-pub fn open_in(path: &Path, memory: Option<&Memory>, topic: Option<&str>) -> Result<Opened> {
+pub(super) fn open_in(path: &Path, memory: Option<&Memory>, topic: Option<&str>) -> Result<Opened> {
     let found = match memory {
         Some(memory) => {
             let (input, arrays) = memory.opened();

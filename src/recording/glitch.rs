@@ -14,7 +14,7 @@ const STEPS: f64 = 10.0;
 
 /// Looks at the changes between neighbours as they pass.
 #[derive(Debug, Clone, Default)]
-pub struct Glitch {
+pub(super) struct Glitch {
     before: Option<f64>,
     row: usize,
     count: usize,
@@ -26,7 +26,6 @@ pub struct Glitch {
 }
 
 impl Glitch {
-    /// The next reading.
     pub fn push(&mut self, value: f64) {
         if let Some(before) = self.before {
             self.count += 1;

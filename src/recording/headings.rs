@@ -120,7 +120,7 @@ fn bracketed(name: &str) -> Option<String> {
 }
 
 /// The first forty characters.
-pub fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     let mut out: String = text.chars().take(40).collect();
     if out.len() < text.len() {
         out.push('…');

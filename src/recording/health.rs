@@ -8,7 +8,7 @@ const ON_GRID: f64 = 0.05;
 
 /// Looks at the values of a channel as they pass.
 #[derive(Debug, Clone)]
-pub struct Watch {
+pub(crate) struct Watch {
     name: String,
     count: usize,
     high: Rail,
@@ -58,7 +58,6 @@ impl Rail {
 }
 
 impl Watch {
-    /// Nothing seen yet.
     pub fn new(name: &str) -> Self {
         Self {
             name: name.into(),
@@ -83,7 +82,6 @@ impl Watch {
         watch
     }
 
-    /// The next value.
     pub fn push(&mut self, value: f64) {
         self.high.push(value);
         self.low.push(-value);

@@ -15,14 +15,14 @@ use crate::document::hexadecimal;
 use crate::error::{Error, Result};
 
 /// Bytes that are looked at to tell formats apart.
-pub const HEAD_BYTES: usize = 1 << 16;
+pub(super) const HEAD_BYTES: usize = 1 << 16;
 /// Bytes digested at once.
 const DIGESTED_BYTES: usize = 1 << 18;
 /// Smaller files are digested on the spot.
 const SMALL_BYTES: u64 = 1 << 20;
 
 /// Bytes in memory, and whoever keeps them alive.
-pub type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+pub(super) type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
 /// A file that is open for reading at any place.
 #[derive(Debug, Clone)]

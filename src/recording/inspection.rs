@@ -20,7 +20,6 @@ use crate::numerics::order;
 const WINDOW_S: f64 = 1.0;
 /// Fewer samples in a window tell nothing of its variance.
 const FEWEST: usize = 8;
-/// Shortest rest, windows.
 const SHORTEST: usize = 2;
 /// A window is still whose variance is at most so many times that of the quietest ones.
 const QUIET: f64 = 5.0;

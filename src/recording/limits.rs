@@ -6,4 +6,4 @@ use std::ops::RangeInclusive;
 pub const FILL_LIMIT: f64 = 0.05;
 
 /// Slowest and fastest sampling that is one: from a sample in thirty years to a terahertz, Hz.
-pub const RATES_HZ: RangeInclusive<f64> = 1e-9..=1e12;
+pub(crate) const RATES_HZ: RangeInclusive<f64> = 1e-9..=1e12;

@@ -37,7 +37,6 @@ impl PartialEq for Memory {
     }
 }
 
-/// Doubles as bytes.
 struct Doubles(Vec<f64>);
 
 impl AsRef<[u8]> for Doubles {

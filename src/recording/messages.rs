@@ -12,14 +12,13 @@ enum Item {
     Column(&'static str, &'static str),
     /// So many doubles that are none.
     Doubles(usize),
-    /// Text.
     Text,
 }
 use Item::{Column, Doubles, Text};
 
 /// A message that begins with a header: time stamp and frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
+pub(crate) struct Layout {
     kind: &'static str,
     items: &'static [Item],
     /// It holds angular rates and specific forces.
@@ -101,7 +100,7 @@ const LAYOUTS: &[Layout] = &[
 
 /// How messages are serialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
+pub(super) enum Encoding {
     /// ROS 1: no padding, lowest byte first.
     Ros1,
     /// CDR, with its four bytes of encapsulation.
@@ -109,7 +108,7 @@ pub enum Encoding {
 }
 
 /// The layout of messages of this type, as ROS 1 (`sensor_msgs/Imu`) or ROS 2 (`sensor_msgs/msg/Imu`) names it.
-pub fn layout(kind: &str) -> Option<&'static Layout> {
+pub(crate) fn layout(kind: &str) -> Option<&'static Layout> {
     let plain = kind.replace("/msg/", "/");
     LAYOUTS.iter().find(|l| l.kind == plain)
 }
@@ -201,14 +200,14 @@ impl<'a> Walk<'a> {
 }
 
 /// A topic's part of a log.
-pub fn part(name: String, kind: String, rows: Option<u64>, readable: bool) -> Part {
+pub(crate) fn part(name: String, kind: String, rows: Option<u64>, readable: bool) -> Part {
     let layout = layout(&kind).filter(|_| readable);
     let columns = layout.map(Layout::columns).unwrap_or_default();
     Part { name, kind, rows, columns, is_imu: layout.is_some_and(|l| l.is_imu) }
 }
 
 /// The messages of one topic, in the order of the file.
-pub trait Messages: std::fmt::Debug + Send {
+pub(super) trait Messages: std::fmt::Debug + Send {
     /// Appends the next message to `into`, which is empty; false at the end.
     ///
     /// # Errors
@@ -221,8 +220,7 @@ pub trait Messages: std::fmt::Debug + Send {
 
 /// Rows out of messages.
 #[derive(Debug)]
-pub struct MessageRows {
-    /// The file.
+pub(super) struct MessageRows {
     pub input: Input,
     /// Where the messages come from.
     pub messages: Box<dyn Messages>,
@@ -232,7 +230,6 @@ pub struct MessageRows {
     pub encoding: Encoding,
     /// What is wanted of them.
     pub choice: Choice,
-    /// Messages so far.
     pub count: usize,
 }
 

@@ -46,7 +46,7 @@ impl Pack {
 }
 
 /// A file that is unpacked as it is read, and how many of its own bytes were.
-pub struct Unpacked {
+pub(super) struct Unpacked {
     reader: Box<dyn Read + Send>,
     taken: Arc<AtomicU64>,
     given: u64,

@@ -11,7 +11,7 @@ use super::regular::{Layout, Regular};
 use crate::parallel;
 
 /// Bytes of a piece, unless a line is longer.
-pub const PIECE_BYTES: usize = 1 << 18;
+pub(super) const PIECE_BYTES: usize = 1 << 18;
 /// Threads that parse; one reads a disk's worth.
 const MOST_THREADS: usize = 4;
 /// Pieces on their way for each of them.
@@ -19,16 +19,15 @@ const AHEAD: usize = 2;
 
 /// Whole lines, and what they hold where all of them are regular rows.
 #[derive(Debug, Default)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// The lines, the last one maybe without an end.
     pub bytes: Vec<u8>,
-    /// Their numbers.
     pub regular: Option<Regular>,
 }
 
 /// A file being read.
 #[derive(Debug)]
-pub struct Pieces {
+pub(super) struct Pieces {
     reader: Unpacked,
     /// The beginning of the next piece.
     rest: Vec<u8>,

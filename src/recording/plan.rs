@@ -83,7 +83,7 @@ pub fn walk(
 ///
 /// # Errors
 /// As [`Rows::open_wanted`].
-pub fn open(path: &Path, request: &Request) -> Result<Rows> {
+pub(crate) fn open(path: &Path, request: &Request) -> Result<Rows> {
     let columns: Vec<String> = request.columns.iter().filter(|c| Some(*c) != request.time.as_ref()).cloned().collect();
     if columns.is_empty() && !request.columns.is_empty() {
         return Err(refuse(
@@ -109,7 +109,7 @@ pub fn open(path: &Path, request: &Request) -> Result<Rows> {
 ///
 /// # Errors
 /// A file that cannot be read, a clock that none can go by, rows or seconds that are not there.
-pub fn make(path: &Path, request: &Request, values: bool) -> Result<Plan> {
+pub(crate) fn make(path: &Path, request: &Request, values: bool) -> Result<Plan> {
     for (name, seconds) in [("--from-s", request.from_s), ("--to-s", request.to_s)] {
         if seconds.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
             return Err(refuse(path, format!("{name} is {:?}", seconds.unwrap_or_default()), SECONDS));
@@ -236,7 +236,7 @@ fn within(
 }
 
 /// Fewer than two rows.
-pub fn too_few(path: &Path, rows: usize) -> Error {
+pub(super) fn too_few(path: &Path, rows: usize) -> Error {
     refuse(
         path,
         format!("{rows} data rows"),
@@ -267,7 +267,7 @@ fn checked_rate(path: &Path, rate_hz: Option<f64>, table: &Rows) -> Result<f64> 
 }
 
 /// Counts the rows outside those used, once the whole file is known to have `total`.
-pub fn drop_outside(tally: &mut Tally, request: &Request, used: &Range<usize>, total: usize) {
+pub(super) fn drop_outside(tally: &mut Tally, request: &Request, used: &Range<usize>, total: usize) {
     let wanted = request.rows.clone().unwrap_or(0..usize::MAX);
     let parts = [
         (Reason::OutsideRows, 0..wanted.start),
@@ -282,7 +282,7 @@ pub fn drop_outside(tally: &mut Tally, request: &Request, used: &Range<usize>, t
 }
 
 /// Whether dropped rows are a finding of their own; others stand in a finding already.
-pub fn is_said(dropped: &Dropped) -> bool {
+pub(super) fn is_said(dropped: &Dropped) -> bool {
     !matches!(
         dropped.reason,
         Reason::OutsideRows | Reason::OutsideSeconds | Reason::OutsideSplit | Reason::BeyondGap | Reason::HoldsPlace
@@ -290,7 +290,7 @@ pub fn is_said(dropped: &Dropped) -> bool {
 }
 
 /// What was cut out, where a part was asked for.
-pub fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Option<Finding> {
+pub(super) fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Option<Finding> {
     let asked = request.rows.is_some() || request.from_s.is_some() || request.to_s.is_some();
     asked.then(|| Finding::Cut { from_row: used.start, to_row: used.end.min(total), of: total })
 }
@@ -299,7 +299,7 @@ pub fn cut_finding(request: &Request, used: &Range<usize>, total: usize) -> Opti
 ///
 /// # Errors
 /// Both.
-pub fn check_end(path: &Path, request: &Request, plan: &Plan, source: &FileSummary) -> Result<()> {
+pub(super) fn check_end(path: &Path, request: &Request, plan: &Plan, source: &FileSummary) -> Result<()> {
     if source.length_bytes != plan.length_bytes {
         return Err(refuse(path, "the file changed while it was read".into(), "wait until the log is complete"));
     }

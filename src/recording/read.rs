@@ -141,7 +141,6 @@ struct Gathered {
     dropped: Tally,
     /// Samples with and without a row.
     samples: usize,
-    /// Rows used.
     kept: usize,
     missing: usize,
     gaps: usize,

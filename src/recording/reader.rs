@@ -10,7 +10,7 @@ use super::finding::Finding;
 use crate::error::Result;
 
 /// About how many rows a block holds.
-pub const BLOCK_ROWS: usize = 4096;
+pub(super) const BLOCK_ROWS: usize = 4096;
 
 /// A column as its file describes it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -54,13 +54,12 @@ pub fn inertial(names: &mut [Heading]) -> bool {
 
 /// Bytes that belong to no record.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Strays {
+pub(super) struct Strays {
     bytes: u64,
     first: u64,
 }
 
 impl Strays {
-    /// Some more.
     pub fn add(&mut self, at: u64, bytes: u64) {
         if self.bytes == 0 {
             self.first = at;

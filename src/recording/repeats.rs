@@ -33,7 +33,7 @@ pub struct Repeated {
 
 /// Looks for them as rows pass.
 #[derive(Debug, Clone, Default)]
-pub struct Repeats {
+pub(super) struct Repeats {
     rows: usize,
     /// The last rows, the latest last.
     last: Vec<Vec<f64>>,

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 
 /// Which samples are kept, and how many of them become one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Keep {
+pub(crate) struct Keep {
     /// Samples kept; all others pass.
     pub window: Range<usize>,
     /// Neighbours that are averaged.
@@ -20,11 +20,9 @@ pub struct Keep {
     pub expected: usize,
 }
 
-/// One column.
 #[derive(Debug)]
-pub struct Series {
+pub(crate) struct Series {
     keep: Keep,
-    /// What was kept.
     pub values: Vec<f64>,
     /// Looks at every sample kept, before it is averaged.
     pub watch: Watch,

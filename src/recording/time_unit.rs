@@ -29,7 +29,8 @@ pub enum Basis {
 }
 
 /// Every unit, largest first.
-pub const UNITS: [TimeUnit; 4] = [TimeUnit::Second, TimeUnit::Millisecond, TimeUnit::Microsecond, TimeUnit::Nanosecond];
+pub(crate) const UNITS: [TimeUnit; 4] =
+    [TimeUnit::Second, TimeUnit::Millisecond, TimeUnit::Microsecond, TimeUnit::Nanosecond];
 
 impl TimeUnit {
     /// As people write it.

@@ -32,7 +32,7 @@ impl Trajectory {
 const ROUNDING: f64 = 1e-3;
 
 /// Which one a row of numbers begins, if any: a unit quaternion behind a time and a position, or a rotation matrix.
-pub fn recognised(row: &[f64]) -> Option<Trajectory> {
+pub(super) fn recognised(row: &[f64]) -> Option<Trajectory> {
     let unit = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < ROUNDING;
     match row {
         [_, _, _, _, quaternion @ ..] if row.len() == 8 && unit(quaternion) => Some(Trajectory::Tum),

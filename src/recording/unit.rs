@@ -52,14 +52,14 @@ const OTHERS: [&str; 34] = [
 ];
 
 /// What stands in brackets, if anything does.
-pub fn without_brackets(text: &str) -> &str {
+pub(super) fn without_brackets(text: &str) -> &str {
     let text = text.trim();
     let within = |open, close| text.strip_prefix(open)?.strip_suffix(close);
     within('[', ']').or_else(|| within('(', ')')).unwrap_or(text).trim()
 }
 
 /// Whether these cells are a row of units: none is a number, and one at least is a unit or stands in brackets.
-pub fn are_units(cells: &[String]) -> bool {
+pub(super) fn are_units(cells: &[String]) -> bool {
     let is_unit = |cell: &String| {
         let word = normal(without_brackets(cell));
         without_brackets(cell).len() < cell.len()

@@ -6,7 +6,7 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
 /// A frame that is decoded as it is read.
-pub struct Frame<R> {
+pub(crate) struct Frame<R> {
     /// Where its bytes come from; behind the frame when all of it was read.
     pub source: R,
     decoder: FrameDecoder,
@@ -61,7 +61,7 @@ impl<R: Read> Read for Frame<R> {
 }
 
 /// All frames of a source.
-pub struct Frames<R> {
+pub(super) struct Frames<R> {
     state: State<R>,
 }
 

@@ -71,7 +71,7 @@ fn predicted() -> Table {
 }
 
 /// Words on how quiet the machine was; `others` is the share of it that other programs used.
-pub fn busy(others: Option<f64>) -> String {
+pub(crate) fn busy(others: Option<f64>) -> String {
     match others {
         Some(share) if share < 0.06 => {
             format!("Other programs used {} of the processors during the run.", percent(share))
@@ -125,7 +125,7 @@ fn places(rows: &[Row]) -> Vec<(&str, Ink)> {
 }
 
 /// Speed by size of the ensemble.
-pub fn sizes(rows: &[Row]) -> Figure {
+pub(crate) fn sizes(rows: &[Row]) -> Figure {
     let mut chart =
         Chart::new("Speed by size of the ensemble", Axis::log("members"), Axis::log("million member-steps per s"));
     for (place, ink) in places(rows) {
@@ -138,7 +138,7 @@ pub fn sizes(rows: &[Row]) -> Figure {
 }
 
 /// Time by length of the run, beside proportionality.
-pub fn lengths(rows: &[Row]) -> Figure {
+pub(crate) fn lengths(rows: &[Row]) -> Figure {
     let scaled: Vec<&Row> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).collect();
     let units = |r: &Row| r.per_second * r.seconds;
     let points: Vec<(f64, f64)> = scaled.iter().map(|r| (units(r), r.seconds)).collect();
@@ -185,7 +185,7 @@ const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integr
 including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
-pub fn page(rows: &[Row], others: Option<f64>) -> Page {
+pub(crate) fn page(rows: &[Row], others: Option<f64>) -> Page {
     let mut page = Page::new("How fast proofmass is on this machine", LEAD);
     page.section("Measurements");
     page.paragraph(&busy(others));

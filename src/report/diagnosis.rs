@@ -52,7 +52,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
 }
 
 /// What stands on a terminal.
-pub fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
+pub(crate) fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     let verdict = &diagnosis.verdict;
     let mut out = format!("{}: {}\n\n", verdict.verdict.name(), verdict.sentence);
     out += &answers(diagnosis, costs).iter().map(|(k, v)| format!("{:<18}{v}\n", format!("{k}:"))).collect::<String>();

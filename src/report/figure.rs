@@ -27,7 +27,7 @@ use plot::Plot;
 pub use axis::{Axis, Scale, labelled};
 pub use chart::{Chart, Mark, Note, Series};
 pub use numbers::Numbers;
-pub use raster::Raster;
+pub(crate) use raster::Raster;
 pub use theme::Ink;
 
 impl Chart {

@@ -72,7 +72,7 @@ fn heat(atlas: &Atlas, grid: &Grid, title: &str, values: &[f64], limits: (f64, f
 }
 
 /// Exponent and period of one grid.
-pub fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
+pub(crate) fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
     let mut sorted: Vec<f64> = grid.exponent_per_s.iter().copied().filter(|e| e.is_finite()).collect();
     order::sort(&mut sorted);
     // All but a few cells at either end, so that single ones do not take the ramp.
@@ -85,7 +85,7 @@ pub fn grid(atlas: &Atlas, grid: &Grid) -> [Figure; 2] {
 }
 
 /// Strobed displacement against the force, up and down.
-pub fn diagram(b: &Bifurcation) -> [Figure; 2] {
+pub(crate) fn diagram(b: &Bifurcation) -> [Figure; 2] {
     let cloud = |points: &[(f64, f64)], way: &str| {
         let (low, high) =
             b.up.iter().chain(&b.down).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.1), h.max(p.1)));
@@ -103,7 +103,7 @@ pub fn diagram(b: &Bifurcation) -> [Figure; 2] {
 }
 
 /// File names of the figures, a pair for each map and then for each diagram.
-pub fn file_names(document: &Document) -> Vec<[String; 2]> {
+pub(crate) fn file_names(document: &Document) -> Vec<[String; 2]> {
     let names = |what: &'static str, count: usize, pair: [&'static str; 2]| {
         (1..=count).map(move |n| pair.map(|which| format!("{what}-{n}-{which}.svg")))
     };
@@ -112,7 +112,7 @@ pub fn file_names(document: &Document) -> Vec<[String; 2]> {
 }
 
 /// Every figure with its file name.
-pub fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
+pub(crate) fn figures(atlas: &Atlas) -> Vec<(String, Figure)> {
     let figures = atlas.grids.iter().map(|g| grid(atlas, g)).chain(atlas.diagrams.iter().map(diagram));
     file_names(&atlas.document).into_iter().zip(figures).flat_map(|(names, pair)| names.into_iter().zip(pair)).collect()
 }

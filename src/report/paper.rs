@@ -28,7 +28,7 @@ pub fn table(paper: &Paper) -> Table {
 }
 
 /// Every check that does not hold, as a sentence.
-pub fn failures(paper: &Paper) -> Vec<String> {
+pub(crate) fn failures(paper: &Paper) -> Vec<String> {
     paper
         .exhibits()
         .iter()

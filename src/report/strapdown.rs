@@ -13,8 +13,7 @@ use crate::strapdown::covariance::{Cause, Part};
 use crate::study::Study;
 use crate::units::DEGREE;
 
-/// The whole page.
-pub fn page(study: &Study, answer: &Answer) -> Page {
+pub(crate) fn page(study: &Study, answer: &Answer) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
     page.section("How far it drifts");
     let distance = figures::distance(answer).draw();
@@ -55,7 +54,7 @@ pub fn page(study: &Study, answer: &Answer) -> Page {
 }
 
 /// The answer in a sentence.
-pub fn lede(answer: &Answer) -> String {
+pub(crate) fn lede(answer: &Answer) -> String {
     let Some(last) = answer.report.last().copied() else { return String::new() };
     let horizontal = answer.ensemble.summary(last, Quantity::Horizontal);
     let doubt = doubt(horizontal);
@@ -75,7 +74,7 @@ fn doubt(summary: &Summary) -> f64 {
 }
 
 /// Position errors at the report times.
-pub fn position_table(answer: &Answer) -> Table {
+pub(crate) fn position_table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "north sd / m",
@@ -99,7 +98,7 @@ pub fn position_table(answer: &Answer) -> Table {
 }
 
 /// Velocity and attitude errors at the report times.
-pub fn attitude_table(answer: &Answer) -> Table {
+pub(crate) fn attitude_table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "north sd / (m/s)",
@@ -123,7 +122,7 @@ pub fn attitude_table(answer: &Answer) -> Table {
 }
 
 /// What each source does to the position.
-pub fn budget_table(answer: &Answer) -> Table {
+pub(crate) fn budget_table(answer: &Answer) -> Table {
     let covariance = &answer.covariance;
     let times = answer.report_times_s();
     let mut headings = vec!["source".to_owned()];
@@ -144,7 +143,7 @@ pub fn budget_table(answer: &Answer) -> Table {
 }
 
 /// Whether the ensemble is what the linear model says, and what that model leaves out.
-pub fn findings(answer: &Answer) -> Vec<String> {
+pub(crate) fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
     if let Some(apart) = worst {
@@ -213,7 +212,7 @@ pub fn inflated_toml(study: &Study, answer: &Answer) -> Option<String> {
 }
 
 /// What the terminal shows.
-pub fn terminal(answer: &Answer) -> String {
+pub(crate) fn terminal(answer: &Answer) -> String {
     let (ensemble, machine) = (&answer.ensemble, &answer.ensemble.machine);
     let flown: String = match &answer.compared {
         Some(compared) => {

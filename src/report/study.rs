@@ -24,7 +24,7 @@ use moment::{moment, plain};
 pub use windows::picture as windows_figure;
 
 /// What is simulated, and what is not.
-pub const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
+const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
 /// The whole page.
 pub fn page(study: &Study, drift: &Drift) -> Page {
@@ -84,7 +84,7 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
 }
 
 /// The answer in two sentences.
-pub fn lede(study: &Study, drift: &Drift) -> String {
+pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
     let (Some(last), Some(time_s)) =
         (drift.at_report(quantity::POSITION).last().copied(), drift.report_times_s().pop())
     else {
@@ -140,7 +140,7 @@ fn mean_and_doubt(mean: f64, doubt: f64) -> String {
 }
 
 /// Sizes and percentiles of the position error, with the closed form. Every number to the digit that so many members settle.
-pub fn drift_table(drift: &Drift) -> Table {
+fn drift_table(drift: &Drift) -> Table {
     let mut table = Table::new(&[
         "time / s",
         "sd / m",
@@ -168,7 +168,7 @@ pub fn drift_table(drift: &Drift) -> Table {
 }
 
 /// Standard deviation of position that each source makes, and its share, at the report times.
-pub fn budget_table(drift: &Drift) -> Table {
+pub(crate) fn budget_table(drift: &Drift) -> Table {
     let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
     headings.extend(times.clone());
@@ -255,7 +255,7 @@ fn start(study: &Study) -> String {
 }
 
 /// What it ran on, for whoever wants to repeat it.
-pub fn provenance(study: &Study, drift: &Drift) -> Table {
+pub(crate) fn provenance(study: &Study, drift: &Drift) -> Table {
     let (statistics, machine) = (&drift.statistics, &drift.statistics.machine);
     let mut table = Table::new(&["what", "value"]);
     let rate = statistics.member_steps as f64 / statistics.seconds.max(1e-9);
@@ -301,7 +301,7 @@ fn origins(statistics: &Statistics) -> String {
 }
 
 /// What the terminal shows.
-pub fn terminal(study: &Study, drift: &Drift) -> String {
+pub(crate) fn terminal(study: &Study, drift: &Drift) -> String {
     let machine = &drift.statistics.machine;
     let sentences = windows::sentences(&drift.compared).into_iter().chain(compared::sentences(&drift.compared));
     let compared: String = sentences.map(|s| format!("{s}\n")).collect();

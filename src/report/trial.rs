@@ -28,7 +28,7 @@ fn with_interval(share: &Share) -> String {
 }
 
 /// The headline numbers, each with its target.
-pub fn headline(outcome: &Outcome) -> Table {
+pub(crate) fn headline(outcome: &Outcome) -> Table {
     let mut table = Table::new(&["figure", "found (95 % interval)", "to reach"]);
     let rows = [
         ("effects above their detection limit named correctly", with_interval(&outcome.named), "≥ 97 %"),
@@ -51,7 +51,7 @@ pub fn headline(outcome: &Outcome) -> Table {
 }
 
 /// One row per way of concealment.
-pub fn families(outcome: &Outcome) -> Table {
+pub(crate) fn families(outcome: &Outcome) -> Table {
     let mut table =
         Table::new(&["how it is concealed", "cases", "right", "silent", "detected, not named", "false name"]);
     for row in &outcome.families {
@@ -64,7 +64,7 @@ pub fn families(outcome: &Outcome) -> Table {
 }
 
 /// Real recordings against what another source knows of them.
-pub fn recordings(found: &[Found]) -> Table {
+pub(crate) fn recordings(found: &[Found]) -> Table {
     let mut table = Table::new(&["recording", "known from elsewhere", "said", "numbers"]);
     for real in found {
         let groups: Vec<String> = real.said.groups.iter().map(|g| g.join(" or ")).collect();
@@ -81,7 +81,7 @@ pub fn recordings(found: &[Found]) -> Table {
 }
 
 /// Errors on samples that were not fitted beside the best published ones.
-pub fn scores(found: &[Found]) -> Table {
+pub(crate) fn scores(found: &[Found]) -> Table {
     let headings = ["recording", "validated on", "unit", "base model", "with the named physics", "published", "by"];
     let mut table = Table::new(&headings);
     let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| significant(v, 3));
@@ -130,7 +130,7 @@ pub fn effects(outcome: &Outcome) -> Table {
 }
 
 /// Physics foreign to the library, kind by kind.
-pub fn unknown(outcome: &Outcome) -> Table {
+pub(crate) fn unknown(outcome: &Outcome) -> Table {
     let headings = ["what was planted", "cases", "unexplained", "… with a part named", "false name"];
     let mut table = Table::new(&headings);
     for kind in &outcome.unknown {
@@ -142,7 +142,7 @@ pub fn unknown(outcome: &Outcome) -> Table {
 
 /// Planted alone against said in one kind of recording, as a matrix: a row per effect, columns by the rows' numbers; a tie
 /// counts in each of its columns.
-pub fn matrix(outcome: &Outcome, kind: Kind) -> Table {
+pub(crate) fn matrix(outcome: &Outcome, kind: Kind) -> Table {
     let limits = outcome.detection_limit.iter().filter(|l| l.kind == kind);
     let ids: Vec<&str> = limits.map(|l| l.id.as_str()).collect();
     let numbers: Vec<String> = (1..=ids.len()).map(|n| n.to_string()).collect();
@@ -165,7 +165,7 @@ pub fn matrix(outcome: &Outcome, kind: Kind) -> Table {
 }
 
 /// Per parameter: how many of the 95 % intervals hold the planted value.
-pub fn intervals(outcome: &Outcome) -> Table {
+pub(crate) fn intervals(outcome: &Outcome) -> Table {
     let mut table = Table::new(&["effect", "parameter", "intervals", "hold the truth", "worst (estimate / truth)"]);
     let mut names: Vec<(&str, &str)> = outcome.covered.iter().map(|c| (c.id.as_str(), c.name.as_str())).collect();
     names.sort_unstable();
@@ -192,7 +192,7 @@ fn tie_of_two_with(said: &str, id: &str) -> bool {
 }
 
 /// The result on a terminal.
-pub fn terminal(outcome: &Outcome) -> String {
+pub(crate) fn terminal(outcome: &Outcome) -> String {
     format!("{}\n{}\n{}", headline(outcome), families(outcome), effects(outcome))
 }
 
@@ -214,7 +214,7 @@ fn how(plan: &Plan, outcome: &Outcome) -> String {
 }
 
 /// The whole report as a page.
-pub fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> Page {
+pub(crate) fn page(plan: &Plan, outcome: &Outcome, cases: &[Case], verdicts: &Verdicts, real: &[Found]) -> Page {
     let lede = format!(
         "Blind trial of the diagnosis: {} of the effects above their detection limit were named correctly; false alarms on \
          {} recordings with nothing planted: {}; unknown physics flagged: {}.",

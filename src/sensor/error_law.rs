@@ -43,7 +43,7 @@ pub enum Growth {
 }
 
 /// Stands for "no limit" in the kernels: f32 arithmetic on it must not overflow into NaN.
-pub const NO_LIMIT: f64 = 1e30;
+const NO_LIMIT: f64 = 1e30;
 
 impl ErrorLaw {
     /// The coefficient that switches it off.

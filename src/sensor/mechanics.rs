@@ -8,14 +8,11 @@ use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative, Positive};
 use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
-/// Undamped natural frequency.
-pub const RESONANCE: Key = Key::new(0, "sensor.resonance_hz", "resonance", "Hz", TAU, Positive);
-/// Damping ratio ζ.
-pub const DAMPING_RATIO: Key = Key::new(1, "sensor.damping_ratio", "damping ratio ζ", "1", 1.0, NotNegative);
+pub(crate) const RESONANCE: Key = Key::new(0, "sensor.resonance_hz", "resonance", "Hz", TAU, Positive);
+pub(crate) const DAMPING_RATIO: Key = Key::new(1, "sensor.damping_ratio", "damping ratio ζ", "1", 1.0, NotNegative);
 /// Cubic stiffness β.
 pub const CUBIC_STIFFNESS: Key = cubic_stiffness::GIVEN[0].key;
-/// Brownian force noise.
-pub const FORCE_NOISE: Key = Key::new(
+pub(crate) const FORCE_NOISE: Key = Key::new(
     7,
     "sensor.force_noise_density_ug_rthz",
     "force noise density (one-sided)",
@@ -24,21 +21,16 @@ pub const FORCE_NOISE: Key = Key::new(
     NotNegative,
 )
 .one_sided();
-/// m.
-pub const MASS: Key = Key::new(8, "sensor.mass_kg", "proof mass m", "kg", 1.0, Positive);
-/// D₀.
-pub const DAMPING: Key = Key::new(9, "sensor.damping_n_s_m", "damping D₀", "N s/m", 1.0, NotNegative);
-/// k.
-pub const STIFFNESS: Key = Key::new(10, "sensor.stiffness_n_m", "stiffness k", "N/m", 1.0, Positive);
-/// ε.
-pub const CUBIC_SPRING: Key = Key::new(11, "sensor.cubic_stiffness_n_m3", "cubic stiffness ε", "N/m³", 1.0, Any);
+pub(crate) const MASS: Key = Key::new(8, "sensor.mass_kg", "proof mass m", "kg", 1.0, Positive);
+pub(crate) const DAMPING: Key = Key::new(9, "sensor.damping_n_s_m", "damping D₀", "N s/m", 1.0, NotNegative);
+pub(crate) const STIFFNESS: Key = Key::new(10, "sensor.stiffness_n_m", "stiffness k", "N/m", 1.0, Positive);
+pub(crate) const CUBIC_SPRING: Key = Key::new(11, "sensor.cubic_stiffness_n_m3", "cubic stiffness ε", "N/m³", 1.0, Any);
 
 /// One way to describe the linear mass and its cubic spring.
-pub const MODAL: &[Key] = &[RESONANCE, DAMPING_RATIO, CUBIC_STIFFNESS];
-/// The other way.
-pub const PHYSICAL: &[Key] = &[MASS, DAMPING, STIFFNESS, CUBIC_SPRING];
+pub(crate) const MODAL: &[Key] = &[RESONANCE, DAMPING_RATIO, CUBIC_STIFFNESS];
+pub(crate) const PHYSICAL: &[Key] = &[MASS, DAMPING, STIFFNESS, CUBIC_SPRING];
 /// What stands beside either: the further laws, and the noise of the force.
-pub fn further() -> &'static [Key] {
+pub(crate) fn further() -> &'static [Key] {
     static FURTHER: LazyLock<Vec<Key>> = LazyLock::new(|| {
         let laws = coefficients::keys().filter(|key| key.slot != CUBIC_STIFFNESS.slot);
         laws.chain([&FORCE_NOISE]).copied().collect()
@@ -47,6 +39,6 @@ pub fn further() -> &'static [Key] {
 }
 
 /// All of them, in the order of a sensor table.
-pub fn keys() -> impl Iterator<Item = &'static Key> {
+pub(crate) fn keys() -> impl Iterator<Item = &'static Key> {
     MODAL.iter().chain(further()).chain(PHYSICAL)
 }

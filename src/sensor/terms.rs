@@ -132,7 +132,7 @@ impl SensorTerm {
 }
 
 /// How many terms follow a law of this kind, among the first `rows` of the table.
-pub const fn alike(law: ErrorLaw, rows: usize) -> usize {
+pub(crate) const fn alike(law: ErrorLaw, rows: usize) -> usize {
     let (mut count, mut row) = (0, 0);
     while row < rows {
         if ROWS[row].law.kind() == law.kind() {

@@ -148,7 +148,7 @@ const LONGEST_HEADER: u64 = 64 << 20;
 ///
 /// # Errors
 /// It cannot be read, or is no state of a shard, or one of another version.
-pub fn read_head(path: &Path) -> Result<Header> {
+pub(crate) fn read_head(path: &Path) -> Result<Header> {
     let file = open(path)?;
     let mut lines = BufReader::new(file.take(LONGEST_HEADER));
     let mut line = Vec::new();
@@ -236,7 +236,7 @@ impl Contents {
 }
 
 /// The error of results that cannot be what their header says.
-pub fn damaged(path: &Path, what: &str) -> Error {
+pub(crate) fn damaged(path: &Path, what: &str) -> Error {
     refuse(path, what)
 }
 

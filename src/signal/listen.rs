@@ -27,7 +27,7 @@ impl Listener {
 /// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second Ctrl-C, a second or more
 /// after the first, kills it at once.
 #[cfg(unix)]
-pub fn listen_for_interrupt() {
+pub(crate) fn listen_for_interrupt() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     // Refused only where the system has no room for a handler; signals then kill, as they do without one.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
@@ -50,7 +50,7 @@ pub fn listen_for_interrupt() {
 
 /// Makes Ctrl-C raise a flag instead of killing the process; a second one, a second or more later, kills it.
 #[cfg(not(unix))]
-pub fn listen_for_interrupt() {
+pub(crate) fn listen_for_interrupt() {
     let mut listener = Listener::default();
     // Refused only when a handler exists already, which then does the stopping.
     let _ = ctrlc::set_handler(move || {

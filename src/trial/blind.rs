@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 use crate::parallel;
 
 /// Anything that turns a recording and a base model into a verdict.
-pub type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
+pub(crate) type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
@@ -38,7 +38,7 @@ pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Re
 ///
 /// # Errors
 /// As [`prepare`].
-pub fn prepare_some(
+pub(crate) fn prepare_some(
     plan: Plan,
     numbers: Range<usize>,
     folder: &Path,
@@ -128,7 +128,7 @@ pub(super) fn verdicts(bytes: &[u8], sealed: &Sealed) -> (Verdicts, usize) {
 ///
 /// # Errors
 /// When the files cannot be written. A diagnosis that fails is a verdict too: "error".
-pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+pub(crate) fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
     let folder = scratch.case()?;
     Ok(said(&case.write(folder.path())?, subject))
 }

@@ -17,7 +17,7 @@ use crate::recording::Recording;
 use crate::rng::{Philox, Stream};
 
 /// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the original.
-pub const ROWS: usize = 20_000;
+pub(crate) const ROWS: usize = 20_000;
 /// Sub-steps of the linear fit.
 const SUBSTEPS: usize = 8;
 
@@ -90,7 +90,7 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
 }
 
 /// A sensor at rest with the white part of the recorded noise.
-pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, String) {
+pub(crate) fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, String) {
     let samples = data.samples().min(ROWS);
     let mut white = [0.0; 3];
     let mut bias = [0.0; 3];
@@ -126,7 +126,7 @@ pub fn still(data: &Recording, model: &model::Static, seed: u64) -> (Still, Stri
 }
 
 /// The nth copy, with an effect of a size over its noise planted, or with nothing. None where the effect cannot be planted.
-pub fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
+pub(crate) fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
     let mut case = bare.clone();
     case.seed = bare.seed.wrapping_add(n);
     let Some((physics, size)) = job else {
@@ -153,7 +153,7 @@ pub fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Optio
 }
 
 /// The same at rest.
-pub fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Family, Body) {
+pub(crate) fn plant_still(bare: &Still, n: u64, job: Option<(Slow, f64)>) -> (Family, Body) {
     let mut case = bare.clone();
     case.seed = bare.seed.wrapping_add(n);
     let Some((slow, size)) = job else {

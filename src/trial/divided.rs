@@ -18,13 +18,13 @@ use crate::shard::gather::Found;
 use crate::shard::{Part, Piece, Shard};
 
 /// The subcommand that divides trials.
-pub const COMMAND: &str = "trial";
+pub(crate) const COMMAND: &str = "trial";
 
 /// The head of a shard's file before anything is done. Cases of all families follow each other: any stretch is like another.
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.
-pub fn header(plan: Plan, shard: Shard) -> Result<Header> {
+pub(crate) fn header(plan: Plan, shard: Shard) -> Result<Header> {
     let units = plan.families().len() as u64;
     let document = serde_json::to_value(plan)
         .map_err(|e| Error::new("could not divide the trial", e.to_string(), "report this as a defect"))?;
@@ -44,22 +44,19 @@ pub fn header(plan: Plan, shard: Shard) -> Result<Header> {
 ///
 /// # Errors
 /// One of them cannot be read.
-pub fn pack(truth: &Path, verdicts: &Path) -> Result<Vec<u8>> {
+pub(crate) fn pack(truth: &Path, verdicts: &Path) -> Result<Vec<u8>> {
     let read = |path: &Path| std::fs::read(path).map_err(|e| Error::io("read", path, &e));
     Ok([read(truth)?, b"\n".to_vec(), read(verdicts)?].concat())
 }
 
 /// A trial, put together.
-pub struct Merged {
+pub(crate) struct Merged {
     /// How it was drawn.
     pub plan: Plan,
-    /// Every case.
     pub cases: Vec<Case>,
-    /// Every verdict.
     pub verdicts: Verdicts,
     /// The whole truth as one trial seals it.
     pub truth: Vec<u8>,
-    /// Its seal.
     pub sha256: String,
 }
 
@@ -67,7 +64,7 @@ pub struct Merged {
 ///
 /// # Errors
 /// A file that is damaged, or whose truth is not the one that its verdicts were given on.
-pub fn merged(found: &[Found]) -> Result<Merged> {
+pub(crate) fn merged(found: &[Found]) -> Result<Merged> {
     let first =
         found.first().ok_or_else(|| Error::new("could not merge", "there are no shards", "give their folders"))?;
     let plan: Plan = serde_json::from_value(first.header.document.clone())

@@ -75,7 +75,7 @@ pub struct Columns {
 }
 
 /// Inputs tabulated once per case.
-pub struct Scene<'a> {
+pub(super) struct Scene<'a> {
     case: &'a Driven,
     lead: usize,
     substeps: usize,
@@ -200,7 +200,6 @@ impl<'a> Scene<'a> {
         Self { case, lead, substeps, input, environment }
     }
 
-    /// For calibration.
     pub fn coarse(case: &'a Driven) -> Self {
         Self::new(case, if case.is_abrupt() { SUBSTEPS } else { SUBSTEPS / 2 })
     }

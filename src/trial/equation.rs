@@ -80,7 +80,6 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Acceleration without friction.
     fn acceleration(&self, s: &State, now: &Instant) -> f64 {
         let (x, v) = (s[0], s[1]);
         let k = self.oscillator.omega_rad_s.powi(2);

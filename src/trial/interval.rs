@@ -6,7 +6,7 @@ use statrs::distribution::{Beta, ContinuousCDF};
 /// The middle one of the finite values, the upper of an even number; zero where there are none.
 ///
 /// The trial's own: what generates and scores shares no numerics with what is tested.
-pub fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
@@ -50,7 +50,7 @@ impl Share {
 
 /// A detection curve p = 1/(1 + e^(−slope·(ln size − middle))).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curve {
+pub(crate) struct Curve {
     /// ln size of half power.
     pub middle: f64,
     /// Steepness per unit of ln size.
@@ -59,8 +59,7 @@ pub struct Curve {
 
 /// The most probable detection curve and all that are not refuted at 95 %.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Power {
-    /// Most probable.
+pub(crate) struct Power {
     pub best: Curve,
     /// Within 1.92 of its log-likelihood: half the 95 % quantile of chi-square with one degree of freedom.
     likely: Vec<Curve>,

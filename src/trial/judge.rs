@@ -87,17 +87,17 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
 }
 
 /// Whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may be there.
-pub fn is_alarm(said: &Said) -> bool {
+pub(crate) fn is_alarm(said: &Said) -> bool {
     is_detected(said)
 }
 
 /// Whether the mismatch was noticed at all, whatever it was called.
-pub fn is_detected(said: &Said) -> bool {
+pub(crate) fn is_detected(said: &Said) -> bool {
     !matches!(said.outcome, Ending::Adequate | Ending::Error)
 }
 
 /// For each planted parameter that the verdict gives an interval for: whether the interval covers the truth.
-pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
+pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
     if judge(case, said) != Mark::Named {
         return Vec::new();
     }

@@ -29,7 +29,7 @@ const QUICK: [f64; 2] = [0.3, 3.0];
 
 /// What was tried with one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Tried {
+pub(crate) struct Tried {
     /// Visible rms over noise rms.
     pub effect_over_noise: f64,
     /// Planted value of the effect's first parameter by the library's symbol, where the law has one.
@@ -38,7 +38,6 @@ pub struct Tried {
     pub noticed: bool,
     /// Whether the effect was named, alone or with one other.
     pub named: bool,
-    /// What was said.
     pub said: String,
     /// Ids said that were not planted.
     pub others: Vec<String>,
@@ -46,8 +45,7 @@ pub struct Tried {
 
 /// One effect in this recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Revealed {
-    /// Library id.
+pub(crate) struct Revealed {
     pub id: String,
     /// Smallest size noticed, and at every larger one; null when none was.
     pub noticed_from: Option<f64>,
@@ -61,16 +59,12 @@ pub struct Revealed {
 
 /// What a recording could reveal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Power {
-    /// Always "proofmass.power/1".
+pub(crate) struct Power {
     pub schema: &'static str,
-    /// File as given.
     pub file: String,
     /// Kind of recording, as in model.toml.
     pub kind: &'static str,
-    /// Rows used.
     pub samples: usize,
-    /// Sampling rate.
     pub rate_hz: f64,
     /// Noise per sample that the planted copies have, unit of the output.
     pub noise: f64,
@@ -80,7 +74,6 @@ pub struct Power {
     pub alarms: usize,
     /// How many copies with nothing planted there were.
     pub nulls: usize,
-    /// Per effect.
     pub effects: Vec<Revealed>,
     /// Pairs that this recording does not tell apart.
     pub inseparable: Vec<[String; 2]>,
@@ -90,7 +83,7 @@ pub struct Power {
 ///
 /// # Errors
 /// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or Ctrl-C.
-pub fn power(
+pub(crate) fn power(
     recording: &Path,
     model_path: &Path,
     quick: bool,

@@ -12,7 +12,7 @@ use super::said::Said;
 use crate::diagnosis::candidate::Kind;
 
 /// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
-pub const FALLBACK_LIMIT: f64 = 3.0;
+pub(crate) const FALLBACK_LIMIT: f64 = 3.0;
 
 /// One row of the report.
 #[derive(Debug, Clone, PartialEq, Serialize)]

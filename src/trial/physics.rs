@@ -98,7 +98,7 @@ pub struct Scales {
 }
 
 /// °C by which the environment column moves where it matters.
-pub const DEGREES: f64 = 3.0;
+pub(crate) const DEGREES: f64 = 3.0;
 
 /// One planted effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

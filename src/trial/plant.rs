@@ -54,7 +54,7 @@ fn excitation(rng: &mut impl Rng, drive: Drive, rate_hz: f64, f0: f64, zeta: f64
 }
 
 /// A proof mass with its excitation and noise (`noise` relative to the rms output) and nothing planted.
-pub fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Driven {
+pub(crate) fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Driven {
     let rate_hz = log_uniform(rng, 50.0, 5000.0);
     let f0 = rate_hz * log_uniform(rng, 0.02, 0.12);
     let zeta = if drive == Drive::RingDown { log_uniform(rng, 5e-4, 4e-3) } else { log_uniform(rng, 0.02, 0.7) };
@@ -163,7 +163,7 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], size: Size) -
 }
 
 /// Takes the loud part away: the same physics, driven at `share` of the amplitude, with noise relative to what is left.
-pub fn quieten(case: &mut Driven, share: f64, noise: f64) {
+pub(super) fn quieten(case: &mut Driven, share: f64, noise: f64) {
     case.excitation.scale(share);
     case.output_rms = case.measure_scales().x;
     case.noise = noise * case.output_rms;
@@ -171,7 +171,7 @@ pub fn quieten(case: &mut Driven, share: f64, noise: f64) {
 }
 
 /// A stop that only the `contacts` highest swings of the undisturbed motion reach; `stiffness` relative to ω₀².
-pub fn plant_rare_stop(case: &mut Driven, contacts: usize, stiffness: f64) {
+pub(super) fn plant_rare_stop(case: &mut Driven, contacts: usize, stiffness: f64) {
     let undisturbed = Scene::coarse(case).output(&[], 0.0);
     let motion: Vec<f64> = undisturbed.iter().map(|y| (y - case.offset).abs()).collect();
     let mut swings: Vec<f64> = motion.windows(3).filter(|w| w[1] >= w[0] && w[1] > w[2]).map(|w| w[1]).collect();

@@ -146,7 +146,7 @@ pub struct Found {
 }
 
 /// The folder of recordings: `PROOFMASS_DATA`, else `../shared/data` beside the working directory.
-pub fn folder() -> Option<PathBuf> {
+pub(crate) fn folder() -> Option<PathBuf> {
     let folder = std::env::var_os("PROOFMASS_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
     folder.is_dir().then_some(folder)
 }

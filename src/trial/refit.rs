@@ -6,14 +6,13 @@ use nalgebra::{DMatrix, DVector};
 
 /// Input on half-steps and the output on samples.
 #[derive(Debug, Clone, Copy)]
-pub struct Window<'a> {
+pub(crate) struct Window<'a> {
     /// `2·substeps·(samples − 1) + 1` values; empty for a ring-down.
     pub input: &'a [f64],
     /// One value per sample.
     pub output: &'a [f64],
     /// Integration steps per sample.
     pub substeps: usize,
-    /// Sampling rate.
     pub rate_hz: f64,
 }
 
@@ -117,7 +116,7 @@ fn combine(parts: &[Vec<f64>; 3], c: [f64; 4]) -> Vec<f64> {
 }
 
 /// Refines ω₀ and ζ from a start that is near; None when nothing fits at all (not finite, singular).
-pub fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usize) -> Option<Fit> {
+pub(super) fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usize) -> Option<Fit> {
     let evaluate = |omega: f64, zeta: f64| {
         let parts = responses(w, omega, zeta);
         let c = linear(w, &parts)?;
@@ -162,7 +161,7 @@ pub fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usize) -> O
 }
 
 /// Fits without a start: the best of a grid over resonance and damping is refined.
-pub fn search(w: &Window<'_>, hint: Option<[f64; 2]>) -> Option<Fit> {
+pub(crate) fn search(w: &Window<'_>, hint: Option<[f64; 2]>) -> Option<Fit> {
     let nyquist = std::f64::consts::PI * w.rate_hz;
     let mut starts: Vec<[f64; 2]> = hint.into_iter().collect();
     for k in 0..40 {

@@ -11,7 +11,7 @@ use super::plant::{log_uniform, sign, uniform};
 use crate::rng::{Philox, Stream};
 
 /// Length of gravity where all of them are recorded, m/s².
-pub const GRAVITY_M_S2: f64 = 9.81;
+pub(super) const GRAVITY_M_S2: f64 = 9.81;
 /// The earth's rate, rad/s.
 const EARTH_RAD_S: f64 = 7.292e-5;
 
@@ -82,7 +82,6 @@ pub struct Counts {
 struct Instant {
     force: Vector3<f64>,
     rate: Vector3<f64>,
-    /// Body to world.
     attitude: Rotation3<f64>,
     temperature: f64,
     /// Share of the recording that has passed.
@@ -229,7 +228,6 @@ impl Turned {
         if planted.in_gyro { [Vector3::zeros(), extra] } else { [extra, Vector3::zeros()] }
     }
 
-    /// See [`Planted::visible`].
     fn visible(&self, planted: &Planted) -> f64 {
         let sensor = usize::from(planted.in_gyro);
         let (mut added, mut sensed): (Vec<Vector3<f64>>, Vec<Vector3<f64>>) = self

@@ -16,7 +16,7 @@ use crate::parallel;
 ///
 /// # Errors
 /// The first of `work`, or that no thread can be started.
-pub fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
+pub(crate) fn side_by_side<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
     let next = AtomicUsize::new(0);
     let places: Vec<Option<R>> = items.iter().map(|_| None).collect();
     let done: Mutex<Result<Vec<Option<R>>>> = Mutex::new(Ok(places));

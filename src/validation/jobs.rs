@@ -74,8 +74,7 @@ impl Waveform for Sine {
     }
 }
 
-/// No force.
-pub const REST: Sine = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
+pub(super) const REST: Sine = Sine { amplitude_m_s2: 0.0, frequency_hz: 0.0, offset_m_s2: 0.0 };
 
 /// An ensemble of one sensor, sampled at 100 Hz with ten steps a sample.
 pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrator: Integrator) -> Job {

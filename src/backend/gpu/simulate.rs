@@ -338,7 +338,6 @@ impl Shape {
 /// Where a number of a member stands on the host.
 #[derive(Debug, Clone, Copy)]
 enum Number {
-    /// Among its values.
     Value(usize),
     /// Among the coefficients of its laws.
     Law(usize),

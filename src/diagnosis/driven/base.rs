@@ -14,8 +14,8 @@ pub const OFFSET: usize = 3;
 pub const INITIAL: usize = 4;
 /// What each further recording of the same sensor brings with it: an offset, and the displacement and velocity at its beginning,
 /// in this order after the base parameters.
-pub const PER_RECORDING: usize = 3;
+pub(super) const PER_RECORDING: usize = 3;
 /// Natural frequencies that a fit can reach, rad per sample.
-pub const OMEGAS_PER_SAMPLE: [f64; 2] = [1e-4, 20.0];
+pub(super) const OMEGAS_PER_SAMPLE: [f64; 2] = [1e-4, 20.0];
 /// Damping ratios that a fit can reach.
-pub const ZETAS: [f64; 2] = [1e-5, 30.0];
+pub(super) const ZETAS: [f64; 2] = [1e-5, 30.0];

@@ -21,7 +21,7 @@ const TURNS: f64 = 5.0;
 
 /// Whether what was fitted as a resonance is slower than a recording can show: the input moves the body about, no spring pulls it
 /// back.
-pub fn is_free(data: &Data, base: &Fit) -> bool {
+pub(super) fn is_free(data: &Data, base: &Fit) -> bool {
     let longest = data.recordings().iter().map(ExactSizeIterator::len).max().unwrap_or(0) as f64 * data.interval_s();
     data.input.is_some() && base.point[OMEGA] * longest < TURNS * TAU
 }

@@ -5,19 +5,14 @@
 pub(super) enum Cause {
     /// White noise at another level than promised.
     WhiteNoise,
-    /// Rounding.
     QuantisationNoise,
-    /// 1/f noise.
     FlickerNoise,
     /// A sum of independent steps.
     RandomWalk,
-    /// A straight line.
     RateRamp,
-    /// First-order memory.
     GaussMarkov,
     /// A line in the spectrum.
     Sinusoid,
-    /// An exponential.
     WarmUp,
     /// Something that an environment column or another channel shows.
     TemperatureSensitivity,

@@ -8,7 +8,6 @@ const STEPS: usize = 40;
 /// Two levels, the variance about them, and the chance per value to leave each.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chain {
-    /// The levels.
     pub(super) level: [f64; 2],
     variance: f64,
     /// The chance to leave each.

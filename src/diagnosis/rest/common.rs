@@ -20,7 +20,6 @@ pub(super) struct Follower {
     pub(super) channel: usize,
     /// With the leader's slow part in it.
     pub(super) fitted: Fitted,
-    /// Corrected.
     pub(super) p_value: f64,
     /// Share of its slow variance that the leader's slow part explains.
     pub(super) share: f64,

@@ -37,7 +37,6 @@ pub(super) struct Material<'a> {
     pub(super) findings: Vec<String>,
 }
 
-/// Draws it.
 pub(super) fn conclude(material: Material<'_>) -> Answer {
     let mut draft = Draft::of(material);
     draft.find_effects();

@@ -46,7 +46,6 @@ pub(super) enum Ruling {
     Open,
 }
 
-/// Which exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Of {
     /// Of the spectrum, f^−α.

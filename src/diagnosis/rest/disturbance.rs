@@ -29,7 +29,6 @@ const CHANCE: f64 = 1e-3;
 pub(super) struct BadReading {
     /// Place among the values.
     pub(super) at: usize,
-    /// As recorded.
     pub(super) value: f64,
     /// How far off, in robust standard deviations of the noise.
     pub(super) deviations: f64,

@@ -5,7 +5,6 @@ use super::profile::Profiled;
 /// A column and the shape in which it is followed.
 #[derive(Debug, Clone)]
 pub(super) struct Followed {
-    /// Heading.
     pub(super) column: String,
     /// How it is delayed.
     pub(super) delay: Delay,
@@ -18,7 +17,6 @@ pub(super) struct Followed {
 /// How a reading comes after the column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Delay {
-    /// It does not.
     None,
     /// A first-order lag; in samples.
     Lag(Profiled),

@@ -9,11 +9,9 @@ use crate::numerics::non_negative::non_negative;
 /// A law of noise in discrete time; its variance is that of one coefficient, for unit strength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Law {
-    /// Independent samples.
     White,
     /// Differences of independent samples: rounding of an integral.
     Differenced,
-    /// 1/f.
     Flicker,
     /// Sum of independent steps.
     Walk,

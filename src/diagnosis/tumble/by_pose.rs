@@ -8,7 +8,12 @@ use super::group::Group;
 use super::imu::Observed;
 
 /// Every pose before and after repair; `forces` as the repaired model sees them.
-pub fn pose_details(observed: &Observed<'_>, base: &Fit, repaired: &Fit, forces: &[Vector3<f64>]) -> Vec<PoseDetail> {
+pub(super) fn pose_details(
+    observed: &Observed<'_>,
+    base: &Fit,
+    repaired: &Fit,
+    forces: &[Vector3<f64>],
+) -> Vec<PoseDetail> {
     let count = observed.poses.len();
     let ((before, _), (after, noise)) = (by_pose(base, count), by_pose(repaired, count));
     let seconds = |sample: usize| sample as f64 / observed.imu.rate_hz;

@@ -9,11 +9,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 /// Number of parameters, fitted or not.
-pub const PARAMETERS: usize = 70;
+pub(crate) const PARAMETERS: usize = 70;
 /// A point in the space of all parameters; zero is "absent" except for offsets and common scales.
 pub type Point = [f64; PARAMETERS];
 /// Cosines that a slow drift is made of.
-pub const DRIFT_TERMS: usize = 3;
+pub(super) const DRIFT_TERMS: usize = 3;
 
 /// What changes slowly while it is recorded, at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -73,7 +73,7 @@ pub mod gyro {
 }
 
 /// Off-diagonal places of the gyro's M in the order of its parameters.
-pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+pub(crate) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 
 /// Below this slope a reading's curve is treated as if it went on straight: no sensor in use reads a fifth of a change.
 const LEAST_SLOPE: f64 = 0.2;

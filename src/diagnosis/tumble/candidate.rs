@@ -27,11 +27,11 @@ pub const CANDIDATES: &[Candidate] = &[
 ];
 
 /// What no pose can tell from the common scale: in the library to be said, never to be fitted.
-pub const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
+pub(super) const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
 
 /// Everything that can be fitted to a recording with or without a gyro and an environment column. `local-gravity` is not
 /// among it: no pose can tell it from the common scale.
-pub fn terms(with_gyro: bool, with_column: bool) -> Vec<&'static Term> {
+pub(crate) fn terms(with_gyro: bool, with_column: bool) -> Vec<&'static Term> {
     [
         scale_factor::TERMS,
         misalignment::TERMS,

@@ -23,7 +23,7 @@ fn fail(path: &Path, cause: impl Into<String>, hint: &str) -> Error {
 }
 
 /// Gravity in m/s², not in g, mg or mm/s².
-pub fn gravity(gravity_m_s2: f64, findings: &mut Vec<String>) -> Result<()> {
+pub(crate) fn gravity(gravity_m_s2: f64, findings: &mut Vec<String>) -> Result<()> {
     if !(1.0..=30.0).contains(&gravity_m_s2) {
         return Err(Error::new(
             "could not use the model",
@@ -38,7 +38,7 @@ pub fn gravity(gravity_m_s2: f64, findings: &mut Vec<String>) -> Result<()> {
 }
 
 /// No channel is constant.
-pub fn channels(recording: &Recording, model: &Tumble) -> Result<()> {
+pub(crate) fn channels(recording: &Recording, model: &Tumble) -> Result<()> {
     for name in model.columns.gyro.iter().flatten().chain(&model.columns.accelerometer) {
         let values = recording.column(name).unwrap_or_default();
         if values.windows(2).all(|w| w[0] == w[1]) {
@@ -53,7 +53,7 @@ pub fn channels(recording: &Recording, model: &Tumble) -> Result<()> {
 }
 
 /// Enough poses to tell anything.
-pub fn enough(path: &Path, poses: usize) -> Result<()> {
+pub(crate) fn enough(path: &Path, poses: usize) -> Result<()> {
     if poses >= FEWEST_POSES {
         return Ok(());
     }
@@ -67,7 +67,7 @@ pub fn enough(path: &Path, poses: usize) -> Result<()> {
 
 /// Whether the poses that were given lie where the recording is still: rows counted from another start, or at another
 /// rate, put them into the moves.
-pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -> Result<()> {
+pub(crate) fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -> Result<()> {
     let imu = &observed.imu;
     let scatter = |of: &[f64]| {
         let mean = of.iter().sum::<f64>() / of.len().max(1) as f64;
@@ -101,7 +101,7 @@ pub fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -
 }
 
 /// The accelerometer moves from pose to pose more than the gyro does: otherwise the two are swapped, or nothing was turned.
-pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
+pub(crate) fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
     let spread = |of: &dyn Fn(usize) -> (Vector3<f64>, Vector3<f64>)| {
         let count = observed.poses.len() as f64;
         let centre = (0..observed.poses.len()).map(|k| of(k).0).sum::<Vector3<f64>>() / count;
@@ -134,7 +134,7 @@ pub fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
 }
 
 /// The gyro's axes turn the way the accelerometer's do: otherwise columns are swapped or mounted the other way round.
-pub fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble) -> Result<()> {
+pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble) -> Result<()> {
     let (Some(names), Some(recorded)) = (&model.columns.gyro, &observed.imu.gyro) else { return Ok(()) };
     let as_given = turn_error(observed, guess);
     if as_given < 0.25 {
@@ -188,7 +188,7 @@ fn turn_error(observed: &Observed<'_>, point: &Point) -> f64 {
 }
 
 /// Which poses are held out: the model's split, or interleaved folds.
-pub fn folds(observed: &Observed<'_>, split: &Split, findings: &mut Vec<String>) -> Result<Folds> {
+pub(crate) fn folds(observed: &Observed<'_>, split: &Split, findings: &mut Vec<String>) -> Result<Folds> {
     if split.test.is_empty() {
         return Ok(interleaved(observed.poses.len()));
     }

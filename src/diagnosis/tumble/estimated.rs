@@ -14,7 +14,7 @@ use crate::diagnosis::verdict::{SensorCalibration, Triads};
 use crate::sensor::Sense;
 
 /// Calibrations of both sensors; `None` where the poses do not determine them.
-pub fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triads> {
+pub(crate) fn calibration(observed: &Observed<'_>, chosen: &Fit) -> Option<Triads> {
     let with_gyro = observed.imu.gyro.is_some();
     let usual = terms(with_gyro, false).into_iter().filter(|t| t.role == Role::EveryUnit).flat_map(|t| t.active());
     let mut active = chosen.active.clone();

@@ -28,10 +28,10 @@ pub struct Fit {
 /// A factor on the noise variance of each group, in the order of [`GROUPS`]: what a group misfits beyond its noise is noise
 /// to the parameters that it shares with the others, so that a gyro which does something unknown does not bend the
 /// accelerometer's calibration. (Variance components; Searle, Casella & McCulloch 1992.)
-pub type Inflation = [f64; GROUPS.len()];
+pub(crate) type Inflation = [f64; GROUPS.len()];
 
 /// Every group by its measured noise.
-pub const AS_MEASURED: Inflation = [1.0; GROUPS.len()];
+pub(super) const AS_MEASURED: Inflation = [1.0; GROUPS.len()];
 /// Misfit that the noise's own uncertainty allows before a group counts for less.
 const TOLERATED: f64 = 1.3;
 /// Standard deviation of what is known of the coning coefficient beforehand: wide, and enough where no turn shows it.

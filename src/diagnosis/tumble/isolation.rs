@@ -29,7 +29,7 @@ fn residuals(fit: &Fit) -> Vec<Rms> {
 }
 
 /// Isolation of the base model's residual; `forces` as the repaired model sees them.
-pub fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> (Places, Location) {
+pub(crate) fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>]) -> (Places, Location) {
     let excess: Vec<(f64, f64)> = (0..observed.poses.len())
         .map(|k| {
             let own = (0..base.rows.pose.len()).filter(|r| base.rows.pose[*r] == k);

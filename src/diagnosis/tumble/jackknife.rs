@@ -6,7 +6,7 @@ use super::fit::Fit;
 use crate::numerics::special::t_quantile;
 
 /// Half the width of a 95 % interval from delete-one-pose replicates.
-pub fn half_width(of: &dyn Fn(&Point) -> f64, fit: &Fit, replicates: &[Point]) -> f64 {
+pub(crate) fn half_width(of: &dyn Fn(&Point) -> f64, fit: &Fit, replicates: &[Point]) -> f64 {
     let each: Vec<f64> = replicates.iter().map(of).collect();
     // Each pose brings about six equations; a parameter costs its part of a pose.
     let degrees_of_freedom = (each.len() as f64 - fit.active.len() as f64 / 6.0).max(2.0);

@@ -16,12 +16,12 @@ use crate::numerics::special::f_survival;
 /// Chance of leaving out a pose in which nothing happened, over all poses.
 const FALSE_KNOCK: f64 = 1e-4;
 /// Mean square of a knocked pose's residuals over their noise, at the least; what is left of the others must be less.
-pub const CLEAR: f64 = 10.0;
+pub(crate) const CLEAR: f64 = 10.0;
 /// One pose in so many may be left out.
 const ONE_IN: usize = 10;
 
 /// Marks knocked poses as not counting and returns them, in order of time.
-pub fn leave_out(observed: &mut Observed<'_>, guess: &Point) -> Vec<usize> {
+pub(crate) fn leave_out(observed: &mut Observed<'_>, guess: &Point) -> Vec<usize> {
     let with_gyro = observed.imu.gyro.is_some();
     let usual = terms(with_gyro, observed.imu.covariate.is_some())
         .into_iter()

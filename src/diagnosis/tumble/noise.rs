@@ -163,7 +163,7 @@ fn noise_before_rounding(within: f64) -> f64 {
 }
 
 /// Standard error of a pose's mean from the scatter of eight batches: shows a pose that was not still.
-pub fn batch_error(values: &[f64]) -> f64 {
+pub(super) fn batch_error(values: &[f64]) -> f64 {
     const BATCHES: usize = 8;
     let m = values.len() / BATCHES;
     if m == 0 {

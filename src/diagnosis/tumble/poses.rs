@@ -15,7 +15,6 @@ use crate::recording::rows::Rows;
 
 /// Window of the variance, s.
 const WINDOW_S: f64 = 1.0;
-/// Shortest pose, s.
 const SHORTEST_S: f64 = 1.5;
 /// Left out at both ends of a pose, where a motion begins gently, s.
 const MARGIN_S: f64 = 0.1;

@@ -18,7 +18,7 @@ const TESTS: f64 = (GROUPS.len() + AT_REST) as f64;
 
 /// What is left after repair.
 #[derive(Debug, Clone)]
-pub struct Residual {
+pub(crate) struct Residual {
     /// All tests, in the vocabulary of every kind.
     pub remainder: Remainder,
     /// Residuals above their noise, with their variance over that of the noise, worst first.
@@ -26,7 +26,6 @@ pub struct Residual {
 }
 
 impl Residual {
-    /// Judges a fit.
     pub fn of(fit: &Fit) -> Self {
         let mut tests: Vec<Test> = Vec::new();
         let mut above: Vec<(Group, f64)> = Vec::new();

@@ -18,7 +18,7 @@ use crate::rng::{Philox, Stream};
 use crate::sensor::Sense;
 
 /// Chance of a false name that is accepted, over all candidates together.
-pub const FALSE_NAME: f64 = 0.005;
+pub(crate) const FALSE_NAME: f64 = 0.005;
 /// Interleaved folds of poses where the model states no split.
 const FOLDS: usize = 5;
 /// Resamplings of poses for the interval of a gain.
@@ -27,17 +27,15 @@ const RESAMPLES: usize = 400;
 const TIED: f64 = 6.0;
 
 /// Which poses are held out together; `None` is never held out.
-pub type Folds = Vec<Option<usize>>;
+pub(super) type Folds = Vec<Option<usize>>;
 
-/// Interleaved folds.
-pub fn interleaved(poses: usize) -> Folds {
+pub(crate) fn interleaved(poses: usize) -> Folds {
     (0..poses).map(|k| Some(k % FOLDS)).collect()
 }
 
 /// What one term does to a model.
 #[derive(Debug, Clone)]
-pub struct Standing {
-    /// Which.
+pub(crate) struct Standing {
     pub term: &'static Term,
     /// Share of the held-out mean square beyond the noise that it removes.
     pub gain: f64,
@@ -71,7 +69,7 @@ impl Standing {
 
 /// The outcome of the search.
 #[derive(Debug, Clone)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// The base model, refitted alone.
     pub base: Fit,
     /// Base and named terms together.
@@ -93,8 +91,7 @@ impl Selection {
 
 /// A term of the chosen model.
 #[derive(Debug, Clone)]
-pub struct Named {
-    /// Its evidence.
+pub(crate) struct Named {
     pub standing: Standing,
     /// Others that would fit nearly as well in its place.
     pub rivals: Vec<&'static Term>,
@@ -104,7 +101,12 @@ pub struct Named {
 ///
 /// # Errors
 /// When stopped.
-pub fn select(observed: &Observed<'_>, guess: &Point, folds: &Folds, control: &Control) -> Result<Selection, Stopped> {
+pub(crate) fn select(
+    observed: &Observed<'_>,
+    guess: &Point,
+    folds: &Folds,
+    control: &Control,
+) -> Result<Selection, Stopped> {
     let with_gyro = observed.imu.gyro.is_some();
     let library = terms(with_gyro, observed.imu.covariate.is_some());
     let base = Fit::new(observed, guess, &start::base(with_gyro), &AS_MEASURED);
@@ -142,7 +144,6 @@ struct Search<'a> {
     control: &'a Control,
     library: Vec<&'static Term>,
     tried: usize,
-    /// Withdrawn.
     banned: Vec<&'static Term>,
     base: Fit,
 }
@@ -311,7 +312,7 @@ fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried:
 }
 
 /// Bayesian information criterion with each group's own scale, never below its measured noise.
-pub fn criterion(fit: &Fit) -> f64 {
+fn criterion(fit: &Fit) -> f64 {
     let mut rows = 0;
     let misfit: f64 = GROUPS
         .iter()
@@ -326,7 +327,7 @@ pub fn criterion(fit: &Fit) -> f64 {
 }
 
 /// Per pose the sum of squares of held-out residuals over their noise, and how many there are; `None` without any.
-pub fn held_out_squares(fit: &Fit, group: Group, folds: &Folds) -> Vec<Option<(f64, usize)>> {
+pub(crate) fn held_out_squares(fit: &Fit, group: Group, folds: &Folds) -> Vec<Option<(f64, usize)>> {
     let residual = fit.held_out(folds);
     let mut out = vec![None; folds.len()];
     for r in (0..residual.len()).filter(|r| fit.rows.group[*r] == group) {

@@ -15,7 +15,7 @@ pub struct Active<'a> {
 }
 
 /// Calls `give(parameter, axis, φ)` for every parameter that moves axis i of the reading v by −φ.
-pub fn reading_slopes(
+pub(super) fn reading_slopes(
     sensor: Sense,
     triad: &Triad,
     scale: f64,

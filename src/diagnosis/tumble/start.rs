@@ -14,7 +14,7 @@ pub fn base(with_gyro: bool) -> Vec<usize> {
 }
 
 /// A first guess of the base model; sets the scales by which noise is weighed.
-pub fn guess(observed: &mut Observed<'_>) -> Point {
+pub(crate) fn guess(observed: &mut Observed<'_>) -> Point {
     let mut point = [0.0; PARAMETERS];
     let poses = &observed.poses;
     let (offset, scale) = sphere(&poses.iter().map(|p| p.accelerometer).collect::<Vec<_>>());

@@ -6,7 +6,7 @@ use crate::units::{DEGREE, DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 const AXES: [char; 3] = ['x', 'y', 'z'];
 
 /// What a parameter is multiplied by to stand in its public unit.
-pub fn factor(parameter: usize) -> f64 {
+pub(crate) fn factor(parameter: usize) -> f64 {
     match parameter {
         p if gyro::G_SENSITIVITY.contains(&p) => STANDARD_GRAVITY_M_S2 / DEGREE,
         p if gyro::FRAME_RATE.contains(&p) => 1.0 / DEGREE_PER_HOUR,
@@ -16,7 +16,7 @@ pub fn factor(parameter: usize) -> f64 {
 }
 
 /// Name and unit of a parameter; `covariate` is the unit of τ.
-pub fn name_and_unit(parameter: usize, covariate: &str) -> (String, String) {
+pub(super) fn name_and_unit(parameter: usize, covariate: &str) -> (String, String) {
     let axis = |range: &std::ops::Range<usize>| AXES[(parameter - range.start) % 3];
     let off_diagonal = |(i, j): (usize, usize)| format!("m_{}{}", AXES[i], AXES[j]);
     match parameter {

@@ -32,7 +32,7 @@ const WANDER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 5
 const MOST_ROWS: usize = 360;
 
 /// Raises the 1/f noise of sensors whose residual at rest is above its noise and wanders; whether any was raised.
-pub fn raise(observed: &mut Observed<'_>, fit: &Fit) -> bool {
+pub(crate) fn raise(observed: &mut Observed<'_>, fit: &Fit) -> bool {
     let above: Vec<Group> = Residual::of(fit).above.iter().filter(|a| a.1 < MOST).map(|a| a.0).collect();
     let mut raised = false;
     for (group, sensor) in [(Group::Gravity, Sense::Accelerometer), (Group::Still, Sense::Gyro)] {

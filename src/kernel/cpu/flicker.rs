@@ -12,7 +12,7 @@ use crate::rng::Stream;
 
 /// State of one instrument's terms.
 #[derive(Debug, Clone)]
-pub struct Flicker<T> {
+pub(crate) struct Flicker<T> {
     terms: Vec<Lane<T>>,
     /// Weighted sum of terms 2 and slower.
     slowest: Lane<T>,
@@ -33,7 +33,7 @@ impl<T: Real> Flicker<T> {
 }
 
 /// Bias instability in the shader.
-pub const FLICKER: Fragment = Fragment {
+pub(super) const FLICKER: Fragment = Fragment {
     begin: "
     let $term_scale = column(i, $TERM);
     let $term_base = $base;

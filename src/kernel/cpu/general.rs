@@ -31,7 +31,6 @@ impl<T: Real> Acting<T> {
 
 /// [`ProofMasses`] under these laws.
 pub(super) struct General<'a, T> {
-    /// The laws.
     pub laws: &'a [Acting<T>],
     /// Number of the first substep.
     pub first: u64,

@@ -14,7 +14,7 @@ use crate::physics::cubic_stiffness::{pull, tangent_stiffness};
 
 /// Exponents of the block's lanes, 1/s, and the block carried to the end of the averaging.
 #[inline(always)]
-pub fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f64; LANES] {
+pub(crate) fn exponents<T: Real>(block: &mut Block<T>, plan: &Plan, table: &[T]) -> [f64; LANES] {
     let mut sum = [0.0f64; LANES];
     let mut tangent = ([T::of(1.0); LANES], [T::of(0.0); LANES]);
     for period in 0..plan.transient_periods {

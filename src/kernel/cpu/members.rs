@@ -148,7 +148,6 @@ impl<T: Real> Members<T> {
         Ok(members)
     }
 
-    /// Members without anything.
     fn none(draw: Drawer) -> Self {
         let zero = Lane::splat(T::of(0.0));
         Self {

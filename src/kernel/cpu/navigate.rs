@@ -40,10 +40,9 @@ const VELOCITY: usize = 1;
 const POSITION: usize = 2;
 
 /// A velocity error above this, m/s, means that the member has left the range of its model.
-pub const BOUND_M_S: f32 = 1e7;
+pub(crate) const BOUND_M_S: f32 = 1e7;
 
 impl<T: Real> Default for State<T> {
-    /// Without any error.
     fn default() -> Self {
         Self { parts: [[Lane::splat(T::of(0.0)); 3]; 3], totals: [[Lane::splat(0.0); 3]; 3] }
     }
@@ -312,6 +311,6 @@ fn step<T: Real, const FMA: bool, const ROUND: bool>(
 
 /// An attitude error's rotation vector about the vehicle's own level axes: roll about forward, pitch about right, heading about
 /// down. `heading_rad` is the vehicle's.
-pub fn roll_pitch_heading(turn: Vector3<f64>, heading_rad: f64) -> Vector3<f64> {
+pub(crate) fn roll_pitch_heading(turn: Vector3<f64>, heading_rad: f64) -> Vector3<f64> {
     Rotation3::from_axis_angle(&Vector3::z_axis(), -heading_rad) * turn
 }

@@ -9,8 +9,7 @@ use crate::rng::{MULTIPLIER_0, MULTIPLIER_1, Stream, WEYL_0, WEYL_1};
 
 /// Who draws: 64 members from `first` on.
 #[derive(Debug, Clone, Copy)]
-pub struct Drawer {
-    /// Key.
+pub(crate) struct Drawer {
     pub seed: u64,
     /// First member; a multiple of 64.
     pub first_member: u64,
@@ -84,16 +83,12 @@ fn gaussian_pairs<T: Real, const FMA: bool>(
 }
 
 /// Fills lanes with the numbers of one stream: compiled once for all purposes.
-pub struct Draw<'a, T> {
-    /// Who draws.
+pub(crate) struct Draw<'a, T> {
     pub drawer: Drawer,
-    /// Stream word.
     pub stream: u32,
-    /// First counter.
     pub counter: u32,
     /// Numbers taken of each counter, 2 or 4.
     pub each: usize,
-    /// Filled.
     pub out: &'a mut [Lane<T>],
 }
 

@@ -11,7 +11,7 @@ use crate::numerics::elementary::{Real, fma, sin_cos, sin_cos_turns};
 use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
 
 /// A member's coefficients, as `member::coefficients` orders them.
-pub type Coefficients<T> = [T; COEFFICIENTS];
+pub(crate) type Coefficients<T> = [T; COEFFICIENTS];
 
 /// A way of stepping; implemented by types without values, so that a kernel is compiled for each.
 pub trait Oscillator<T: Real>: Send + Sync + 'static {
@@ -22,15 +22,14 @@ pub trait Oscillator<T: Real>: Send + Sync + 'static {
 }
 
 /// The reading follows the force at once.
-pub struct Ideal;
+pub(crate) struct Ideal;
 /// The exact map of a linear proof mass.
-pub struct ExactHold;
+pub(crate) struct ExactHold;
 /// Runge–Kutta of order 4, linear and cubic spring.
-pub struct RungeKutta4;
+pub(crate) struct RungeKutta4;
 /// Exponential Runge–Kutta of order 2.
-pub struct ExponentialRk2;
-/// Exponential Rosenbrock–Euler.
-pub struct RosenbrockEuler;
+pub(crate) struct ExponentialRk2;
+pub(crate) struct RosenbrockEuler;
 
 impl<T: Real> Oscillator<T> for Ideal {
     const MOVES: bool = false;
@@ -129,13 +128,11 @@ impl<T: Real> Oscillator<T> for RosenbrockEuler {
 
 /// The proof masses of 64 members over consecutive samples.
 pub(super) struct ProofMasses<'a, T> {
-    /// Parameters.
     pub k: &'a [Lane<T>; COLUMNS],
     pub e: &'a mut Lane<T>,
     pub q: &'a mut Lane<T>,
     /// The shared force over the substeps of these samples.
     pub force: &'a [Force<T>],
-    /// Substeps per sample.
     pub substeps: usize,
     /// Normal numbers of the force noise, one a sample, if there is any.
     pub push: Option<&'a [Lane<T>]>,

@@ -48,7 +48,7 @@ impl<T: Real> Block<T> {
 
 /// Runs `plan.strobes` periods from where the block stands; `out` receives the lanes' states after each.
 #[inline(always)]
-pub fn strobes<T: Real>(
+pub(crate) fn strobes<T: Real>(
     block: &mut Block<T>,
     plan: &Plan,
     table: &[T],

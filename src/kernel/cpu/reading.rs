@@ -42,7 +42,7 @@ impl<T: Real> State<T> {
 }
 
 /// The WGSL of a law; none for those that act on the reading as a whole, which the shader itself has.
-pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
+pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
     match law {
         ErrorLaw::White(_) => Some(&WHITE),
         ErrorLaw::Flicker(_) => Some(&flicker::FLICKER),
@@ -59,7 +59,6 @@ pub fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
 pub(super) struct Samples<'a, T> {
     /// Specific force along the axis.
     pub felt: &'a [Lane<T>],
-    /// The instrument's error.
     pub out: &'a mut [Lane<T>],
 }
 
@@ -110,9 +109,7 @@ pub const WHITE: Fragment = Fragment {
     end: "",
 };
 
-/// White noise.
 struct AddWhite<'a, T> {
-    /// Deviation.
     pub scale: &'a Lane<T>,
     pub numbers: &'a [Lane<T>],
     pub out: &'a mut [Lane<T>],
@@ -167,7 +164,6 @@ pub const WALK: Fragment = Fragment {
 ",
 };
 
-/// A random walk.
 struct AddWalk<'a, T> {
     /// Deviation of one increment.
     pub scale: &'a Lane<T>,
@@ -191,7 +187,7 @@ impl<T: Real> Kernel for AddWalk<'_, T> {
 }
 
 /// A straight line in the shader.
-pub const RAMP: Fragment = Fragment {
+pub(crate) const RAMP: Fragment = Fragment {
     begin: "
     let $term_slope = column(i, $TERM);
 ",
@@ -227,7 +223,7 @@ impl<T: Real> Kernel for AddRamp<'_, T> {
 }
 
 /// A constant in the shader.
-pub const OFFSET: Fragment = Fragment {
+pub(crate) const OFFSET: Fragment = Fragment {
     begin: "
     let $term_offset = column(i, $TERM);
 ",
@@ -240,7 +236,6 @@ pub const OFFSET: Fragment = Fragment {
     end: "",
 };
 
-/// A constant.
 struct AddOffset<'a, T> {
     scale: &'a Lane<T>,
     out: &'a mut [Lane<T>],
@@ -259,7 +254,7 @@ impl<T: Real> Kernel for AddOffset<'_, T> {
 }
 
 /// What follows the specific force, in the shader.
-pub const FORCE: Fragment = Fragment {
+pub(crate) const FORCE: Fragment = Fragment {
     begin: "
     let $term_share = column(i, $TERM);
 ",

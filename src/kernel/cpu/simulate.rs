@@ -31,23 +31,18 @@ pub struct Seen<'a, T> {
     pub gyro: &'a Lane<T>,
 }
 
-/// Sees every sample.
-pub type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
+type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
 
 /// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force`
 /// holds their substeps.
-pub struct Simulate<'a, T: Real> {
+pub(crate) struct Simulate<'a, T: Real> {
     /// What all members share.
     pub shared: &'a Shared<T>,
-    /// The members.
     pub members: &'a mut Members<T>,
     /// The excitation of these samples.
     pub force: &'a [Force<T>],
-    /// First sample.
     pub first: u64,
-    /// How many.
     pub count: u64,
-    /// Sees every sample.
     pub observer: Option<&'a mut Observer<'a, T>>,
 }
 

@@ -9,15 +9,12 @@ use crate::rng::Stream;
 
 /// Samples that go through a phase together: few enough that their numbers stay in the first-level cache, enough that
 /// calling a phase costs nothing. A multiple of the four samples that share a counter, and a divisor of `sums::CHUNK`.
-pub const STRETCH: usize = 16;
+pub(crate) const STRETCH: usize = 16;
 
 /// Samples `from` to `until`, all of one stretch, and the room for their numbers.
-pub struct Numbers<'a, T> {
-    /// Instruction set.
+pub(crate) struct Numbers<'a, T> {
     pub level: Level,
-    /// Who draws.
     pub drawer: Drawer,
-    /// First sample.
     pub from: u64,
     /// The sample after the last.
     pub until: u64,

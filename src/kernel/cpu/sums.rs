@@ -7,9 +7,9 @@ use super::lanes::{Kernel, LANES, Lane};
 use crate::numerics::elementary::{Real, fma};
 
 /// Samples summed in T before they are added to the totals; a power of two, so that its multiples are exact.
-pub const CHUNK: u64 = 64;
+pub(crate) const CHUNK: u64 = 64;
 /// A reading error above this, m/s² (a million g), means that the member has left the range of its model.
-pub const BOUND_M_S2: f32 = 1e7;
+pub(crate) const BOUND_M_S2: f32 = 1e7;
 
 /// Where the integrals have got to.
 #[derive(Debug, Clone)]
@@ -18,7 +18,6 @@ pub(super) struct Sums<T> {
     pub velocity: Lane<T>,
     pub position: Lane<T>,
     pub rate: Lane<T>,
-    /// Up to there.
     pub velocity_total: Lane<f64>,
     pub position_total: Lane<f64>,
     pub rate_total: Lane<f64>,

@@ -6,7 +6,7 @@ use crate::kernel::member::COLUMNS;
 use crate::physics::coefficients::StudyLaw;
 
 /// Name of a law's function.
-pub fn function(law: &StudyLaw) -> String {
+pub(crate) fn function(law: &StudyLaw) -> String {
     law.term.id().replace('-', "_")
 }
 

@@ -24,12 +24,12 @@ pub fn name(term: SensorTerm) -> String {
 }
 
 /// Name of the switch that says whether some member has the term.
-pub fn switch(term: SensorTerm) -> String {
+pub(crate) fn switch(term: SensorTerm) -> String {
     format!("HAS_{}", name(term))
 }
 
 /// Columns, states, streams and switches of all terms.
-pub fn declarations() -> String {
+pub(super) fn declarations() -> String {
     let mut text = String::new();
     for term in SensorTerm::ALL {
         let name = name(term);
@@ -45,7 +45,7 @@ pub fn declarations() -> String {
 }
 
 /// A shader's text with each line `#terms WHERE` replaced. An unknown WHERE stays, and no shader with it compiles.
-pub fn expand(text: &str) -> String {
+pub(crate) fn expand(text: &str) -> String {
     let mut out = String::with_capacity(2 * text.len());
     for line in text.lines() {
         let pick: fn(&Fragment) -> &'static str = match line.trim() {

@@ -15,7 +15,7 @@ const REACH: usize = 64;
 
 /// Covariances of a set of points as a quadratic form in the squared coefficients.
 #[derive(Debug, Clone)]
-pub struct Covariance {
+pub(crate) struct Covariance {
     count: usize,
     taus_s: Vec<f64>,
     /// Per pair of points (row-major), per pair of terms: 2/(n_i n_j) Σ R_p R_q.

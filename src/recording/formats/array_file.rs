@@ -13,7 +13,7 @@ const LONGEST_HEADER: usize = 1 << 20;
 ///
 /// # Errors
 /// A damaged header, or numbers of a kind that is not read.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let start = input.head()?;
     let needed = header_length(&start).unwrap_or(usize::MAX);
     let head = if needed > start.len() && needed <= LONGEST_HEADER {
@@ -35,14 +35,14 @@ pub fn open(input: &Input) -> Result<Box<dyn Log>> {
 
 /// What the header of an array says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Header {
+pub(crate) struct Header {
     descr: String,
     fortran: bool,
     shape: Vec<u64>,
 }
 
 /// Bytes of magic, version and header.
-pub fn header_length(head: &[u8]) -> Option<usize> {
+pub(super) fn header_length(head: &[u8]) -> Option<usize> {
     match head {
         [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, low, high, ..] => {
             Some(10 + usize::from(u16::from_le_bytes([*low, *high])))
@@ -58,7 +58,7 @@ pub fn header_length(head: &[u8]) -> Option<usize> {
 ///
 /// # Errors
 /// What is expected and what is there.
-pub fn describe(head: &[u8]) -> Result<(Header, usize), String> {
+pub(crate) fn describe(head: &[u8]) -> Result<(Header, usize), String> {
     let data = header_length(head).ok_or("expected the beginning of a NumPy array of version 1 to 3")?;
     let begin = if head.get(6) == Some(&1) { 10 } else { 12 };
     let text =

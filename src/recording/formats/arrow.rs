@@ -47,7 +47,7 @@ struct Arrow {
 ///
 /// # Errors
 /// A file that was not finished, or is damaged; one without columns of numbers.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let length = input.length();
     let tail = if length < 18 { Vec::new() } else { input.bytes_at(length - 10, 10, "the end of the file")? };
     if tail.get(4..) != Some(b"ARROW1") {

@@ -13,7 +13,6 @@ use crate::recording::reader::{BLOCK_ROWS, Block, Choice, Heading, Log, Part, Re
 use crate::recording::records::{self, Field, Strays};
 
 const MAGIC: [u8; 2] = [0xa3, 0x95];
-/// Magic and type.
 const HEAD: usize = 3;
 /// The message that describes messages: its type and its bytes.
 const FORMAT: u8 = 128;
@@ -42,7 +41,7 @@ struct DataFlash {
 ///
 /// # Errors
 /// A file without any description of a message.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let mut counts: BTreeMap<(u8, Option<u8>), u64> = BTreeMap::new();
     let mut walk = Walk::new(input, BTreeMap::new());
     while let Some((kind, instance, _)) = walk.next()? {

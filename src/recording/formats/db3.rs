@@ -29,7 +29,7 @@ struct Bag {
 ///
 /// # Errors
 /// A database that is damaged, not closed, or no ROS 2 bag.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let database = Database::open(input)?;
     let topics = database.table("topics")?;
     let messages = database.table("messages")?;

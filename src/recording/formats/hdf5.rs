@@ -26,7 +26,7 @@ const PIECE_BYTES: usize = 1 << 20;
 ///
 /// # Errors
 /// A damaged file, one that is packed or on standard input, or one without datasets of numbers.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     if input.path == Path::new("-") || input.stored_length() != input.length() {
         return Err(
             input.fail("the HDF5 library reads files only, not what is packed or piped", "unpack it into a file")

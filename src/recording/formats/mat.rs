@@ -21,7 +21,7 @@ const LONGEST: u64 = 1 << 16;
 ///
 /// # Errors
 /// A damaged file, or one without arrays of numbers.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let header = input.bytes_at(0, HEADER_BYTES, "the header of a MATLAB file")?;
     let big_endian = match &header[124..] {
         [0, 1, b'I', b'M'] => false,

@@ -37,7 +37,7 @@ struct Mcap {
 ///
 /// # Errors
 /// A log that was not closed, or is damaged.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let begin = MAGIC.len() as u64;
     let end = input.length().saturating_sub(begin);
     let closed = end > begin + FOOTER_BYTES && input.bytes_at(end, begin, "the end of the log")? == MAGIC;

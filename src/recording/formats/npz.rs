@@ -20,7 +20,7 @@ const HEADER: u64 = 1 << 16;
 ///
 /// # Errors
 /// A damaged archive, or one without arrays of numbers.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let entries = entries(input)?;
     let mut arrays = Vec::new();
     for entry in &entries {

@@ -45,7 +45,7 @@ struct Parquet {
 ///
 /// # Errors
 /// A file that was not finished, or is damaged; one without columns of numbers.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let length = input.length();
     let tail = if length < 12 { Vec::new() } else { input.bytes_at(length - 8, 8, "the end of the table")? };
     if tail.get(4..) != Some(b"PAR1") {

@@ -35,7 +35,7 @@ struct Bag {
 ///
 /// # Errors
 /// A bag that was not closed, or is damaged.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     let mut at = FIRST;
     let head = record(input, &mut at)?;
     let fields = Fields::new(&head.header);

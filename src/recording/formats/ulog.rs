@@ -45,7 +45,7 @@ struct Ulog {
 ///
 /// # Errors
 /// A file that ends before its first message.
-pub fn open(input: &Input) -> Result<Box<dyn Log>> {
+pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     if input.length() < FIRST + HEAD as u64 {
         return Err(input.truncated("the header of a ULog", 0, FIRST + HEAD as u64));
     }

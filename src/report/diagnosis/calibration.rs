@@ -3,7 +3,7 @@
 use crate::diagnosis::verdict::{SensorCalibration, Triads};
 
 /// What the text says, for a heading.
-pub const MEANING: &str = "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted \
+pub(crate) const MEANING: &str = "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted \
      whether they were named or not; ± is half the width of the 95 % interval";
 
 /// Both sensors.

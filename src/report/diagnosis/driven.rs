@@ -17,7 +17,7 @@ use crate::report::figure::{Axis, Chart, Ink, Mark, Raster, labelled};
 const POINTS: usize = 1500;
 
 /// Its figures; one of them is the opening.
-pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
+pub(crate) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let mut all = vec![zoom(detail), zoomed_errors(detail), errors(detail), spectra(detail), states(detail)];
     all.extend(surfaces(detail));
     if !detail.candidates.is_empty() {

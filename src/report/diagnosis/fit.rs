@@ -7,7 +7,7 @@ use crate::report::table::Table;
 use super::numbers::{chance, estimate, formula};
 
 /// What held-out data say; noise that no simulation predicts shows in the likelihood alone.
-pub fn sure(verdict: &Verdict) -> String {
+pub(crate) fn sure(verdict: &Verdict) -> String {
     let (test, unit) = (&verdict.fit.test, &verdict.fit.unit);
     let (before, floor) = (significant(test.rmse_before, 3), noise(verdict));
     let Some(after) = test.rmse_after.filter(|_| !verdict.effects.is_empty()).map(|v| significant(v, 3)) else {
@@ -35,7 +35,7 @@ fn noise(verdict: &Verdict) -> String {
 }
 
 /// The base model's numbers in a line.
-pub fn base_words(verdict: &Verdict) -> String {
+pub(crate) fn base_words(verdict: &Verdict) -> String {
     let one = |e: &Estimate| {
         let symbol = if e.name == "omega0" {
             "ω₀"
@@ -56,7 +56,7 @@ pub fn base_words(verdict: &Verdict) -> String {
 }
 
 /// The same as a table.
-pub fn base_table(verdict: &Verdict) -> Table {
+pub(crate) fn base_table(verdict: &Verdict) -> Table {
     let mut table = Table::new(&["parameter", "value ± 95 %", "unit"]);
     for e in &verdict.base {
         table.row([e.name.clone(), estimate(e), formula(&e.unit)]);
@@ -65,7 +65,7 @@ pub fn base_table(verdict: &Verdict) -> Table {
 }
 
 /// Errors of the base model, and where something is named, with it.
-pub fn fit_table(verdict: &Verdict) -> Table {
+pub(crate) fn fit_table(verdict: &Verdict) -> Table {
     let fit = &verdict.fit;
     let title = format!("root-mean-square error, {}", fit.unit);
     let noise = fit.noise.as_ref().map_or(fit.noise_floor, |n| n.value);

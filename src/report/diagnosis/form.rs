@@ -6,7 +6,7 @@ use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// One figure per law whose form was freed; each with the id of its effect.
-pub fn exhibits(forms: &[(&'static str, Form)]) -> Vec<Exhibit> {
+pub(crate) fn exhibits(forms: &[(&'static str, Form)]) -> Vec<Exhibit> {
     forms.iter().map(|(id, form)| exhibit(id, form)).collect()
 }
 

@@ -4,7 +4,7 @@ use crate::diagnosis::verdict::Estimate;
 use crate::number::{significant, with_uncertainty};
 
 /// A probability as words say it.
-pub fn chance(p: f64) -> String {
+pub(crate) fn chance(p: f64) -> String {
     if p < 1e-6 { "below one in a million".into() } else { significant(p, 2) }
 }
 
@@ -19,6 +19,6 @@ pub fn estimate(e: &Estimate) -> String {
 }
 
 /// A unit as it is set in print.
-pub fn formula(unit: &str) -> String {
+pub(crate) fn formula(unit: &str) -> String {
     unit.replace("^2", "²").replace("^3", "³").replace("sqrt(s)", "√s")
 }

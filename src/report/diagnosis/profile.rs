@@ -10,7 +10,7 @@ const MOST: usize = 6;
 /// Log-likelihood at which the axis ends.
 const HIGHEST: f64 = 6.0;
 /// The figure; `None` where nothing was named that has a profile.
-pub fn exhibit(profiles: &[Profile]) -> Option<Exhibit> {
+pub(crate) fn exhibit(profiles: &[Profile]) -> Option<Exhibit> {
     if profiles.is_empty() {
         return None;
     }

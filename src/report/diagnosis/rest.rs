@@ -11,7 +11,7 @@ use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 const HEADING: usize = 80;
 
 /// Its figures; one of them is the opening: the channel in which most was named.
-pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
+pub(crate) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let Some(opening) = (0..detail.channels.len()).rev().max_by_key(|i| detail.channels[*i].named.len()) else {
         return Vec::new();
     };

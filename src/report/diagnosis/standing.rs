@@ -8,7 +8,7 @@ use crate::diagnosis::tumble::account::{Fate, SeenFrom};
 use crate::number::short;
 
 /// What became of a candidate, in a few words.
-pub fn note(note: &Note) -> String {
+pub(crate) fn note(note: &Note) -> String {
     match note {
         Note::Screened => "screened out by the linear step".into(),
         Note::Alone => "alone, on the base model".into(),
@@ -51,7 +51,7 @@ fn fated(fate: &Fate) -> String {
 }
 
 /// What the column of gains means for a kind of recording.
-pub fn meaning_of_gains(kind: Kind) -> &'static str {
+pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
     match kind {
         Kind::Driven | Kind::Tumble => {
             "The gain is the fraction of the held-out error above the noise that the candidate removes (1 is all of \
@@ -65,7 +65,7 @@ pub fn meaning_of_gains(kind: Kind) -> &'static str {
 }
 
 /// A gain in a table, with its interval where it has one; in-sample ones are marked.
-pub fn gain(gain: Gain) -> [String; 2] {
+pub(crate) fn gain(gain: Gain) -> [String; 2] {
     let interval = gain.ci95().map_or("–".to_owned(), |[low, high]| format!("{} to {}", share(low), share(high)));
     let value = match gain {
         Gain::HeldOut { value, .. } => share(value),

@@ -6,7 +6,7 @@ use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.
-pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
+pub(crate) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let mut out = vec![
         exhibit(
             Part::Opening,

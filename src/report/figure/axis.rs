@@ -117,7 +117,6 @@ impl Span {
         nice * power
     }
 
-    /// Tick positions.
     pub(super) fn ticks(&self) -> Vec<f64> {
         let evenly = || {
             let step = self.step();

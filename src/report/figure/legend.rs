@@ -4,7 +4,6 @@ use super::chart::{Chart, Mark, Series};
 use super::marks::kind;
 use super::theme::Ink;
 
-/// One entry.
 pub(super) struct Entry<'a> {
     pub(super) name: &'a str,
     /// Class of its swatch.

@@ -6,7 +6,7 @@ fn parts(label: &str) -> (&str, Option<&str>) {
 }
 
 /// A quantity and what further describes it, with the unit of `label` at the end, in the way of the keys of a study.
-pub fn column(label: &str, more: &[&str]) -> String {
+pub(crate) fn column(label: &str, more: &[&str]) -> String {
     let (quantity, unit) = parts(label);
     let unit = unit.map(|u| match u.trim_matches(['(', ')']).strip_prefix("1/") {
         Some(of) => format!("per {of}"),
@@ -17,12 +17,12 @@ pub fn column(label: &str, more: &[&str]) -> String {
 }
 
 /// Whether words carry a unit of their own.
-pub fn has_unit(label: &str) -> bool {
+pub(crate) fn has_unit(label: &str) -> bool {
     parts(label).1.is_some()
 }
 
 /// A title as the name of a file.
-pub fn file(title: &str) -> String {
+pub(crate) fn file(title: &str) -> String {
     let name: String = slug(title, '-').chars().take(LONGEST).collect();
     if name.is_empty() { "figure".into() } else { name }
 }

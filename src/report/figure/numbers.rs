@@ -18,7 +18,7 @@ pub struct Numbers {
 }
 
 /// The tables of a chart: of its picture and of its series.
-pub fn behind(chart: &Chart) -> Vec<Numbers> {
+pub(crate) fn behind(chart: &Chart) -> Vec<Numbers> {
     let title = name::file(&chart.title);
     let named = |name: String, columns: Columns| Numbers { name, columns };
     let series = columns(chart);

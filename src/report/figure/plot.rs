@@ -19,13 +19,11 @@ pub(super) const BAR_PX: (u32, u32) = (14, 34);
 pub(super) struct Plot {
     /// Attributes of the `<svg>` element.
     pub(super) attributes: String,
-    /// What it holds.
     pub(super) inner: String,
     /// The longest label left of it.
     pub(super) left: String,
     /// The longest label of its colour bar, if it has one.
     pub(super) right: Option<String>,
-    /// Nominal size, px.
     pub(super) size: (f64, f64),
 }
 

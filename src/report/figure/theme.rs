@@ -27,7 +27,6 @@ pub enum Ink {
     Grid,
 }
 
-/// Name, light, dark.
 const ROLES: [(Ink, &str, &str, &str); 9] = [
     (Ink::Blue, "c1", "#0774CF", "#4CA8F0"),
     (Ink::Red, "c2", "#B54809", "#F0834A"),

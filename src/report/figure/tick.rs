@@ -15,7 +15,6 @@ pub(super) struct Tick {
     pub(super) label: String,
     /// On a page of usual width.
     pub(super) wide: bool,
-    /// On a phone.
     pub(super) narrow: bool,
 }
 

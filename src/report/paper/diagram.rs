@@ -12,7 +12,6 @@ struct Block<'a> {
     lines: &'a [String],
 }
 
-/// The diagram.
 pub(super) fn draw(fusion: &Fusion) -> Figure {
     let (model, rest) = (&fusion.model, &fusion.at_rest);
     let last = rest.gain.last().copied().unwrap_or([f64::NAN; 2]);

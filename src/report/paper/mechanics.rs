@@ -14,7 +14,6 @@ pub(super) fn write(page: &mut Page, paper: &Paper) {
     cubic(page, &paper.cubic);
 }
 
-/// Time and motion.
 type Path = [(f64, MassResponse)];
 type Curve = Vec<(f64, f64)>;
 

@@ -6,7 +6,7 @@ use crate::report::html::Page;
 use crate::report::table::Table;
 
 /// At most `most` points of a curve, evenly taken, the last kept.
-pub fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
+pub(crate) fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     let every = points.len().div_ceil(most.max(2)).max(1);
     let mut out: Vec<_> = points.iter().copied().step_by(every).collect();
     if let (Some(last), Some(kept)) = (points.last(), out.last())
@@ -18,13 +18,13 @@ pub fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
 }
 
 /// Heading of a figure's section.
-pub fn head(page: &mut Page, exhibit: &Exhibit) {
+pub(crate) fn head(page: &mut Page, exhibit: &Exhibit) {
     page.section(&format!("Figure {}. {}", exhibit.figure, exhibit.title));
     page.prefix(format!("figure-{:02}-", exhibit.figure));
 }
 
 /// The checks of a figure: what is expected, what came out, and whether they agree.
-pub fn checks(page: &mut Page, exhibit: &Exhibit) {
+pub(crate) fn checks(page: &mut Page, exhibit: &Exhibit) {
     let mut table = Table::new(&["check", "holds", "computed", "expected", "why"]);
     for c in &exhibit.checks {
         let (got, expected) = shown(c);

@@ -21,7 +21,7 @@ fn series(answer: &Answer, quantity: Quantity, pick: impl Fn(&Summary) -> f64) -
 }
 
 /// Distance from the truth over time, from the start of the run.
-pub fn distance(answer: &Answer) -> Chart {
+pub(crate) fn distance(answer: &Answer) -> Chart {
     let curve = |quantity, place: usize| {
         let mut points = series(answer, quantity, |s| s.percentiles[place]);
         points.insert(0, (0.0, 0.0));
@@ -36,7 +36,7 @@ pub fn distance(answer: &Answer) -> Chart {
 
 /// Standard deviations of three of the linear quantities on log axes, with the linear model's; `unit` is what one unit of the
 /// axis is in SI.
-pub fn spreads(answer: &Answer, title: &str, label: &str, first: usize, names: [&str; 3], unit: f64) -> Chart {
+pub(crate) fn spreads(answer: &Answer, title: &str, label: &str, first: usize, names: [&str; 3], unit: f64) -> Chart {
     let mut chart = Chart::new(title, Axis::log("time / s"), Axis::log(label));
     for (n, name) in names.into_iter().enumerate() {
         chart.add(name, Ink::nth(n), Mark::Line, series(answer, LINEAR[first + n], |s| s.sd / unit));
@@ -50,7 +50,7 @@ pub fn spreads(answer: &Answer, title: &str, label: &str, first: usize, names: [
 }
 
 /// Attitude errors over time.
-pub fn attitude(answer: &Answer) -> Chart {
+pub(crate) fn attitude(answer: &Answer) -> Chart {
     spreads(answer, "Attitude error", "attitude error, sd / °", 6, ["roll", "pitch", "heading"], DEGREE)
 }
 
@@ -118,7 +118,7 @@ pub fn map(answer: &Answer) -> (Chart, f64) {
 }
 
 /// Fractions of the horizontal mean square, stacked to 100 %.
-pub fn shares(answer: &Answer) -> Chart {
+pub(crate) fn shares(answer: &Answer) -> Chart {
     let (covariance, time_s) = (&answer.covariance, &answer.ensemble.time_s);
     let mut chart = Chart::new(
         "Contributions to the mean square",

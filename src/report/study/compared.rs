@@ -9,7 +9,7 @@ use crate::sensor::Sense;
 use crate::units::{DEGREE_PER_HOUR, MICRO_G};
 
 /// The section, if the study asks for it.
-pub fn section(page: &mut Page, outcome: &Outcome) {
+pub(crate) fn section(page: &mut Page, outcome: &Outcome) {
     let (axes, findings) = match outcome {
         Outcome::NotAsked => return,
         Outcome::Absent(file) => {
@@ -39,7 +39,7 @@ pub fn section(page: &mut Page, outcome: &Outcome) {
 }
 
 /// What the comparison says, one sentence per axis; empty where nothing was compared.
-pub fn sentences(outcome: &Outcome) -> Vec<String> {
+pub(crate) fn sentences(outcome: &Outcome) -> Vec<String> {
     match outcome {
         Outcome::Compared(comparison) => comparison.axes.iter().map(sentence).collect(),
         Outcome::Absent(file) => vec![format!("the log {file} is not on this machine: nothing compared")],

@@ -13,7 +13,7 @@ fn series(drift: &Drift, pick: impl Fn(&Summary) -> f64) -> Vec<(f64, f64)> {
 }
 
 /// Percentile bands from the start of the run.
-pub fn linear(drift: &Drift) -> Chart {
+pub(crate) fn linear(drift: &Drift) -> Chart {
     let from_zero = |mut points: Vec<(f64, f64)>| {
         points.insert(0, (0.0, 0.0));
         points

@@ -19,7 +19,7 @@ fn stated(value: f64, tolerance: f64) -> String {
 }
 
 /// The result in a sentence.
-pub fn sentence(of: &Stated) -> String {
+pub(crate) fn sentence(of: &Stated) -> String {
     let number = |value: f64| stated(value, of.tolerance);
     let [low, high] = of.interval95.symmetric;
     format!(
@@ -51,7 +51,7 @@ pub fn validation(linear: &Linear, left_out: &[String]) -> String {
 }
 
 /// The section of the page.
-pub fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
+pub(crate) fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
     page.section("The result as JCGM 101 states it");
     page.paragraph(&sentence(of));
     let number = |value: f64| stated(value, of.tolerance);

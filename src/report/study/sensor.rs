@@ -9,7 +9,7 @@ use crate::units::key::Key;
 use crate::units::number::Number;
 
 /// Which noise is meant, said once.
-pub const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \
+pub(super) const CONVENTION: &str = "Noise densities n are one-sided, as datasheets print them; random walks N are two-sided coefficients as in IEEE 952 and \
      1293, N = n/√2, and a white sequence at rate f has σ = N√f. Bias instability B is the minimum Allan deviation divided by \
      0.664. A number with ± is drawn per sensor (mean ± standard deviation), one with … uniformly between its ends.";
 

@@ -18,7 +18,7 @@ fn named(drift: &Drift) -> Vec<&Share> {
 }
 
 /// Shares of the variance, stacked to 100 %.
-pub fn shares(drift: &Drift) -> Chart {
+pub(crate) fn shares(drift: &Drift) -> Chart {
     let budget = &drift.budget;
     let mut chart = Chart::new(
         "Contributions to the variance",
@@ -75,7 +75,7 @@ fn inside(chart: &mut Chart, name: &str, time_s: &[f64], floor: &[f64], top: &[f
 }
 
 /// Each source's own standard deviation.
-pub fn alone(drift: &Drift) -> Chart {
+pub(crate) fn alone(drift: &Drift) -> Chart {
     let budget = &drift.budget;
     let mut chart = Chart::new("Each source alone", Axis::log("time / s"), Axis::log("position error, sd / m"));
     let whole: Vec<(f64, f64)> = budget

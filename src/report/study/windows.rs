@@ -24,7 +24,7 @@ fn drifted(outcome: &Outcome) -> Option<(&Comparison, &[Drifted])> {
 }
 
 /// The section, if there is anything to show.
-pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
+pub(crate) fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
     let Some((log, axes)) = drifted(outcome) else { return };
     page.section("Predicted and recorded drift");
     page.paragraph(&format!(
@@ -63,7 +63,7 @@ pub fn section(page: &mut Page, study: &Study, outcome: &Outcome) {
 }
 
 /// One sentence per axis and length of window.
-pub fn sentences(outcome: &Outcome) -> Vec<String> {
+pub(crate) fn sentences(outcome: &Outcome) -> Vec<String> {
     let Some((_, axes)) = drifted(outcome) else { return Vec::new() };
     let sentence = |axis: &Drifted, w: &Windows| {
         let [_, hits, _] = w.inside(false);

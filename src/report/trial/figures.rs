@@ -9,7 +9,7 @@ use crate::trial::outcome::{Limit, Outcome, Planted};
 const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
 
 /// Share noticed and share named against size, all effects planted alone taken together, with the fitted curves.
-pub fn power(outcome: &Outcome) -> Figure {
+pub(crate) fn power(outcome: &Outcome) -> Figure {
     let all: Vec<Planted> = outcome.detection_limit.iter().flat_map(|l| l.cases.iter().copied()).collect();
     let x = Axis::log("visible size of the effect / noise (rms)").within(EDGES[0], EDGES[EDGES.len() - 1]);
     let mut chart = Chart::new("Detection limit", x, Axis::linear("share").within(0.0, 1.05));

@@ -18,7 +18,7 @@ fn words(share: &Share) -> String {
 }
 
 /// The figures with what is to be reached.
-pub fn headline(score: &Score) -> Table {
+pub(crate) fn headline(score: &Score) -> Table {
     let mut table = Table::new(&["figure", "found (exact 95 % interval)", "to reach"]);
     let rows = [
         ("confidently wrong, of all cases", words(&score.confidently_wrong), "≤ 0.5 %"),
@@ -38,7 +38,7 @@ pub fn headline(score: &Score) -> Table {
 }
 
 /// Marks by kind and family, or by sub-family.
-pub fn marks(rows: &[Row]) -> Table {
+pub(crate) fn marks(rows: &[Row]) -> Table {
     let mut headings = vec!["kind", "family"];
     let subs = rows.iter().any(|r| r.sub.is_some());
     if subs {
@@ -70,7 +70,7 @@ pub fn marks(rows: &[Row]) -> Table {
 }
 
 /// Coverage per candidate and parameter.
-pub fn intervals(score: &Score) -> Table {
+pub(crate) fn intervals(score: &Score) -> Table {
     let mut table = Table::new(&["kind", "effect", "parameter", "hold the truth", "largest miss (half-widths)"]);
     for i in &score.intervals {
         let far = if i.worst > 0.0 { significant(i.worst, 2) } else { "–".into() };
@@ -80,7 +80,7 @@ pub fn intervals(score: &Score) -> Table {
 }
 
 /// Agreement of verdicts under other ways of writing.
-pub fn agreement(score: &Score) -> Table {
+pub(crate) fn agreement(score: &Score) -> Table {
     let mut table = Table::new(&["the same recording", "same verdict", "cases that do not agree"]);
     for a in &score.agreement {
         let numbers: Vec<String> = a.apart.iter().take(12).map(usize::to_string).collect();
@@ -119,7 +119,7 @@ fn counts(rows: &[Row]) -> Table {
 }
 
 /// The result on a terminal.
-pub fn terminal(score: &Score) -> String {
+pub(crate) fn terminal(score: &Score) -> String {
     let mut text = format!(
         "{}\n{}\nonly near: explained by a law that the truth departs from; right name, no name: unexplained or undecidable;\n\
          unseen: adequate, too small for a good test; sure: called explained\n",
@@ -147,7 +147,7 @@ fn how(score: &Score) -> String {
 }
 
 /// The whole report as a page.
-pub fn page(score: &Score, lines: &Lines) -> String {
+pub(crate) fn page(score: &Score, lines: &Lines) -> String {
     let lede = format!(
         "Second trial of the diagnosis: confidently wrong {}; false alarms on nulls {}; near a law, right or honest \
         with the \

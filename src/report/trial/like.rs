@@ -82,7 +82,7 @@ fn pairs(power: &Power) -> String {
 }
 
 /// The same on a terminal.
-pub fn terminal(power: &Power) -> String {
+pub(crate) fn terminal(power: &Power) -> String {
     format!("{}\n{}\n\n{}\n{}\n", sentence(power), made_of(power), effects(power), pairs(power))
 }
 
@@ -125,7 +125,7 @@ fn ladder(power: &Power) -> Figure {
 }
 
 /// The same as a page.
-pub fn page(power: &Power) -> Page {
+pub(crate) fn page(power: &Power) -> Page {
     let mut page = Page::new("What this recording could reveal", &sentence(power));
     page.paragraph(&made_of(power));
     page.figure(&ladder(power), "One dot per copy. Effects named at the smallest size are at the top.");

@@ -181,7 +181,6 @@ fn measured(o: &Oscillator, rows: usize) -> Fine {
     Fine { values, steps, held: false }
 }
 
-/// Root-mean-square.
-pub fn rms(values: &[f64]) -> f64 {
+pub(crate) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }

@@ -10,8 +10,7 @@ use super::readout::Readout;
 use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 
-/// Sub-families.
-pub const SUBS: [&str; 11] = [
+pub(super) const SUBS: [&str; 11] = [
     "fractional damping",
     "parametric excitation",
     "play in the drive",
@@ -64,7 +63,7 @@ fn piece(sub: &str, draw: &mut Draw, o: &super::oscillator::Oscillator, target: 
 }
 
 /// The n-th case of the family.
-pub fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
+pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
     let sub = SUBS[nth % SUBS.len()];
     loop {
         let base = stage(draw, Wish::Rich, size);

@@ -2,21 +2,18 @@
 //! Ordinary Differential Equations I*, table II.5.2), and the events of dry friction located within its steps.
 
 /// Largest number of states.
-pub const STATES: usize = 16;
+pub(crate) const STATES: usize = 16;
 /// Values of the states.
 pub type State = [f64; STATES];
 
-/// What is integrated.
-pub trait System {
-    /// States in use.
+pub(crate) trait System {
     fn states(&self) -> usize;
-    /// Their rates.
     fn rates(&self, t: f64, state: &State) -> State;
 }
 
 /// Error bounds of a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Tolerance {
+pub(crate) struct Tolerance {
     /// Relative to each state.
     pub relative: f64,
     /// Size of each state below which errors are absolute.
@@ -36,7 +33,7 @@ const E: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// One step of length h: the new state and its error over the tolerance.
-pub fn step(system: &impl System, t: f64, state: &State, h: f64, tolerance: &Tolerance) -> (State, f64) {
+pub(crate) fn step(system: &impl System, t: f64, state: &State, h: f64, tolerance: &Tolerance) -> (State, f64) {
     let n = system.states();
     let mut k = [[0.0; STATES]; 7];
     k[0] = system.rates(t, state);
@@ -62,11 +59,11 @@ pub fn step(system: &impl System, t: f64, state: &State, h: f64, tolerance: &Tol
 }
 
 /// Steps of one call at most: what needs more between two rows is too stiff for an explicit method, and is not simulated.
-pub const MOST_STEPS: usize = 2000;
+pub(crate) const MOST_STEPS: usize = 2000;
 
 /// Advances from one time to another by accepted steps; `h` is the step to try first and carries over. `false` when the
 /// motion runs away or is too stiff.
-pub fn advance(
+pub(crate) fn advance(
     system: &impl System,
     span: [f64; 2],
     state: &mut State,

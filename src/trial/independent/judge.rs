@@ -131,23 +131,18 @@ fn overclaims(case: &Case, said: &Said) -> bool {
 
 /// One interval against the truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Covered {
-    /// Effect.
+pub(crate) struct Covered {
     pub id: String,
-    /// Symbol.
     pub name: String,
-    /// True value.
     pub truth: f64,
-    /// Estimate.
     pub value: f64,
-    /// 95 % interval.
     pub ci95: [f64; 2],
     /// Whether it holds the truth.
     pub covers: bool,
 }
 
 /// The intervals of right names that are true to the letter.
-pub fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
+pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
     if case.family != Family::Letter || judge(case, said) != Mark::Right {
         return Vec::new();
     }

@@ -90,7 +90,7 @@ pub enum Law {
 }
 
 /// Relaxations of the fractional ladder.
-pub const LADDER: usize = 6;
+const LADDER: usize = 6;
 
 impl Law {
     /// The number to scale.

@@ -13,7 +13,7 @@ use super::truth::{Truth, effect};
 use super::wave::Shape;
 
 /// Ids of single effects.
-pub const IDS: [&str; 23] = [
+const IDS: [&str; 23] = [
     "cubic-stiffness",
     "quadratic-stiffness",
     "quadratic-damping",
@@ -40,7 +40,7 @@ pub const IDS: [&str; 23] = [
 ];
 
 /// A name, what was made and its truth.
-pub type Made = (String, Driven, Truth);
+pub(crate) type Made = (String, Driven, Truth);
 
 fn needs_input(id: &str) -> bool {
     matches!(
@@ -50,13 +50,13 @@ fn needs_input(id: &str) -> bool {
 }
 
 /// The largest displacement of the bare oscillator.
-pub fn reach(base: &Driven) -> f64 {
+pub(crate) fn reach(base: &Driven) -> f64 {
     let run = simulate::run(&base.oscillator, base.oscillator.rows);
     run.map_or(1.0, |r| r.signal.iter().fold(0.0f64, |a, b| a.max(b.abs())))
 }
 
 /// An effect by its id, of a first size that `strengthen` corrects.
-pub fn piece(id: &str, draw: &mut Draw, base: &Driven, target: f64) -> Option<Piece> {
+pub(crate) fn piece(id: &str, draw: &mut Draw, base: &Driven, target: f64) -> Option<Piece> {
     let o = &base.oscillator;
     let (w, w2) = (o.omega, o.omega * o.omega);
     let length_s = o.rows as f64 / o.rate_hz;
@@ -227,7 +227,7 @@ const TRIPLES: [[&str; 3]; 5] = [
 ];
 
 /// The n-th case of the family.
-pub fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
+pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
     // Singles, then each fourth something of several effects or of a special kind.
     loop {
         let special = nth % 5;

@@ -101,7 +101,7 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
 }
 
 /// Projects `y` off the columns by least squares; what is left.
-pub fn left_by(columns: &[&[f64]], y: &[f64]) -> Vec<f64> {
+pub(super) fn left_by(columns: &[&[f64]], y: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let a = columns.iter().map(|c| columns.iter().map(|d| dot(c, d)).collect()).collect();
     let weights = solve(a, columns.iter().map(|c| dot(c, y)).collect());
@@ -113,7 +113,7 @@ pub fn left_by(columns: &[&[f64]], y: &[f64]) -> Vec<f64> {
 }
 
 /// Residual of the best linear oscillator, and its ω and ζ.
-pub fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 2]) -> (Vec<f64>, [f64; 2]) {
+pub(crate) fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 2]) -> (Vec<f64>, [f64; 2]) {
     let ones = vec![1.0; y.len()];
     let left = |theta: [f64; 2]| {
         let [forced, x, v] = responses(theta[0].exp(), theta[1].exp(), input, rate_hz, y.len());

@@ -190,7 +190,7 @@ pub fn motion(o: &Oscillator, span: [f64; 2]) -> EquationOfMotion<'_> {
 }
 
 /// Advances with the events of dry friction; laws with a memory of the path keep it.
-pub fn glide(
+pub(super) fn glide(
     m: &mut EquationOfMotion<'_>,
     span: [f64; 2],
     state: &mut State,

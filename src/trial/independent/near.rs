@@ -9,8 +9,7 @@ use super::stage::{Size, Wish, stage};
 use super::truth::{Truth, effect};
 use super::wave::Shape;
 
-/// Sub-families.
-pub const SUBS: [&str; 22] = [
+pub(super) const SUBS: [&str; 22] = [
     "spring |x|^1.6–2.2",
     "spring |x|^2.6–3.4",
     "friction tanh",
@@ -153,7 +152,7 @@ fn piece(sub: &str, draw: &mut Draw, base: &super::driven::Driven, target: f64) 
 }
 
 /// The n-th case of the family.
-pub fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
+pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
     let sub = SUBS[nth % SUBS.len()];
     let linear = ["input", "low-pass", "delay"].iter().any(|s| sub.starts_with(s));
     loop {

@@ -6,8 +6,7 @@ use super::readout::Noise;
 use super::stage::{Size, Wish, stage};
 use super::truth::Truth;
 
-/// Sub-families.
-pub const SUBS: [&str; 12] = [
+pub(super) const SUBS: [&str; 12] = [
     "normal noise",
     "Laplace noise",
     "Student t3 noise",
@@ -23,7 +22,7 @@ pub const SUBS: [&str; 12] = [
 ];
 
 /// The n-th case of the family.
-pub fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
+pub(crate) fn draw(nth: usize, draw: &mut Draw, size: Size) -> Made {
     let sub = SUBS[nth % SUBS.len()];
     let wish = match sub {
         "single sine" => Wish::Sine,

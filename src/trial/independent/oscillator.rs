@@ -50,11 +50,11 @@ pub struct Oscillator {
 }
 
 /// Poles of the readout's analogue filters.
-pub fn filters(o: &Oscillator) -> usize {
+pub(crate) fn filters(o: &Oscillator) -> usize {
     o.readout.iter().map(|r| r.poles().len()).sum()
 }
 
 /// Departure of the environment from its value at the start of the recording.
-pub fn environment(o: &Oscillator, part: f64) -> f64 {
+pub(crate) fn environment(o: &Oscillator, part: f64) -> f64 {
     o.environment.map_or(0.0, |[rise, tau]| rise * (1.0 - (-part.max(0.0) / tau).exp()))
 }

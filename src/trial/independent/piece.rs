@@ -8,10 +8,9 @@ use super::truth::{Effect, Truth};
 
 /// One thing to put on.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Piece {
+pub(crate) enum Piece {
     /// In the equation of motion.
     Law(Law),
-    /// At the readout.
     Stage(Readout),
     /// The measured input is late, s.
     Lag(f64),
@@ -76,7 +75,7 @@ fn order(stage: &Readout) -> usize {
 
 /// Scales a piece until what the base model leaves of the first rows is near `target` of the output. False when no size
 /// does: the motion runs away, or the base model takes it all.
-pub fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
+pub(super) fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
     if piece.size_mut().is_none() {
         return true;
     }
@@ -110,7 +109,7 @@ pub fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
 }
 
 /// Count and variance of the Haar details of each octave, finest first.
-pub fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
+pub(crate) fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
     let mut level = values.to_vec();
     let mut octaves = Vec::new();
     while level.len() >= 16 {
@@ -124,7 +123,7 @@ pub fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar wavelet variances).
-pub fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
+pub(super) fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
     let octaves: Vec<(f64, f64)> =
         octaves(left).into_iter().map(|(count, level)| (count, level / (sigma * sigma) + 1.0)).collect();
     let total: f64 = octaves.iter().map(|o| o.0).sum();
@@ -160,7 +159,7 @@ fn evidence(driven: &Driven, random: bool) -> Option<[f64; 2]> {
 }
 
 /// Puts pieces on and measures them. None when the motion runs away.
-pub fn assemble(base: Driven, pieces: &[(Piece, Effect)], mut truth: Truth) -> Option<(Driven, Truth)> {
+pub(super) fn assemble(base: Driven, pieces: &[(Piece, Effect)], mut truth: Truth) -> Option<(Driven, Truth)> {
     let random = pieces.iter().all(|(p, _)| p.is_random());
     let mut all = base.clone();
     pieces.iter().for_each(|(p, _)| p.put(&mut all));

@@ -11,7 +11,7 @@ use super::still::{Filter, Process, Still};
 use super::truth::{Effect, Family, Truth};
 
 /// A name, what was made and its truth.
-pub type Made = (String, Still, Truth);
+pub(crate) type Made = (String, Still, Truth);
 
 const LETTER: [&str; 12] = [
     "white-noise",
@@ -311,7 +311,7 @@ fn null(sub: &str, draw: &mut Draw, size: Size) -> Made {
 }
 
 /// The n-th case of a family.
-pub fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> Made {
+pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, size: Size) -> Made {
     let size = Size { rows: 2 * size.rows };
     let (sub, still, mut truth) = match family {
         Family::Letter => letter(LETTER[nth % LETTER.len()], draw, size),

@@ -21,7 +21,7 @@ use crate::trial::scratch::Scratch;
 use crate::trial::workers::side_by_side;
 
 /// What is diagnosed: two files in, a verdict out.
-pub type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
+pub(crate) type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
 
 /// How the cases are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -120,7 +120,7 @@ fn parse(bytes: &[u8]) -> Result<Truths> {
 ///
 /// # Errors
 /// When it has changed since it was sealed.
-pub fn open(path: &Path, sealed: &str) -> Result<Truths> {
+pub(crate) fn open(path: &Path, sealed: &str) -> Result<Truths> {
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, &e))?;
     let found = hexadecimal(&Sha256::digest(&bytes));
     if found != sealed {
@@ -148,7 +148,7 @@ pub fn earlier(path: &Path) -> Result<Lines> {
 ///
 /// # Errors
 /// When the files cannot be written, or when stopped; a diagnosis that fails is a verdict "error".
-pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
+pub(crate) fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said> {
     let folder = scratch.case()?;
     let [recording, model] = ["recording.csv", "model.toml"].map(|name| folder.path().join(name));
     for (path, text) in [&recording, &model].into_iter().zip(case.texts()) {
@@ -165,7 +165,7 @@ pub fn ask(case: &Case, subject: &Subject<'_>, scratch: &Scratch) -> Result<Said
 }
 
 /// The line of a case.
-pub fn line(case: &Case, said: Said) -> Line {
+pub(crate) fn line(case: &Case, said: Said) -> Line {
     Line {
         number: case.number,
         kind: case.kind.name().into(),

@@ -163,7 +163,7 @@ fn attempt(draw: &mut Draw, wish: Wish, size: Size) -> Option<Driven> {
 }
 
 /// Draws until something sensible stands.
-pub fn stage(draw: &mut Draw, wish: Wish, size: Size) -> Driven {
+pub(crate) fn stage(draw: &mut Draw, wish: Wish, size: Size) -> Driven {
     loop {
         if let Some(driven) = attempt(draw, wish, size) {
             return driven;

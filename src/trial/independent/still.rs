@@ -97,7 +97,7 @@ fn gauss_markov(rows: usize, correlation: f64, draw: &mut Draw) -> Vec<f64> {
 
 /// Noise ∝ f^−alpha: Gauss–Markov terms an octave apart from the sample to twenty times the recording. For alpha = 1 their
 /// sum has the density size²/(πf): each has variance ln 2/π (Σ 4τ/(1 + (ωτ)²) → 1/(f·ln 2)).
-pub fn flicker(rows: usize, alpha: f64, draw: &mut Draw) -> Vec<f64> {
+pub(crate) fn flicker(rows: usize, alpha: f64, draw: &mut Draw) -> Vec<f64> {
     let octaves = ((20.0 * rows as f64).log2().ceil() as i32).max(1);
     let mut sum = vec![0.0; rows];
     for k in -2..=octaves {

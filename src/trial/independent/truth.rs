@@ -103,7 +103,7 @@ pub struct Truth {
 
 /// Evidence that a test must see: 24 candidates tried at 0.1 % on the third of the data that is held out ask for
 /// (3.94 + 2.33)² ≈ 39 there to be seen in 99 of 100, three times that in the whole.
-pub const SEEN: f64 = 120.0;
+pub(crate) const SEEN: f64 = 120.0;
 
 impl Truth {
     /// Ids right under any verdict.
@@ -129,6 +129,6 @@ impl Truth {
 }
 
 /// One detectable effect of a name.
-pub fn effect(right: &[&str]) -> Effect {
+pub(crate) fn effect(right: &[&str]) -> Effect {
     Effect { right: right.iter().map(|r| (*r).to_owned()).collect(), evidence: 0.0, over_noise: 0.0 }
 }

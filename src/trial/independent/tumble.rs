@@ -7,7 +7,7 @@ use super::truth::{Effect, Family, SEEN, Truth};
 use super::turned::{GRAVITY, Sensor, Turned};
 
 /// A name, what was made and its truth.
-pub type Made = (String, Turned, Truth);
+pub(crate) type Made = (String, Turned, Truth);
 
 const LETTER: [&str; 7] = [
     "ordinary, 26 poses and more",
@@ -207,7 +207,7 @@ fn null(sub: &str, draw: &mut Draw) -> (Turned, Truth) {
 }
 
 /// The n-th case of a family.
-pub fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made {
+pub(crate) fn draw(family: Family, nth: usize, draw: &mut Draw, _: Size) -> Made {
     let sub = match family {
         Family::Letter => LETTER[nth % LETTER.len()],
         Family::Near | Family::Foreign => NEAR[nth % NEAR.len()],

@@ -8,7 +8,7 @@ use super::readout::Noise;
 use super::truth::Parameter;
 
 /// Gravity where it is turned, m/s².
-pub const GRAVITY: f64 = 9.80665;
+pub(super) const GRAVITY: f64 = 9.80665;
 
 type Vector = [f64; 3];
 type Rotation = [[f64; 3]; 3];

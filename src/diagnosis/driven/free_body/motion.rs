@@ -13,7 +13,7 @@ const POSITION: f64 = 0.1;
 /// Corner of the low-pass that both sides of the equation of motion go through, over the sampling rate.
 const FORCE: f64 = 0.04;
 /// Samples left out at either end of a recording.
-pub const CUT: usize = 50;
+const CUT: usize = 50;
 
 /// One part of the force that a body takes, as a function of its motion and of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Part {
 }
 
 /// All parts that are looked at.
-pub const PARTS: [Part; 7] = [
+pub(crate) const PARTS: [Part; 7] = [
     Part::Acceleration,
     Part::Velocity,
     Part::Constant,

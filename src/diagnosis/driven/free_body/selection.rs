@@ -32,7 +32,7 @@ pub enum Law {
 }
 
 /// All of them, in their plain forms.
-pub const LAWS: [Law; 3] = [Law::Friction(Sides::Alike), Law::Drag, Law::Drive];
+pub(crate) const LAWS: [Law; 3] = [Law::Friction(Sides::Alike), Law::Drag, Law::Drive];
 
 impl Law {
     /// What the library says of it.
@@ -81,7 +81,7 @@ pub struct Trial {
 
 /// What a search leaves.
 #[derive(Debug, Clone)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// Chosen, in the order of their choice.
     pub chosen: Vec<Law>,
     /// Each law alone against the body alone, best first.
@@ -89,12 +89,12 @@ pub struct Selection {
 }
 
 /// The parts of a body with these laws.
-pub fn parts(laws: &[Law]) -> Vec<Part> {
+pub(crate) fn parts(laws: &[Law]) -> Vec<Part> {
     BASE.iter().chain(laws.iter().flat_map(|law| law.parts())).copied().collect()
 }
 
 /// Chooses; `None` where not even the body alone can be fitted.
-pub fn search(data: &Data, motion: &MotionAndForce) -> Option<Selection> {
+pub(crate) fn search(data: &Data, motion: &MotionAndForce) -> Option<Selection> {
     let judged = |laws: &[Law]| {
         let fit = Regression::fit(motion, &parts(laws), &data.train)?;
         let held_out = fit.held_out(motion, &data.validation);

@@ -28,18 +28,15 @@ const FEWEST: usize = 40;
 /// Integration steps per sample of the variational equation.
 const STEPS: usize = 8;
 
-/// A chaotic response.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Chaos {
+pub(crate) struct Chaos {
     /// Largest Lyapunov exponent, 1/s.
     pub exponent_per_s: f64,
     /// Time after which a difference of the size of the noise is as large as the motion.
     pub horizon_s: f64,
-    /// Longest window.
     pub window_s: f64,
     /// Readings at the bottoms of two wells, where there are two.
     pub wells: Option<[f64; 2]>,
-    /// Where fits begin.
     pub force: ForceAtRest,
 }
 
@@ -61,7 +58,7 @@ const REPEATED: f64 = 0.1;
 
 /// Whether the response is chaotic within this recording; `None` where it is not, or where no force of third degree describes
 /// it.
-pub fn chaos(data: &Data) -> Option<Chaos> {
+pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
     let y = &data.reading[data.hull.clone()];
     let (centre, size) = mean_sd(y);
     let cycle = cycle(y, centre)?;

@@ -74,12 +74,12 @@ pub fn spread(fit: &Fit) -> Spread {
 }
 
 /// Half-width of a 95 % interval in standard deviations; Student's, as the blocks are few.
-pub fn reach() -> f64 {
+pub(crate) fn reach() -> f64 {
     special::t_quantile(0.975, BLOCKS as f64 - 1.0)
 }
 
 /// Replaces the intervals of these terms, whose law has a corner, by those of their profile likelihood.
-pub fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
+pub(crate) fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
     let places: Vec<(usize, usize)> = terms
         .iter()
         .flat_map(|i| {

@@ -15,7 +15,7 @@ const DEEPER: f64 = 2.0;
 const ITERATIONS: usize = 20;
 
 /// The best of a fit and of fits begun where its terms say that they may be mistaken for themselves.
-pub fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
+pub(crate) fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
     let rows = found.linear.residual.len() as f64;
     let starts: Vec<Vec<f64>> = found
         .structure

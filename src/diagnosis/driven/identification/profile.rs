@@ -22,7 +22,7 @@ const SIDE: usize = 16;
 /// How far they reach, in half-widths of the stated interval.
 const REACH: f64 = 2.0;
 /// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree of freedom.
-pub const FALL: f64 = 1.920_729;
+pub(crate) const FALL: f64 = 1.920_729;
 
 /// Log-likelihood below which a whole profile is flat.
 const FLAT: f64 = 0.1;

@@ -101,7 +101,7 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
 }
 
 /// Fits the base model from one place; with the sizes that follow from it.
-pub fn base_from(data: &Data, point: &[f64]) -> Option<(Fit, Scales)> {
+pub(crate) fn base_from(data: &Data, point: &[f64]) -> Option<(Fit, Scales)> {
     let mut scales = first_scales(data);
     let sized = |scales: &mut Scales, point: &[f64]| {
         (scales.omega_rad_s, scales.zeta) = (point[OMEGA], point[ZETA]);

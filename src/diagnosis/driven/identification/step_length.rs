@@ -22,7 +22,7 @@ const SHARE: f64 = 5e-4;
 
 /// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
 /// they may. `fit` must have been fitted to this data.
-pub fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
+pub(crate) fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
     let corner = fit.structure.terms.iter().any(|t| t.has_corner() && t.role().acts_on_mass());
     let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };
     let steps = |fineness: f64| fit.structure.steps(&fit.point, &Scales { fineness, ..scales.clone() });

@@ -18,7 +18,6 @@ use crate::parallel;
 const LOOKED_AT: usize = 8192;
 /// Fewest samples that say anything about a lag.
 const FEWEST: usize = 256;
-/// Damping ratios tried.
 const ZETAS: [f64; 4] = [0.01, 0.05, 0.2, 0.8];
 /// Ratio of neighbouring natural frequencies tried.
 const RATIO: f64 = 1.06;
@@ -33,7 +32,7 @@ const PER_CYCLE: f64 = 8.0;
 
 /// The lag at which one column follows best from the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Alignment {
+pub(crate) struct Alignment {
     /// Samples by which the effect comes late; negative where it comes before its cause.
     pub lag: isize,
     /// Share of the effect's power that no linear oscillator of the grid explains at that lag.
@@ -62,12 +61,12 @@ impl Alignment {
 }
 
 /// Whether the "output" looks like the cause of the "input": far better explained that way round, and nearly whole.
-pub fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
+pub(crate) fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
     backward.residual < 0.1 && backward.residual < 0.2 * forward.residual
 }
 
 /// The best lag of `effect` behind `cause` within `among`, on its loudest stretch; `None` where there is too little to see.
-pub fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignment> {
+pub(crate) fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignment> {
     let stride = stride(&cause[among.clone()]);
     if stride > 1 {
         let thin = |values: &[f64]| -> Vec<f64> {

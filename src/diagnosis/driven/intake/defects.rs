@@ -43,7 +43,7 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Replaces single readings far off their neighbours by straight lines; gives their places.
-pub fn glitches(values: &mut [f64]) -> Vec<usize> {
+pub(super) fn glitches(values: &mut [f64]) -> Vec<usize> {
     let n = values.len();
     if n < 100 {
         return Vec::new();
@@ -71,7 +71,7 @@ pub fn glitches(values: &mut [f64]) -> Vec<usize> {
 }
 
 /// Where the size of the output relative to the input's changes at once and for good, and by what factor.
-pub fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(usize, f64)> {
+pub(super) fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(usize, f64)> {
     let edge = |i: usize| among.start + among.len() * i / BLOCKS;
     let logs: Vec<f64> = (0..BLOCKS)
         .filter_map(|i| {
@@ -99,7 +99,7 @@ pub fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(
 
 /// Places where the output jumps as neither its past nor the input predicts; none where the forecast itself goes to the ends
 /// of the range: what a law does where the motion hardly ever comes is not known.
-pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
+pub(crate) fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
     let mut sorted = output[among.clone()].to_vec();
     order::sort(&mut sorted);
     let tail = (TAIL * sorted.len() as f64) as usize;
@@ -112,7 +112,7 @@ pub fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec
 
 /// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what a model predicts is
 /// physics and no accident.
-pub fn unpredicted(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
+pub(super) fn unpredicted(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
     let seen = surprises(input.map(|u| &u[hull.clone()]), errors, &(0..errors.len()));
     let near = |place: &usize| seen.iter().any(|s| (hull.start + s.row).abs_diff(*place) <= APART);
     places.iter().copied().filter(near).collect()

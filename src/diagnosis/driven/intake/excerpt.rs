@@ -14,14 +14,13 @@ use super::input::REACH;
 use super::stretches::{Stretches, merged, minus, sorted};
 
 /// Most samples that are fitted at once, and that judge.
-pub const LONGEST: usize = 500_000;
+pub(crate) const LONGEST: usize = 500_000;
 /// Places of the stretch that are compared.
 const PLACES: usize = 32;
 
 /// Part of a recording, as a recording of its own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    /// The samples kept.
+pub(crate) struct Part {
     pub recording: Recording,
     /// The model, its ranges counted from the first of them.
     pub model: model::Driven,
@@ -32,7 +31,7 @@ pub struct Part {
 }
 
 /// What is judged of a long recording; `None` where it can be used whole.
-pub fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
+pub(super) fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Part> {
     let samples = recording.samples();
     let split = &model.split;
     let named = !(split.train.is_empty() && split.test.is_empty());

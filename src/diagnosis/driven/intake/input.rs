@@ -27,9 +27,9 @@ impl Interpolation {
 }
 
 /// Samples on either side that the windowed sinc looks at; runs keep this far from the ends of a recording.
-pub const REACH: usize = 24;
+pub(crate) const REACH: usize = 24;
 /// Most integration steps per sample.
-pub const MOST_STEPS: usize = 32;
+pub(crate) const MOST_STEPS: usize = 32;
 
 /// Samples of the input, and denser grids made from them once.
 #[derive(Debug, Clone)]

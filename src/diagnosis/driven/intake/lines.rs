@@ -9,7 +9,7 @@ use realfft::RealFftPlanner;
 use crate::numerics::moments::mean_sd;
 
 /// Half the width of a line in bins, by the window.
-pub const HALF_WIDTH: usize = 5;
+pub(crate) const HALF_WIDTH: usize = 5;
 /// Lines that are few.
 const FEW: usize = 3;
 /// Part of an input's power beside its lines that is nothing.
@@ -19,7 +19,7 @@ const AT_REST: (f64, f64) = (0.02, 1e-3);
 
 /// Mean square of each bin's line: a sine of amplitude A in one bin is A²/2. Empty where nothing moves. Without a window
 /// where the input begins and ends at rest.
-pub fn power(u: &[f64]) -> Vec<f64> {
+pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     let n = u.len();
     let (centre, size) = mean_sd(u);
     let largest = u.iter().fold(0.0f64, |a, v| a.max(v.abs()));
@@ -43,7 +43,7 @@ pub fn power(u: &[f64]) -> Vec<f64> {
 
 /// Whether a few lines carry all of an input's power: any response follows from it at those, and it follows from any
 /// response that holds them, so that nothing shows which is the cause and by how much it comes early.
-pub fn are_all(u: &[f64]) -> bool {
+pub(super) fn are_all(u: &[f64]) -> bool {
     let mut left = power(u);
     left.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
     let total: f64 = left.iter().sum();

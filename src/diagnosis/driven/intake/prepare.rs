@@ -23,7 +23,7 @@ use super::work::Work;
 const FEWEST: usize = 20 * BASE;
 
 /// Fewest samples of a range apart that judge: its first ones only tell in which state it begins.
-pub const FEWEST_JUDGES: usize = 200;
+pub(super) const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
 /// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.

@@ -42,52 +42,33 @@ const BELIEVED: f64 = 3.0;
 
 /// From what the noise was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum How {
+pub(crate) enum How {
     /// The input repeats: scatter of the reading at equal phases.
-    Periods {
-        /// Periods compared.
-        count: usize,
-        /// Samples of one.
-        samples: usize,
-    },
+    Periods { count: usize, samples: usize },
     /// Scatter about a straight line where neither input nor reading moves.
-    Still {
-        /// Samples.
-        samples: usize,
-    },
+    Still { samples: usize },
     /// Differences of this order.
-    Differences {
-        /// The order.
-        order: usize,
-    },
+    Differences { order: usize },
     /// The quietest part of the spectrum.
-    Spectrum {
-        /// From, Hz.
-        from_hz: f64,
-        /// To, Hz.
-        to_hz: f64,
-    },
+    Spectrum { from_hz: f64, to_hz: f64 },
     /// Readings in steps hide what is smaller.
     Rounding,
 }
 
 /// The noise and where it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReadingNoise {
+pub(crate) struct ReadingNoise {
     /// Standard deviation, unit of the reading.
     pub deviation: f64,
-    /// From what.
     pub how: How,
 }
 
 /// What is measured on.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample<'a> {
-    /// Readings.
+pub(crate) struct Sample<'a> {
     pub reading: &'a [f64],
     /// Input; `None` for a ring-down.
     pub input: Option<&'a [f64]>,
-    /// Sampling rate.
     pub rate_hz: f64,
     /// Samples that are looked at.
     pub hull: [usize; 2],
@@ -106,7 +87,7 @@ impl<'a> Sample<'a> {
 }
 
 /// The noise by the best measure at hand; `None` where there are too few samples.
-pub fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
+pub(crate) fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
     let range: Range<usize> = s.hull[0]..s.hull[1].min(s.reading.len());
     let y = s.reading.get(range.clone())?;
     if y.len() < FEWEST || !y.iter().all(|v| v.is_finite()) {

@@ -49,7 +49,7 @@ pub struct Taken {
 /// # Errors
 /// As [`prepare::prepare`] for each; several recordings whose rates differ, with ranges of samples in the model, or with more
 /// samples than are fitted at once.
-pub fn taken(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
+pub(crate) fn taken(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     match recordings.only() {
         Some(only) => alone(only, model),
         None => joined(recordings, model),
@@ -72,7 +72,6 @@ fn file(recording: &Recording) -> String {
     recording.path.display().to_string()
 }
 
-/// Without its folders.
 fn name(recording: &Recording) -> String {
     recording.path.file_name().map_or_else(|| file(recording), |name| name.to_string_lossy().into_owned())
 }

@@ -10,7 +10,7 @@ use crate::numerics::order;
 use super::data::Data;
 
 /// Half-open ranges of samples, ascending.
-pub type Stretches = Vec<Range<usize>>;
+pub(crate) type Stretches = Vec<Range<usize>>;
 
 /// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges. Many, so that
 /// what happens once is seen by both kinds.
@@ -21,14 +21,14 @@ const LONG: usize = 40_000;
 const STRETCH: usize = 12_288;
 
 /// Ranges as a model file states them, ascending.
-pub fn sorted(ranges: &[[usize; 2]]) -> Vec<Range<usize>> {
+pub(crate) fn sorted(ranges: &[[usize; 2]]) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = ranges.iter().map(|[a, b]| *a..*b).collect();
     order::sort_by_key(&mut all, |r| r.start as f64);
     all
 }
 
 /// Ascending ranges, those that touch joined.
-pub fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
+pub(crate) fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = Vec::new();
     for r in sorted {
         match all.last_mut() {
@@ -40,7 +40,7 @@ pub fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
 }
 
 /// What of `from` lies outside `take`.
-pub fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
+pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut left = from.to_vec();
     for t in take {
         left = left
@@ -54,7 +54,7 @@ pub fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> 
 
 /// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to everything afterwards.
 /// `None` where the recording is short enough to be used whole.
-pub fn loudest(data: &Data) -> Option<Data> {
+pub(crate) fn loudest(data: &Data) -> Option<Data> {
     if data.hull.len() <= LONG {
         return None;
     }
@@ -80,7 +80,7 @@ pub fn loudest(data: &Data) -> Option<Data> {
 }
 
 /// Every third block apart.
-pub fn interleaved(train: &[Range<usize>]) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+pub(crate) fn interleaved(train: &[Range<usize>]) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
     let total: usize = train.iter().map(Range::len).sum();
     let block = (total / BLOCKS).max(1);
     let (mut fitted, mut validation) = (Vec::new(), Vec::new());

@@ -71,7 +71,7 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
 }
 
 /// Puts the base model's readings where none were recorded: a straight line there would be taken for physics.
-pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
+pub(crate) fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     if filled.is_empty() {
         return;
     }
@@ -86,7 +86,7 @@ pub fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
 
 /// Whether steps or straight lines between the samples of the input do as well as the linear terms of `chosen` that they
 /// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
-pub fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
+pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {
         matches!(
             t,

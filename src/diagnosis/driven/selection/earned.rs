@@ -13,17 +13,23 @@ use super::judged::{Judged, judge};
 
 /// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
 /// penalty there of ln(tried), so that no further correction is due.
-pub const LEVEL: f64 = 0.002;
+pub(crate) const LEVEL: f64 = 0.002;
 /// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
-pub const SMALLEST_GAIN: f64 = 0.005;
+pub(crate) const SMALLEST_GAIN: f64 = 0.005;
 /// Lead on the fitted samples at which validation samples that show nothing are doubted: what is rare may have missed them.
 const DOUBT: f64 = 25.0;
 /// Iterations of one fit.
-pub const ITERATIONS: usize = 14;
+pub(crate) const ITERATIONS: usize = 14;
 
 /// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show
 /// less than the fitted ones, all samples in turn.
-pub fn earned(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales, tried: usize) -> Option<Comparison> {
+pub(crate) fn earned(
+    data: &Data,
+    poorer: &Judged,
+    richer: &Judged,
+    scales: &Scales,
+    tried: usize,
+) -> Option<Comparison> {
     let least = if richer.fit.structure.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
     let lead = richer.score() - poorer.score() - (tried.max(1) as f64).ln();
     let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
@@ -49,7 +55,7 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
 }
 
 /// Drops every term whose absence costs nothing, the cheapest first.
-pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
+pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
     while model.fit.structure.terms.len() > 1 {
         let poorer = parallel::map_indices(model.fit.structure.terms.len(), |i| without(data, &model, i, scales));
         let cheapest = poorer
@@ -67,7 +73,7 @@ pub fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> 
 
 /// A model refitted without one of its terms: at once, or where that breaks down, with the term made smaller step by step.
 /// `None` only where neither leads to a model.
-pub fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
+pub(crate) fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
     let (structure, point): (ModelStructure, Vec<f64>) = model.fit.without(index);
     let at_once = fit(data, &structure, &point, scales, ITERATIONS);
     Some(judge(data, at_once.or_else(|| continued(data, &model.fit, index, scales))?, scales))

@@ -13,16 +13,15 @@ const LOUDER: f64 = 1.5;
 
 /// A way to part the samples.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fold {
+pub(crate) struct Fold {
     /// Samples that are fitted.
     pub train: Stretches,
-    /// Samples that judge.
     pub validation: Stretches,
 }
 
 /// Two other ways: halves of what is fitted judge in turn. The first samples are fitted in both, for they say where the mass
 /// began: from later ones alone, by when that has faded, any beginning may follow.
-pub fn turned(data: &Data) -> [Fold; 2] {
+pub(crate) fn turned(data: &Data) -> [Fold; 2] {
     let (mut first, mut second) = (Vec::new(), Vec::new());
     let mut beginning = Vec::new();
     let begins = |k: usize| k == data.hull.start || data.breaks.contains(&k);
@@ -46,7 +45,7 @@ pub fn turned(data: &Data) -> [Fold; 2] {
 
 /// Another fold, where the errors of a fit stand out in the samples that judge: what they show could not be fitted otherwise.
 /// The quieter half of the fitted samples judges then.
-pub fn fold_with_rare_events(data: &Data, fit: &Fit) -> Option<Fold> {
+pub(crate) fn fold_with_rare_events(data: &Data, fit: &Fit) -> Option<Fold> {
     let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let power = |ranges: &Stretches| {
         let squares = ranges.iter().flat_map(|r| r.clone()).map(|k| errors[k - data.hull.start].powi(2));

@@ -32,10 +32,10 @@ const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
 const MANY: usize = 3;
 /// Gain on samples that were not fitted below which a departure changes no prediction beyond noise.
-pub const IMMATERIAL: f64 = 0.02;
+const IMMATERIAL: f64 = 0.02;
 
 /// Values of a law's argument on the samples that are fitted.
-pub fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
+pub(crate) fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
     let rows = || data.train.iter().flat_map(Clone::clone).map(|k| k - data.hull.start);
     match argument {
         Argument::Input => {
@@ -51,7 +51,7 @@ pub fn visits(data: &Data, fit: &Fit, argument: Argument) -> Vec<f64> {
 }
 
 /// Which law it is where it has a form that can be freed.
-pub fn freed_law(term: &Term) -> Option<Freed> {
+fn freed_law(term: &Term) -> Option<Freed> {
     match term {
         Term::CubicStiffness(_) => Some(Freed::CubicSpring),
         Term::QuadraticStiffness(_) => Some(Freed::QuadraticSpring),
@@ -97,7 +97,7 @@ fn promise(data: &Data, structure: &ModelStructure, point: &[f64], scales: &Scal
 
 /// A model with the form of one of its laws freed, fitted; `None` where the law has no form to free, or where one linear step
 /// promises nothing. All of the form is free where that promises more than one value does.
-pub fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: bool) -> Option<Fit> {
+pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: bool) -> Option<Fit> {
     let law = freed_law(&model.structure.terms[index])?;
     let stated = model.structure.of(index, &model.point);
     let (typical, size) = sizes(data, model, law, stated)?;
@@ -160,7 +160,7 @@ impl Departing {
 /// Frees the forms of the laws chosen, and where these are several or leave something, that of each law that does well alone.
 /// Where a free form does the work of more than one term, or predicts better, the selection holds its law and no more than
 /// still earns its place beside it.
-pub fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
+pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
     let laws = chosen.fit.structure.terms.iter().filter(|t| t.noise().is_none()).count();

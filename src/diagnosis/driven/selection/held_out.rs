@@ -19,7 +19,7 @@ use super::residual_structure::{MEMORY, correlation};
 /// Blocks that they are cut into.
 const BLOCKS: usize = 24;
 /// Samples at the beginning of a separate test range that only initialise the state.
-pub const LEAD: usize = 50;
+pub(crate) const LEAD: usize = 50;
 
 /// Errors on one block.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +121,7 @@ fn interval(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
 }
 
 /// A model's errors on samples that were not fitted.
-pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]) -> HeldOut {
+pub(crate) fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]) -> HeldOut {
     let (mut blocks, mut errors) = (Vec::new(), Vec::new());
     let total: usize = ranges.iter().map(Range::len).sum();
     let length = (total / BLOCKS).max(20);
@@ -143,7 +143,7 @@ pub fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<usize>]
 }
 
 /// The fitted model with its state at the beginning of a separate range found from the first samples there.
-pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
+pub(crate) fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
     let mut free = fit.structure.beginnings();
@@ -170,7 +170,7 @@ pub fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) ->
 
 /// The fitted model with offset and initial state as free simulation of the training rows wants them: a filter that corrects
 /// itself leaves them undetermined.
-pub fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
+pub(crate) fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
     if !fit.structure.is_noisy() {
         return fit.point.clone();
     }
@@ -232,7 +232,7 @@ impl Evaluation {
 }
 
 /// 95 % interval of the ratio of root-mean-square errors, from blocks: jackknife of its logarithm.
-pub fn ratio_interval(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
+pub(crate) fn ratio_interval(before: &HeldOut, after: &HeldOut) -> [f64; 2] {
     let n = before.blocks.len();
     let whole = |skip: Option<usize>| {
         let sum = |h: &HeldOut| -> f64 {

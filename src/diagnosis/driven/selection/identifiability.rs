@@ -26,7 +26,7 @@ const FAINTEST: f64 = 1e-8;
 /// Log-likelihood that a line must be worth in the reading.
 const WORTH: f64 = 12.0;
 /// Cycles of the resonance below which its frequency and damping, and what stands beside them, are not determined.
-pub const FEWEST_CYCLES: f64 = 4.0;
+pub(crate) const FEWEST_CYCLES: f64 = 4.0;
 
 /// What the input and the length of the recording leave undetermined.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -75,7 +75,7 @@ impl Reach {
 }
 
 /// Whether a law changes how the reading answers the input at each frequency, and nothing else.
-pub fn is_linear(term: &Term) -> bool {
+pub(super) fn is_linear(term: &Term) -> bool {
     matches!(term.role(), Role::InputDelay | Role::LowPass | Role::Mode | Role::Readout(Place::Input))
         || matches!(term, Term::CoupledMode(_))
 }

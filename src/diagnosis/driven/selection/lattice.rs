@@ -18,7 +18,7 @@ pub struct Lattice {
 
 /// The lattice of `reading` and its likelihood, given the innovations of a model; `None` where values do not fall on one or
 /// it is finer than the noise.
-pub fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
+pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
     let step = spacing(reading)?;
     let variance = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
     let sigma = variance.sqrt();

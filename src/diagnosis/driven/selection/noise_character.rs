@@ -52,7 +52,7 @@ pub struct LoudStretch {
 }
 
 /// What kind of noise these errors are.
-pub fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseCharacter {
+pub(crate) fn noise_character(errors: &[f64], motion: &MassMotion<'_>) -> NoiseCharacter {
     let n = errors.len();
     let Some(powers) = clipped(errors).filter(|_| n >= 16 * LEAST_SAMPLES) else { return NoiseCharacter::default() };
     let quarters = |order: &[usize]| [order[..n / 4].to_vec(), order[n - n / 4..].to_vec()];
@@ -117,7 +117,7 @@ fn stretch_powers(errors: &[f64]) -> Option<(Vec<f64>, usize, f64)> {
 
 /// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out somewhere are not even noise,
 /// however little of the whole they are.
-pub fn loudest_by_chance(errors: &[f64]) -> f64 {
+fn loudest_by_chance(errors: &[f64]) -> f64 {
     let Some((powers, _, degrees_of_freedom)) = stretch_powers(errors) else { return 1.0 };
     let count = powers.len() as f64;
     let most = powers.iter().copied().fold(0.0, f64::max);
@@ -129,7 +129,7 @@ pub fn loudest_by_chance(errors: &[f64]) -> f64 {
 
 /// Probability, by chance alone, of a stretch as loud as the loudest whose errors are as predictable from their past: even a
 /// loud stretch of noise is white, while a disturbance lets the mass ring.
-pub fn disturbance_by_chance(errors: &[f64]) -> f64 {
+pub(crate) fn disturbance_by_chance(errors: &[f64]) -> f64 {
     let loud = loudest_by_chance(errors);
     if loud >= REAL {
         return loud;

@@ -14,10 +14,8 @@ const PASSES: usize = 3;
 
 /// Displacement and velocity of the mass at each sample.
 #[derive(Debug, Clone, Copy)]
-pub struct MassMotion<'a> {
-    /// Displacement.
+pub(crate) struct MassMotion<'a> {
     pub x: &'a [f64],
-    /// Velocity.
     pub v: &'a [f64],
     /// Angular frequency by which a velocity is compared with a displacement.
     pub omega_rad_s: f64,
@@ -32,7 +30,7 @@ impl MassMotion<'_> {
 }
 
 /// Mean absolute error to be expected at each sample, relative to that of the whole.
-pub fn local_scale(errors: &[f64], motion: &MassMotion<'_>) -> Vec<f64> {
+pub(super) fn local_scale(errors: &[f64], motion: &MassMotion<'_>) -> Vec<f64> {
     let n = errors.len();
     let mut scale = vec![1.0; n];
     if n < 2 * LEAST_SAMPLES {

@@ -14,17 +14,17 @@ use super::noise_scale::{MassMotion, local_scale};
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
 /// Lags over which one-step errors are taken to be correlated.
-pub const MEMORY: usize = 40;
+pub(crate) const MEMORY: usize = 40;
 
 /// How much can still be predicted of a model's innovations, from their past, the input and the state.
-pub fn residual_structure(data: &Data, fit: &Fit) -> Structure {
+pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
 /// As `residual_structure`, with a probability that also holds for noise of uneven strength: where the innovations look structured, they are
 /// also tested weighed by their local scale, and the larger probability counts.
-pub fn residual_structure_evenly(data: &Data, fit: &Fit) -> Structure {
+pub(crate) fn residual_structure_evenly(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let mut known = regressors(data, &states);
     let plain = structure(&innovations, OWN_LAGS, &known);
@@ -81,7 +81,7 @@ fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
 
 /// How much of the innovations' *power* can be predicted from the input, the state and time: noise that belongs to the sensor
 /// does not know what the sensor is doing.
-pub fn power_structure(data: &Data, fit: &Fit) -> Structure {
+pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
     // Limited, so that single outliers do not speak for the rest.

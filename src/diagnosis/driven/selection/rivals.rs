@@ -15,20 +15,18 @@ use super::round::round;
 /// Times that a better stand-in may take a term's place.
 const SWAPS: usize = 1;
 /// Log-likelihood by which a model must lead to be told from another: odds of 400 to 1.
-pub const TIE: f64 = 6.0;
+pub(super) const TIE: f64 = 6.0;
 
 /// Whether the library says that one can be mistaken for the other.
-pub fn alike(a: &Term, b: &Term) -> bool {
+pub(crate) fn alike(a: &Term, b: &Term) -> bool {
     a.candidate().confusable_with.contains(&b.id()) || b.candidate().confusable_with.contains(&a.id())
 }
 
 /// A look for other candidates that would do as well, as far as its budget reaches.
-pub struct Look<'a> {
-    /// The recording.
+pub(super) struct Look<'a> {
     pub data: &'a Data,
     /// Sizes that the base fit found.
     pub scales: &'a Scales,
-    /// All candidates.
     pub candidates: &'a [Term],
     /// What it may cost.
     pub budget: Budget,

@@ -26,7 +26,7 @@ const STARTS: usize = 2;
 /// The same where its law has a corner, so that there are many local minima.
 const CORNER_STARTS: usize = 4;
 /// Candidates that are fitted whatever the best one promises.
-pub const SURE: usize = 3;
+pub(super) const SURE: usize = 3;
 /// Log-likelihood that a candidate must promise to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
 /// Candidates that are fitted to the end in one round.
@@ -100,7 +100,7 @@ fn screen(
 ///
 /// # Errors
 /// Stopped.
-pub fn round(
+pub(crate) fn round(
     data: &Data,
     model: &Judged,
     candidates: &[Term],

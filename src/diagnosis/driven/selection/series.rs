@@ -29,7 +29,7 @@ impl Series {
 }
 
 /// Whether these terms are a series.
-pub fn series(terms: &[Term]) -> Option<Series> {
+pub(crate) fn series(terms: &[Term]) -> Option<Series> {
     let laws = terms.iter().filter(|t| t.noise().is_none()).count();
     let look_alikes = |t: &Term| terms.iter().filter(|other| *other != t && alike(t, other)).count();
     if laws > MOST_LAWS {

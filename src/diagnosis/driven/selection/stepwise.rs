@@ -39,7 +39,7 @@ const FAR_FROM_DONE: f64 = 0.15;
 ///
 /// # Errors
 /// Stopped.
-pub fn search(
+pub(crate) fn search(
     data: &Data,
     base: Judged,
     scales: &Scales,

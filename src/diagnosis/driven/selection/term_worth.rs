@@ -39,7 +39,7 @@ impl Named {
 }
 
 /// Coarse rounding, where it explains what a model leaves.
-pub fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
+pub(crate) fn rounding(data: &Data, model: &Judged) -> Option<Lattice> {
     lattice(&data.reading[data.hull.clone()], &model.fit.linear.residual).filter(|l| l.gain > 0.01)
 }
 
@@ -50,7 +50,7 @@ fn validation_is_fitted(data: &Data) -> bool {
 
 /// Every term of a model, weighed. Where there is no model without it, however slowly it is taken away, the base model stands in
 /// for that: a term that nothing can be fitted without is worth all that the terms do together.
-pub fn weighed(
+pub(crate) fn weighed(
     data: &Data,
     selection: &Selection,
     model: &Judged,

@@ -17,20 +17,17 @@ use super::step::{MOST_STATES, Mover, Parts, Plan, StepState, movers, together};
 
 /// What one pass simulates.
 #[derive(Debug)]
-pub struct Pass<'a> {
+pub(super) struct Pass<'a> {
     /// Samples to run over.
     pub run: Range<usize>,
     /// Readings of the whole recording.
     pub reading: &'a [f64],
     /// Input on half steps, `2·steps` per sample; empty without one.
     pub grid: &'a [f64],
-    /// As `Input::end`.
     pub grid_end: usize,
     /// Environment, row by row.
     pub environment: &'a [f64],
-    /// Columns in it.
     pub environments: usize,
-    /// What moves.
     pub parts: Parts<'a>,
     /// Where the run begins, and where it begins anew, in the order of time.
     pub beginnings: Vec<Beginning>,
@@ -40,8 +37,7 @@ pub struct Pass<'a> {
 
 /// Where a mass begins.
 #[derive(Debug, Clone, Copy)]
-pub struct Beginning {
-    /// At which sample.
+pub(super) struct Beginning {
     pub sample: usize,
     /// In which of the recordings that the parameters know.
     pub recording: usize,
@@ -67,10 +63,8 @@ impl Keep for Nothing {
 
 /// Keeps displacement and velocity of lane 0.
 #[derive(Debug, Default)]
-pub struct States {
-    /// Displacement.
+pub(crate) struct States {
     pub x: Vec<f64>,
-    /// Velocity.
     pub v: Vec<f64>,
 }
 
@@ -163,7 +157,6 @@ impl Pass<'_> {
         out
     }
 
-    /// Where everything begins.
     fn beginning(&self, plan: &Plan<'_>, begin: &Beginning) -> StepState {
         let [x, v] = begin.initial;
         // A term's values with its initial states in this recording.

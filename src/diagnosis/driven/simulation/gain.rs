@@ -18,7 +18,7 @@ pub struct Gain {
 }
 
 /// Only white readout noise: nothing is corrected.
-pub const NONE: Gain = Gain { k: [0.0; 4], innovation_variance: 1.0 };
+pub(crate) const NONE: Gain = Gain { k: [0.0; 4], innovation_variance: 1.0 };
 
 /// An oscillator and its noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ pub struct Noisy {
 
 /// The linear system behind a gain: displacement, velocity, bias and the low-pass's state, from one sample to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct System {
+pub(crate) struct System {
     /// State at the next sample.
     pub transition: Matrix4<f64>,
     /// What is read of it.
@@ -51,7 +51,7 @@ pub struct System {
 }
 
 /// Solves the filter's Riccati equation by doubling.
-pub fn stationary(noisy: &Noisy) -> Gain {
+pub(crate) fn stationary(noisy: &Noisy) -> Gain {
     if noisy.force <= 0.0 && noisy.walk <= 0.0 {
         return NONE;
     }
@@ -79,7 +79,7 @@ pub fn stationary(noisy: &Noisy) -> Gain {
 }
 
 /// The linear system of an oscillator and its noise.
-pub fn system(noisy: &Noisy) -> System {
+pub(crate) fn system(noisy: &Noisy) -> System {
     let Noisy { omega_rad_s: omega, zeta, interval_s: h, lag_s, .. } = *noisy;
     let (keeps, lags) = (f64::from(noisy.walk > 0.0), lag_s > 0.0);
     // White force of intensity q gives a stationary displacement variance q/(4ζω³).

@@ -24,7 +24,7 @@ pub struct Run {
 
 /// Innovations at up to [`LANES`] points,
 /// begun where it is said.
-pub fn once<K: Keep>(
+pub(crate) fn once<K: Keep>(
     data: &Data,
     structure: &ModelStructure,
     points: &[Vec<f64>],
@@ -74,7 +74,7 @@ pub fn once<K: Keep>(
 }
 
 /// Where the run begins, by the first recording's parameters wherever that is, and where within it further recordings do.
-pub fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
+pub(crate) fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
     let lane = |index: usize| lane(points, index);
     let at = |sample: usize, recording: usize| {
         let initial = structure.initial(recording);
@@ -91,7 +91,7 @@ pub fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], 
 }
 
 /// One parameter in every lane; those without a point of their own have the last one's.
-pub fn lane(points: &[Vec<f64>], index: usize) -> Lanes {
+pub(crate) fn lane(points: &[Vec<f64>], index: usize) -> Lanes {
     let mut lanes = [0.0; LANES];
     for (l, value) in lanes.iter_mut().enumerate() {
         *value = points[l.min(points.len() - 1)][index];

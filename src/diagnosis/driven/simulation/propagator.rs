@@ -9,14 +9,10 @@ use crate::physics::free_oscillator::transition;
 use crate::physics::state::{LANES, Lanes};
 
 /// exp(At) in every lane.
-pub struct Transition {
-    /// Displacement by displacement.
+pub(super) struct Transition {
     pub xx: Lanes,
-    /// Displacement by velocity.
     pub xv: Lanes,
-    /// Velocity by displacement.
     pub vx: Lanes,
-    /// Velocity by velocity.
     pub vv: Lanes,
 }
 
@@ -43,8 +39,7 @@ impl Transition {
 }
 
 /// A delay in grid points: a whole part, and cubic Lagrange weights for the rest.
-pub struct Shift {
-    /// Whole grid points.
+pub(super) struct Shift {
     pub whole: isize,
     /// Weights of the four nodes around the rest.
     pub weights: [Lanes; 4],

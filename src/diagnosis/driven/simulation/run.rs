@@ -26,7 +26,7 @@ pub fn innovations<K: Keep>(
 }
 
 /// Innovations at one point, with the states that were passed through.
-pub fn trace(data: &Data, structure: &ModelStructure, point: &[f64], run: &Run) -> (Vec<f64>, States) {
+pub(crate) fn trace(data: &Data, structure: &ModelStructure, point: &[f64], run: &Run) -> (Vec<f64>, States) {
     let mut states = States::default();
     let lanes = innovations(data, structure, &[point.to_vec()], run, &mut states);
     (lanes.iter().map(|e| e[0]).collect(), states)

@@ -14,13 +14,11 @@ use crate::physics::state::{BaseLanes, Constants, Instants, LANES, Lanes, MOST_S
 use super::propagator::{Shift, Transition};
 
 /// Most own states of all terms of a model together.
-pub const MOST_STATES: usize = 8;
+pub(super) const MOST_STATES: usize = 8;
 
 /// Everything that moves during a pass.
-pub struct StepState {
-    /// Displacement.
+pub(super) struct StepState {
     pub x: Lanes,
-    /// Velocity.
     pub v: Lanes,
     /// What the reading is off by, as far as readings have taught.
     pub bias: Lanes,
@@ -30,8 +28,7 @@ pub struct StepState {
 
 /// What moves: the base model and its terms, at some parameters.
 #[derive(Debug)]
-pub struct Parts<'a> {
-    /// Base model.
+pub(crate) struct Parts<'a> {
     pub base: BaseLanes,
     /// ω₀ and ζ, for the exact propagation.
     pub oscillator: [Lanes; 2],
@@ -41,7 +38,6 @@ pub struct Parts<'a> {
     pub parameters: &'a [Lanes],
     /// First parameter of each term.
     pub first: &'a [usize],
-    /// Sampling interval.
     pub interval_s: f64,
     /// Integration steps per sample.
     pub steps: usize,
@@ -255,17 +251,14 @@ fn delay(late: Option<&Lanes>, early: Option<&Lanes>) -> Option<Lanes> {
 }
 
 /// A term, where its parameters begin and where its states begin.
-pub struct Mover<'a> {
-    /// The term.
+pub(super) struct Mover<'a> {
     pub term: &'a Term,
-    /// Its first parameter.
     pub first: usize,
-    /// Its first state.
     pub state: usize,
 }
 
 /// Terms in their order; those that move the mass have the first states.
-pub fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
+pub(super) fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
     let mut next = [0, MOST_STAGED];
     let mut all = Vec::new();
     for (term, first) in terms.iter().zip(first) {
@@ -281,7 +274,7 @@ pub fn movers<'a>(terms: &'a [Term], first: &[usize]) -> Vec<Mover<'a>> {
 
 /// Displacement and velocity of mass and modes together; those of modes are states at these places.
 #[inline(always)]
-pub fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]) -> (Lanes, Lanes) {
+pub(crate) fn together(modes: &[usize], own: &[Lanes; MOST_STATES], [x, v]: [&Lanes; 2]) -> (Lanes, Lanes) {
     let (mut x, mut v) = (*x, *v);
     for m in modes {
         for l in 0..LANES {

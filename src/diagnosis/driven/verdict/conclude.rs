@@ -75,7 +75,7 @@ pub struct Conclusion {
 }
 
 /// Draws the conclusion: models fitted to the train samples of `data`, judged on its test samples.
-pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
+pub(crate) fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusion {
     let mut draft = Draft::fitted(data, selection, scales);
     draft.free(selection);
     // What the full model leaves is the measure.
@@ -126,7 +126,7 @@ pub fn conclude(data: &Data, selection: &Selection, scales: &Scales) -> Conclusi
 }
 
 /// The same conclusion with base and final model fitted to more samples than it was drawn on.
-pub fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
+pub(crate) fn widened(c: Conclusion, data: &Data, scales: &Scales) -> Conclusion {
     let scales = &Scales { fineness: c.fineness, ..scales.clone() };
     let budget = data.work.budget(Stage::Conclusion, data.hull.len());
     let refit = |j: &Judged| -> Option<Judged> {

@@ -31,7 +31,7 @@ const SMALL: f64 = 0.01;
 
 /// What could have been seen.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Limits {
+pub(super) struct Limits {
     /// Root-mean-square, over the noise, that an effect must leave after the base model is refitted.
     pub least_over_noise: f64,
     /// Candidate by candidate, in the library's order.

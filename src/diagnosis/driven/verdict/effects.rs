@@ -32,7 +32,7 @@ pub struct Channels {
 }
 
 /// The unit that a heading ends in, "V2_V" → "V"; `otherwise` where it does not end in one.
-pub fn unit_of(heading: &str, otherwise: &str) -> String {
+pub(crate) fn unit_of(heading: &str, otherwise: &str) -> String {
     match heading.rsplit_once('_') {
         Some((_, unit)) if !unit.is_empty() && unit.len() <= 5 => unit.to_owned(),
         _ => otherwise.to_owned(),
@@ -56,12 +56,12 @@ pub fn unit(pattern: &str, channels: &Channels) -> String {
 }
 
 /// Standard deviation of the readout noise of a fit.
-pub fn readout_noise(data: &Data, fit: &Fit) -> f64 {
+fn readout_noise(data: &Data, fit: &Fit) -> f64 {
     (fit.variance / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance).sqrt()
 }
 
 /// What noise alone leaves in free simulation.
-pub fn noise_floor(data: &Data, fit: &Fit) -> f64 {
+pub(crate) fn noise_floor(data: &Data, fit: &Fit) -> f64 {
     let r = readout_noise(data, fit);
     let mut variance = r * r;
     for (i, term) in fit.structure.terms.iter().enumerate() {
@@ -102,7 +102,13 @@ fn interval_about(value: f64, coordinate: Coordinate, reach: [f64; 2]) -> [f64; 
 }
 
 /// The parameters of one term with their intervals.
-pub fn estimates(data: &Data, c: &Conclusion, scales: &Scales, index: usize, channels: &Channels) -> Vec<Estimate> {
+pub(crate) fn estimates(
+    data: &Data,
+    c: &Conclusion,
+    scales: &Scales,
+    index: usize,
+    channels: &Channels,
+) -> Vec<Estimate> {
     let fit = &c.model.fit;
     let term = fit.structure.terms[index];
     let coordinates = term.coordinates(scales);
@@ -282,8 +288,7 @@ fn gain(c: &Conclusion, named: &Named, floor: f64) -> f64 {
     ((named.free_without - c.model.held_out.free()) / beyond.max(1e-300)).clamp(-1.0, 1.0)
 }
 
-/// Every candidate's standing.
-pub fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Vec<Ranked> {
+pub(crate) fn ranking(c: &Conclusion, selection: &Selection, channels: &Channels) -> Vec<Ranked> {
     let mut ranked: Vec<Ranked> = Vec::new();
     for named in &c.named {
         ranked.push(Ranked {

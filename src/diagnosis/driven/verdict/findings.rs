@@ -43,7 +43,7 @@ pub fn dropped(reason: Dropped) -> String {
 }
 
 /// What the input and the length of the recording leave undetermined, in sentences.
-pub fn reach(reach: &Reach) -> Vec<String> {
+pub(crate) fn reach(reach: &Reach) -> Vec<String> {
     let mut out = Vec::new();
     if reach.tells_nothing_linear_apart() {
         let lines: Vec<String> = reach.lines_hz.iter().map(|f| short(*f)).collect();
@@ -67,7 +67,7 @@ pub fn reach(reach: &Reach) -> Vec<String> {
 }
 
 /// That the response is chaotic, as a clause and what follows from it.
-pub fn chaos(chaos: &Chaos) -> [String; 2] {
+pub(crate) fn chaos(chaos: &Chaos) -> [String; 2] {
     let wells = chaos.wells.map_or(String::new(), |[a, b]| {
         format!(
             "; the mass has two wells, at readings of {} and {}, and the model is written about the stiffer one",
@@ -90,7 +90,7 @@ pub fn chaos(chaos: &Chaos) -> [String; 2] {
 }
 
 /// What was left undone, as a clause.
-pub fn left_out(what: LeftOut) -> &'static str {
+pub(crate) fn left_out(what: LeftOut) -> &'static str {
     match what {
         LeftOut::Profiles => {
             "intervals of non-smooth laws are from the quadratic approximation: their profiles were not finished"

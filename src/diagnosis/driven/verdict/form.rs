@@ -34,7 +34,13 @@ pub struct Freely<'a> {
 }
 
 /// The form of one named law of a model, found by a fit of its own where none is given.
-pub fn form(data: &Data, model: &Judged, index: usize, scales: &Scales, known: Option<Freely<'_>>) -> Option<Form> {
+pub(crate) fn form(
+    data: &Data,
+    model: &Judged,
+    index: usize,
+    scales: &Scales,
+    known: Option<Freely<'_>>,
+) -> Option<Form> {
     if let Some(known) = known {
         return departure(data, &known);
     }
@@ -46,7 +52,6 @@ pub fn form(data: &Data, model: &Judged, index: usize, scales: &Scales, known: O
     departure(data, &Freely { fit: &fit, index, departs: false })
 }
 
-/// Its numbers.
 fn departure(data: &Data, freely: &Freely<'_>) -> Option<Form> {
     let fit = freely.fit;
     let Term::FreeForm(form) = fit.structure.terms[freely.index] else { return None };
@@ -150,7 +155,6 @@ impl Split {
         functions(self.law, self.gap, a).iter().zip(&self.strengths).skip(1).map(|(f, s)| f * s).sum()
     }
 
-    /// The stated form.
     fn stated_at(&self, a: f64) -> f64 {
         functions(self.law, self.gap, a)[0] * self.strengths[0]
     }

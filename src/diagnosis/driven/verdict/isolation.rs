@@ -13,32 +13,27 @@ use crate::numerics::{order, special, spectrum};
 const FALSE_DISCOVERY: f64 = 0.05;
 /// Lags over which errors of free simulation, which ring, are taken to be correlated.
 const LAGS: usize = 400;
-/// Stretches of time.
 const TIMES: usize = 24;
-/// Ranges of amplitude.
 const STATES: usize = 10;
-/// Bands of frequency.
 const BANDS: usize = 16;
 /// Excess below which a stretch is not worth naming.
 const LEAST: f64 = 1.2;
 
-/// What is compared.
 #[derive(Debug, Clone, Copy)]
-pub struct Compared<'a> {
+pub(crate) struct Compared<'a> {
     /// Error of the base model, sample by sample.
     pub error: &'a [f64],
     /// Standard deviation of the noise of the reading, measured apart from every fit.
     pub noise: f64,
     /// Displacement that the model passes through.
     pub state: &'a [f64],
-    /// Sampling rate.
     pub rate_hz: f64,
     /// Unit of the reading.
     pub unit: &'a str,
 }
 
 /// Excess everywhere, neighbouring stretches joined; in words; and whether the error's power is that of the noise.
-pub fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
+pub(crate) fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
     let n = c.error.len().min(c.state.len());
     if n < 64 {
         return (Places::default(), "too short to locate the mismatch".into(), false);

@@ -4,7 +4,7 @@ use crate::diagnosis::driven::intake::reading_noise::How;
 use crate::number::short;
 
 /// As a clause that follows "measured from".
-pub fn how(how: How) -> String {
+pub(crate) fn how(how: How) -> String {
     match how {
         How::Periods { count, samples } => {
             format!("scatter between {count} periods of the input, of {samples} samples")

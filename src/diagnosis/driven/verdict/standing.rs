@@ -13,7 +13,6 @@ use super::draft::Draft;
 
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
-/// How far.
 pub(super) const FAR_ABOVE: f64 = 30.0;
 /// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
 /// it does, and a tenth of a percent in power of it is no other effect.

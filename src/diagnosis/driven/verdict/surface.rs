@@ -127,7 +127,7 @@ impl Surface {
 }
 
 /// The surface of what a model leaves; empty where there is too little motion.
-pub fn surface(m: &FreeRun<'_>) -> Surface {
+pub(crate) fn surface(m: &FreeRun<'_>) -> Surface {
     let n = m.error.len().min(m.x.len()).min(m.v.len());
     // The ends of a stretch ring in the transform.
     let edge = (3.0 * m.rate_hz * TAU / m.omega_rad_s).ceil() as usize;

@@ -100,12 +100,10 @@ impl Placed<'_> {
     }
 }
 
-/// A size: positive.
 pub(super) const fn size(name: &'static str, unit: &'static str) -> Parameter {
     Parameter { name, unit, range: (0.0, f64::MAX) }
 }
 
-/// Of either sign.
 pub(super) const fn signed(name: &'static str, unit: &'static str) -> Parameter {
     Parameter { name, unit, range: (f64::MIN, f64::MAX) }
 }

@@ -99,6 +99,6 @@ impl<'a> Table<'a> {
 }
 
 /// A number of 64 bits within a structure.
-pub fn i64_of(bytes: &[u8], at: usize) -> i64 {
+pub(super) fn i64_of(bytes: &[u8], at: usize) -> i64 {
     array(bytes, at).map_or(0, i64::from_le_bytes)
 }

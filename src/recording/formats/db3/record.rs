@@ -3,7 +3,7 @@
 use crate::recording::bytes::Bytes;
 
 /// A number of one to nine bytes, the highest first.
-pub fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
+pub(crate) fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
     let mut value = 0u64;
     for i in 0..9 {
         let byte = bytes.u8()?;
@@ -19,7 +19,7 @@ pub fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
 }
 
 /// A row of a table.
-pub struct Record<'a> {
+pub(crate) struct Record<'a> {
     row: i64,
     /// Type and place of each value.
     values: Vec<(u64, &'a [u8])>,
@@ -62,12 +62,10 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// Bytes or text.
     pub fn bytes(&self, column: usize) -> Option<&'a [u8]> {
         self.values.get(column).filter(|v| v.0 >= 12).map(|v| v.1)
     }
 
-    /// Text.
     pub fn text(&self, column: usize) -> Option<String> {
         self.bytes(column).map(|b| String::from_utf8_lossy(b).into_owned())
     }

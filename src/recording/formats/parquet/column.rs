@@ -24,10 +24,9 @@ const PLAIN: i64 = 0;
 
 /// A column of a row group.
 #[derive(Debug, Clone)]
-pub struct Chunk {
+pub(super) struct Chunk {
     /// How its pages are compressed; the name of what is not read.
     pub codec: Result<Codec, &'static str>,
-    /// Its first page.
     pub at: u64,
     /// Values in it, missing ones included.
     pub values: u64,

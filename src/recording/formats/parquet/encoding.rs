@@ -31,7 +31,7 @@ fn varint(bytes: &mut Bytes<'_>) -> Option<u64> {
 }
 
 /// The hybrid of runs and packed bits: `count` numbers of `width` bits, 32 at most.
-pub fn hybrid(bytes: &[u8], width: u32, count: usize) -> Option<Vec<u32>> {
+pub(super) fn hybrid(bytes: &[u8], width: u32, count: usize) -> Option<Vec<u32>> {
     if width > 32 {
         return None;
     }
@@ -69,7 +69,7 @@ fn zigzag(bytes: &mut Bytes<'_>) -> Option<i64> {
 }
 
 /// DELTA_BINARY_PACKED: whole numbers by their differences, at most `count`.
-pub fn deltas(bytes: &[u8], count: usize) -> Option<Vec<i64>> {
+pub(super) fn deltas(bytes: &[u8], count: usize) -> Option<Vec<i64>> {
     let mut bytes = Bytes::new(bytes);
     let block = usize::try_from(varint(&mut bytes)?).ok()?;
     let minis = usize::try_from(varint(&mut bytes)?).ok()?;
@@ -109,7 +109,7 @@ pub fn deltas(bytes: &[u8], count: usize) -> Option<Vec<i64>> {
 }
 
 /// BYTE_STREAM_SPLIT: all first bytes, then all second bytes, …
-pub fn split_streams(bytes: &[u8], width: usize) -> Vec<u8> {
+pub(super) fn split_streams(bytes: &[u8], width: usize) -> Vec<u8> {
     let count = bytes.len() / width.max(1);
     let mut out = vec![0; count * width];
     for (stream, part) in bytes.chunks_exact(count.max(1)).take(width).enumerate() {

@@ -6,7 +6,7 @@ use crate::diagnosis::verdict::{Effect, Outcome};
 use crate::number::{short, with_uncertainty};
 
 /// One or two plain sentences.
-pub fn sentence(answer: &Answer, detail: &Detail) -> String {
+pub(crate) fn sentence(answer: &Answer, detail: &Detail) -> String {
     let (account, effects, unit) = (&detail.account, &answer.effects, &detail.unit);
     let before = answer.fit.test.rmse_before;
     let fall = fall(answer, unit);
@@ -149,7 +149,7 @@ fn fall(answer: &Answer, unit: &str) -> String {
 }
 
 /// Where the mismatch lives. That the error is at the noise is not said where a mismatch is.
-pub fn place(answer: &Answer, account: &Account) -> String {
+pub(crate) fn place(answer: &Answer, account: &Account) -> String {
     if account.at_noise && answer.outcome == Outcome::Unexplained {
         return "the base model's error has the power of the noise; what is missing shows only in its structure".into();
     }
@@ -178,7 +178,7 @@ fn doubts(clauses: &[String]) -> String {
 }
 
 /// What would decide or confirm.
-pub fn next_experiment(answer: &Answer, account: &Account) -> String {
+pub(crate) fn next_experiment(answer: &Answer, account: &Account) -> String {
     let (effects, input) = (&answer.effects, account.has_input);
     let source = if input { "drive" } else { "release" };
     match answer.outcome {

@@ -9,7 +9,7 @@ use crate::number::{duration, short};
 pub use statement::statements;
 
 /// The verdict in a sentence; `place` says where the mismatch lives.
-pub fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Detail) -> String {
+pub(crate) fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Detail) -> String {
     match outcome {
         Outcome::Adequate => {
             "A constant and white noise describe every channel: nothing is missing that this recording could show."
@@ -92,7 +92,7 @@ fn parted(effects: &[Effect]) -> (String, Vec<Effect>) {
 }
 
 /// What would decide or confirm.
-pub fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
+pub(crate) fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
     match outcome {
         _ if detail.temperature_unlogged => {
             "Log the temperature beside the sensor and name its column under environment: that confirms the cause and gives \
@@ -112,7 +112,7 @@ pub fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str {
 }
 
 /// Where the mismatch lives.
-pub fn place(detail: &Detail) -> String {
+pub(crate) fn place(detail: &Detail) -> String {
     let location = &detail.location;
     let mut spoken: Vec<String> = Vec::new();
     for jump in &location.jumps {

@@ -8,7 +8,7 @@ use crate::number::short;
 use crate::sensor::Sense;
 
 /// One or two sentences for the first screen.
-pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
+pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {
     let account = &detail.account;
     let improvement = |group: Group| {
         let n = GROUPS.iter().position(|g| *g == group).unwrap_or(0);
@@ -76,7 +76,7 @@ fn judging(account: &Account) -> impl Iterator<Item = Group> {
 }
 
 /// What was found in the recording and is no effect, in sentences.
-pub fn findings(account: &Account) -> Vec<String> {
+pub(crate) fn findings(account: &Account) -> Vec<String> {
     let mut out: Vec<String> = account.drifts.iter().map(|d| drift(d, account.has_column)).collect();
     out.extend(account.knocked.iter().map(|k| {
         format!(
@@ -113,7 +113,7 @@ fn drift(drift: &Drift, has_column: bool) -> String {
 }
 
 /// Where the base model's mismatch lives.
-pub fn place(detail: &Detail) -> String {
+pub(crate) fn place(detail: &Detail) -> String {
     let location = &detail.account.location;
     let of = |r: &Rms| {
         let unit = r.group.unit();
@@ -144,7 +144,7 @@ pub fn residual(group: Group) -> &'static str {
 }
 
 /// What would decide or confirm.
-pub fn next_experiment(outcome: Outcome, account: &Account) -> &'static str {
+pub(crate) fn next_experiment(outcome: Outcome, account: &Account) -> &'static str {
     match outcome {
         Outcome::Adequate => {
             "To see smaller effects: more poses, each longer, spread over all directions, and quick turns \
