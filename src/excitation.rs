@@ -2,7 +2,7 @@
 //!
 //! # Adding a kind
 //! One file with the waveform and its `KIND`: the name, the keys with their forms, and how a plan is made of them; and its
-//! name in [`KINDS`]. Reading, placing misspelt keys, refusing foreign and missing ones follow from it.
+//! name in `KINDS`. Reading, placing misspelt keys, refusing foreign and missing ones follow from it.
 //!
 //! Not for the sensor's answer (`sensor`, `kernel`).
 

@@ -83,7 +83,7 @@ impl Ensembles {
     }
 }
 
-/// The ensembles that [`make`] asks for, in its order.
+/// The ensembles that `make` asks for, in its order.
 pub fn jobs(study: &Study, integrator: Integrator, samples: &[u64]) -> Vec<Job> {
     let Ensembles { whole, sources, .. } = Ensembles::of(study, integrator, samples);
     whole.into_iter().chain(sources.into_iter().map(|(_, job)| job)).collect()

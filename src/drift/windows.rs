@@ -75,7 +75,7 @@ pub struct Windows {
     pub recorded: Vec<(f64, Option<Kind>)>,
     /// Standard deviation of the simulated error.
     pub sd_predicted: f64,
-    /// Ends of the central [`BANDS`] of the simulated error.
+    /// Ends of the central `BANDS` of the simulated error.
     pub bands: [[f64; 2]; 3],
 }
 
@@ -84,7 +84,7 @@ pub struct Windows {
 pub struct Point {
     /// From the end of the still start, s.
     pub time_s: f64,
-    /// [`QUANTILES`] of the recorded windows.
+    /// `QUANTILES` of the recorded windows.
     pub recorded: [f64; 5],
     /// The same of the simulated members.
     pub predicted: [f64; 5],
@@ -106,7 +106,7 @@ impl Windows {
         Moments::of(self.errors(undisturbed).into_iter()).sd()
     }
 
-    /// How many recorded errors lie inside each of the [`BANDS`].
+    /// How many recorded errors lie inside each of the `BANDS`.
     pub fn inside(&self, undisturbed: bool) -> [usize; 3] {
         let errors = self.errors(undisturbed);
         self.bands.map(|[low, high]| errors.iter().filter(|e| (low..=high).contains(e)).count())
@@ -294,7 +294,7 @@ fn points(cuts: &[Cut]) -> (usize, Vec<usize>) {
     (longest, points)
 }
 
-/// The ensemble that [`drifted`] asks for.
+/// The ensemble that `drifted` asks for.
 ///
 /// # Errors
 /// Sections of the axis that make no sense.

@@ -94,7 +94,7 @@ pub(super) const METHODS: &[Method] = &[
 ];
 
 impl Method {
-    /// Its number in the shader: its place in [`METHODS`].
+    /// Its number in the shader: its place in `METHODS`.
     pub fn code(&self) -> usize {
         METHODS.iter().position(|m| m == self).unwrap_or(METHODS.len())
     }

@@ -6,7 +6,7 @@
 //! be simulated and fitted by name.
 //!
 //! The diagnosis takes each step with the force held and puts the instant at which the mass turns, stops or breaks loose
-//! where it belongs inside the step ([`Sliding`]): a smoothed sign costs an error of first order in the step at every turn.
+//! where it belongs inside the step (`Sliding`): a smoothed sign costs an error of first order in the step at every turn.
 //! Studies take the smoothed sign ([`Law::force`]), whose error is small beside their noise.
 
 use crate::numerics::elementary::{Real, fma};

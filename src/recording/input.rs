@@ -158,7 +158,7 @@ impl Input {
         self.packed.as_ref().map_or(self.length, |p| p.stored_length())
     }
 
-    /// The first bytes, at most [`HEAD_BYTES`].
+    /// The first bytes, at most `HEAD_BYTES`.
     ///
     /// # Errors
     /// When the file cannot be read.

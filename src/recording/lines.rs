@@ -40,7 +40,7 @@ impl Lines {
     /// Opens a file at its first line.
     ///
     /// # Errors
-    /// As [`Unpacked::new`].
+    /// As `Unpacked::new`.
     pub fn open(input: Input, pack: Pack) -> Result<Self> {
         let pieces = Pieces::new(Unpacked::new(&input, pack)?, LONGEST_BYTES);
         Ok(Self {

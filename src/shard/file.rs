@@ -197,7 +197,7 @@ impl Contents {
     /// Reads a file and proves its checksum.
     ///
     /// # Errors
-    /// As [`read_head`], and when it is damaged.
+    /// As `read_head`, and when it is damaged.
     pub fn read(path: &Path) -> Result<Self> {
         let mut bytes = Vec::new();
         open(path)?.read_to_end(&mut bytes).map_err(|e| Error::io("read", path, &e))?;

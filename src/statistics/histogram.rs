@@ -12,7 +12,7 @@ const HALF_RANGE_SD: f64 = 8.0;
 /// Width of a bin in standard deviations of the pilot.
 pub(crate) const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 
-/// Where the bins of one histogram lie: [`BINS`] equal ones between two values, rounded to f32 so that every backend
+/// Where the bins of one histogram lie: `BINS` equal ones between two values, rounded to f32 so that every backend
 /// sorts into the same ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bins {
@@ -29,7 +29,7 @@ impl Bins {
         Self { from: (pilot.mean - spread) as f32, per_unit: (BINS as f64 / (2.0 * spread)) as f32 }
     }
 
-    /// Edge `i`, 0 ≤ i ≤ [`BINS`].
+    /// Edge `i`, 0 ≤ i ≤ `BINS`.
     pub fn edge(&self, i: usize) -> f64 {
         f64::from(self.from) + i as f64 / f64::from(self.per_unit)
     }
@@ -40,7 +40,7 @@ impl Bins {
 pub struct Histogram {
     /// The bins.
     pub bins: Bins,
-    /// Counts: below the first bin, [`BINS`] bins, above the last.
+    /// Counts: below the first bin, `BINS` bins, above the last.
     pub counts: Vec<u64>,
 }
 

@@ -39,7 +39,7 @@ pub struct Key {
 pub(crate) const SLOTS: usize = 64;
 
 impl Key {
-    /// Declares a key; a slot beyond [`SLOTS`] does not compile in a constant.
+    /// Declares a key; a slot beyond `SLOTS` does not compile in a constant.
     pub const fn new(
         slot: usize,
         path: &'static str,

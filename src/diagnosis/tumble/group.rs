@@ -17,7 +17,7 @@ pub enum Group {
 pub(crate) const GROUPS: [Group; 3] = [Group::Gravity, Group::Still, Group::Turn];
 
 impl Group {
-    /// Its place in [`GROUPS`].
+    /// Its place in `GROUPS`.
     pub fn place(self) -> usize {
         self as usize
     }
