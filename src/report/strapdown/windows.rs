@@ -75,8 +75,9 @@ pub fn sentences(compared: &Compared) -> Vec<String> {
             axes.map(|v| significant(v, 2)).collect::<Vec<_>>().join("/")
         };
         all.push(format!(
-            "{} windows of {} s: after them the recorded IMU errs by {} m north/east/down and {}° roll/pitch/heading (rms).",
+            "{} window{} of {} s: at the end the recorded IMU errs by {} m north/east/down and {}° roll/pitch/heading (rms).",
             length.windows.len(),
+            if length.windows.len() == 1 { "" } else { "s" },
             length.seconds,
             rms(0, 1.0),
             rms(6, DEGREE),
@@ -91,7 +92,7 @@ pub fn sentences(compared: &Compared) -> Vec<String> {
             let position = score::together(&errors, expected, 0..9);
             all.push(format!(
                 "  {}: predicts {} m and {}°; {:.0} % of the errors lie inside its 90 % bands; normalised error squared {} \
-                 (right: {}–{}).",
+                 (1 expected, {}–{} by chance).",
                 words(sensor),
                 sd(0, 1.0),
                 sd(6, DEGREE),
