@@ -39,12 +39,22 @@ pub fn section(page: &mut Page, compared: &Compared) {
         &compared.sha256[..compared.sha256.len().min(12)],
     ));
     for group in 0..3 {
-        let charts: Vec<Figure> = (3 * group..3 * group + 3).map(|place| chart(compared, place).draw()).collect();
-        let name = ["position", "velocity", "attitude"][group];
-        let caption = format!(
-            "Error of {name} at the end of each window (dots) beside the 50 and 90 % bands that the study's sensor predicts."
-        );
-        page.figure(&Figure::row(&charts).named(&format!("windows-{name}")), &caption);
+        let figures: Vec<(Figure, String)> = (3 * group..3 * group + 3)
+            .map(|place| {
+                let name = SHOWN[place].0;
+                let figure = chart(compared, place).draw().named(&format!("windows-{}", name.replace(' ', "-")));
+                let caption = match place % 3 {
+                    0 => format!(
+                        "Error of {} at the end of each window (dots) beside the 50 and 90 % bands that the study's sensor \
+                         predicts.",
+                        ["position", "velocity", "attitude"][group]
+                    ),
+                    _ => format!("The same, {name}."),
+                };
+                (figure, caption)
+            })
+            .collect();
+        page.figure_row(&figures.iter().map(|(figure, caption)| (figure, caption.as_str())).collect::<Vec<_>>());
     }
     page.table(&table(compared));
     page.paragraph(
@@ -193,7 +203,6 @@ fn chart(compared: &Compared, place: usize) -> Chart {
     }
     let dots = compared.lengths.iter().flat_map(|l| l.windows.iter().map(|w| (l.seconds, w.error[place] / size)));
     chart.add("recorded", Ink::Red, Mark::Dots(3), dots.collect());
-    chart.size = (400, 330);
     chart
 }
 
