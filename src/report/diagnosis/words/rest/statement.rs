@@ -106,13 +106,13 @@ fn statement(statement: &Statement, unit: &str) -> String {
 /// A filter by its usual name.
 fn shape(filter: Filter, rate_hz: f64) -> String {
     match filter {
-        Filter::Smoothing(1) => "a two-sample average".into(),
-        Filter::Smoothing(times) => format!("a two-sample average, applied {times} times"),
+        Filter::Smoothing(1) => "a two-sample averaging filter".into(),
+        Filter::Smoothing(times) => format!("a two-sample averaging filter, applied {times} times"),
         Filter::MovingAverage { readings, times: 1 } => {
-            format!("a moving average of {readings} readings")
+            format!("a moving-average filter of {readings} readings")
         }
         Filter::MovingAverage { readings, .. } => {
-            format!("a moving average of {readings} readings, applied twice")
+            format!("a moving-average filter of {readings} readings, applied twice")
         }
         Filter::OnePole(memory) => format!("a one-pole filter at {} Hz", short(rate_hz / (TAU * memory))),
         Filter::TwoPoles { cut, quality } => {
