@@ -8,7 +8,6 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::watched::Watched;
-use crate::backend::flight::Quantity;
 use crate::error::nearest;
 
 /// The 97.5 % quantile of the standard normal.
@@ -151,7 +150,7 @@ impl FromStr for Limit {
             return Err(format!("the time is {time_s} s: need more than zero"));
         }
         let (statistic, quantity) = (statistic(name.trim())?, Watched::named(quantity.trim())?);
-        if matches!(statistic, Statistic::Circular(_)) && quantity != Watched::InMotion(Quantity::Horizontal) {
+        if matches!(statistic, Statistic::Circular(_)) && quantity != Watched::HORIZONTAL {
             return Err(format!(
                 "{} is a radius of the horizontal error: need {0}(horizontal_error_m, TIME_S), of a study with a \
                  [trajectory]; abs95 is the 95 % of an absolute error",

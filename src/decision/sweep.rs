@@ -119,7 +119,6 @@ pub fn run(
         None => Followed::usual(&study, last_s),
     };
     let quantities = Watched::all(&study);
-    let followed_in = quantities.iter().position(|q| *q == followed.quantity).unwrap_or(0);
     let mut points = Vec::new();
     for values in grid(&plan.axes) {
         let set: Vec<Assignment> =
@@ -142,7 +141,7 @@ pub fn run(
         let summaries = |sample: &u64| samples.binary_search(sample).ok().and_then(|k| summed.at.get(k).cloned());
         let Some(there) = summaries(&followed_at) else { continue };
         points.push(Point {
-            statistic: followed.statistic.summarised(&there[followed_in]),
+            statistic: followed.statistic.summarised(&there[followed.quantity.place()]),
             at: here.clock.report_samples.iter().filter_map(summaries).collect(),
             values,
             failed: summed.failed,

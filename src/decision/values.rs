@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::statistic::Limit;
-use super::watched::Watched;
+use super::watched::{IN_MOTION, Watched};
 use crate::backend::{cpu, flight};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
@@ -93,9 +93,9 @@ impl<'a> Work<'a> {
     /// A member that cannot be stepped; stopped.
     pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
         match place.quantity {
-            Watched::InMotion(quantity) => {
+            Watched::InMotion(named) => {
                 let flight = study.flight(place.quantity.motion(study)?, vec![place.samples])?;
-                let at = quantity.place();
+                let at = IN_MOTION[named].1.place();
                 self.batches(members, |batch, control| {
                     let rows = flight::outcomes_at(&flight, batch, control)?;
                     Ok(rows.into_iter().map(|row| row[at]).collect())

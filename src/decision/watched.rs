@@ -15,8 +15,8 @@ use crate::study::in_motion::InMotion;
 pub enum Watched {
     /// Along one axis: a place in [`QUANTITIES`].
     OneAxis(usize),
-    /// Along a trajectory.
-    InMotion(Quantity),
+    /// Along a trajectory: a place in [`IN_MOTION`].
+    InMotion(usize),
 }
 
 /// What has a name along a trajectory.
@@ -35,6 +35,9 @@ pub const IN_MOTION: [(&str, Quantity); 11] = [
 ];
 
 impl Watched {
+    /// Horizontal distance from the truth.
+    pub const HORIZONTAL: Self = Self::InMotion(9);
+
     /// The error of this name.
     ///
     /// # Errors
@@ -43,8 +46,8 @@ impl Watched {
         if let Some(place) = QUANTITIES.iter().position(|known| *known == name) {
             return Ok(Self::OneAxis(place));
         }
-        if let Some((_, quantity)) = IN_MOTION.iter().find(|(known, _)| *known == name) {
-            return Ok(Self::InMotion(*quantity));
+        if let Some(place) = IN_MOTION.iter().position(|(known, _)| *known == name) {
+            return Ok(Self::InMotion(place));
         }
         let known: Vec<&str> = QUANTITIES.into_iter().chain(IN_MOTION.map(|(known, _)| known)).collect();
         Err(match nearest(name, known.iter().copied()) {
@@ -57,9 +60,14 @@ impl Watched {
     pub fn name(self) -> &'static str {
         match self {
             Self::OneAxis(place) => QUANTITIES[place],
-            Self::InMotion(quantity) => {
-                IN_MOTION.iter().find(|(_, known)| *known == quantity).map_or("position_error_ned_m", |(name, _)| name)
-            }
+            Self::InMotion(place) => IN_MOTION[place].0,
+        }
+    }
+
+    /// Its place among the errors of a study that has it.
+    pub fn place(self) -> usize {
+        match self {
+            Self::OneAxis(place) | Self::InMotion(place) => place,
         }
     }
 
@@ -67,7 +75,7 @@ impl Watched {
     pub fn all(study: &Study) -> Vec<Self> {
         match &study.in_motion {
             None => (0..QUANTITIES.len()).map(Self::OneAxis).collect(),
-            Some(_) => IN_MOTION.map(|(_, quantity)| Self::InMotion(quantity)).into(),
+            Some(_) => (0..IN_MOTION.len()).map(Self::InMotion).collect(),
         }
     }
 
@@ -75,7 +83,7 @@ impl Watched {
     pub fn drift(study: &Study) -> Self {
         match &study.in_motion {
             None => Self::OneAxis(quantity::POSITION),
-            Some(_) => Self::InMotion(Quantity::Horizontal),
+            Some(_) => Self::HORIZONTAL,
         }
     }
 
@@ -125,6 +133,7 @@ mod tests {
         for name in QUANTITIES.into_iter().chain(IN_MOTION.map(|(name, _)| name)) {
             assert_eq!(Watched::named(name).map(Watched::name), Ok(name));
         }
+        assert_eq!(Watched::named("horizontal_error_m"), Ok(Watched::HORIZONTAL));
         let suggested = |name: &str| Watched::named(name).expect_err("misspelt");
         assert!(suggested("horizontal_eror_m").contains("did you mean `horizontal_error_m`"));
     }

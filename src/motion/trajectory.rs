@@ -94,8 +94,8 @@ impl Trajectory {
         Ok(self.stretch(earth, sampling.lever_arm_m, Stretch { from_s: 0.0, interval_s, steps }))
     }
 
-    /// The truth over a stretch, as if it were a motion of its own that begins at the Earth's start; where the motion itself
-    /// begins or ends within it, it stands there.
+    /// The truth over a stretch, as a separate motion that begins at the Earth's start; the body stands still before the
+    /// trajectory begins and after it ends.
     pub fn stretch(&self, earth: &Earth, lever_arm_m: Vector3<f64>, over: Stretch) -> Truth {
         let Stretch { from_s, interval_s, steps } = over;
         let mut place = earth.start();

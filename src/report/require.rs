@@ -3,12 +3,11 @@
 use super::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use super::html::Page;
 use super::table::Table;
-use crate::backend::flight::Quantity;
 use crate::decision::document::Found;
 use crate::decision::parts::Judged;
 use crate::decision::require::{Answer, Outcome, Value};
 use crate::decision::statistic::{Limit, Statistic};
-use crate::decision::watched::Watched;
+use crate::decision::watched::{self, Watched};
 use crate::number::{significant, with_uncertainty, worth};
 use crate::study::Study;
 
@@ -16,17 +15,22 @@ use crate::study::Study;
 fn named(quantity: Watched) -> (&'static str, &'static str) {
     const ONE_AXIS: [(&str, &str); 4] =
         [("position error", "m"), ("velocity error", "m/s"), ("acceleration error", "m/s²"), ("tilt error", "rad")];
-    const POSITION: [&str; 3] = ["north position error", "east position error", "down position error"];
-    const VELOCITY: [&str; 3] = ["north velocity error", "east velocity error", "down velocity error"];
-    const ATTITUDE: [&str; 3] = ["roll error", "pitch error", "heading error"];
+    const IN_MOTION: [(&str, &str); watched::IN_MOTION.len()] = [
+        ("north position error", "m"),
+        ("east position error", "m"),
+        ("down position error", "m"),
+        ("north velocity error", "m/s"),
+        ("east velocity error", "m/s"),
+        ("down velocity error", "m/s"),
+        ("roll error", "rad"),
+        ("pitch error", "rad"),
+        ("heading error", "rad"),
+        ("horizontal error", "m"),
+        ("three-dimensional error", "m"),
+    ];
     match quantity {
         Watched::OneAxis(place) => ONE_AXIS[place],
-        Watched::InMotion(Quantity::Position(axis)) => (POSITION[axis], "m"),
-        Watched::InMotion(Quantity::Velocity(axis)) => (VELOCITY[axis], "m/s"),
-        Watched::InMotion(Quantity::Attitude(axis)) => (ATTITUDE[axis], "rad"),
-        Watched::InMotion(Quantity::Horizontal) => ("horizontal error", "m"),
-        Watched::InMotion(Quantity::Spherical) => ("three-dimensional error", "m"),
-        Watched::InMotion(Quantity::NorthPlusEast) => ("north plus east position error", "m"),
+        Watched::InMotion(place) => IN_MOTION[place],
     }
 }
 

@@ -4,7 +4,6 @@ use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster, labelled};
 use super::html::Page;
 use super::require::{subject_of, unit_of};
 use super::table::Table;
-use crate::backend::flight::Quantity;
 use crate::decision::sweep::{Crossing, Plan, Point, Sweep};
 use crate::decision::watched::Watched;
 use crate::number::{significant, with_uncertainty, worth};
@@ -77,8 +76,7 @@ fn curve(sweep: &Sweep) -> (Figure, String) {
 /// circle that holds half of the members.
 fn over_times(sweep: &Sweep) -> (Figure, String) {
     let axis = &sweep.plan.axes[0];
-    let half = Watched::InMotion(Quantity::Horizontal);
-    let radius = sweep.quantities.iter().position(|q| *q == half);
+    let radius = sweep.quantities.iter().position(|q| *q == Watched::HORIZONTAL);
     let drift = |at: &[Summary]| match radius {
         Some(place) => at.get(place).map(|s| s.percentiles[2]),
         None => at.get(quantity::POSITION).map(|s| s.sd),

@@ -122,7 +122,7 @@ pub struct Carried {
 /// Fewest steps of a run, so that a step resolves it.
 const FEWEST_STEPS: u64 = 1500;
 
-/// Every cause of a flight, for steps of so many samples, and those that the linear model has no place for.
+/// The error sources of a flight for steps of `stride` samples, and those that the linear model does not represent.
 pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>, Vec<Cause>) {
     let found = (flight.clock().still_samples > 0).then(|| found::found(flight));
     let found: Option<&Found> = found.as_ref();

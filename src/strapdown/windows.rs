@@ -46,7 +46,7 @@ pub enum Sensor {
     Stated,
     /// The same with noise and random walks tenfold, as a rule of thumb has it.
     Tenfold,
-    /// One of a file of its own.
+    /// A sensor read from another file.
     File(String),
     /// The study's own, inflated as the windows justify.
     Inflated,

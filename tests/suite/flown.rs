@@ -26,6 +26,10 @@ pub fn tests() -> Vec<Trial> {
             shares,
         ),
         test("flown: logs that are not of the flight are refused by name, the same log untouched is not", bad_input),
+        test(
+            "flown: biases of another flight and of a still start, a sensor of a file, an inflation fitted elsewhere",
+            elsewhere,
+        ),
         data_test("flown: two EuRoC flights err as an independent strapdown does, beside the stated sensor", euroc),
     ]
 }
@@ -36,14 +40,25 @@ const NOISE: [f64; 4] = [3e-4, 3e-3, 2e-6, 2e-5];
 /// Its biases: of gyros, rad/s, and accelerometers, m/s².
 const BIASES: [[f64; 3]; 2] = [[2e-3, -1e-3, 5e-4], [0.05, -0.02, 0.03]];
 const RATE_HZ: f64 = 200.0;
+/// Five standard errors of the median of 38 biases, each fitted in 5 s: of accelerometers, m/s², and gyros, rad/s. A gyro's in
+/// one window errs by N/√T = 1.3e-4 rad/s; an accelerometer's by N/√T = 1.3e-3 m/s² and by what the gyros' noise tilts,
+/// g N √(T/12) = 1.9e-3 m/s² once the attitude at both ends is known; a median's standard error is √(π/2)/√38 of that.
+const WITHIN: [f64; 2] = [2.4e-3, 1.4e-4];
 
-/// The same in study.toml: °/√h, m/s/√h, °/h/√h, µg/√s.
+/// A study of the made-up sensor.
 fn study_text(windows: &str, more: &str) -> String {
-    let [gyro, accelerometer, gyro_walk, accelerometer_walk] = NOISE;
     format!(
         "duration_s = 10.0\n[sensor]\nsample_rate_hz = {RATE_HZ}\n[trajectory]\nkind = \"file\"\nfile = \"poses.csv\"\n\
-         up = \"-z\"\n{more}\n[trajectory.compare]\nimu = \"imu.csv\"\nwindows_s = {windows}\n[gyro]\n\
-         angle_random_walk_deg_rth = {}\nrate_random_walk_deg_h_rth = {}\n[accelerometer]\n\
+         up = \"-z\"\n{more}\n[trajectory.compare]\nimu = \"imu.csv\"\nwindows_s = {windows}\n{}",
+        sensor_text(1.0)
+    )
+}
+
+/// The sensor with its noise times a factor, as study.toml has it: °/√h, °/h/√h, m/s/√h, µg/√s.
+fn sensor_text(factor: f64) -> String {
+    let [gyro, accelerometer, gyro_walk, accelerometer_walk] = NOISE.map(|n| n * factor);
+    format!(
+        "[gyro]\nangle_random_walk_deg_rth = {}\nrate_random_walk_deg_h_rth = {}\n[accelerometer]\n\
          velocity_random_walk_m_s_rth = {}\nacceleration_random_walk_ug_rts = {}\n",
         gyro.to_degrees() * 60.0,
         gyro_walk.to_degrees() * 3600.0 * 60.0,
@@ -74,8 +89,13 @@ fn poses(truth: &Truth) -> String {
 
 /// What the sensor reads, with its noise times a factor.
 fn readings(truth: &Truth, factor: f64, row: impl Fn(f64, Vector3<f64>, Vector3<f64>) -> String) -> String {
+    drawn(truth, factor, 20, row)
+}
+
+/// The same with other random numbers.
+fn drawn(truth: &Truth, factor: f64, seed: u64, row: impl Fn(f64, Vector3<f64>, Vector3<f64>) -> String) -> String {
     let [gyro, accelerometer, gyro_walk, accelerometer_walk] = NOISE.map(|n| n * factor);
-    let mut draw = Philox::new(20, 0, Stream::Start);
+    let mut draw = Philox::new(seed, 0, Stream::Start);
     let mut vector = |size: f64| Vector3::from_fn(|_, _| size * draw.normal());
     let mut walked = [Vector3::zeros(); 2];
     let mut text = "t_s,gx,gy,gz,ax,ay,az\n".to_owned();
@@ -164,10 +184,58 @@ fn shares() -> Result<(), Failed> {
         }
         let biases = right.lengths[1].windows[0].biases;
         for (k, bias) in BIASES[1].iter().chain(&BIASES[0]).enumerate() {
-            near(&format!("{name}: bias {k}"), biases[k], *bias, if k < 3 { 0.01 } else { 5e-4 })?;
+            near(&format!("{name}: bias {k}"), biases[k], *bias, WITHIN[usize::from(k >= 3)])?;
         }
     }
     Ok(())
+}
+
+/// Mean of all normalised errors squared of a sensor, over windows of 5 s.
+fn together(compared: &Compared, sensor: &Sensor) -> Result<f64, Failed> {
+    let place = compared.sensors.iter().position(|s| s == sensor).ok_or_else(|| format!("no {sensor:?}"))?;
+    let length = compared.lengths.first().ok_or("no windows")?;
+    Ok(score::together(&length.errors(), &length.expected[place], 0..9).mean)
+}
+
+fn elsewhere() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text);
+    let (here, there) = (truth("kind = \"drone\"\nseed = 4", 200.0)?, truth("kind = \"drone\"\nseed = 5", 200.0)?);
+    write("poses.csv", &poses(&here))?;
+    write("other.csv", &poses(&there))?;
+    // 38 windows of nine errors have a standard error of √(2/342) = 0.076; a shared bias adds a fiftieth to the variance.
+    let right = 5.0 * 0.076 * 1.02 + 0.02;
+    let more = |line: &str| study_text("[5.0]", "").replacen("[gyro]", &format!("{line}\n[gyro]"), 1);
+    // Biases that another flight gives, and as control, those of a flight in which they were others.
+    write("imu.csv", &readings(&here, 1.0, plain))?;
+    let files = more("files = [[\"imu2.csv\", \"other.csv\"]]");
+    write("imu2.csv", &drawn(&there, 1.0, 21, plain))?;
+    near("biases of another flight", together(&compared(folder.path(), &files)?, &Sensor::Stated)?, 1.0, right)?;
+    let off = Vector3::repeat(0.05);
+    write("imu2.csv", &drawn(&there, 1.0, 21, |t, w, f| plain(t, w, f + off)))?;
+    let wrong = together(&compared(folder.path(), &files)?, &Sensor::Stated)?;
+    check(wrong > 4.0, format!("biases 0.05 m/s² apart give {wrong}"))?;
+    // Tripled noise: a sensor that says so is right, the stated one is not; an inflation fitted on the other flight is.
+    write("imu.csv", &readings(&here, 3.0, plain))?;
+    write("imu2.csv", &drawn(&there, 3.0, 21, plain))?;
+    write("loud.toml", &sensor_text(3.0))?;
+    let loud = more("sensors = [\"loud.toml\"]\nfit = [[\"imu2.csv\", \"other.csv\"]]");
+    let loud = compared(folder.path(), &loud)?;
+    near("a sensor of a file", together(&loud, &Sensor::File("loud.toml".into()))?, 1.0, right)?;
+    // The fit has a standard error of its own, as large.
+    near("an inflation fitted elsewhere", together(&loud, &Sensor::Inflated)?, 1.0, right * 2f64.sqrt())?;
+    let stated = together(&loud, &Sensor::Stated)?;
+    check(stated > 4.0, format!("three times the noise gives {stated}"))?;
+    // A drive that begins with a minute at rest: biases by its mean. One white noise of 20 s is common to all windows of 5 s
+    // and has a quarter of their variance, so that their squares go together: twice the standard error.
+    let drive = truth("kind = \"car\"\nstill_s = 60.0\nseed = 3", 260.0)?;
+    write("poses.csv", &poses(&drive))?;
+    write("imu.csv", &readings(&drive, 1.0, plain))?;
+    let still = compared(folder.path(), &more("bias = \"still\"\nstill_s = 20.0"))?;
+    near("biases of a still start", together(&still, &Sensor::Stated)?, 1.0, 2.0 * right)?;
+    write("imu.csv", &readings(&drive, 3.0, plain))?;
+    let loud = together(&compared(folder.path(), &more("bias = \"still\"\nstill_s = 20.0"))?, &Sensor::Stated)?;
+    check(loud > 4.0, format!("three times the noise after a still start gives {loud}"))
 }
 
 fn bad_input() -> Result<(), Failed> {

@@ -1,7 +1,7 @@
 //! Channels of one sensor share their physics: a name that only some need is given up where another channel's serves.
 //!
 //! Each channel is judged alone first (`selection`). A weak effect is then sometimes taken for a look-alike in one channel
-//! of three; that look-alike has to be better by the penalty of a name of its own. Only names that leave noise in their own
+//! of three; that look-alike must win by the penalty of one more name. Only names that leave nothing but noise in their
 //! channel are given to others. Not a joint fit: strengths differ freely.
 
 use crate::control::{Control, Stopped};

@@ -261,7 +261,7 @@ mod tests {
             fitted.strengths.values = [1.0, size * size].map(|v| v / channel.scale.powi(2)).to_vec();
             let (expected, found) = (power(&channel, &fitted, 1e-3).unwrap_or(0), found(size, [dwell; 2], 4000));
             // Two counts of twenty differ by seven or more by chance in one of a hundred.
-            assert!(expected.abs_diff(found) <= 7, "{size}: foreseen {expected}, found {found}");
+            assert!(expected.abs_diff(found) <= 7, "{size}: predicted {expected}, found {found}");
         }
         assert!(found(0.1, [10.0; 2], 4000) == 0);
     }

@@ -1,8 +1,8 @@
 //! The inflation that a motion justifies: how large the attitude error of the reference, white noise and random walks would
 //! have to be for the recorded windows to be consistent, each by itself.
 //!
-//! The covariance of a window's end is a sum of causes, each with a variance of its own; those that make the recorded ends
-//! most likely are found by the multiplicative steps of Zhou, Hu, Zhou & Lange (*MM algorithms for variance components
+//! The covariance of a window's end error is a sum over causes, each with its own variance. The variances of maximum
+//! likelihood are found by the multiplicative steps of Zhou, Hu, Zhou & Lange (*MM algorithms for variance components
 //! models*, J. Comput. Graph. Stat. 28, 2019), which climb and never leave zero or more. Intervals are of the profile
 //! likelihood.
 

@@ -69,7 +69,7 @@ impl Recorded {
         let log = inertial::read(imu)?;
         let Some(start) = start else {
             return Err(fail(
-                "the reference has no stamps of its own".into(),
+                "the reference has no time stamps".into(),
                 "give poses with stamps on the IMU's clock, e.g. as a TUM file",
             ));
         };

@@ -97,7 +97,7 @@ pub(super) fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> O
     })
 }
 
-/// Places where the output jumps as neither its past nor the input predicts; none where the forecast itself goes to the ends
+/// Places where the output jumps and neither its past nor the input predicts it; none where the forecast itself goes to the ends
 /// of the range: what a law does where the motion hardly ever comes is not known.
 pub(crate) fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
     let mut sorted = output[among.clone()].to_vec();

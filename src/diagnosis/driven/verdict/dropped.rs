@@ -14,7 +14,7 @@ pub enum Dropped {
     Worsens,
     /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its own.
     NoSecondResonance,
-    /// It is a noise whose estimate is predicted from what is known: so many per cent of its variance, cross-fitted.
+    /// It is a noise term, but known signals predict its estimate: percentage of its variance, cross-fitted.
     Dependent {
         /// Known quantity that predicts it.
         by: Known,

@@ -1,0 +1,58 @@
+//! model.toml with kind = "driven": input and output of one proof mass.
+
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::split::{Ranges, Split};
+
+/// kind = "driven".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Driven {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
+    /// Unit of the output, for words, plots and numbers; absent, what its heading ends in.
+    pub unit: Option<String>,
+    /// Columns by role.
+    pub columns: DrivenColumns,
+    /// Hints, which may be off by a factor of two.
+    #[serde(default)]
+    pub start: Start,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a driven recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DrivenColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Force; absent for a free ring-down.
+    pub input: Option<String>,
+    /// Reading.
+    pub output: String,
+    /// Offered to candidates.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
+
+/// Hints for the base model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// ω₀/2π.
+    pub resonance_hz: Option<f64>,
+    /// ζ.
+    pub damping_ratio: Option<f64>,
+}

@@ -1,0 +1,64 @@
+//! model.toml with kind = "static": a sensor at rest.
+
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::split::{Ranges, Split};
+
+/// kind = "static".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Static {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
+    /// Unit of the channels, for words and plots.
+    #[serde(default)]
+    pub unit: String,
+    /// Geodetic latitude of the place: gravity and the Earth's rate there stand beside the means.
+    pub latitude_deg: Option<f64>,
+    /// Height above the ellipsoid.
+    pub height_m: Option<f64>,
+    /// Columns by role.
+    pub columns: StaticColumns,
+    /// What the datasheet promises; absent, white noise whose level is estimated.
+    pub noise: Option<Noise>,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a static recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct StaticColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Readings.
+    pub channels: Vec<String>,
+    /// Temperature and the like.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
+
+/// Noise as a datasheet states it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// One-sided, unit/√Hz.
+    pub density: f64,
+    /// B, unit.
+    #[serde(default)]
+    pub bias_instability: f64,
+    /// K, unit/√s.
+    #[serde(default)]
+    pub random_walk: f64,
+}

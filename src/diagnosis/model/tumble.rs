@@ -1,0 +1,48 @@
+//! model.toml with kind = "tumble": an IMU in many still poses.
+
+use std::path::PathBuf;
+
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::split::{Ranges, Split};
+
+/// kind = "tumble".
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Tumble {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
+    /// |g| where it was recorded.
+    pub gravity_m_s2: f64,
+    /// CSV of start_row,end_row_exclusive; absent: found by the tool.
+    pub poses: Option<PathBuf>,
+    /// Columns by role.
+    pub columns: TumbleColumns,
+    /// Which samples are fitted.
+    #[serde(default)]
+    pub split: Split,
+}
+
+/// Columns of a tumble recording.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TumbleColumns {
+    /// Time in s.
+    pub time: Option<String>,
+    /// Three rates; absent: the accelerometer alone.
+    pub gyro: Option<[String; 3]>,
+    /// Three specific forces.
+    pub accelerometer: [String; 3],
+    /// Temperature and the like.
+    #[serde(default)]
+    pub environment: Vec<String>,
+}
