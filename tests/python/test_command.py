@@ -35,7 +35,10 @@ def test_signals_stop_it_with_their_codes_and_the_state_is_kept(command, number,
     (command.folder / "long.toml").write_text(LONG)
     words = [sys.executable, "-m", "proofmass", "study", "long.toml", "--backend", "cpu", "--out", "out"]
     with subprocess.Popen(words, cwd=command.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-        time.sleep(3)
+        # Signals are heard before the folder is locked.
+        while not (command.folder / "out" / ".proofmass.json").exists() and run.poll() is None:
+            time.sleep(0.01)
+        time.sleep(1)
         run.send_signal(number)
         _, said = run.communicate(timeout=60)
     assert run.returncode == code, said

@@ -1,7 +1,7 @@
 //! Any bytes for every reader and document: the corpus of the fuzz targets as it is, and mutated a hundred thousand times.
 //!
-//! `PROOFMASS_FUZZ=N` makes N mutations for each target instead. The mutations are the same every time; one that fails is
-//! written beside the corpus, under its name.
+//! `PROOFMASS_FUZZ=N` makes N mutations for each target instead. The mutations are the same every time, others with
+//! `PROOFMASS_FUZZ_SEED` (1 unless said); one that fails is kept in the folder for temporary files, under its name.
 
 #[path = "../../fuzz/oracles.rs"]
 mod oracles;
@@ -59,8 +59,9 @@ fn replay(target: &str, oracle: fn(&[u8]) -> oracles::Verdict) -> Result<(), Fai
         asked(target, oracle, input)?;
     }
     let usual = MUTATIONS.iter().find(|(name, _)| *name == target).map_or(0, |(_, n)| *n);
-    let wanted = std::env::var("PROOFMASS_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(usual);
-    let mut mutator = Mutator { state: 1, corpus: &corpus };
+    let said = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
+    let wanted = said("PROOFMASS_FUZZ").unwrap_or(usual as u64);
+    let mut mutator = Mutator { state: said("PROOFMASS_FUZZ_SEED").unwrap_or(1), corpus: &corpus };
     for _ in 0..wanted {
         asked(target, oracle, &mutator.mutated())?;
     }

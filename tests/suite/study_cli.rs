@@ -209,6 +209,10 @@ fn interrupt() -> Result<(), Failed> {
             Ok(command)
         };
         let mut child = ask()?.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        // Signals are heard before the folder is locked.
+        while !folder.path().join("out/.proofmass.json").exists() && child.try_wait()?.is_none() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
         std::thread::sleep(Duration::from_millis(400));
         if child.try_wait()?.is_some() {
             continue;
@@ -222,8 +226,8 @@ fn interrupt() -> Result<(), Failed> {
         }
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         check(output.status.code() == Some(130) && message.contains("Ctrl-C"), message)?;
-        // One second on a quiet machine; tests run beside others.
-        check(waited < Duration::from_secs(4), format!("it took {waited:?} to stop"))?;
+        // One second on a quiet machine; tests run beside others, on machines that are not quiet.
+        check(waited < Duration::from_secs(20), format!("it took {waited:?} to stop"))?;
         check(!folder.path().join("out/report.html").exists(), "an interrupted run left a report")?;
         let resumed = timeless(json(ask()?.arg("--resume"))?);
         check(resumed == timeless(json(&mut ask()?)?), "resumed and uninterrupted answers differ")?;
