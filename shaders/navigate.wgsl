@@ -5,6 +5,7 @@
 override ROUND: bool = false;
 override COUPLED: bool = false;
 override TAKEN: bool = false;
+override AIDED: bool = false;
 
 // What the members share over a tile; mirrored in `src/kernel/layout.rs`.
 struct Flight {
@@ -50,8 +51,8 @@ struct Passage {
 @group(0) @binding(2) var<storage, read> x: array<f32>;
 @group(0) @binding(3) var<storage, read> y: array<f32>;
 @group(0) @binding(4) var<storage, read> z: array<f32>;
-// What a still start found (six numbers a member), then the couplings.
-@group(0) @binding(5) var<storage, read> given: array<f32>;
+// What a still start found, and fixes since (six numbers a member), then the couplings.
+@group(0) @binding(5) var<storage, read_write> given: array<f32>;
 @group(0) @binding(6) var<storage, read_write> state: array<f32>;
 // Errors in three groups of four, each with whether the member failed, as `reduce` reads them.
 @group(0) @binding(7) var<storage, read_write> places: array<f32>;
@@ -254,6 +255,29 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
+    let since_s = f32((flight.since + flight.samples) & 63u) * h;
+    if AIDED && fix.present != 0u {
+        let low = fix.first_member.x + i;
+        let member = vec2<u32>(low, fix.first_member.y + select(0u, 1u, low < i));
+        let speed_noise = gaussians(2u * fix.number, member, STREAM_FIX, fix.seed);
+        let place_noise = gaussians(2u * fix.number + 1u, member, STREAM_FIX, fix.seed);
+        let sigma = turn_total.high + (turn_part + turn_total.low);
+        let v = speed_total.high + (speed_part + speed_total.low);
+        let place = place_total.high
+            + (since_s * speed_total.high + place_part + (place_total.low + since_s * speed_total.low));
+        let seen_speed = fma(fix.sd[0].xyz, speed_noise.xyz, v);
+        let seen_place = fma(fix.sd[1].xyz, place_noise.xyz, place);
+        turn_part += turned_back(sigma, corrected(0u, seen_speed, seen_place)) - sigma;
+        speed_part -= corrected(1u, seen_speed, seen_place);
+        place_part -= corrected(2u, seen_speed, seen_place);
+        let force = corrected(3u, seen_speed, seen_place);
+        let rate = corrected(4u, seen_speed, seen_place);
+        for (var axis = 0u; axis < 3u; axis++) {
+            given[axis * stride + i] += force[axis];
+            given[(3u + axis) * stride + i] += rate[axis];
+        }
+    }
+
     keep(i, 0u, turn_part);
     keep(i, 1u, speed_part);
     keep(i, 2u, place_part);
@@ -266,7 +290,6 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
     state[27u * stride + i] = failed;
 
     // Errors at the end of the tile.
-    let since_s = f32((flight.since + flight.samples) & 63u) * h;
     let position = place_total.high + (since_s * speed_total.high + place_part + (place_total.low + since_s * speed_total.low));
     let speed = speed_total.high + (speed_part + speed_total.low);
     let fast = bitcast<vec3<u32>>(speed) & vec3<u32>(0x7FFFFFFFu);

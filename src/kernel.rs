@@ -3,6 +3,7 @@
 //! Not for choosing what to simulate (`study`) nor for looping over batches (`ensemble`).
 
 pub mod cpu;
+pub mod fix;
 pub mod flicker;
 pub mod flight;
 pub mod force;

@@ -20,7 +20,7 @@
 //! | 3 | `physics` `recording` `sensor` `excitation` `navigation` `motion` `dynamics` | the physics, one idea each |
 //! | 4 | `kernel` `study` | the contract between host and device; what to simulate |
 //! | 5 | `backend` | CPU lanes or GPU |
-//! | 6 | `ensemble` `drift` `decision` `strapdown` | study × backend → statistics → envelopes, closed forms, error budget, requirements; in six axes |
+//! | 6 | `ensemble` `drift` `strapdown` `decision` | study × backend → statistics → envelopes, closed forms, error budget; in six axes; requirements |
 //! | 7 | `diagnosis` | what physics was left out |
 //! | 8 | `map` `paper` `trial` `validation` `benchmark` | the tool put to the test |
 //! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |

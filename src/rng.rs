@@ -60,6 +60,8 @@ pub enum Stream {
     Host = 9,
     /// Attitude at the start of a run in six axes.
     Start = 10,
+    /// Noise of the fixes that aid a navigation.
+    Fix = 11,
 }
 
 /// A stream of random numbers for one member, usable wherever `rand` asks for a generator.

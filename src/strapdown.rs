@@ -3,12 +3,16 @@
 //! Study in motion × backend → sums → envelopes, with the linear covariance beside each. Not for one axis at rest on a flat
 //! Earth: that is `drift`.
 
+pub mod aiding;
 pub mod answer;
 pub mod backends;
 pub mod covariance;
 pub mod document;
 mod family;
+mod gains;
 mod held;
 mod linear;
+pub mod outages;
 pub mod run;
+mod spreads;
 pub mod windows;

@@ -2,6 +2,7 @@
 //!
 //! Not for running anything: `ensemble` integrates the job, `drift` makes the answer of it.
 
+pub mod aiding;
 pub mod alignment;
 mod check;
 mod compare;

@@ -2,6 +2,7 @@
 //! shown as ignored, with the reason, where it is absent.
 
 mod suite {
+    pub mod aiding;
     pub mod allan;
     pub mod architecture;
     pub mod bench;
@@ -142,6 +143,8 @@ fn main() {
         suite::benchmarks::tests(),
         // strapdown: six axes drift as theory says, at rest and over the Earth.
         suite::strapdown::tests(),
+        // aiding: outages, zero-velocity updates, filter and reset.
+        suite::aiding::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

@@ -11,6 +11,7 @@ use crate::kernel::flight::Flight;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
 use crate::statistics::Summary;
+use crate::strapdown::aiding;
 use crate::study::{Assignment, Axis, Study, StudyText};
 
 /// Axes of a sweep and an optional limit.
@@ -130,7 +131,7 @@ pub fn run(
         samples.sort_unstable();
         samples.dedup();
         let summed = match &here.in_motion {
-            Some(motion) => run(Work::InMotion(&here.flight(motion, samples.clone())?))?,
+            Some(motion) => run(Work::InMotion(&aiding::flight(&here, motion, samples.clone())?))?,
             None => {
                 let stiffest = here.stiffest();
                 let integrator = Integrator::choose(stiffest.as_ref(), here.clock.step_s).integrator;

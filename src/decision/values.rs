@@ -10,6 +10,7 @@ use crate::backend::{cpu, flight};
 use crate::control::{Control, Progress};
 use crate::error::{Error, Result};
 use crate::kernel::integrator::Integrator;
+use crate::strapdown::aiding;
 use crate::study::Study;
 
 /// Members of the first look at a study.
@@ -94,7 +95,7 @@ impl<'a> Work<'a> {
     pub fn values(&mut self, study: &Study, place: Place, members: Range<u64>) -> Result<Vec<f64>> {
         match place.quantity {
             Watched::InMotion(named) => {
-                let flight = study.flight(place.quantity.motion(study)?, vec![place.samples])?;
+                let flight = aiding::flight(study, place.quantity.motion(study)?, vec![place.samples])?;
                 let at = IN_MOTION[named].1.place();
                 self.batches(members, |batch, control| {
                     let rows = flight::outcomes_at(&flight, batch, control)?;

@@ -6,6 +6,7 @@
 // Lanes are indexed in plain loops over several arrays at once: the form that the compiler turns into vector code.
 #![allow(clippy::needless_range_loop)]
 
+mod fix;
 pub mod flicker;
 mod general;
 pub mod imu;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
+use super::fix::Fix;
 use super::job::{Clock, Job};
 use super::passage::Course;
 use crate::rng::{Philox, Stream};
@@ -72,6 +73,8 @@ pub struct Flight {
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
+    /// What aids the navigation, in the order of time; empty where nothing does.
+    pub fixes: Arc<Vec<Fix>>,
 }
 
 /// What a member begins to navigate with.

@@ -113,6 +113,20 @@ pub struct Flight {
     pub padding: [u32; 3],
 }
 
+/// Mirror of `Fix`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct Fix {
+    pub seed: [u32; 2],
+    pub first_member: [u32; 2],
+    pub number: u32,
+    pub present: u32,
+    pub padding: [u32; 2],
+    pub sd: [[f32; 4]; 2],
+    pub gain: [[f32; 4]; 30],
+}
+
 /// Invocations of a workgroup of `lyapunov` and `poincare`.
 pub const ORBIT_WORKGROUP: u32 = 64;
 

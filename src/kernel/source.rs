@@ -32,6 +32,7 @@ const MULTIPLY_64: &str = include_str!("../../shaders/shared/philox_multiply_64.
 const ELEMENTARY: &str = include_str!("../../shaders/shared/elementary.wgsl");
 const LAYOUT: &str = include_str!("../../shaders/shared/layout.wgsl");
 const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
+const FIX: &str = include_str!("../../shaders/shared/fix.wgsl");
 const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
 
 /// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has 64-bit integers.
@@ -124,10 +125,10 @@ pub(crate) fn poincare(int64: bool) -> Shader {
 }
 
 /// The navigation in six axes.
-pub(crate) fn navigate() -> Shader {
-    let bound = format!("const BOUND_M_S = {BOUND_M_S:?};\n");
-    let text = [&bound, ACCUMULATE, include_str!("../../shaders/navigate.wgsl")].join("\n");
-    Shader { name: "navigate", text }
+pub(crate) fn navigate(int64: bool) -> Shader {
+    let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\nconst STREAM_FIX = {}u;\n", Stream::Fix as u32);
+    let own = include_str!("../../shaders/navigate.wgsl");
+    with_random_numbers("navigate", &[&constants, ACCUMULATE, FIX, own].join("\n"), int64)
 }
 
 pub(crate) fn reduce() -> Shader {

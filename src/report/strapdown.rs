@@ -1,6 +1,7 @@
 //! The page and the terminal text of a study in motion.
 
 mod figures;
+mod outages;
 mod windows;
 
 use super::html::Page;
@@ -30,6 +31,7 @@ pub(crate) fn page(study: &Study, answer: &Answer) -> Page {
     let scale = if magnified == 1.0 { String::new() } else { format!(", magnified {magnified} times") };
     let caption = format!("The track from above, with the ellipses that hold 95 % of the position errors{scale}.");
     page.figure(&map.draw(), &caption);
+    outages::section(&mut page, study, answer);
     page.section("Velocity and attitude");
     let names = ["north", "east", "down"];
     let velocity = figures::spreads(answer, "Velocity error", "velocity error, sd / (m/s)", 3, names, 1.0).draw();
@@ -56,12 +58,20 @@ pub(crate) fn page(study: &Study, answer: &Answer) -> Page {
 /// The answer in a sentence.
 pub(crate) fn lede(answer: &Answer) -> String {
     let Some(last) = answer.report.last().copied() else { return String::new() };
+    let aided = !answer.flight.fixes.is_empty();
+    let (last, when) = match outages::worst(answer) {
+        Some((outage, end)) => {
+            let [from, until] = [outage.from_s, outage.until_s].map(|s| significant(s, 6));
+            (end, format!("At the end of the GNSS outage from {from} s to {until} s"))
+        }
+        None if aided => (last, format!("After {} with aiding", duration(answer.ensemble.time_s[last]))),
+        None => (last, format!("After {} without aiding", duration(answer.ensemble.time_s[last]))),
+    };
     let horizontal = answer.ensemble.summary(last, Quantity::Horizontal);
     let doubt = doubt(horizontal);
     format!(
-        "After {} without aiding, half of {} simulated navigators are within {} m of the truth horizontally, and 95 of \
+        "{when}, half of {} simulated navigators are within {} m of the truth horizontally, and 95 of \
          100 within {} m.",
-        duration(answer.ensemble.time_s[last]),
         answer.ensemble.members - answer.ensemble.failed,
         worth(horizontal.percentiles[2], doubt),
         worth(horizontal.percentiles[3], 2.0 * doubt),
@@ -145,6 +155,12 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
 /// Whether the ensemble is what the linear model says, and what that model leaves out.
 pub(crate) fn findings(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
+    if answer.own.is_none() {
+        all.push(
+            "The navigator's own integration error is not carried through the fixes: the budget has no row for it."
+                .to_owned(),
+        );
+    }
     let worst = answer.apart.iter().max_by(|a, b| a.standard_errors.total_cmp(&b.standard_errors));
     if let Some(apart) = worst {
         let left_out = names(&answer.covariance.left_out);
@@ -222,9 +238,13 @@ pub(crate) fn terminal(answer: &Answer) -> String {
         }
         None => String::new(),
     };
+    let outages = match answer.outages.is_empty() {
+        true => String::new(),
+        false => format!("GNSS outages: errors at their end\n{}\n", outages::table(answer)),
+    };
     let findings: String = findings(answer).iter().map(|sentence| format!("{sentence}\n\n")).collect();
     format!(
-        "{}\n\n{flown}position error\n{}\nvelocity and attitude error\n{}\nerror budget: fraction of the mean square \
+        "{}\n\n{flown}{outages}position error\n{}\nvelocity and attitude error\n{}\nerror budget: fraction of the mean square \
         horizontal error; rms alone at the end\n{}\n{findings}integrator: {}\nbackend:    {} ({}, {}), {} for {} \
         million member-steps\n",
         lede(answer),

@@ -1,7 +1,9 @@
 //! The answer to a study in motion: the ensemble at the report times and, between them, at the points of the curves.
 
+use super::aiding;
 use super::backends::run_on;
 use super::covariance::{self, Covariance, Part};
+use super::outages::{self, Outage};
 use super::run::Ensemble;
 use super::windows::{self, Compared};
 use crate::backend::flight::Quantity;
@@ -23,8 +25,10 @@ pub struct Answer {
     pub report: Vec<usize>,
     /// What the linear model says, at the same times as the ensemble.
     pub covariance: Covariance,
-    /// What the navigator errs by on perfect readings, at the same times.
-    pub own: Part,
+    /// What the navigator errs by on perfect readings, at the same times; unknown where fixes correct it.
+    pub own: Option<Part>,
+    /// Outages of GNSS, where the study has them.
+    pub outages: Vec<Outage>,
     /// Where the two differ by more than chance.
     pub apart: Vec<Apart>,
     /// The recorded flight beside it, where the study asks for one.
@@ -67,7 +71,7 @@ const SMALLEST: f64 = 1e-8;
 impl Answer {
     /// The rows of the budget.
     pub fn parts(&self) -> impl Iterator<Item = &Part> {
-        self.covariance.parts.iter().chain([&self.own])
+        self.covariance.parts.iter().chain(&self.own)
     }
 
     /// The user's report times, s.
@@ -83,8 +87,11 @@ impl Answer {
 pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Control) -> Result<Answer> {
     // Refused before the work, not after it.
     let compared = windows::compare(motion, control)?;
-    let samples = curve_samples(&study.clock);
-    let flight = study.flight(motion, samples.clone())?;
+    let mut samples = curve_samples(&study.clock);
+    samples.extend(outages::samples(motion.aiding.as_ref()));
+    samples.sort_unstable();
+    samples.dedup();
+    let flight = aiding::flight(study, motion, samples.clone())?;
     let ensemble = run_on(choice, &flight, control)?;
     if ensemble.failed + 2 > ensemble.members {
         return Err(Error::new(
@@ -94,10 +101,11 @@ pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Contro
         ));
     }
     let covariance = covariance::of(motion, &flight);
-    let own = covariance::own_error(motion, &flight);
+    let own = flight.fixes.is_empty().then(|| covariance::own_error(motion, &flight));
+    let outages = outages::outages(motion.aiding.as_ref(), &study.clock, &samples);
     let report: Vec<usize> = study.clock.report_samples.iter().filter_map(|s| samples.binary_search(s).ok()).collect();
     let apart = report.iter().flat_map(|k| apart(&ensemble, &covariance, *k)).collect();
-    Ok(Answer { flight, ensemble, report, covariance, own, apart, compared })
+    Ok(Answer { flight, ensemble, report, covariance, own, outages, apart, compared })
 }
 
 /// Where ensemble and linear model differ at a report.

@@ -7,7 +7,7 @@ pub mod found;
 pub mod given;
 pub mod steps;
 
-use super::family::{Column, Family};
+use super::family::{Column, Family, Process};
 use crate::kernel::cpu::navigate::roll_pitch_heading;
 use crate::kernel::flight::{Flight, Vertical};
 use crate::motion::mechanisation;
@@ -29,6 +29,8 @@ pub enum Cause {
     Coupling(&'static Key),
     /// The heading at the start, and without a still start the tilt.
     Alignment,
+    /// Noise of the measurements that aid the navigation.
+    Fixes,
     /// The navigator itself, on perfect readings.
     Mechanisation,
 }
@@ -40,6 +42,7 @@ impl Cause {
             Self::Sensor(source) => source.name(),
             Self::Coupling(key) => key.name,
             Self::Alignment => "initial attitude",
+            Self::Fixes => "noise of the fixes",
             Self::Mechanisation => "navigator's integration",
         }
     }
@@ -120,7 +123,7 @@ pub struct Carried {
 }
 
 /// Fewest steps of a run, so that a step resolves it.
-const FEWEST_STEPS: u64 = 1500;
+pub(super) const FEWEST_STEPS: u64 = 1500;
 
 /// The error sources of a flight for steps of `stride` samples, and those that the linear model does not represent.
 pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>, Vec<Cause>) {
@@ -153,6 +156,10 @@ pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>,
     if !columns.is_empty() {
         causes.push(Carried { cause: Cause::Alignment, columns, families: Vec::new(), squares: [0.0; 6] });
     }
+    if !flight.fixes.is_empty() {
+        let families = vec![Family::new(Process::Fixes, 1.0)];
+        causes.push(Carried { cause: Cause::Fixes, columns: Vec::new(), families, squares: [0.0; 6] });
+    }
     (causes, left_out)
 }
 
@@ -162,7 +169,7 @@ pub fn of(motion: &InMotion, flight: &Flight) -> Covariance {
     let (causes, left_out) = causes(motion, flight, stride);
     let steps = steps::steps(flight, stride);
     let part = |carried: &Carried| {
-        let errors = steps::propagated(&steps, carried.columns.clone(), carried.families.clone());
+        let errors = steps::propagated(&steps, &flight.fixes, carried.columns.clone(), carried.families.clone());
         let (mean, variance) = Errors::apart(&errors);
         Part { cause: carried.cause, mean, variance }
     };

@@ -4,6 +4,8 @@ use serde::Serialize;
 
 use super::answer::Answer;
 use super::covariance::Part;
+use super::outages;
+use super::spreads::{At, Axes, Circular, NorthEastDown, Spherical, Spread};
 use super::windows;
 use super::windows::document::{Entry, Flight};
 use crate::backend::flight::Quantity;
@@ -27,6 +29,8 @@ pub struct Document {
     attitude_error_rad: RollPitchHeading,
     horizontal_error_m: Circular,
     spherical_error_m: Spherical,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    outages: Option<Vec<outages::Entry>>,
     covariance: Linear,
     error_budget: Vec<Share>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -39,38 +43,10 @@ pub struct Document {
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct NorthEastDown {
-    north: Distribution,
-    east: Distribution,
-    down: Distribution,
-}
-
-#[derive(Debug, Clone, Serialize)]
 struct RollPitchHeading {
     roll: Distribution,
     pitch: Distribution,
     heading: Distribution,
-}
-
-/// Radii of circles about the truth that hold 50 and 95 % of the members.
-#[derive(Debug, Clone, Serialize)]
-struct Circular {
-    cep50: Vec<f64>,
-    cep95: Vec<f64>,
-}
-
-/// Radii of spheres about the truth that hold 50 and 95 % of them.
-#[derive(Debug, Clone, Serialize)]
-struct Spherical {
-    sep50: Vec<f64>,
-    sep95: Vec<f64>,
-}
-
-/// Mean and standard deviation by the linear model.
-#[derive(Debug, Clone, Serialize)]
-struct Spread {
-    mean: Vec<f64>,
-    sd: Vec<f64>,
 }
 
 /// The linear covariance, in the places of the ensemble's own.
@@ -86,13 +62,6 @@ struct Linear {
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct Axes {
-    north: Spread,
-    east: Spread,
-    down: Spread,
-}
-
-#[derive(Debug, Clone, Serialize)]
 struct Turns {
     roll: Spread,
     pitch: Spread,
@@ -101,18 +70,13 @@ struct Turns {
 
 impl Linear {
     fn of(answer: &Answer) -> Self {
-        let Answer { covariance, report, .. } = answer;
-        let spread = |place: usize| Spread {
-            mean: report.iter().map(|k| covariance.mean(*k, place)).collect(),
-            sd: report.iter().map(|k| covariance.variance(*k, place).sqrt()).collect(),
-        };
-        let axes = |first: usize| Axes { north: spread(first), east: spread(first + 1), down: spread(first + 2) };
+        let at = At { answer, places: &answer.report };
         Self {
-            position_error_ned_m: axes(0),
-            velocity_error_ned_m_s: axes(3),
-            attitude_error_rad: Turns { roll: spread(6), pitch: spread(7), heading: spread(8) },
+            position_error_ned_m: at.linear_axes(0),
+            velocity_error_ned_m_s: at.linear_axes(3),
+            attitude_error_rad: Turns { roll: at.linear(6), pitch: at.linear(7), heading: at.linear(8) },
             agrees: answer.apart.is_empty(),
-            left_out: covariance.left_out.iter().map(|cause| cause.name()).collect(),
+            left_out: answer.covariance.left_out.iter().map(|cause| cause.name()).collect(),
         }
     }
 }
@@ -142,18 +106,8 @@ impl Share {
 impl Document {
     /// The document of an answer, with what is to be said about it.
     pub fn of(study: &Study, answer: &Answer, findings: Vec<String>) -> Self {
-        let Answer { ensemble, report, .. } = answer;
-        let of = |quantity: Quantity| -> Distribution {
-            Distribution::of(&report.iter().map(|k| ensemble.summary(*k, quantity)).collect::<Vec<_>>())
-        };
-        let ned = |quantity: fn(usize) -> Quantity| NorthEastDown {
-            north: of(quantity(0)),
-            east: of(quantity(1)),
-            down: of(quantity(2)),
-        };
-        let percentile = |quantity: Quantity, place: usize| -> Vec<f64> {
-            report.iter().map(|k| ensemble.summary(*k, quantity).percentiles[place]).collect()
-        };
+        let ensemble = &answer.ensemble;
+        let at = At { answer, places: &answer.report };
         Self {
             schema: SCHEMA,
             name: study.name.clone(),
@@ -164,21 +118,16 @@ impl Document {
             backend: Backend::of(&ensemble.machine),
             integrator: ensemble.machine.integrator.clone(),
             time_s: answer.report_times_s(),
-            position_error_ned_m: ned(Quantity::Position),
-            velocity_error_ned_m_s: ned(Quantity::Velocity),
+            position_error_ned_m: at.north_east_down(Quantity::Position),
+            velocity_error_ned_m_s: at.north_east_down(Quantity::Velocity),
             attitude_error_rad: RollPitchHeading {
-                roll: of(Quantity::Attitude(0)),
-                pitch: of(Quantity::Attitude(1)),
-                heading: of(Quantity::Attitude(2)),
+                roll: at.distribution(Quantity::Attitude(0)),
+                pitch: at.distribution(Quantity::Attitude(1)),
+                heading: at.distribution(Quantity::Attitude(2)),
             },
-            horizontal_error_m: Circular {
-                cep50: percentile(Quantity::Horizontal, 2),
-                cep95: percentile(Quantity::Horizontal, 3),
-            },
-            spherical_error_m: Spherical {
-                sep50: percentile(Quantity::Spherical, 2),
-                sep95: percentile(Quantity::Spherical, 3),
-            },
+            horizontal_error_m: at.circular(),
+            spherical_error_m: at.spherical(),
+            outages: (!answer.outages.is_empty()).then(|| outages::entries(answer)),
             covariance: Linear::of(answer),
             error_budget: answer.parts().map(|part| Share::of(answer, part)).collect(),
             windows: answer.compared.as_ref().map(windows::document::entries),

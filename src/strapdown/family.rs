@@ -5,6 +5,7 @@
 
 use nalgebra::{SMatrix, Vector3};
 
+use super::gains::Gains;
 use super::linear::{Drive, Square, Step};
 
 type Inputs = SMatrix<f64, 6, 6>;
@@ -60,6 +61,12 @@ impl Column {
         let inputs = self.gain.inputs(&step.body(), time_s + 0.5 * step.seconds) - self.taken;
         self.state = step.transition * self.state + step.response * inputs;
     }
+
+    /// Corrects it by what a fix sees of it.
+    pub fn correct(&mut self, gains: &Gains) {
+        self.taken += gains.taken * self.state;
+        self.state = gains.kept * self.state;
+    }
 }
 
 /// How the inputs of a family go on.
@@ -78,21 +85,23 @@ pub enum Process {
         /// Of each input.
         variance: [f64; 6],
     },
+    /// No input: the noise of fixes.
+    Fixes,
 }
 
 /// Covariance of errors x, of the process s and of what was taken off c.
 #[derive(Debug, Clone)]
 pub struct Family {
-    process: Process,
+    pub(super) process: Process,
     /// Share of it in the whole: one over the phases of a held process.
     pub share: f64,
     /// x xᵀ.
     pub errors: Square,
-    with_process: Drive,
-    with_taken: Drive,
-    process_process: Inputs,
-    process_taken: Inputs,
-    taken_taken: Inputs,
+    pub(super) with_process: Drive,
+    pub(super) with_taken: Drive,
+    pub(super) process_process: Inputs,
+    pub(super) process_taken: Inputs,
+    pub(super) taken_taken: Inputs,
 }
 
 impl Family {
@@ -158,6 +167,22 @@ impl Family {
             self.errors += step.white(density);
         }
         self.walk(0.5 * step.seconds);
+    }
+
+    /// Corrects it by what a fix sees of it: x becomes (1 − K H) x, c becomes c + G H x, and both take the fix's noise.
+    pub fn correct(&mut self, gains: &Gains) {
+        let (kept, taken) = (&gains.kept, &gains.taken);
+        let across = taken * self.with_taken;
+        self.taken_taken += across + across.transpose() + taken * self.errors * taken.transpose();
+        self.with_taken = kept * (self.with_taken + self.errors * taken.transpose());
+        self.process_taken += self.with_process.transpose() * taken.transpose();
+        self.with_process = kept * self.with_process;
+        self.errors = kept * self.errors * kept.transpose();
+        if let Process::Fixes = self.process {
+            self.errors += gains.noise;
+            self.with_taken += gains.noise_with_taken;
+            self.taken_taken += gains.noise_of_taken;
+        }
     }
 
     fn walk(&mut self, seconds: f64) {

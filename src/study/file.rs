@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::aiding;
 use super::section::{self, Numbers};
 use crate::excitation;
 use crate::motion;
@@ -61,6 +62,8 @@ pub struct File {
     pub navigator: Option<Navigator>,
     /// The Earth under the trajectory.
     pub earth: Option<Earth>,
+    /// Measurements that aid the navigation along the trajectory.
+    pub aiding: Option<aiding::Section>,
     /// Mounting of the sensor in the moving body.
     pub mounting: Option<Mounting>,
     /// Vibration of the sensor in addition to the motion.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::aiding::{self, Aiding};
 use super::check::{self, refuse};
 use super::draw;
 use super::file::{AlignmentKind, File, VerticalKind};
@@ -52,6 +53,8 @@ pub struct InMotion {
     pub misalignment: Misalignment,
     /// What the navigator makes of motion within a sample.
     pub mechanisation: Mechanisation,
+    /// What measures velocity and position on the way.
+    pub aiding: Option<Aiding>,
     /// The recorded flight to lay beside it.
     pub flown: Option<Flown>,
     /// What shakes each axis beside the motion.
@@ -102,11 +105,12 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
         Some(VerticalKind::Held) => Vertical::Held,
         _ => Vertical::Free,
     };
+    let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
     let course = Arc::new(Course::new(truth, earth, rotation));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
     let flown = flown::read(name, file, lever_arm_m)?;
-    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation, flown }))
+    Ok(Some(InMotion { tolerances, between, course, vertical, misalignment, vibration, mechanisation, aiding, flown }))
 }
 
 /// The numbers of each axis without what it takes from the others.
@@ -132,6 +136,7 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
     }
     let sections = [
         ("earth", file.earth.is_some()),
+        ("aiding", file.aiding.is_some()),
         ("mounting", file.mounting.is_some()),
         ("vibration", file.vibration.is_some()),
         ("navigator", file.navigator.is_some()),
@@ -284,6 +289,7 @@ impl InMotion {
             course: self.course.clone(),
             vertical: self.vertical,
             misalignment: self.misalignment,
+            fixes: Arc::default(),
         })
     }
 }

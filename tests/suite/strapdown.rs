@@ -35,23 +35,27 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-const NOISE: &str = "[accelerometer]\nbias_mg = { mean = 0.0, sd = 1.0 }\nscale_factor_ppm = { mean = 0.0, sd = 300.0 }\n\
+pub(super) const NOISE: &str = "[accelerometer]\nbias_mg = { mean = 0.0, sd = 1.0 }\nscale_factor_ppm = { mean = 0.0, sd = 300.0 }\n\
     noise_density_ug_rthz = 200.0\nbias_instability_ug = 60.0\nacceleration_random_walk_ug_rts = 10.0\n\
     [gyro]\nbias_deg_h = { mean = 0.0, sd = 10.0 }\nangle_random_walk_deg_rth = 0.3\nbias_instability_deg_h = 8.0\n\
     rate_random_walk_deg_h_rth = 8.0\n";
 
-fn parsed(text: &str) -> Result<Study, Failed> {
+pub(super) fn parsed(text: &str) -> Result<Study, Failed> {
     Ok(study::parse("a test", text, std::path::Path::new("."))?)
 }
 
-fn answered(text: &str) -> Result<Answer, Failed> {
+pub(super) fn answered(text: &str) -> Result<Answer, Failed> {
     let study = parsed(text)?;
     let motion = study.in_motion.as_ref().ok_or("no trajectory")?;
     Ok(answer(&study, motion, ensemble::Choice::Cpu, &Control::silent())?)
 }
 
 /// Standard deviation or mean at the user's report times.
-fn series(answer: &Answer, quantity: Quantity, pick: fn(&proofmass::statistics::Summary) -> f64) -> Vec<f64> {
+pub(super) fn series(
+    answer: &Answer,
+    quantity: Quantity,
+    pick: fn(&proofmass::statistics::Summary) -> f64,
+) -> Vec<f64> {
     answer.report.iter().map(|k| pick(answer.ensemble.summary(*k, quantity))).collect()
 }
 
@@ -300,7 +304,7 @@ fn parity() -> Result<(), Failed> {
     Ok(())
 }
 
-fn json(text: &str, threads: &str) -> Result<Value, Failed> {
+pub(super) fn json(text: &str, threads: &str) -> Result<Value, Failed> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("study.toml");
     std::fs::write(&path, text)?;

@@ -4,13 +4,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use bytemuck::{bytes_of, cast_slice};
+use bytemuck::{Zeroable, bytes_of, cast_slice};
 
 use super::simulate::{Plan, Shape, forces};
 use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::flight::{FlightBackend, FlightBatch, QUANTITIES, Sums};
 use crate::backend::{Batch, tile};
 use crate::error::{Error, Result};
+use crate::kernel::fix;
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
 use crate::kernel::layout::{
     self, BLOCK, NAVIGATE_ATTITUDE, NAVIGATE_STATE, NAVIGATE_WORKGROUP, SIMULATE_WORKGROUP, state,
@@ -107,6 +108,7 @@ struct Uniforms {
     tiles: Vec<[Buffer; 2]>,
     flight: Buffer,
     passages: Buffer,
+    fix: Buffer,
     report: Buffer,
 }
 
@@ -126,14 +128,15 @@ impl<'a> Carried<'a> {
         let flags = [
             ("ROUND", flight.course.earth.latitude_rad.is_some()),
             ("COUPLED", flight.coupling.is_some()),
-            ("TAKEN", flight.clock().still_samples > 0),
+            ("TAKEN", flight.clock().still_samples > 0 || !flight.fixes.is_empty()),
+            ("AIDED", !flight.fixes.is_empty()),
         ];
         let constants = flags.map(|(name, on)| (name, f64::from(u8::from(on))));
         let trace = || gpu.zeros(4 * 2 * TILE * u64::from(stride));
         let carried = Self {
             batch,
             traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
-            navigate: gpu.kernel(&source::navigate(), &constants)?,
+            navigate: gpu.kernel(&source::navigate(gpu.adapter.int64), &constants)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS as u64))?,
             state: gpu.zeros(4 * u64::from(stride) * NAVIGATE_STATE as u64)?,
@@ -223,13 +226,17 @@ impl<'a> Carried<'a> {
         self.sums(gpu).map(Some)
     }
 
-    /// The tiles from a sample on: none of them passes the end of the still start, a multiple of [`CHUNK`] after it or a report.
+    /// The tiles from a sample on: none of them passes the end of the still start, a multiple of [`CHUNK`] after it, a fix or a
+    /// report.
     fn tiles(&self, mut from: u64, budget: u64) -> Vec<tile::Tile> {
-        let clock = self.batch.flight.clock();
+        let (clock, fixes) = (self.batch.flight.clock(), &self.batch.flight.fixes);
         let (mut tiles, until) = (Vec::new(), from + budget);
         while from < until {
             let room = match from.checked_sub(clock.still_samples) {
-                Some(passed) => CHUNK - passed % CHUNK,
+                Some(passed) => {
+                    let due = fixes.get(fix::next(fixes, passed)).map_or(CHUNK, |fix| fix.sample - passed);
+                    due.min(CHUNK - passed % CHUNK)
+                }
                 None => TILE,
             };
             let Some(next) = tile::next(clock, from, TILE.min(room)) else { break };
@@ -285,8 +292,22 @@ impl<'a> Carried<'a> {
             tiles: (0..3).map(axis).collect::<Result<_>>()?,
             flight: gpu.uniform(bytes_of(&shared))?,
             passages: gpu.uniform(cast_slice(&passages))?,
+            fix: gpu.uniform(bytes_of(&self.fix(passed + count)))?,
             report: gpu.uniform(bytes_of(&report))?,
         })
+    }
+
+    /// The fix that a tile ends with after so many samples, if one is due.
+    fn fix(&self, passed: u64) -> layout::Fix {
+        let tile = &self.axes[0].tile;
+        let mut all = layout::Fix { seed: tile.seed, first_member: tile.first_member, ..layout::Fix::zeroed() };
+        let Some((number, fix)) = fix::at(&self.batch.flight.fixes, passed) else { return all };
+        (all.number, all.present) = (number as u32, 1);
+        for (k, sd) in fix.sd.iter().enumerate() {
+            all.sd[k / 3][k % 3] = sd.unwrap_or(0.0) as f32;
+            fix.gain.iter().enumerate().for_each(|(row, of)| all.gain[2 * row + k / 3][k % 3] = of[k] as f32);
+        }
+        all
     }
 
     /// Hands tiles to the device: three axes, then the navigation, then the sums of the report that a tile ends with.
@@ -307,7 +328,11 @@ impl<'a> Carried<'a> {
             let [x, y, z] = [&self.traces[0], &self.traces[1], &self.traces[2]];
             let errors = self.groups.iter().map(|group| &group.errors);
             let bound = [&shared.flight, &shared.passages, x, y, z, &self.given, &self.state];
-            buffers.push((&self.navigate, bound.into_iter().chain(errors).collect(), self.stride / NAVIGATE_WORKGROUP));
+            buffers.push((
+                &self.navigate,
+                bound.into_iter().chain(errors).chain([&shared.fix]).collect(),
+                self.stride / NAVIGATE_WORKGROUP,
+            ));
             if tile.report.is_some() {
                 for group in &self.groups {
                     let bound = vec![&shared.report, &group.errors, &group.bins, &group.partials, &group.counts];

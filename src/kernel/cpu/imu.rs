@@ -1,12 +1,15 @@
 //! 64 six-axis members: three axes of readings, what couples them, and the navigation that they feed.
 
+use super::fix::Correct;
 use super::lanes::{LANES, Lane, Level};
 use super::members::{Members, Shared};
 use super::navigate::{Couple, Navigate, State, roll_pitch_heading};
+use super::noise::Drawer;
 use super::reading::TakeOff;
 use super::simulate::{Errors, Simulate, Stretch};
 use super::stretch::STRETCH;
 use super::sums::CHUNK;
+use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
 use crate::kernel::force::Force;
 use crate::kernel::passage::Passage;
@@ -17,7 +20,7 @@ pub struct Imu<T: Real> {
     axes: [Box<Members<T>>; 3],
     coupling: Option<Box<[Lane<T>; COUPLINGS]>>,
     state: Box<State<T>>,
-    /// What a still start has found of accelerometers and gyros; none without one.
+    /// What a still start has found of accelerometers and gyros, and fixes since; none without either.
     found: Option<Box<[[Lane<T>; 3]; 2]>>,
     first_member: u64,
 }
@@ -53,7 +56,8 @@ impl<T: Real> Imu<T> {
             }
             lanes
         });
-        let mut imu = Self { axes, coupling, state: Box::new(State::default()), found: None, first_member };
+        let found = (!flight.fixes.is_empty()).then(|| Box::new([[Lane::splat(T::of(0.0)); 3]; 2]));
+        let mut imu = Self { axes, coupling, state: Box::new(State::default()), found, first_member };
         if flight.clock().still_samples == 0 {
             (0..LANES).for_each(|l| imu.state.begin(l, &flight.begin(first_member + l as u64, None)));
         }
@@ -78,10 +82,14 @@ impl<T: Real> Imu<T> {
         let (mut error, mut turn) = ([[zero; STRETCH]; 3], [[zero; STRETCH]; 3]);
         let end = tile.first + tile.count;
         let mut from = tile.first;
+        let fixes = &tile.flight.fixes;
+        let mut due = fix::next(fixes, from - still_samples);
         while from < end {
             // Stretches of the readings and chunks of the navigation, which count from the end of the still start.
             let chunk = still_samples + ((from - still_samples) / CHUNK + 1) * CHUNK;
-            let until = end.min((from / STRETCH as u64 + 1) * STRETCH as u64).min(chunk);
+            let mut until = end.min((from / STRETCH as u64 + 1) * STRETCH as u64).min(chunk);
+            let next = fixes.get(due).map(|fix| (fix, still_samples + fix.sample));
+            until = next.map_or(until, |(_, at)| until.min(at));
             let count = (until - from) as usize;
             for axis in 0..3 {
                 let out = Errors { error: &mut error[axis][..count], turn: &mut turn[axis][..count] };
@@ -106,6 +114,12 @@ impl<T: Real> Imu<T> {
             }
             self.navigate(tile, level, passages, from - still_samples, [&error, &turn]);
             from = until;
+            if let Some((fix, at)) = next
+                && at == until
+            {
+                self.correct(tile.flight, fix, due as u32, level);
+                due += 1;
+            }
         }
     }
 
@@ -138,6 +152,14 @@ impl<T: Real> Imu<T> {
         } else {
             level.run(Navigate::<T, false> { state, passages, error, turn, since, sample_s, free });
         }
+    }
+
+    /// Applies a fix.
+    fn correct(&mut self, flight: &Flight, fix: &Fix, number: u32, level: Level) {
+        let Some(taken) = self.found.as_deref_mut() else { return };
+        let drawer = Drawer { seed: flight.seed(), first_member: self.first_member };
+        let since_s = (fix.sample % CHUNK) as f64 * flight.clock().sample_s();
+        level.run(Correct { state: &mut self.state, taken, fix, number, drawer, since_s });
     }
 
     /// Ends the still start.

@@ -66,6 +66,29 @@ impl<T: Real> State<T> {
         [turn, at(VELOCITY), at(POSITION) + moved]
     }
 
+    /// Attitude σ, velocity and position error of one member, `since_s` after the totals were last added to.
+    #[inline(always)]
+    pub(super) fn current(&self, lane: usize, since_s: f64) -> [[f64; 3]; 3] {
+        let mut all = [[0.0; 3]; 3];
+        for q in 0..3 {
+            for i in 0..3 {
+                all[q][i] = self.totals[q][i][lane] + self.parts[q][i][lane].f64();
+            }
+        }
+        for i in 0..3 {
+            all[POSITION][i] = all[POSITION][i] + since_s * self.totals[VELOCITY][i][lane];
+        }
+        all
+    }
+
+    /// Adds to attitude σ, velocity and position error of one member along one axis.
+    #[inline(always)]
+    pub(super) fn add(&mut self, lane: usize, axis: usize, change: [T; 3]) {
+        for q in 0..3 {
+            self.parts[q][axis][lane] = self.parts[q][axis][lane] + change[q];
+        }
+    }
+
     /// Whether a member has left the range of numbers.
     pub fn failed(&self, lane: usize) -> bool {
         let all = |q: usize, i: usize| self.totals[q][i][lane] + self.parts[q][i][lane].f64();
@@ -194,7 +217,7 @@ struct Member<T> {
 // No closures from here on: they are functions of their own, compiled without the instruction set of their caller.
 
 #[inline(always)]
-fn cross<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+pub(super) fn cross<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
         fma::<T, FMA>(a[1], b[2], -(a[2] * b[1])),
         fma::<T, FMA>(a[2], b[0], -(a[0] * b[2])),
@@ -203,7 +226,7 @@ fn cross<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 }
 
 #[inline(always)]
-fn dot<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> T {
+pub(super) fn dot<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> T {
     fma::<T, FMA>(a[0], b[0], fma::<T, FMA>(a[1], b[1], a[2] * b[2]))
 }
 
@@ -219,7 +242,7 @@ fn less<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 
 /// k a + b.
 #[inline(always)]
-fn plus<T: Real, const FMA: bool>(k: T, a: [T; 3], b: [T; 3]) -> [T; 3] {
+pub(super) fn plus<T: Real, const FMA: bool>(k: T, a: [T; 3], b: [T; 3]) -> [T; 3] {
     [fma::<T, FMA>(k, a[0], b[0]), fma::<T, FMA>(k, a[1], b[1]), fma::<T, FMA>(k, a[2], b[2])]
 }
 

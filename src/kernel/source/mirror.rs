@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::Shader;
-use crate::kernel::layout::{self, Bins, Flight, OrbitTile, Partial, Report, Tile};
+use crate::kernel::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report, Tile};
 use crate::kernel::source;
 use crate::physics::coefficients::laws;
 use crate::sensor::SensorTerm;
@@ -24,7 +24,14 @@ fn all() -> Vec<Shader> {
     let drawing =
         [false, true].map(|int64| [source::simulate(int64, laws()), source::lyapunov(int64), source::poincare(int64)]);
     let traced = source::simulate_traced(false, laws());
-    let others = [source::reduce(), source::compensation(), source::peak(), source::navigate(), traced];
+    let others = [
+        source::reduce(),
+        source::compensation(),
+        source::peak(),
+        source::navigate(false),
+        source::navigate(true),
+        traced,
+    ];
     drawing.into_iter().flatten().chain(others).collect()
 }
 
@@ -109,13 +116,15 @@ fn structs_have_the_same_members_at_the_same_places() {
         "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
     let flight = mirror!(Flight { members, stride, samples, since, sample_s, free, zero, cosine, sine }
         "padding_0" at 36, "padding_1" at 40, "padding_2" at 44);
+    let fix = mirror!(Fix { seed, first_member, number, present, sd, gain } "padding_0" at 24, "padding_1" at 28);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [
         (source::simulate(false, laws()), "Tile", tile()),
         (source::simulate(false, laws()), "Bins", mirror!(Bins { begin, per_unit })),
         (source::simulate(false, laws()), "Partial", partial),
         (source::reduce(), "Report", report),
-        (source::navigate(), "Flight", flight),
+        (source::navigate(false), "Flight", flight),
+        (source::navigate(false), "Fix", fix),
         (source::lyapunov(false), "OrbitTile", orbit()),
         (source::poincare(false), "OrbitTile", orbit()),
     ] {
@@ -135,7 +144,7 @@ fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
         (source::simulate(false, laws()), 6, layout::SIMULATE_WORKGROUP),
         (source::simulate_traced(false, laws()), 7, layout::SIMULATE_WORKGROUP),
-        (source::navigate(), 10, layout::NAVIGATE_WORKGROUP),
+        (source::navigate(false), 11, layout::NAVIGATE_WORKGROUP),
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),
         (source::poincare(false), 5, layout::ORBIT_WORKGROUP),

@@ -3,9 +3,11 @@
 use nalgebra::{Matrix3, SVector, Vector3};
 
 use crate::kernel::cpu::navigate::roll_pitch_heading;
+use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::Flight;
 use crate::parallel;
 use crate::strapdown::family::{Column, Family};
+use crate::strapdown::gains::Gains;
 use crate::strapdown::linear::{Model, Square, Step};
 
 /// Largest turn of the body in a step, rad.
@@ -24,6 +26,8 @@ pub fn stride(flight: &Flight, fewest: u64) -> u64 {
 pub struct Stop {
     /// The number of the step.
     number: u64,
+    /// Whether it begins where the step does.
+    begins: bool,
     /// Time at which it begins, s.
     begin_s: f64,
     step: Step,
@@ -31,6 +35,40 @@ pub struct Stop {
     report_heading_rad: Option<f64>,
     /// Whether the run goes on from its end.
     goes_on: bool,
+    /// The fix at its end, by its number.
+    fix: Option<usize>,
+}
+
+impl Stop {
+    /// What the errors do over it.
+    pub(in crate::strapdown) fn step(&self) -> &Step {
+        &self.step
+    }
+
+    /// Time at which it begins, s.
+    pub(in crate::strapdown) fn begin_s(&self) -> f64 {
+        self.begin_s
+    }
+
+    /// The number of the step that it is part of.
+    pub(in crate::strapdown) fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Whether it begins where its step does.
+    pub(in crate::strapdown) fn begins(&self) -> bool {
+        self.begins
+    }
+
+    /// Whether the run goes on from its end.
+    pub(in crate::strapdown) fn goes_on(&self) -> bool {
+        self.goes_on
+    }
+
+    /// The number of the fix at its end; `None` where there is none, or it is only looked at.
+    pub(in crate::strapdown) fn fix(&self) -> Option<usize> {
+        self.fix
+    }
 }
 
 /// The steps of a flight, in order.
@@ -42,17 +80,27 @@ pub fn steps(flight: &Flight, stride: u64) -> Vec<Stop> {
     let count = (clock.samples - clock.still_samples).div_ceil(stride);
     let make = |number: usize| -> Vec<Stop> {
         let number = number as u64;
-        let (from, until) = (number * stride, (number + 1) * stride);
-        let stop = |to: u64, report_heading_rad, goes_on| Stop {
-            number,
-            begin_s: from as f64 * sample_s,
-            step: Step::new(Model::over(&flight.course, flight.vertical, from, to), (to - from) as f64 * sample_s),
-            report_heading_rad,
-            goes_on,
-        };
-        let inside = reports.iter().filter(|r| from < **r && **r < until).map(|r| stop(*r, Some(heading(*r)), false));
-        let mut all: Vec<Stop> = inside.collect();
-        all.push(stop(until, reports.contains(&until).then(|| heading(until)), true));
+        let (begin, end) = (number * stride, (number + 1) * stride);
+        let due = &flight.fixes[fix::next(&flight.fixes, begin)..fix::next(&flight.fixes, end)];
+        let mut cuts: Vec<u64> = due.iter().map(|fix| fix.sample).filter(|at| *at < end).collect();
+        cuts.push(end);
+        let mut all = Vec::new();
+        let mut from = begin;
+        for until in cuts {
+            let stop = |to: u64, report_heading_rad, goes_on: bool| Stop {
+                number,
+                begins: from == begin,
+                begin_s: from as f64 * sample_s,
+                step: Step::new(Model::over(&flight.course, flight.vertical, from, to), (to - from) as f64 * sample_s),
+                report_heading_rad,
+                goes_on,
+                fix: fix::at(&flight.fixes, to).filter(|_| goes_on).map(|(number, _)| number),
+            };
+            let inside = reports.iter().filter(|r| from < **r && **r < until);
+            all.extend(inside.map(|r| stop(*r, Some(heading(*r)), false)));
+            all.push(stop(until, reports.contains(&until).then(|| heading(until)), true));
+            from = until;
+        }
         all
     };
     parallel::map_indices(count as usize, make).into_iter().flatten().collect()
@@ -76,8 +124,9 @@ impl Errors {
     }
 }
 
-/// The errors at every report.
-pub fn propagated(steps: &[Stop], mut columns: Vec<Column>, mut families: Vec<Family>) -> Vec<Errors> {
+/// The errors at every report, corrected by these fixes.
+pub fn propagated(steps: &[Stop], fixes: &[Fix], mut columns: Vec<Column>, mut families: Vec<Family>) -> Vec<Errors> {
+    let gains: Vec<Gains> = fixes.iter().map(Gains::of).collect();
     let mut all = Vec::new();
     let mut renewed = None;
     for stop in steps {
@@ -95,6 +144,10 @@ pub fn propagated(steps: &[Stop], mut columns: Vec<Column>, mut families: Vec<Fa
         };
         columns.iter_mut().for_each(|column| column.advance(&stop.step, stop.begin_s));
         families.iter_mut().for_each(|family| family.advance(&stop.step));
+        if let Some(gains) = stop.fix.and_then(|number| gains.get(number)) {
+            columns.iter_mut().for_each(|column| column.correct(gains));
+            families.iter_mut().for_each(|family| family.correct(gains));
+        }
         if let Some(heading_rad) = stop.report_heading_rad {
             all.push(summed(columns, families, heading_rad));
         }

@@ -155,7 +155,7 @@ impl Linear {
     }
 
     fn carried(&self, families: Vec<Family>) -> Square {
-        let all = steps::propagated(&self.steps, Vec::new(), families);
+        let all = steps::propagated(&self.steps, &[], Vec::new(), families);
         all.last().map_or_else(Square::zeros, |errors| errors.covariance)
     }
 }

@@ -1,0 +1,242 @@
+//! Aided navigation: between updates errors grow by their closed forms, fixes spread as the linear covariance says, a filter
+//! finds what exact measurements tell, and CPU and GPU apply the same corrections.
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::backend::flight::{FlightCpu, Quantity};
+use proofmass::control::Control;
+use proofmass::ensemble;
+use proofmass::strapdown::aiding;
+use proofmass::strapdown::answer::{Answer, LINEAR};
+use proofmass::strapdown::backends::run_on;
+use proofmass::strapdown::run;
+
+use super::strapdown::{NOISE, answered, json, parsed, series};
+use super::world::{check, gpu_test, near, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("aiding: with zero-velocity updates a bias moves by half b T² in each interval", zero_velocity),
+        test("aiding: in an outage a bias moves by half b T² from its begin", outage),
+        test("aiding: in an outage the fix's own errors grow as a start with them would", fix_noise),
+        test("aiding: a filter finds a bias from exact fixes", filter_finds),
+        test("aiding: filtered errors spread as the linear covariance says", covariance),
+        test("aiding: the same bits for any tile", tiles),
+        gpu_test("aiding: the GPU gives the CPU's percentiles, filtered and reset", parity),
+        test("aiding: the JSON has each outage", document),
+        test("aiding: sections that make no sense are refused in a sentence", refusals),
+    ]
+}
+
+const REST: &str = "members = 64\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 100.0\n[trajectory]\nkind = \"rest\"\n\
+    [accelerometer]\nbias_mg = [1.0, 0.0, 0.0]\n";
+/// 1 mg.
+const BIAS_M_S2: f64 = 9.806_65e-3;
+
+/// A mean against a law at every report, within a thousandth of the law's last value.
+fn follows(answer: &Answer, law: impl Fn(f64) -> f64) -> Result<(), Failed> {
+    let times_s = answer.report_times_s();
+    let last = law(times_s.last().copied().unwrap_or(0.0)).abs();
+    for (got, time_s) in series(answer, Quantity::Position(0), |s| s.mean).iter().zip(times_s) {
+        near(&format!("north after {time_s} s"), *got, law(time_s), 1e-3 * last)?;
+    }
+    Ok(())
+}
+
+/// Every T the velocity begins again at zero: ½ b T² for each interval that has passed.
+fn zero_velocity() -> Result<(), Failed> {
+    for every_s in [2.0, 5.0] {
+        let answer = answered(&format!(
+            "{REST}[report]\ntimes_s = [10.0, 13.0, 60.0]\n[aiding]\nmethod = \"reset\"\n[aiding.zupt]\nevery_s = {every_s:?}\n\
+             velocity_sd_m_s = 1e-9\n"
+        ))?;
+        let law = |every_s: f64| {
+            move |t: f64| {
+                let (whole, left) = ((t / every_s).floor(), t % every_s);
+                0.5 * BIAS_M_S2 * (whole * every_s * every_s + left * left)
+            }
+        };
+        follows(&answer, law(every_s))?;
+        check(follows(&answer, law(2.0 * every_s)).is_err(), "any interval fits")?;
+        check(follows(&answer, |t| 0.5 * BIAS_M_S2 * t * t).is_err(), "updates change nothing")?;
+    }
+    Ok(())
+}
+
+const GNSS: &str = "[aiding.gnss]\nposition_sd_m = [1e-6, 1e-6, 1e-6]\nvelocity_sd_m_s = [1e-9, 1e-9, 1e-9]\n\
+    outages_s = [[20.0, 50.0]]\n";
+
+fn outage() -> Result<(), Failed> {
+    let answer =
+        answered(&format!("{REST}[report]\ntimes_s = [20.0, 30.0, 50.0]\n[aiding]\nmethod = \"reset\"\n{GNSS}"))?;
+    let law = |begin: f64| move |t: f64| 0.5 * BIAS_M_S2 * (t - begin) * (t - begin);
+    follows(&answer, law(20.0))?;
+    check(follows(&answer, law(19.0)).is_err(), "any begin fits")?;
+    // The first fix after the outage ends it.
+    let after = answered(&format!("{REST}[report]\ntimes_s = [51.0]\n[aiding]\nmethod = \"reset\"\n{GNSS}"))?;
+    near("after the outage", series(&after, Quantity::Position(0), |s| s.mean)[0], 0.0, 1e-5)?;
+    let outage = answer.outages.first().ok_or("no outage")?;
+    check([outage.from_s, outage.until_s] == [20.0, 50.0] && outage.places.len() > 8, format!("{outage:?}"))
+}
+
+/// A perfect sensor drifts with the last fix's velocity: variance σ_p² + σ_v² T².
+fn fix_noise() -> Result<(), Failed> {
+    let members = 4096;
+    let answer = answered(&format!(
+        "members = {members}\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 100.0\n[trajectory]\nkind = \"rest\"\n[report]\n\
+         times_s = [20.0, 50.0]\n[aiding]\nmethod = \"reset\"\n[aiding.gnss]\nposition_sd_m = [2.0, 3.0, 4.0]\n\
+         velocity_sd_m_s = [0.1, 0.2, 0.3]\noutages_s = [[20.0, 50.0]]\n"
+    ))?;
+    let four = 4.0 / (2.0 * f64::from(members)).sqrt();
+    for (axis, (position, velocity)) in [(2.0f64, 0.1), (3.0, 0.2), (4.0, 0.3)].into_iter().enumerate() {
+        let got = series(&answer, Quantity::Position(axis), |s| s.sd);
+        near(&format!("axis {axis} at its begin"), got[0] / position, 1.0, four)?;
+        let expected = position.hypot(30.0 * velocity);
+        near(&format!("axis {axis} at its end"), got[1] / expected, 1.0, four)?;
+        check((got[1] / position.hypot(31.0 * velocity * 1.1) - 1.0).abs() > four, "any velocity fits")?;
+        near("linear", answer.covariance.variance(answer.report[1], axis).sqrt() / expected, 1.0, 1e-6)?;
+    }
+    Ok(())
+}
+
+/// Two exact fixes tell a constant bias (with the tilt that looks like it), so that nothing is left to drift by; a reset leaves it.
+fn filter_finds() -> Result<(), Failed> {
+    let text = |method: &str| {
+        format!(
+            "{}[report]\ntimes_s = [50.0]\n[aiding]\nmethod = \"{method}\"\n{GNSS}",
+            REST.replace("[1.0, 0.0, 0.0]", "{ mean = 0.0, sd = 1.0 }")
+        )
+    };
+    let end = |method: &str| -> Result<f64, Failed> {
+        Ok(series(&answered(&text(method))?, Quantity::Position(0), |s| s.sd)[0])
+    };
+    let drift = 0.5 * BIAS_M_S2 * 900.0;
+    check(end("filter")? < 1e-3 * drift, "the filter leaves a bias")?;
+    check(end("reset")? > 0.5 * drift, "a reset finds a bias")
+}
+
+const DRIVE: &str = "members = 4096\nduration_s = 90.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n\
+    [earth]\nlatitude_deg = 47.4\nheight_m = 400.0\n[report]\ntimes_s = [10.0, 40.0, 70.0, 90.0]\n\
+    [alignment]\nkind = \"still\"\nstill_s = 10.0\nheading_sd_deg = 0.5\n";
+const AIDED: &str = "[aiding.gnss]\nevery_s = 0.98\nposition_sd_m = [1.5, 1.5, 3.0]\nvelocity_sd_m_s = [0.05, 0.05, 0.1]\n\
+    outages_s = [[40.0, 70.0]]\n[aiding.zupt]\nevery_s = 1.0\nvelocity_sd_m_s = 0.02\n";
+
+/// Standard deviations over those of the linear model, at the end of the outage.
+fn ratios(answer: &Answer, model: &Answer) -> Vec<f64> {
+    let k = answer.report[2];
+    (0..9).map(|q| answer.ensemble.summary(k, LINEAR[q]).sd / model.covariance.variance(k, q).sqrt()).collect()
+}
+
+fn covariance() -> Result<(), Failed> {
+    let more = "scale_factor_ppm = { mean = 0.0, sd = 500.0 }\nmisalignment_mrad = { mean = 0.0, sd = 1.0 }\n";
+    let mut ends = Vec::new();
+    for method in ["filter", "reset"] {
+        let text = format!("{DRIVE}{NOISE}{more}[aiding]\nmethod = \"{method}\"\n{AIDED}");
+        let answer = answered(&text)?;
+        let four = 4.0 / (2.0 * answer.ensemble.members as f64).sqrt();
+        check(answer.apart.is_empty(), format!("{method}: {:?}", answer.apart))?;
+        ratios(&answer, &answer).into_iter().try_for_each(|ratio| near(method, ratio, 1.0, four))?;
+        // Control: fixes of other noise are seen.
+        let other = answered(&text.replace("[0.05, 0.05, 0.1]", "[0.1, 0.1, 0.2]"))?;
+        check(ratios(&answer, &other).iter().any(|ratio| (ratio - 1.0).abs() > four), "other fixes spread alike")?;
+        ends.push(answer.ensemble.summary(answer.report[2], Quantity::Horizontal).percentiles[3]);
+    }
+    // What the filter has learnt of tilt and biases is what makes the outage shorter.
+    check(ends[0] < 0.7 * ends[1], format!("the filter is no better than a reset: {ends:?}"))
+}
+
+fn tiles() -> Result<(), Failed> {
+    let study = parsed(&format!("{DRIVE}{NOISE}[aiding]\n{AIDED}").replace("4096", "700"))?;
+    let motion = study.in_motion.as_ref().ok_or("no trajectory")?;
+    let flight = aiding::flight(&study, motion, vec![7, 1000, 4500])?;
+    let run = |flight: &_, tile_samples: u64| -> Result<Vec<f64>, Failed> {
+        let mut cpu = FlightCpu { tile_samples, ..FlightCpu::default() };
+        let ensemble = run::run(flight, &mut cpu, &Control::silent())?;
+        let all = (0..3).flat_map(|k| LINEAR.map(|q| ensemble.summary(k, q).clone()));
+        Ok(all.flat_map(|s| [s.mean, s.sd, s.min, s.max, s.percentiles[1]]).collect())
+    };
+    let whole = run(&flight, 512)?;
+    for tile in [4, 49, 64, 500] {
+        check(run(&flight, tile)? == whole, format!("tiles of {tile} samples give other bits"))?;
+    }
+    // Control: without the fixes the numbers are others.
+    let free = study.flight(motion, vec![7, 1000, 4500])?;
+    check(run(&free, 512)? != whole, "fixes change nothing")
+}
+
+/// Percentiles differ by rounding alone: by what `strapdown` allows without fixes.
+fn parity() -> Result<(), Failed> {
+    for (method, start) in [("filter", ""), ("reset", "ideal")] {
+        let text = format!("{DRIVE}{NOISE}[aiding]\nmethod = \"{method}\"\n{AIDED}").replace("4096", "1024");
+        let text = match start {
+            "" => text,
+            _ => text.replace("kind = \"still\"\nstill_s = 10.0\nheading_sd_deg = 0.5\n", "kind = \"ideal\"\n"),
+        };
+        let flight = |text: &str| -> Result<_, Failed> {
+            let study = parsed(text)?;
+            Ok(aiding::flight(&study, study.in_motion.as_ref().ok_or("no trajectory")?, vec![7, 2000, 3500, 4500])?)
+        };
+        let on = |choice, flight: &_| run_on(choice, flight, &Control::silent());
+        let aided = flight(&text)?;
+        let (cpu, gpu) = (on(ensemble::Choice::Cpu, &aided)?, on(ensemble::Choice::Gpu, &aided)?);
+        let other = on(ensemble::Choice::Cpu, &flight(&text.replacen("members", "seed = 2\nmembers", 1))?)?;
+        let apart = |to: &run::Ensemble| {
+            let one = |k: usize, q: Quantity| {
+                let (a, b) = (cpu.summary(k, q), to.summary(k, q));
+                let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                worst / a.sd
+            };
+            (0..4).flat_map(|k| LINEAR.map(|q| one(k, q))).fold(0.0, f64::max)
+        };
+        check(gpu.machine.kind == "gpu", "the GPU's run was not on a GPU")?;
+        check(apart(&gpu) < 5e-3, format!("{method}: percentiles {} sd apart", apart(&gpu)))?;
+        check(apart(&other) > 5e-3, "another seed gave the same percentiles: the comparison is blind")?;
+    }
+    Ok(())
+}
+
+fn document() -> Result<(), Failed> {
+    let text = format!("{DRIVE}{NOISE}[aiding]\n{AIDED}").replace("4096", "256");
+    let document = json(&text, "2")?;
+    let outage = &document["outages"][0];
+    check(outage["from_s"] == 40.0 && outage["until_s"] == 70.0, format!("{outage}"))?;
+    let times = outage["time_s"].as_array().map_or(0, Vec::len);
+    for list in [
+        &outage["horizontal_error_m"]["cep95"],
+        &outage["spherical_error_m"]["sep50"],
+        &outage["position_error_ned_m"]["north"]["sd"],
+        &outage["velocity_error_ned_m_s"]["down"]["p95"],
+        &outage["covariance"]["position_error_ned_m"]["east"]["sd"],
+    ] {
+        check(times > 8 && list.as_array().is_some_and(|v| v.len() == times), format!("{list}"))?;
+    }
+    let sources = document["error_budget"].as_array().cloned().unwrap_or_default();
+    check(sources.iter().any(|row| row["source"] == "noise of the fixes"), "the budget has no row for the fixes")?;
+    let free = json(&text.replace("outages_s = [[40.0, 70.0]]\n", ""), "2")?;
+    check(free["outages"].is_null(), "outages without an outage")
+}
+
+fn refusals() -> Result<(), Failed> {
+    let cases = [
+        ("", "[aiding]\n", "no measurements"),
+        ("", "[aiding.gnss]\nevery_s = 1.0\n", "measures nothing"),
+        ("", "[aiding.gnss]\nposition_sd_m = [0.0, 1.0, 1.0]\n", "more than zero"),
+        ("", "[aiding.gnss]\nposition_sd_m = [1.0, 1.0, 1.0]\nevery_s = 0.0151\n", "times the sample period"),
+        ("", "[aiding.gnss]\nposition_sd_m = [1.0, 1.0, 1.0]\noutages_s = [[3.0, 2.0]]\n", "begin before end"),
+        ("", "[aiding.gnss]\nposition_sd_m = [1.0, 1.0, 1.0]\noutages_s = [[1.0, 4.0], [3.0, 5.0]]\n", "overlap"),
+        ("", "[aiding.zupt]\nevery_s = 20.0\n", "longer than the run"),
+        ("circle", "[aiding.zupt]\nevery_s = 1.0\n", "finds no stop"),
+    ];
+    for (kind, text, expected) in cases {
+        let kind =
+            if kind.is_empty() { "kind = \"rest\"\n" } else { "kind = \"circle\"\nradius_m = 5.0\nspeed_m_s = 2.0\n" };
+        match parsed(&format!("duration_s = 10.0\n[trajectory]\n{kind}{text}")) {
+            Ok(_) => return Err(format!("accepted: {text}").into()),
+            Err(error) => {
+                let words = error.message().unwrap_or_default().to_owned();
+                check(words.contains(expected), format!("{text}: {words}"))?;
+            }
+        }
+    }
+    check(parsed("duration_s = 10.0\n[aiding.zupt]\nevery_s = 1.0\n").is_err(), "aided without a trajectory")
+}
