@@ -61,8 +61,7 @@ pub(crate) fn lede(answer: &Answer) -> String {
     let aided = !answer.flight.fixes.is_empty();
     let (last, when) = match outages::worst(answer) {
         Some((outage, end)) => {
-            let [from, until] = [outage.from_s, outage.until_s].map(|s| significant(s, 6));
-            (end, format!("At the end of the GNSS outage from {from} s to {until} s"))
+            (end, format!("At the end of the GNSS outage from {} s to {} s", outage.from_s, outage.until_s))
         }
         None if aided => (last, format!("After {} with aiding", duration(answer.ensemble.time_s[last]))),
         None => (last, format!("After {} without aiding", duration(answer.ensemble.time_s[last]))),

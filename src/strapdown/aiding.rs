@@ -15,7 +15,8 @@ use crate::error::Result;
 use crate::kernel::fix::{CORRECTED, Fix, SEEN};
 use crate::kernel::flight::Flight;
 use crate::study::Study;
-use crate::study::aiding::{Aiding, Method};
+use crate::study::aiding::Aiding;
+use crate::study::file::AidingMethod;
 use crate::study::in_motion::InMotion;
 
 /// The ensemble of a study in motion, aided where the study says so, with statistics at `report_samples`.
@@ -34,8 +35,8 @@ pub fn flight(study: &Study, motion: &InMotion, report_samples: Vec<u64>) -> Res
 /// The fixes with their gains.
 fn fixes(motion: &InMotion, flight: &Flight, aiding: &Aiding) -> Vec<Fix> {
     match aiding.method {
-        Method::Reset => aiding.fixes.iter().map(reset).collect(),
-        Method::Filter => filtered(motion, flight, aiding),
+        AidingMethod::Reset => aiding.fixes.iter().map(reset).collect(),
+        AidingMethod::Filter => filtered(motion, flight, aiding),
     }
 }
 

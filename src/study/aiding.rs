@@ -2,11 +2,8 @@
 //!
 //! Only what is measured and when stands here; what a navigator makes of it is made in `strapdown::aiding`.
 
-#[cfg(feature = "cli")]
-use schemars::JsonSchema;
-use serde::Deserialize;
-
 use super::check::{refuse, whole};
+use super::file::{self, AidingMethod, Gnss};
 use crate::error::Result;
 use crate::kernel::fix::{Fix, SEEN};
 use crate::kernel::flight::Vertical;
@@ -20,62 +17,11 @@ const MOST_OUTAGES: usize = 64;
 /// A body that is slower stands still, m/s.
 const STILL_M_S: f64 = 0.01;
 
-/// `[aiding]`
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Section {
-    /// What the navigator makes of a measurement (default: filter).
-    pub method: Option<Method>,
-    /// Position and velocity from satellites.
-    pub gnss: Option<Gnss>,
-    /// Zero-velocity updates while the body stands still.
-    pub zupt: Option<Zupt>,
-}
-
-/// `[aiding.gnss]`
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Gnss {
-    /// Time between fixes, s (default: 1).
-    pub every_s: Option<f64>,
-    /// Standard deviation of a position fix: north, east, down; absent: no position.
-    pub position_sd_m: Option<[f64; 3]>,
-    /// Standard deviation of a velocity fix: north, east, down; absent: no velocity.
-    pub velocity_sd_m_s: Option<[f64; 3]>,
-    /// Times without fixes: pairs of begin and end, s.
-    pub outages_s: Option<Vec<[f64; 2]>>,
-}
-
-/// `[aiding.zupt]`
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Zupt {
-    /// Time between updates while the body stands still, s (default: 1).
-    pub every_s: Option<f64>,
-    /// Standard deviation of the velocity that is taken for zero (default: 0.01).
-    pub velocity_sd_m_s: Option<f64>,
-}
-
-/// What a navigator makes of a measurement.
-#[cfg_attr(feature = "cli", derive(JsonSchema))]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// A Kalman filter of fifteen errors (attitude, velocity, position, biases of both instruments), loosely coupled.
-    #[default]
-    Filter,
-    /// Velocity and position are set to what is measured; attitude and biases are left as they are.
-    Reset,
-}
-
 /// What aids a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aiding {
     /// What the navigator makes of a measurement.
-    pub method: Method,
+    pub method: AidingMethod,
     /// The measurements, in the order of time, without gains.
     pub fixes: Vec<Fix>,
     /// Outages of GNSS: samples after the end of the still start, begin and end, the last of them cut at the run's.
@@ -88,7 +34,7 @@ pub struct Aiding {
 /// Times and spreads that make no sense; a section without measurements; a run in which none is made.
 pub(super) fn read(
     name: &str,
-    section: Option<&Section>,
+    section: Option<&file::Aiding>,
     clock: &Clock,
     truth: &Truth,
     vertical: Vertical,

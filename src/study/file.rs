@@ -7,7 +7,6 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::aiding;
 use super::section::{self, Numbers};
 use crate::excitation;
 use crate::motion;
@@ -63,7 +62,7 @@ pub struct File {
     /// The Earth under the trajectory.
     pub earth: Option<Earth>,
     /// Measurements that aid the navigation along the trajectory.
-    pub aiding: Option<aiding::Section>,
+    pub aiding: Option<Aiding>,
     /// Mounting of the sensor in the moving body.
     pub mounting: Option<Mounting>,
     /// Vibration of the sensor in addition to the motion.
@@ -92,6 +91,57 @@ pub struct Vibration {
     pub y_g2_hz: Option<Vec<[f64; 2]>>,
     /// Along z.
     pub z_g2_hz: Option<Vec<[f64; 2]>>,
+}
+
+/// `[aiding]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aiding {
+    /// What the navigator makes of a measurement (default: filter).
+    pub method: Option<AidingMethod>,
+    /// Position and velocity from satellites.
+    pub gnss: Option<Gnss>,
+    /// Zero-velocity updates while the body stands still.
+    pub zupt: Option<Zupt>,
+}
+
+/// `[aiding.gnss]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gnss {
+    /// Time between fixes, s (default: 1).
+    pub every_s: Option<f64>,
+    /// Standard deviation of a position fix: north, east, down; absent: no position.
+    pub position_sd_m: Option<[f64; 3]>,
+    /// Standard deviation of a velocity fix: north, east, down; absent: no velocity.
+    pub velocity_sd_m_s: Option<[f64; 3]>,
+    /// Times without fixes: pairs of begin and end, s.
+    pub outages_s: Option<Vec<[f64; 2]>>,
+}
+
+/// `[aiding.zupt]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Zupt {
+    /// Time between updates while the body stands still, s (default: 1).
+    pub every_s: Option<f64>,
+    /// Standard deviation of the velocity that is taken for zero (default: 0.01).
+    pub velocity_sd_m_s: Option<f64>,
+}
+
+/// What a navigator makes of a measurement.
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AidingMethod {
+    /// A Kalman filter of fifteen errors (attitude, velocity, position, biases of both instruments), loosely coupled.
+    #[default]
+    Filter,
+    /// Velocity and position are set to what is measured; attitude and biases are left as they are.
+    Reset,
 }
 
 /// `[navigator]`

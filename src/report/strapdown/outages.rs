@@ -9,7 +9,7 @@ use crate::report::table::Table;
 use crate::strapdown::answer::Answer;
 use crate::strapdown::outages::Outage;
 use crate::study::Study;
-use crate::study::aiding::Method;
+use crate::study::file::AidingMethod;
 
 /// Outages that are drawn.
 const DRAWN: usize = 6;
@@ -35,12 +35,14 @@ pub(super) fn section(page: &mut Page, study: &Study, answer: &Answer) {
 pub(super) fn model(study: &Study, answer: &Answer) -> String {
     let fixes = answer.flight.fixes.len();
     let aiding = study.in_motion.as_ref().and_then(|motion| motion.aiding.as_ref());
-    let method = match aiding.map_or(Method::Filter, |aiding| aiding.method) {
-        Method::Filter => {
+    let method = match aiding.map_or(AidingMethod::Filter, |aiding| aiding.method) {
+        AidingMethod::Filter => {
             "A loosely coupled Kalman filter of fifteen errors (attitude, velocity, position, biases), told the study's own \
              numbers, corrects every navigator with the same gains."
         }
-        Method::Reset => "Velocity and position are set to what is measured; attitude and biases are left as they are.",
+        AidingMethod::Reset => {
+            "Velocity and position are set to what is measured; attitude and biases are left as they are."
+        }
     };
     format!("{fixes} measurements aid the run. {method}")
 }
@@ -74,7 +76,7 @@ pub(super) fn table(answer: &Answer) -> Table {
             worth(summary.percentiles[rank], 2.0 * doubt(summary))
         };
         let begin = if outage.from_s > 0.0 { percentile(*first, Quantity::Horizontal, 3) } else { "start".to_owned() };
-        let mut row = vec![format!("{} to {}", significant(outage.from_s, 6), significant(outage.until_s, 6)), begin];
+        let mut row = vec![format!("{} to {}", outage.from_s, outage.until_s), begin];
         row.extend((0..3).map(|axis| at(*last, Quantity::Position(axis))).map(|s| worth(s.sd, doubt(s))));
         row.push(percentile(*last, Quantity::Horizontal, 2));
         row.push(percentile(*last, Quantity::Horizontal, 3));
@@ -96,7 +98,7 @@ fn growth(answer: &Answer) -> Chart {
             let percentile = answer.ensemble.summary(*k, Quantity::Horizontal).percentiles[3];
             (answer.ensemble.time_s[*k] - outage.from_s, percentile)
         };
-        let name = format!("{} to {} s", significant(outage.from_s, 6), significant(outage.until_s, 6));
+        let name = format!("{} to {} s", outage.from_s, outage.until_s);
         chart.add(&name, Ink::nth(n), Mark::Line, outage.places.iter().map(point).collect());
     }
     chart
