@@ -76,7 +76,7 @@ impl<T: Real> State<T> {
             }
         }
         for i in 0..3 {
-            all[POSITION][i] = all[POSITION][i] + since_s * self.totals[VELOCITY][i][lane];
+            all[POSITION][i] += since_s * self.totals[VELOCITY][i][lane];
         }
         all
     }

@@ -188,7 +188,7 @@ fn has(shader: &Shader, name: &str, value: &str) {
 fn columns_and_bounds_agree() {
     let simulate = source::simulate(false, laws());
     assert!(simulate.text.contains(&format!("array<vec4<f32>, {}>", layout::FORCES)));
-    assert!(source::navigate().text.contains(&format!("array<vec4<f32>, {}>", layout::PASSAGES)));
+    assert!(source::navigate(false).text.contains(&format!("array<vec4<f32>, {}>", layout::PASSAGES)));
     let reduce = source::reduce();
     has(&reduce, "WORKGROUP", &format!("{}u", layout::REDUCE_WORKGROUP));
     has(&reduce, "EACH", &format!("{}u", layout::BLOCK / layout::REDUCE_WORKGROUP));
