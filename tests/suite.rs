@@ -34,6 +34,7 @@ mod suite {
     pub mod limits;
     pub mod mistakes;
     pub mod motion;
+    pub mod motion_keys;
     pub mod near_laws;
     pub mod noise_law;
     pub mod numbers;
@@ -45,6 +46,7 @@ mod suite {
     pub mod ranks;
     pub mod recording;
     pub mod require;
+    pub mod resume_in_motion;
     pub mod rows;
     pub mod samples;
     pub mod scale;
@@ -145,6 +147,10 @@ fn main() {
         suite::strapdown::tests(),
         // aiding: outages, zero-velocity updates, filter and reset.
         suite::aiding::tests(),
+        // motion_keys: vibration and the navigator's integrator do what their laws say.
+        suite::motion_keys::tests(),
+        // resume_in_motion: a stopped flight ends with the same bits.
+        suite::resume_in_motion::tests(),
         // study: a study is read as it is meant, or refused in a sentence.
         suite::study::tests(),
         // require: the value that a requirement takes is the one of theory, covered as stated.

@@ -1,8 +1,9 @@
 //! The answer to a study in motion: the ensemble at the report times and, between them, at the points of the curves.
 
 use super::aiding;
-use super::backends::run_on;
+use super::backends::run_kept;
 use super::covariance::{self, Covariance, Part};
+use super::kept::Kept;
 use super::outages::{self, Outage};
 use super::run::Ensemble;
 use super::windows::{self, Compared};
@@ -85,6 +86,20 @@ impl Answer {
 /// # Errors
 /// Whatever stops a run; mechanics that no integrator can step; members all of which diverge.
 pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Control) -> Result<Answer> {
+    answer_kept(study, motion, choice, &mut Kept::none(), control)
+}
+
+/// The same, keeping what is summed and going on with what was kept.
+///
+/// # Errors
+/// As [`answer`]; a state that cannot be gone on with.
+pub fn answer_kept(
+    study: &Study,
+    motion: &InMotion,
+    choice: Choice,
+    kept: &mut Kept,
+    control: &Control,
+) -> Result<Answer> {
     // Refused before the work, not after it.
     let compared = windows::compare(motion, control)?;
     let mut samples = curve_samples(&study.clock);
@@ -92,7 +107,7 @@ pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Contro
     samples.sort_unstable();
     samples.dedup();
     let flight = aiding::flight(study, motion, samples.clone())?;
-    let ensemble = run_on(choice, &flight, control)?;
+    let ensemble = run_kept(choice, &flight, kept, control)?;
     if ensemble.failed + 2 > ensemble.members {
         return Err(Error::new(
             format!("could not simulate {}", study.name),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::kept::Kept;
 use super::run::{Ensemble, run};
 use crate::backend::flight::FlightCpu;
 use crate::backend::gpu::Gpu;
@@ -19,6 +20,14 @@ const WORTH_A_GPU: u64 = 500_000_000;
 /// # Errors
 /// A GPU was asked for and there is none, or it fails; whatever stops a run.
 pub fn run_on(choice: Choice, flight: &Flight, control: &Control) -> Result<Ensemble> {
+    run_kept(choice, flight, &mut Kept::none(), control)
+}
+
+/// The same, keeping what is summed and going on with what was kept.
+///
+/// # Errors
+/// As [`run_on`]; a state that cannot be gone on with.
+pub fn run_kept(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Control) -> Result<Ensemble> {
     let gpu = match choice {
         Choice::Cpu => None,
         Choice::Gpu => Some(Gpu::open()?),
@@ -28,12 +37,13 @@ pub fn run_on(choice: Choice, flight: &Flight, control: &Control) -> Result<Ense
             None
         }),
     };
-    let Some(gpu) = gpu.map(Arc::new) else { return run(flight, &mut FlightCpu::default(), control) };
-    match run(flight, &mut Flights::on(gpu.clone()), control) {
+    let Some(gpu) = gpu.map(Arc::new) else { return run(flight, &mut FlightCpu::default(), kept, control) };
+    match run(flight, &mut Flights::on(gpu.clone()), kept, control) {
         Err(error) if choice == Choice::Auto && gpu.has_failed() => {
             control
                 .remark(&format!("note: {} failed: {}. The run restarts on the CPU.", gpu.adapter.name, error.cause));
-            run(flight, &mut FlightCpu::default(), control)
+            kept.restart();
+            run(flight, &mut FlightCpu::default(), kept, control)
         }
         done => done,
     }

@@ -1,15 +1,19 @@
 //! Flight × backend → statistics: the pilot that sets the bins, then batch after batch.
 //!
-//! Results depend neither on the batches nor on the threads: members are summed in blocks of 256, in order, and counts are
-//! integers.
+//! Results depend neither on the batches nor on the threads nor on where a run was stopped: see `totals` and `kept`.
 
 use std::time::Instant;
 
-use crate::backend::flight::{FlightBackend, FlightBatch, FlightCpu, QUANTITIES, Quantity, Sums};
+use super::kept::Kept;
+use super::totals::Totals;
+use crate::backend::flight::{FlightBackend, FlightBatch, FlightCpu, QUANTITIES, Quantity};
 use crate::control::Control;
 use crate::error::Result;
+use crate::kernel::cpu::lanes::LANES;
+use crate::kernel::cpu::reduce::BLOCK;
 use crate::kernel::flight::Flight;
-use crate::statistics::{Bins, Histogram, Machine, Moments, Summary};
+use crate::parallel;
+use crate::statistics::{Bins, Machine, Summary};
 
 /// Members that set the bins of the histograms: always the same first ones.
 const PILOT: u64 = 1024;
@@ -46,16 +50,23 @@ impl Ensemble {
     }
 }
 
-/// Integrates a flight and sums it up.
+/// Fewest members of a batch on which the threads of a small machine are busy.
+const LEAST_MEMBERS: u64 = 1024;
+/// Member-samples of a batch, so that what a stop loses is some ten seconds of two cores.
+const BATCH_STEPS: u64 = 1 << 30;
+
+/// Integrates a flight and sums it up, going on with what was kept of it.
 ///
 /// # Errors
-/// A member that the integrator cannot step; a device that was lost; stopped.
-pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, control: &Control) -> Result<Ensemble> {
+/// A member that the integrator cannot step; a device that was lost; a state that cannot be gone on with; stopped.
+pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, kept: &mut Kept, control: &Control) -> Result<Ensemble> {
     let begun = Instant::now();
-    let members = flight.members();
+    let (members, machine) = (flight.members(), backend.machine(flight));
     let pilot = members.min(PILOT);
+    let mut so_far = kept.begin(flight, &machine)?;
+    let before_s = so_far.seconds;
     let progress = control.stage("simulating", (members + pilot).saturating_mul(flight.clock().samples));
-    let batch = |on: &mut dyn FlightBackend, members, bins: &[[Bins; QUANTITIES]]| -> Result<Vec<Sums>> {
+    let batch = |on: &mut dyn FlightBackend, members, bins: &[[Bins; QUANTITIES]]| {
         let work = FlightBatch {
             flight,
             members,
@@ -63,60 +74,41 @@ pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, control: &Control) 
             stop: &|| control.cancelled(),
             progress: &|samples| progress.add(samples),
         };
-        let sums = on.run(&work)?;
-        let stopped = || control.go_on().map_err(|s| s.during("could not finish the simulation", "run it again"));
-        match sums {
-            Some(sums) => Ok(sums),
-            None => stopped().map(|()| Vec::new()),
-        }
+        on.run(&work)
     };
-    // Always on the CPU: the same for every backend.
-    let bins: Vec<[Bins; QUANTITIES]> = batch(&mut FlightCpu::default(), 0..pilot, &[])?.iter().map(bins).collect();
-    let mut totals: Vec<Sums> = Vec::new();
-    let mut from = 0;
-    while from < members {
-        let until = members.min(from + backend.batch_members());
+    if so_far.totals.is_empty() {
+        // Always on the CPU: the same for every backend.
+        let sums = batch(&mut FlightCpu::default(), 0..pilot, &[])?;
+        control.go_on().map_err(|by| kept.stopped(flight, &machine, &so_far, by))?;
+        so_far.totals = Totals::new(&sums.unwrap_or_default());
+    } else {
+        progress.add((pilot + so_far.next_member).saturating_mul(flight.clock().samples));
+    }
+    let bins = so_far.totals.bins();
+    let least = LEAST_MEMBERS.max(2 * LANES as u64 * parallel::threads() as u64);
+    let most = (BATCH_STEPS / flight.clock().samples.max(1)).max(least).next_multiple_of(BLOCK as u64);
+    while so_far.next_member < members {
+        let from = so_far.next_member;
+        let until = members.min(from + backend.batch_members().min(most));
         let sums = batch(backend, from..until, &bins)?;
-        if totals.is_empty() {
-            totals = sums;
-        } else {
-            totals.iter_mut().zip(sums).for_each(|(total, part)| add(total, part));
-        }
-        from = until;
+        so_far.seconds = before_s + begun.elapsed().as_secs_f64();
+        let Some(sums) = sums else {
+            control.go_on().map_err(|by| kept.stopped(flight, &machine, &so_far, by))?;
+            continue;
+        };
+        so_far.totals.add(from, &sums);
+        so_far.next_member = until;
+        kept.keep_if_due(flight, &machine, &so_far, control);
     }
     let clock = flight.clock();
     let sample_s = clock.sample_s();
     Ok(Ensemble {
         members,
-        failed: totals.last().map_or(0, |t| t.failed),
+        failed: so_far.totals.failed(),
         time_s: clock.report_samples.iter().map(|n| (n - clock.still_samples) as f64 * sample_s).collect(),
-        at: totals.iter().map(summed).collect(),
+        at: so_far.totals.summed(),
         member_steps: flight.member_steps(),
-        seconds: begun.elapsed().as_secs_f64(),
-        machine: backend.machine(flight),
+        seconds: before_s + begun.elapsed().as_secs_f64(),
+        machine,
     })
-}
-
-/// The moments of all blocks, merged in order.
-fn moments(sums: &Sums) -> [Moments; QUANTITIES] {
-    let mut all = [Moments::default(); QUANTITIES];
-    sums.blocks.iter().for_each(|block| all.iter_mut().zip(block).for_each(|(mine, theirs)| mine.merge(theirs)));
-    all
-}
-
-/// Bins around the moments of the pilot.
-fn bins(sums: &Sums) -> [Bins; QUANTITIES] {
-    moments(sums).map(|m| Bins::around(&m))
-}
-
-fn add(total: &mut Sums, part: Sums) {
-    total.blocks.extend(part.blocks);
-    total.failed += part.failed;
-    total.histograms.iter_mut().zip(&part.histograms).for_each(|(mine, theirs)| mine.merge(&theirs.counts));
-}
-
-fn summed(sums: &Sums) -> [Summary; QUANTITIES] {
-    let all = moments(sums);
-    let none = || Histogram::new(Bins::around(&Moments::default()));
-    std::array::from_fn(|q| Summary::of(&all[q], sums.histograms.get(q).cloned().unwrap_or_else(none)))
 }

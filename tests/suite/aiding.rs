@@ -8,6 +8,7 @@ use proofmass::ensemble;
 use proofmass::strapdown::aiding;
 use proofmass::strapdown::answer::{Answer, LINEAR};
 use proofmass::strapdown::backends::run_on;
+use proofmass::strapdown::kept::Kept;
 use proofmass::strapdown::run;
 
 use super::strapdown::{NOISE, answered, json, parsed, series};
@@ -151,7 +152,7 @@ fn tiles() -> Result<(), Failed> {
     let flight = aiding::flight(&study, motion, vec![7, 1000, 4500])?;
     let run = |flight: &_, tile_samples: u64| -> Result<Vec<f64>, Failed> {
         let mut cpu = FlightCpu { tile_samples, ..FlightCpu::default() };
-        let ensemble = run::run(flight, &mut cpu, &Control::silent())?;
+        let ensemble = run::run(flight, &mut cpu, &mut Kept::none(), &Control::silent())?;
         let all = (0..3).flat_map(|k| LINEAR.map(|q| ensemble.summary(k, q).clone()));
         Ok(all.flat_map(|s| [s.mean, s.sd, s.min, s.max, s.percentiles[1]]).collect())
     };

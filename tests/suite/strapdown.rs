@@ -9,6 +9,7 @@ use proofmass::drift;
 use proofmass::ensemble;
 use proofmass::strapdown::answer::{Answer, LINEAR, answer};
 use proofmass::strapdown::backends::run_on;
+use proofmass::strapdown::kept::Kept;
 use proofmass::strapdown::run;
 use proofmass::study::{self, Study};
 use serde_json::Value;
@@ -260,7 +261,7 @@ fn tiles() -> Result<(), Failed> {
     let flight = study.flight(motion, vec![7, 1000, 3000])?;
     let run = |tile_samples: u64| -> Result<Vec<f64>, Failed> {
         let mut cpu = FlightCpu { tile_samples, ..FlightCpu::default() };
-        let ensemble = run::run(&flight, &mut cpu, &Control::silent())?;
+        let ensemble = run::run(&flight, &mut cpu, &mut Kept::none(), &Control::silent())?;
         let all = (0..3).flat_map(|k| LINEAR.map(|q| ensemble.summary(k, q).clone()));
         Ok(all.flat_map(|s| [s.mean, s.sd, s.min, s.max, s.percentiles[1]]).collect())
     };

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use crate::cli::say::{say, sayln};
 use crate::document::to_json;
-use crate::ensemble::Choice;
-use crate::error::{Error, Result};
+use crate::ensemble::{Choice, Keeper};
+use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::strapdown as page;
-use crate::strapdown::answer::answer;
+use crate::strapdown::answer::answer_kept;
 use crate::strapdown::document::Document;
+use crate::strapdown::kept::Kept;
 use crate::study::Study;
 use crate::study::in_motion::InMotion;
 
@@ -32,20 +33,18 @@ pub struct Asked<'a> {
 /// Runs it, prints the answer and writes the report.
 ///
 /// # Errors
-/// As `study`; a run to resume was asked for.
+/// As `study`; there is no stopped run to resume.
 pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
     let Asked { request, resume, backend, path } = asked;
-    if resume {
-        return Err(Error::new(
-            "could not resume",
-            "a study with a [trajectory] keeps no state when it is stopped",
-            "leave --resume out to start over",
-        ));
-    }
+    let mut kept = match resume {
+        true => Kept::resume(path, &study.identity)?,
+        false => Kept::new(path, &study.identity),
+    };
     let writes =
         if motion.flown.is_some() { vec![REPORT.to_owned(), INFLATED.to_owned()] } else { vec![REPORT.to_owned()] };
     let mut folder = Folder::open(path, output::Request { writes, ..request })?;
-    let answer = answer(study, motion, backend, &progress::terminal())?;
+    folder.state(Keeper::FILES, resume)?;
+    let answer = answer_kept(study, motion, backend, &mut kept, &progress::terminal())?;
     if json {
         sayln!("{}", to_json(&Document::of(study, &answer, page::findings(&answer)))?)?;
     } else {
@@ -59,5 +58,5 @@ pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Re
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;
     }
-    Ok(())
+    kept.forget()
 }
