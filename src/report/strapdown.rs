@@ -1,14 +1,15 @@
 //! The page and the terminal text of a study in motion.
 
+mod doubt;
 mod figures;
 mod outages;
 mod windows;
 
+use self::doubt::doubt;
 use super::html::Page;
 use super::table::Table;
 use crate::backend::flight::Quantity;
 use crate::number::{duration, significant, worth};
-use crate::statistics::Summary;
 use crate::strapdown::answer::Answer;
 use crate::strapdown::covariance::{Cause, Part};
 use crate::study::Study;
@@ -75,11 +76,6 @@ pub(crate) fn lede(answer: &Answer) -> String {
         worth(horizontal.percentiles[2], doubt),
         worth(horizontal.percentiles[3], 2.0 * doubt),
     )
-}
-
-/// Standard error of a standard deviation.
-fn doubt(summary: &Summary) -> f64 {
-    summary.sd / (2.0 * summary.count.max(2) as f64).sqrt()
 }
 
 /// Position errors at the report times.

@@ -1,10 +1,11 @@
 //! The answer to a study in motion as the public document `proofmass.study/1`.
 
+mod outage;
+
 use serde::Serialize;
 
 use super::answer::Answer;
 use super::covariance::Part;
-use super::outages;
 use super::spreads::{At, Axes, Circular, NorthEastDown, Spherical, Spread};
 use super::windows;
 use super::windows::document::{Entry, Flight};
@@ -30,7 +31,7 @@ pub struct Document {
     horizontal_error_m: Circular,
     spherical_error_m: Spherical,
     #[serde(skip_serializing_if = "Option::is_none")]
-    outages: Option<Vec<outages::Entry>>,
+    outages: Option<Vec<outage::Entry>>,
     covariance: Linear,
     error_budget: Vec<Share>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -127,7 +128,7 @@ impl Document {
             },
             horizontal_error_m: at.circular(),
             spherical_error_m: at.spherical(),
-            outages: (!answer.outages.is_empty()).then(|| outages::entries(answer)),
+            outages: (!answer.outages.is_empty()).then(|| outage::entries(answer)),
             covariance: Linear::of(answer),
             error_budget: answer.parts().map(|part| Share::of(answer, part)).collect(),
             windows: answer.compared.as_ref().map(windows::document::entries),

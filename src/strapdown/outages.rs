@@ -1,10 +1,5 @@
 //! Outages of GNSS: how far the errors grow while there are no fixes.
 
-use serde::Serialize;
-
-use super::answer::Answer;
-use super::spreads::{At, Axes, Circular, NorthEastDown, Spherical};
-use crate::backend::flight::Quantity;
 use crate::kernel::job::Clock;
 use crate::study::aiding::Aiding;
 
@@ -40,41 +35,4 @@ pub fn outages(aiding: Option<&Aiding>, clock: &Clock, samples: &[u64]) -> Vec<O
         places: (0..samples.len()).filter(|k| (*from..=*until).contains(&samples[*k])).collect(),
     };
     aiding.iter().flat_map(|aiding| &aiding.outages).map(outage).collect()
-}
-
-/// An outage in the public document; lists run along its own `time_s`.
-#[derive(Debug, Clone, Serialize)]
-pub struct Entry {
-    from_s: f64,
-    until_s: f64,
-    time_s: Vec<f64>,
-    position_error_ned_m: NorthEastDown,
-    velocity_error_ned_m_s: NorthEastDown,
-    horizontal_error_m: Circular,
-    spherical_error_m: Spherical,
-    covariance: Linear,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct Linear {
-    position_error_ned_m: Axes,
-    velocity_error_ned_m_s: Axes,
-}
-
-/// All outages of an answer.
-pub fn entries(answer: &Answer) -> Vec<Entry> {
-    let entry = |outage: &Outage| {
-        let at = At { answer, places: &outage.places };
-        Entry {
-            from_s: outage.from_s,
-            until_s: outage.until_s,
-            time_s: outage.places.iter().map(|k| answer.ensemble.time_s[*k]).collect(),
-            position_error_ned_m: at.north_east_down(Quantity::Position),
-            velocity_error_ned_m_s: at.north_east_down(Quantity::Velocity),
-            horizontal_error_m: at.circular(),
-            spherical_error_m: at.spherical(),
-            covariance: Linear { position_error_ned_m: at.linear_axes(0), velocity_error_ned_m_s: at.linear_axes(3) },
-        }
-    };
-    answer.outages.iter().map(entry).collect()
 }

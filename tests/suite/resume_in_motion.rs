@@ -25,7 +25,7 @@ impl World {
     fn new() -> Result<Self, Failed> {
         let folder = tempfile::tempdir()?;
         let text = format!(
-            "members = 50000\nduration_s = 20.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n\
+            "members = 20000\nduration_s = 20.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n\
              [earth]\nlatitude_deg = 47.4\n[report]\ntimes_s = [10.0, 20.0]\n{NOISE}[alignment]\nkind = \"still\"\n\
              still_s = 2.0\n"
         );
@@ -84,7 +84,7 @@ fn same_bits() -> Result<(), Failed> {
         }
         let state: Value = serde_json::from_slice(&std::fs::read(world.state())?)?;
         let done = state["next_member"].as_u64().unwrap_or(0);
-        check(done > 0 && done < 50_000, format!("{done} members are kept"))?;
+        check(done > 0 && done < 20_000, format!("{done} members are kept"))?;
         check(ended(&world.command(&["--resume"]).output()?)? == whole, "resumed and undisturbed answers differ")?;
         check(!world.state().exists(), "a resumed run leaves its state behind")?;
     }

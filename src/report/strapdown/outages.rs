@@ -1,6 +1,6 @@
 //! What the page and the terminal say of aiding: the errors at the end of each outage, and how they get there.
 
-use super::doubt;
+use super::doubt::doubt;
 use crate::backend::flight::Quantity;
 use crate::number::{significant, worth};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
