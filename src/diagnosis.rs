@@ -45,6 +45,7 @@ pub mod repair;
 pub mod rest;
 pub mod ruling;
 pub mod standing;
+pub mod trajectory;
 pub mod tumble;
 pub mod verdict;
 
@@ -83,6 +84,7 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
         Model::Driven(model) => driven::diagnose_all(recordings, model, control)?,
         Model::Static(model) => rest::diagnose(only()?, model, control)?,
         Model::Tumble(model) => tumble::diagnose(only()?, model, control)?,
+        Model::Trajectory(model) => trajectory::diagnose(only()?, model, control)?,
     };
     consistency::settle(&mut answer);
     Ok(answer)
@@ -90,5 +92,5 @@ pub fn diagnose_all(recordings: Recordings<'_>, model: &Model, control: &Control
 
 /// Every candidate of every kind, in the order of each kind's list.
 pub fn library() -> impl Iterator<Item = &'static Candidate> {
-    driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES)
+    driven::CANDIDATES.iter().chain(rest::CANDIDATES).chain(tumble::CANDIDATES).chain(trajectory::CANDIDATES)
 }

@@ -17,6 +17,7 @@ mod suite {
     pub mod diagnose_rest_cli;
     pub mod diagnosis_driven;
     pub mod diagnosis_rest;
+    pub mod diagnosis_trajectory;
     pub mod diagnosis_tumble;
     pub mod digits;
     pub mod driven_bad_input;
@@ -135,6 +136,8 @@ fn main() {
         suite::diagnose_cli::tests(),
         // driven_bad_input: damaged recordings of a proof mass are refused in a sentence or survived and mentioned.
         suite::driven_bad_input::tests(),
+        // trajectory: what is concealed in the log of a flight is found, and nothing else.
+        suite::diagnosis_trajectory::tests(),
         // tumble: planted physics of an IMU in still poses is named, and nothing else.
         suite::diagnosis_tumble::tests(),
         // diagnosis_driven: planted physics is named, foreign physics is not, and a real circuit's spring is found.

@@ -2,20 +2,30 @@
 
 use super::say::sayln;
 use crate::diagnosis;
-use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::document::to_json;
 use crate::error::Result;
 
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Of one kind of recording alone: driven, static, tumble or trajectory
+    #[arg(long, value_name = "KIND", value_parser = kind)]
+    kind: Option<Kind>,
+}
+
+fn kind(text: &str) -> Result<Kind, String> {
+    let all = Kind::ALL.map(Kind::name).join(", ");
+    Kind::ALL.into_iter().find(|k| k.name() == text).ok_or_else(|| format!("need one of {all}"))
+}
 
 /// Prints the library, by kind of recording.
 ///
 /// # Errors
 /// None in practice; the library is part of the binary.
-pub fn run(_arguments: &Arguments, json: bool) -> Result<()> {
-    let library: Vec<&Candidate> = diagnosis::library().collect();
+pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
+    let library: Vec<&Candidate> =
+        diagnosis::library().filter(|c| arguments.kind.is_none_or(|kind| c.kind == kind)).collect();
     if json {
         sayln!("{}", to_json(&library)?)?;
         return Ok(());

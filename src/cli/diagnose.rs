@@ -88,11 +88,17 @@ const VERDICT: &str = "verdict.json";
 const REPAIRED: &str = "repaired.toml";
 
 fn outputs(arguments: &Arguments, model: &Model) -> output::Request {
-    let poses = if let Model::Tumble(tumble) = model { tumble.poses.clone() } else { None };
+    let reads = match model {
+        Model::Tumble(tumble) => tumble.poses.iter().cloned().collect(),
+        Model::Trajectory(model) => {
+            model.reference.iter().flat_map(|r| [Some(r.file.clone()), r.times.clone()]).flatten().collect()
+        }
+        Model::Driven(_) | Model::Static(_) => Vec::new(),
+    };
     output::Request {
         command: "diagnose",
         inputs: arguments.recordings.iter().chain(&arguments.test).chain([&arguments.model]).cloned().collect(),
-        reads: poses.into_iter().collect(),
+        reads,
         writes: [REPORT, VERDICT, REPAIRED]
             .map(str::to_owned)
             .into_iter()

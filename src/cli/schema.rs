@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::say::sayln;
 use super::template::Kind;
-use crate::diagnosis::model::{Driven, Static, Tumble};
+use crate::diagnosis::model::{Driven, Static, Trajectory, Tumble};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::map::document::Document;
@@ -41,6 +41,7 @@ fn schema(kind: Kind) -> Schema {
         Kind::Driven => model(schema_for!(Driven), "driven"),
         Kind::Static => model(schema_for!(Static), "static"),
         Kind::Tumble => model(schema_for!(Tumble), "tumble"),
+        Kind::Flight => model(schema_for!(Trajectory), "trajectory"),
         Kind::Map => titled(schema_for!(Document), "map.toml"),
     }
 }

@@ -30,6 +30,8 @@ pub(super) enum Kind {
     Static,
     /// model.toml for `diagnose`: an IMU in many still poses
     Tumble,
+    /// model.toml for `diagnose`: an IMU in motion, beside a reference
+    Flight,
     /// map.toml for `map`
     Map,
 }
@@ -42,6 +44,7 @@ impl Kind {
             Self::Driven => include_str!("template/driven.toml"),
             Self::Static => include_str!("template/static.toml"),
             Self::Tumble => include_str!("template/tumble.toml"),
+            Self::Flight => include_str!("template/flight.toml"),
             Self::Map => include_str!("template/map.toml"),
         }
     }

@@ -5,7 +5,7 @@ use super::candidate::Kind;
 use super::repair::Repair;
 use super::standing::Ranked;
 use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness};
-use super::{driven, rest, tumble};
+use super::{driven, rest, trajectory, tumble};
 
 /// What a diagnosis found.
 #[derive(Debug, Clone)]
@@ -59,14 +59,16 @@ pub enum Detail {
     Static(Box<rest::detail::Detail>),
     /// An IMU in many still poses.
     Tumble(Box<tumble::detail::Detail>),
+    /// An IMU in motion.
+    Trajectory(Box<trajectory::detail::Detail>),
 }
 
 impl Detail {
-    /// What would have been named: of driven recordings where nothing is. At rest and in poses it is not worked out.
+    /// What would have been named: of driven recordings where nothing is. At rest, in poses and in motion it is not worked out.
     pub fn detectable(&self) -> &[Detectable] {
         match self {
             Self::Driven(detail) => &detail.detectable,
-            Self::Static(_) | Self::Tumble(_) => &[],
+            Self::Static(_) | Self::Tumble(_) | Self::Trajectory(_) => &[],
         }
     }
 }

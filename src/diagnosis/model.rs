@@ -4,12 +4,14 @@ mod asked;
 mod driven;
 mod rest;
 mod split;
+mod trajectory;
 mod tumble;
 
 pub use asked::{Seconds, read_part, read_recording, requested};
 pub use driven::{Driven, DrivenColumns, Start};
 pub use rest::{Noise, Static, StaticColumns};
 pub use split::{Ranges, Split};
+pub use trajectory::{InertialNoise, Reference, Trajectory, TrajectoryColumns};
 pub use tumble::{Tumble, TumbleColumns};
 
 use std::path::Path;
@@ -38,6 +40,8 @@ pub enum Model {
     Static(Static),
     /// An IMU in many still poses.
     Tumble(Tumble),
+    /// An IMU in motion.
+    Trajectory(Box<Trajectory>),
 }
 
 impl Model {
@@ -47,6 +51,7 @@ impl Model {
             Self::Driven(m) => m.topic.as_ref(),
             Self::Static(m) => m.topic.as_ref(),
             Self::Tumble(m) => m.topic.as_ref(),
+            Self::Trajectory(m) => m.topic.as_ref(),
         }
     }
 
@@ -56,6 +61,7 @@ impl Model {
             Self::Driven(m) => &mut m.topic,
             Self::Static(m) => &mut m.topic,
             Self::Tumble(m) => &mut m.topic,
+            Self::Trajectory(m) => &mut m.topic,
         };
         *own = Some(topic.to_owned());
         self
@@ -83,6 +89,7 @@ pub fn parse(name: &str, text: &str) -> Result<Model> {
         Kind::Driven => Model::Driven(parse_toml(name, &rest)?),
         Kind::Static => Model::Static(parse_toml(name, &rest)?),
         Kind::Tumble => Model::Tumble(parse_toml(name, &rest)?),
+        Kind::Trajectory => Model::Trajectory(parse_toml(name, &rest)?),
     })
 }
 
@@ -100,6 +107,7 @@ pub fn of_table(name: &str, mut table: toml::Table) -> Result<Model> {
         Kind::Driven => Model::Driven(from_table(name, table)?),
         Kind::Static => Model::Static(from_table(name, table)?),
         Kind::Tumble => Model::Tumble(from_table(name, table)?),
+        Kind::Trajectory => Model::Trajectory(from_table(name, table)?),
     })
 }
 
@@ -110,8 +118,10 @@ pub fn of_table(name: &str, mut table: toml::Table) -> Result<Model> {
 pub fn read(path: &Path) -> Result<Model> {
     let mut model = parse(&path.display().to_string(), &read_text(path)?)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    if let Model::Tumble(Tumble { poses: Some(poses), .. }) = &mut model {
-        *poses = folder.join(&*poses);
+    match &mut model {
+        Model::Tumble(tumble) => tumble.poses = tumble.poses.take().map(|poses| folder.join(poses)),
+        Model::Trajectory(model) => model.reference.iter_mut().for_each(|r| r.in_folder(folder)),
+        Model::Driven(_) | Model::Static(_) => {}
     }
     Ok(model)
 }

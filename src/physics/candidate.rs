@@ -1,5 +1,5 @@
 //! A candidate: physics that a base model may have left out. Words and numbers only; how each is simulated and fitted
-//! lives with its kind (driven, static, tumble). Ids are a public contract.
+//! lives with its kind (driven, static, tumble, trajectory). Ids are a public contract.
 
 /// The kind of recording a candidate belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -11,15 +11,21 @@ pub enum Kind {
     Static,
     /// An IMU in many still poses.
     Tumble,
+    /// An IMU in motion.
+    Trajectory,
 }
 
 impl Kind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Driven, Self::Static, Self::Tumble, Self::Trajectory];
+
     /// As written in model.toml.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Driven => "driven",
             Kind::Static => "static",
             Kind::Tumble => "tumble",
+            Kind::Trajectory => "trajectory",
         }
     }
 }

@@ -11,6 +11,7 @@ mod numbers;
 mod profile;
 mod rest;
 mod standing;
+mod trajectory;
 mod tumble;
 mod words;
 
@@ -37,6 +38,7 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         Detail::Driven(detail) => driven::exhibits(detail),
         Detail::Static(detail) => rest::exhibits(detail),
         Detail::Tumble(detail) => tumble::exhibits(detail),
+        Detail::Trajectory(detail) => trajectory::exhibits(detail),
     };
     // Headings that differ in what no file name holds (`a/b`, `a b`), or in case alone, would share a file.
     let mut taken = HashSet::new();

@@ -47,6 +47,15 @@ const SLIPS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     ("tumble", &[("gravity_m_s2", "gravity"), ("[\"gx\", ", "[")]),
+    (
+        "flight",
+        &[
+            ("[reference]", "[references]"),
+            ("[\"gx\", ", "["),
+            ("file = \"ground", "path = \"ground"),
+            ("kind = \"traj", "kind = \"Traj"),
+        ],
+    ),
     ("map", &[("cubic_n_m3 = 0.3", ""), ("quantity = \"amplitude_n\"", "quantity = \"amplitude\"")]),
 ];
 

@@ -57,6 +57,8 @@ pub fn requested(path: &Path, model: &Model, seconds: Seconds) -> Result<Request
                 c.gyro.iter().flatten().chain(&c.accelerometer).chain(&c.environment).collect(),
             )
         }
+        // None named: the headings say it, and every column is read.
+        Model::Trajectory(m) => (m.rate_hz, &m.rows, &m.columns.time, m.columns.readings().collect()),
     };
     if matches!(model, Model::Static(m) if m.columns.channels.is_empty()) {
         return fail("the model names no channel".into(), "name at least one: channels = [\"ax\"] under [columns]");

@@ -2,6 +2,7 @@
 
 mod driven;
 mod rest;
+mod trajectory;
 mod tumble;
 
 use crate::diagnosis::answer::{Answer, Detail};
@@ -41,6 +42,7 @@ pub fn worded(answer: Answer) -> Diagnosis {
     let detectable = answer.detail.detectable().to_vec();
     let (calibration, told) = match &answer.detail {
         Detail::Tumble(detail) => (detail.published.clone(), tumble::findings(&detail.account)),
+        Detail::Trajectory(detail) => (detail.published.clone(), trajectory::findings(&detail.account)),
         Detail::Static(detail) => (None, rest::statements(&detail.statements, &detail.unit)),
         Detail::Driven(_) => (None, Vec::new()),
     };
@@ -99,6 +101,11 @@ fn said(answer: &Answer) -> Said {
                 place,
             }
         }
+        Detail::Trajectory(detail) => Said {
+            sentence: trajectory::sentence(answer.outcome, detail),
+            place: trajectory::place(detail),
+            next_experiment: trajectory::next_experiment(answer.outcome, &detail.account),
+        },
         Detail::Tumble(detail) => Said {
             sentence: tumble::sentence(answer.outcome, detail),
             place: tumble::place(detail),

@@ -1,0 +1,93 @@
+//! model.toml with kind = "trajectory": an IMU in motion, beside a reference of that motion.
+
+use std::path::{Path, PathBuf};
+
+#[cfg(feature = "cli")]
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::rest::Noise;
+use super::split::Ranges;
+use crate::motion::file::format::{Format, Order, Up};
+
+/// kind = "trajectory".
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Trajectory {
+    /// Topic, message or array, where the recording has several.
+    pub topic: Option<String>,
+    /// Sampling rate, or `columns.time`.
+    pub rate_hz: Option<f64>,
+    /// Data rows used, counted from zero after the header; absent means all. One range.
+    #[serde(default)]
+    pub rows: Ranges,
+    /// Geodetic latitude of the place, for gravity and the Earth's rate; absent: standard gravity.
+    pub latitude_deg: Option<f64>,
+    /// Height above the ellipsoid.
+    pub height_m: Option<f64>,
+    /// Columns by role; left out where the headings say it.
+    #[serde(default)]
+    pub columns: TrajectoryColumns,
+    /// The reference of the motion; absent: only what the readings show by themselves.
+    pub reference: Option<Reference>,
+    /// What the datasheet promises of the noise.
+    #[serde(default)]
+    pub noise: InertialNoise,
+}
+
+/// Columns of an IMU in motion.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoryColumns {
+    /// The clock.
+    pub time: Option<String>,
+    /// Three rates, rad/s unless the heading says another unit.
+    pub gyro: Option<[String; 3]>,
+    /// Three specific forces, m/s² unless the heading says another unit.
+    pub accelerometer: Option<[String; 3]>,
+}
+
+impl TrajectoryColumns {
+    /// The six columns, where they are named.
+    pub fn readings(&self) -> impl Iterator<Item = &String> {
+        self.gyro.iter().flatten().chain(self.accelerometer.iter().flatten())
+    }
+}
+
+/// Where the reference stands.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    /// EuRoC, TUM, KITTI or a table with headings.
+    pub file: PathBuf,
+    /// Its layout, to insist on it.
+    pub format: Option<Format>,
+    /// The file of times beside one of poses (KITTI).
+    pub times: Option<PathBuf>,
+    /// The axis of the reference that points up.
+    pub up: Option<Up>,
+    /// The order of its quaternions, to insist on it.
+    pub quaternion: Option<Order>,
+}
+
+impl Reference {
+    /// The same, with its files found from a folder.
+    pub fn in_folder(&mut self, folder: &Path) {
+        self.file = folder.join(&self.file);
+        self.times = self.times.take().map(|times| folder.join(times));
+    }
+}
+
+/// Noise of both sensors as a datasheet states it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct InertialNoise {
+    /// Of the gyro, rad/s.
+    pub gyro: Option<Noise>,
+    /// Of the accelerometer, m/s².
+    pub accelerometer: Option<Noise>,
+}

@@ -1,0 +1,137 @@
+//! An IMU in motion, beside a reference of that motion: which physics a calibrated IMU leaves out.
+//!
+//! `intake` → `start` → `fit` → `selection` → `conclusion`: readings and poses on one clock; clocks, axes and biases roughly;
+//! attitude and position of the reference against dead reckoning, linear in every parameter (`attitude`, `position`), made
+//! white (`whitening`) and summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the verdict.
+//! The base model has constant biases, gravity of the place and the IMU's stamps and axes as they are given. Not for motion
+//! without sensors (`motion`), nor for how far a sensor drifts (`strapdown`).
+
+pub mod account;
+mod attitude;
+mod blocks;
+pub mod candidate;
+mod clipping;
+mod conclusion;
+mod course;
+pub mod detail;
+mod effects;
+mod fit;
+mod intake;
+mod integral;
+mod judgement;
+mod log;
+mod parameters;
+mod permutation;
+mod position;
+mod published;
+mod rows;
+mod scatter;
+mod selection;
+mod start;
+pub mod vibration;
+mod whitening;
+
+pub use candidate::CANDIDATES;
+pub use detail::Detail;
+
+use nalgebra::Vector3;
+
+use super::answer::Answer;
+use super::model;
+use crate::control::{Control, Stopped};
+use crate::error::{Error, Result};
+use crate::motion::{Earth, Place};
+use crate::recording::Recording;
+use crate::units::DEGREE;
+use conclusion::{Found, Told};
+use course::Case;
+use fit::Fit;
+use integral::Rule;
+use log::Log;
+use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, OFFSET, PARAMETERS};
+use selection::{Allowed, Selection};
+
+/// What is left unforetold over that of the simpler rule, below which the finer one is clearly better.
+const CLEARLY: f64 = 0.8;
+
+/// Diagnoses a recording of an IMU in motion.
+///
+/// # Errors
+/// Readings or a reference that cannot be used, which do not overlap or do not move alike; when stopped.
+pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Control) -> Result<Answer> {
+    let stopped = |s: Stopped| s.during(format!("could not finish {}", recording.path.display()), "start it again");
+    let mut findings = recording.sentences();
+    let names = intake::names(recording, model)?;
+    let (mut log, began) = intake::log(recording, &names, &mut findings)?;
+    intake::units(recording, &log)?;
+    let mut spoilt = vec![false; log.time_s.len()];
+    let limits = [clipping::limits(&log.rate, &mut spoilt), clipping::limits(&log.force, &mut spoilt)];
+    let vibration = conclusion::vibration(&log, model);
+    let told = Told { recording, names, findings, limits, vibration, stated: model.noise };
+    let Some(reference) = &model.reference else { return Ok(told.without_reference(&log)) };
+    let mut told = told;
+    let motion = intake::motion(recording, reference, &log, began, &mut told.findings)?;
+    let gravity_m_s2 = gravity(model);
+    let work = control.stage("laying the clocks on each other", 0);
+    let start = start::start(&log, &motion, gravity_m_s2);
+    intake::alike(recording, &log, &start)?;
+    unswap(&mut log, &start);
+    work.rename("searching the library");
+    let case =
+        Case { log: &log, motion: &motion, turned: start.turned, gravity_m_s2, spoilt: &spoilt, rule: Rule::Straight };
+    let library = candidate::terms(motion.has_position);
+    // The Earth's rate is too small to bend anything: its slope is judged, and it is never followed.
+    let everything: Vec<usize> = selection::with(&selection::base(motion.has_position), library.iter().copied())
+        .into_iter()
+        .filter(|p| !EARTH_RATE.contains(p))
+        .collect();
+    let mut point = [0.0; PARAMETERS];
+    point[OFFSET] = start.offset_s;
+    point[GYRO_BIAS].copy_from_slice(start.gyro_bias.as_slice());
+    point[FORCE_BIAS].copy_from_slice(start.force_bias.as_slice());
+    // Vibration asks for the one; for the other only motion so quick that the reference follows it clearly more closely.
+    let straight = Fit::new(&case, &point, &everything, control).map_err(stopped)?;
+    let smooth = Case { rule: Rule::Cubic, ..case };
+    let cubic = Fit::new(&smooth, &point, &everything, control).map_err(stopped)?;
+    let clearly = cubic.unforetold() < CLEARLY * straight.unforetold();
+    let (case, fit) = if clearly { (smooth, cubic) } else { (case, straight) };
+    if fit.linear.point.iter().any(|v| !v.is_finite()) {
+        return Err(Error::new(
+            format!("could not diagnose {}", recording.path.display()),
+            "no IMU near the one given fits the reference",
+            "are reference and recording of one run, and are the reference's quaternions body to world?",
+        ));
+    }
+    // Weighed for everything first, so that no effect counts as noise; then about what was named, so that no noise of the
+    // reference counts as an effect.
+    let select = |fit: &Fit| {
+        let allowed = Allowed { has_position: motion.has_position, tilt_rad: fit.tilt_rad() };
+        selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)
+    };
+    let about = |fit: &Fit, selection: &Selection| {
+        let active = selection.active(motion.has_position);
+        let solved = fit.linear.solve(&active, |_| true).point;
+        Fit::new(&case, &solved, &active, control).map_err(stopped)
+    };
+    let fit = about(&fit, &select(&fit)?)?;
+    let selection = select(&fit)?;
+    let fit = about(&fit, &selection)?;
+    drop(work);
+    Ok(told.conclude(&Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection }))
+}
+
+/// Gravity of the place, m/s².
+fn gravity(model: &model::Trajectory) -> f64 {
+    let latitude_rad = model.latitude_deg.map(|degrees| degrees * DEGREE);
+    let height_m = model.height_m.unwrap_or_default();
+    let earth = Earth { latitude_rad, height_m, rotation: false };
+    earth.gravity_m_s2(Place { latitude_rad: latitude_rad.unwrap_or_default(), height_m })
+}
+
+/// Puts every reading on the axis that it belongs to.
+fn unswap(log: &mut Log, start: &start::Start) {
+    for (values, swap) in [(&mut log.rate, start.gyro), (&mut log.force, start.accelerometer)] {
+        let back = swap.matrix().transpose();
+        values.iter_mut().for_each(|v: &mut Vector3<f64>| *v = back * *v);
+    }
+}

@@ -1,0 +1,51 @@
+//! What a diagnosis of an IMU in motion has to tell, as data; the words are made in `report::diagnosis`.
+
+use super::candidate::Term;
+
+/// What the verdict's sentence and the next experiment rest on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Account {
+    /// Named effects, strongest first.
+    pub named: Vec<Told>,
+    /// What the motion cannot tell, and what it would take.
+    pub hidden: Vec<Hidden>,
+    /// Whether there is a reference.
+    pub with_reference: bool,
+    /// Root mean square of the base model's whitened residual on held-out blocks, and that with the named effects.
+    pub held_out: [f64; 2],
+}
+
+/// A named effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    /// Library id.
+    pub id: String,
+    /// "misalignment of the gyro".
+    pub spoken: String,
+    /// Ids that would do as well.
+    pub rivals: Vec<String>,
+}
+
+/// What was not determined: sizes below which it could not have been seen, in the term's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hidden {
+    /// Which.
+    pub term: &'static Term,
+    /// Its widest interval, half, in its unit.
+    pub half_width: f64,
+    /// What would show it.
+    pub manoeuvre: Manoeuvre,
+}
+
+/// What a body has to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Manoeuvre {
+    /// Turns about every axis.
+    TurnEveryAxis,
+    /// The six faces up, each for a while.
+    SixPositions,
+    /// Figures of eight, with accelerations to all sides.
+    FigureEight,
+    /// A longer recording.
+    Longer,
+}

@@ -1,0 +1,90 @@
+//! The reference's attitude against the one that the gyro leads to: E with R C = exp(E) Q, in north-east-down.
+//!
+//! E changes by −∫ Q δω of an error δω of the rate, so that what is fitted is linear in every parameter, wherever in the
+//! recording it began (Savage, *Strapdown inertial navigation integration algorithm design*, part 1, 1998).
+
+use nalgebra::Vector3;
+
+use super::course::{Case, Course, second};
+use super::integral::{between, cumulative, place};
+use super::parameters::{
+    COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
+    GYRO_WANDER, LOW_PASS, MOUNTING, OFFSET, PARAMETERS, Point,
+};
+use super::rows::{Bins, Row, rows};
+use crate::parallel;
+
+/// Rotation vector E at each pose, rad.
+pub fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vector3<f64>> {
+    let mounting = case.mounting(point);
+    let at = |pose: usize| {
+        let reckoned = course.attitude_at(case.log, case.stamp_s(point, pose));
+        (case.motion.attitude[pose] * mounting * reckoned.inverse()).scaled_axis()
+    };
+    (0..case.motion.time_s.len()).map(at).collect()
+}
+
+/// Rows of the attitude: changes of E from bin to bin, rad/s.
+pub fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {
+    let residual = error(case, course, point);
+    let poses = case.motion.time_s.len();
+    let places: Vec<(usize, f64)> = (0..poses).map(|pose| place(&case.log.time_s, case.stamp_s(point, pose))).collect();
+    let of = |p: usize| -> Option<Vec<Vector3<f64>>> {
+        if let Some(direct) = direct(case, course, &places, p) {
+            return Some(direct);
+        }
+        integrand(case, course, 0, p)?;
+        let changes: Vec<Vector3<f64>> = (0..case.log.time_s.len())
+            .map(|k| course.attitude[k] * integrand(case, course, k, p).unwrap_or_default())
+            .collect();
+        let all = cumulative(&case.log.time_s, &changes, case.rule);
+        Some(places.iter().map(|at| between(&case.log.time_s, &all, &changes, *at)).collect())
+    };
+    let slopes = parallel::map_indices(PARAMETERS, of);
+    rows((case.log, case.spoilt), bins, 1, &residual, &slopes)
+}
+
+/// What a parameter takes from the rate felt, in the IMU's axes: E grows by its integral.
+fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vector3<f64>> {
+    let (w, f) = (course.rate[k], course.force[k]);
+    let unit = |axis: usize, value: f64| course.gyro.column(axis) * value;
+    if GYRO_BIAS.contains(&p) {
+        return Some(unit(p - GYRO_BIAS.start, 1.0));
+    }
+    if GYRO_SCALE.contains(&p) {
+        let axis = p - GYRO_SCALE.start;
+        return Some(unit(axis, w[axis]));
+    }
+    if GYRO_MISALIGNMENT.contains(&p) {
+        let (row, column) = GYRO_OFF_DIAGONAL[p - GYRO_MISALIGNMENT.start];
+        return Some(unit(row, w[column]));
+    }
+    if G_SENSITIVITY.contains(&p) {
+        let n = p - G_SENSITIVITY.start;
+        return Some(unit(n / 3, f[n % 3]));
+    }
+    if GYRO_WANDER.contains(&p) {
+        let n = p - GYRO_WANDER.start;
+        return Some(unit(n / COSINES, case.cosines(case.log.time_s[k])[n % COSINES]));
+    }
+    (p == LOW_PASS.start).then(|| course.gyro * second(&course.rate, k, case.log.interval_s))
+}
+
+/// What a parameter does to E at the poses at once.
+fn direct(case: &Case<'_>, course: &Course, places: &[(usize, f64)], p: usize) -> Option<Vec<Vector3<f64>>> {
+    if p != OFFSET && p != DRIFT && !MOUNTING.contains(&p) && !EARTH_RATE.contains(&p) {
+        return None;
+    }
+    let middle = case.motion.middle_s();
+    let at = |(pose, (k, u)): (usize, &(usize, f64))| {
+        let attitude = course.attitude[*k];
+        let turning = || attitude * (course.rate[*k] * (1.0 - u) + course.rate[k + 1] * *u);
+        match p {
+            OFFSET => -turning(),
+            DRIFT => -turning() * (case.motion.time_s[pose] - middle),
+            _ if EARTH_RATE.contains(&p) => Vector3::ith(p - EARTH_RATE.start, case.motion.time_s[pose] - middle),
+            _ => attitude * Vector3::ith(p - MOUNTING.start, 1.0),
+        }
+    };
+    Some(places.iter().enumerate().map(at).collect())
+}

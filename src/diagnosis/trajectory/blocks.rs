@@ -1,0 +1,163 @@
+//! Normal equations of a linearised model, gathered in blocks of time: every question about a subset of the parameters, a
+//! held-out part or a jackknife is then a question about small matrices.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::parameters::{PARAMETERS, Point, widths};
+use super::rows::Row;
+use super::whitening::Whitening;
+
+/// Blocks of time that are left out one by one.
+pub const BLOCKS: usize = 20;
+
+/// Sums over some rows: XᵀX, Xᵀr, rᵀr.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sums {
+    matrix: DMatrix<f64>,
+    vector: DVector<f64>,
+    square: f64,
+    /// Numbers in it.
+    pub count: usize,
+}
+
+impl Sums {
+    fn empty() -> Self {
+        Self {
+            matrix: DMatrix::zeros(PARAMETERS, PARAMETERS),
+            vector: DVector::zeros(PARAMETERS),
+            square: 0.0,
+            count: 0,
+        }
+    }
+
+    fn add(&mut self, other: &Self, times: f64) {
+        self.matrix += &other.matrix * times;
+        self.vector += &other.vector * times;
+        self.square += other.square * times;
+        self.count = if times > 0.0 { self.count + other.count } else { self.count.saturating_sub(other.count) };
+    }
+
+    /// Sum of squares at a step from where it was linearised.
+    pub fn squares(&self, step: &DVector<f64>) -> f64 {
+        (self.square + 2.0 * self.vector.dot(step) + (&self.matrix * step).dot(step)).max(0.0)
+    }
+}
+
+/// The sums of one sensor, block by block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocks {
+    /// In order of time.
+    pub all: Vec<Sums>,
+}
+
+impl Blocks {
+    /// Of rows, made white, between two times.
+    pub fn of(rows: &[Row], whitening: &Whitening, [from_s, to_s]: [f64; 2]) -> Self {
+        let mut all = vec![Sums::empty(); BLOCKS];
+        for k in 0..rows.len() {
+            let Some((residual, slope)) = whitening.white(rows, k) else { continue };
+            let share = (rows[k].time_s - from_s) / (to_s - from_s);
+            let block = ((share * BLOCKS as f64).max(0.0) as usize).min(BLOCKS - 1);
+            let sums = &mut all[block];
+            let active: Vec<usize> = (0..PARAMETERS).filter(|p| slope[*p] != nalgebra::Vector3::zeros()).collect();
+            for (n, p) in active.iter().enumerate() {
+                sums.vector[*p] += slope[*p].dot(&residual);
+                for q in &active[..=n] {
+                    let product = slope[*p].dot(&slope[*q]);
+                    sums.matrix[(*p, *q)] += product;
+                    if p != q {
+                        sums.matrix[(*q, *p)] += product;
+                    }
+                }
+            }
+            sums.square += residual.norm_squared();
+            sums.count += 3;
+        }
+        Self { all }
+    }
+}
+
+/// A linearised model: the point about which it is one, and the sums of each sensor.
+#[derive(Debug, Clone)]
+pub struct Linear {
+    /// Where it was linearised.
+    pub point: Point,
+    /// By sensor: attitude, and position where there is one.
+    pub sensors: Vec<Blocks>,
+}
+
+/// Parameters of a subset, the others being zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// All parameters.
+    pub point: Point,
+    /// Covariance of the active ones under white noise, in their order.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Linear {
+    /// The sums over blocks.
+    fn total(&self, wanted: impl Fn(usize) -> bool) -> Sums {
+        let mut total = Sums::empty();
+        for blocks in &self.sensors {
+            for (_, sums) in blocks.all.iter().enumerate().filter(|(n, _)| wanted(*n)) {
+                total.add(sums, 1.0);
+            }
+        }
+        total
+    }
+
+    /// Best parameters of a subset on the blocks wanted.
+    pub fn solve(&self, active: &[usize], wanted: impl Fn(usize) -> bool) -> Solved {
+        self.solve_sums(&self.total(wanted), active)
+    }
+
+    fn solve_sums(&self, sums: &Sums, active: &[usize]) -> Solved {
+        let widths = widths();
+        // What is not active goes to zero.
+        let mut step = DVector::from_iterator(PARAMETERS, self.point.iter().map(|v| -v));
+        active.iter().for_each(|p| step[*p] = 0.0);
+        let gradient = &sums.vector + &sums.matrix * &step;
+        let count = active.len();
+        let scale: Vec<f64> = active.iter().map(|p| widths[*p]).collect();
+        // In units of the widths of the prior.
+        let mut matrix =
+            DMatrix::from_fn(count, count, |i, j| sums.matrix[(active[i], active[j])] * scale[i] * scale[j]);
+        let mut right = DVector::from_fn(count, |i, _| -gradient[active[i]] * scale[i]);
+        for i in 0..count {
+            matrix[(i, i)] += 1.0;
+            right[i] -= self.point[active[i]] / scale[i];
+        }
+        let mut point = [0.0; PARAMETERS];
+        let mut covariance = DMatrix::zeros(count, count);
+        if let Some(factored) = matrix.cholesky() {
+            let solution = factored.solve(&right);
+            let inverse = factored.inverse();
+            for (i, p) in active.iter().enumerate() {
+                point[*p] = self.point[*p] + solution[i] * scale[i];
+                for j in 0..count {
+                    covariance[(i, j)] = inverse[(i, j)] * scale[i] * scale[j];
+                }
+            }
+        }
+        Solved { point, covariance }
+    }
+
+    /// The same with each block left out in turn.
+    pub fn replicates(&self, active: &[usize]) -> Vec<Point> {
+        let total = self.total(|_| true);
+        let without = |block: usize| {
+            let mut sums = total.clone();
+            self.sensors.iter().for_each(|s| sums.add(&s.all[block], -1.0));
+            self.solve_sums(&sums, active).point
+        };
+        (0..BLOCKS).filter(|b| self.sensors.iter().any(|s| s.all[*b].count > 0)).map(without).collect()
+    }
+
+    /// Sum of squares and how many numbers, of a sensor's block at a point.
+    pub fn squares(&self, sensor: usize, block: usize, point: &Point) -> (f64, usize) {
+        let step = DVector::from_fn(PARAMETERS, |p, _| point[p] - self.point[p]);
+        let sums = &self.sensors[sensor].all[block];
+        (sums.squares(&step), sums.count)
+    }
+}

@@ -1,0 +1,53 @@
+//! A candidate as the fit takes it: the parameters that it frees and how they are stated.
+
+use std::ops::Range;
+
+use crate::diagnosis::candidate::Candidate;
+use crate::sensor::Sense;
+
+/// A unit that parameters are stated in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// As written.
+    pub name: &'static str,
+    /// How many of them are one SI unit.
+    pub per_si: f64,
+}
+
+/// A candidate and its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// What the library says of it.
+    pub candidate: &'static Candidate,
+    /// The sensor it acts in; none: both.
+    pub sensor: Option<Sense>,
+    /// Parameters it frees.
+    pub parameters: Range<usize>,
+    /// Their names, in order.
+    pub names: &'static [&'static str],
+    /// What they are stated in.
+    pub unit: Unit,
+    /// The largest size that such a sensor or mounting has, SI.
+    pub largest: f64,
+    /// Sizes below which it costs nothing, SI.
+    pub smallest: f64,
+    /// What looks the same in the readings as an attitude of the reference that errs by one radian, SI; zero where nothing.
+    pub per_tilt: f64,
+    /// Whether a reference of attitude alone can show it.
+    pub by_attitude: bool,
+}
+
+impl Term {
+    /// Library id.
+    pub fn id(&self) -> &'static str {
+        self.candidate.id
+    }
+
+    /// "misalignment of the gyro".
+    pub fn spoken(&self) -> String {
+        match self.sensor {
+            Some(sensor) => format!("{} of the {}", self.id(), sensor.name()),
+            None => self.id().to_owned(),
+        }
+    }
+}

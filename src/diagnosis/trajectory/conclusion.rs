@@ -1,0 +1,332 @@
+//! From a selection to the verdict: what is named, what the motion could not tell, how well it fits.
+
+use nalgebra::Vector3;
+
+use super::account::{Account, Hidden, Manoeuvre, Told as ToldEffect};
+use super::candidate::Term;
+use super::clipping::Limit;
+use super::course::Case;
+use super::detail::{Detail, Series};
+use super::effects;
+use super::fit::{Fit, Residuals};
+use super::intake::Names;
+use super::judgement::{HeldOut, Standing};
+use super::log::Log;
+use super::parameters::Point;
+use super::permutation::Permutation;
+use super::published::{self, Fitted};
+use super::scatter;
+use super::selection::{Selection, base};
+use super::start::Start;
+use super::vibration::{self, Vibration};
+use crate::diagnosis::answer::{self, Answer, Places};
+use crate::diagnosis::candidate::Kind;
+use crate::diagnosis::model::{InertialNoise, Noise, Trajectory};
+use crate::diagnosis::remainder::{Remainder, Size, Test};
+use crate::diagnosis::ruling::{Evidence, rule};
+use crate::diagnosis::standing::{Gain, Note, Ranked};
+use crate::diagnosis::verdict::{Effect, Fit as FitScore, RecordingInfo, Score};
+use crate::numerics::special::normal_cdf;
+use crate::recording::Recording;
+use crate::sensor::Sense;
+
+/// Points of a figure.
+const DRAWN: usize = 2000;
+/// Held-out mean square over that of the noise which is tolerated, and from which on something is missing.
+const LEFT: [f64; 2] = [1.5, 3.0];
+/// Half an interval over the smallest size that matters, beyond which the motion tells nothing of it.
+const WIDE: f64 = 10.0;
+
+/// What a search found.
+pub struct Found<'a> {
+    /// Readings on their axes.
+    pub log: &'a Log,
+    /// What was fitted.
+    pub case: &'a Case<'a>,
+    /// Where it began.
+    pub start: &'a Start,
+    /// Everything at once.
+    pub fit: &'a Fit,
+    /// What was named.
+    pub selection: &'a Selection,
+}
+
+/// What the readings told by themselves.
+pub struct Told<'a> {
+    /// As read.
+    pub recording: &'a Recording,
+    /// Columns of gyro and accelerometer.
+    pub names: Names,
+    /// So far.
+    pub findings: Vec<String>,
+    /// Limits of gyro and accelerometer.
+    pub limits: [Vec<Limit>; 2],
+    /// Vibration of gyro and accelerometer.
+    pub vibration: [Option<Vibration>; 2],
+    /// As the datasheet promises.
+    pub stated: InertialNoise,
+}
+
+const SENSORS: [Sense; 2] = [Sense::Gyro, Sense::Accelerometer];
+
+/// Vibration of both sensors, beside what the model states.
+pub fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
+    let stated = [model.noise.gyro, model.noise.accelerometer].map(|noise| noise.map(|n| n.density));
+    let rate_hz = 1.0 / log.interval_s;
+    [vibration::vibration(&log.rate, rate_hz, stated[0]), vibration::vibration(&log.force, rate_hz, stated[1])]
+}
+
+impl Told<'_> {
+    /// The verdict without a reference: limits and vibration alone.
+    pub fn without_reference(self, log: &Log) -> Answer {
+        let effects = self.of_readings([0.0; 2], [Permutation::NONE; 2], 0.0);
+        let account = self.account(&effects, None, [0.0; 2]);
+        let outcome = rule(&Evidence { named: effects.len(), has_power: false, ..Evidence::default() });
+        let fit = FitScore {
+            unit: "times the noise".into(),
+            noise_floor: 1.0,
+            noise: None,
+            train: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None },
+            test: Score { rmse_before: 1.0, rmse_after: None, ratio_ci95: None },
+            test_ranges: Vec::new(),
+            recordings: Vec::new(),
+            log_score: None,
+            one_step_rmse: None,
+        };
+        let detail = self.detail(log, None, account);
+        self.answer(outcome, effects, fit, Remainder::of([]), Vec::new(), Vec::new(), detail)
+    }
+
+    /// The verdict beside a reference.
+    pub fn conclude(self, found: &Found<'_>) -> Answer {
+        let (fit, selection, has_position) = (found.fit, found.selection, found.case.motion.has_position);
+        let small = base(has_position);
+        let active = selection.active(has_position);
+        let chosen = Fitted::of(&fit.linear, &active);
+        let wide = Fitted::of(&fit.linear, &published::usual(&active, has_position));
+        let before = fit.linear.solve(&small, |_| true).point;
+        let held = HeldOut::of(&fit.linear, &small, &active);
+        let clipped = fit.residuals.first().map_or(0.0, |r| lies_in_clipped(r, &fit.linear.point, &chosen.point));
+        let swap = [found.start.gyro, found.start.accelerometer];
+        let mut effects: Vec<Effect> =
+            selection.named.iter().map(|n| effects::fitted(n, &chosen, self.channels(n.standing.term))).collect();
+        effects::mounted(&mut effects, found.start.turned, &self.names);
+        effects.splice(0..0, self.of_readings([clipped; 2], swap, found.start.explained));
+        let clocked = Fitted::of(&fit.linear, &published::clocked(&active));
+        let left: Vec<Vec<(Vector3<f64>, bool)>> = fit.residuals.iter().map(|r| left(fit, r, &clocked.point)).collect();
+        let rate_hz = 1.0 / found.log.interval_s;
+        // N² is half the one-sided density: the one stated, else the floor of the readings.
+        let walk = |stated: Option<Noise>, readings: &[Vector3<f64>]| {
+            0.5 * stated.map_or_else(|| scatter::floor(readings, rate_hz), |noise| noise.density * noise.density)
+        };
+        let own = [walk(self.stated.gyro, &found.log.rate), walk(self.stated.accelerometer, &found.log.force)];
+        let attitude = scatter::excess(&left[0], fit.residuals[0].width_s, own[0]);
+        let position = left.get(1).and_then(|l| scatter::position(l, fit.residuals[1].width_s, own[1]));
+        effects.extend(effects::reference(attitude, position));
+        let remainder = remainder(fit, &chosen.point, held.rms()[1]);
+        let named = effects.len();
+        let outcome = rule(&Evidence {
+            named,
+            tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
+            remainder: remainder.size,
+            held_out_ratio: held.ratio()[0],
+            ..Evidence::default()
+        });
+        let account = self.account(&effects, Some(selection), held.rms());
+        let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
+        detail.published = published::calibration(&wide, swap);
+        let scores = scores(found, [&before, &chosen.point], &held, named > 0);
+        let mut answer =
+            self.answer(outcome, effects, scores, remainder, published::base(&clocked, &wide), Vec::new(), detail);
+        answer.ranking = ranking(&answer.effects, selection);
+        answer
+    }
+
+    /// Effects that the readings show by themselves.
+    fn of_readings(&self, clipped: [f64; 2], swap: [Permutation; 2], explained: f64) -> Vec<Effect> {
+        let mut all = Vec::new();
+        for (k, sensor) in SENSORS.into_iter().enumerate() {
+            all.extend(effects::swapped(swap[k], sensor, &self.names[k], explained));
+            all.extend(effects::saturation(&self.limits[k], sensor, &self.names[k], clipped[k]));
+        }
+        for (k, sensor) in SENSORS.into_iter().enumerate() {
+            all.extend(self.vibration[k].iter().map(|v| effects::vibration(v, sensor, &self.names[k])));
+        }
+        all
+    }
+
+    fn channels(&self, term: &Term) -> Vec<String> {
+        let of = |sensor: Sense| self.names[usize::from(sensor == Sense::Accelerometer)].to_vec();
+        match term.sensor {
+            Some(sensor) => of(sensor),
+            None => of(Sense::Gyro).into_iter().chain(of(Sense::Accelerometer)).collect(),
+        }
+    }
+
+    fn account(&self, effects: &[Effect], selection: Option<&Selection>, held_out: [f64; 2]) -> Account {
+        let spoken = |effect: &Effect| {
+            let term = selection.and_then(|s| s.named.iter().find(|n| n.standing.term.id() == effect.id));
+            term.map_or(effect.id.clone(), |n| n.standing.term.spoken())
+        };
+        let named = effects
+            .iter()
+            .map(|e| ToldEffect { id: e.id.clone(), spoken: spoken(e), rivals: e.confusable_with.clone() })
+            .collect();
+        let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
+        Account { named, hidden, with_reference: selection.is_some(), held_out }
+    }
+
+    fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {
+        let rate_hz = 1.0 / log.interval_s;
+        let root = |readings: &[Vector3<f64>]| -> Vec<(f64, f64)> {
+            vibration::spectrum(readings, rate_hz).0.into_iter().map(|(hz, v)| (hz, v.sqrt())).collect()
+        };
+        let series = |sensor: usize| -> Series {
+            let Some((found, before, after)) = found else { return Series::default() };
+            let Some(residuals) = found.fit.residuals.get(sensor) else { return Series::default() };
+            let of = |point: &Point| lengths(found.fit, residuals, point);
+            Series { before: of(before), after: of(after) }
+        };
+        let drift = found.map_or(Vec::new(), |(found, ..)| {
+            let times = &found.case.motion.time_s;
+            let every = times.len().div_ceil(DRAWN).max(1);
+            times.iter().zip(&found.fit.error).step_by(every).map(|(t, e)| (*t, e.norm())).collect()
+        });
+        Detail {
+            attitude: series(0),
+            position: series(1),
+            drift,
+            spectra: [root(&log.rate), root(&log.force)],
+            stated: [self.stated.gyro, self.stated.accelerometer].map(|noise| noise.map(|n| n.density)),
+            published: None,
+            account,
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one call each for two ways to a verdict")]
+    fn answer(
+        self,
+        outcome: crate::diagnosis::verdict::Outcome,
+        effects: Vec<Effect>,
+        fit: FitScore,
+        remainder: Remainder,
+        base: Vec<crate::diagnosis::verdict::Estimate>,
+        ranking: Vec<Ranked>,
+        detail: Detail,
+    ) -> Answer {
+        Answer {
+            kind: Kind::Trajectory,
+            outcome,
+            recording: RecordingInfo::of(self.recording),
+            base,
+            effects,
+            places: Places::default(),
+            fit,
+            residual_after: remainder.whiteness(),
+            findings: self.findings,
+            ranking,
+            repair: None,
+            detail: answer::Detail::Trajectory(Box::new(detail)),
+        }
+    }
+}
+
+/// Residuals of rows at a point, and whether they hold.
+fn left(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(Vector3<f64>, bool)> {
+    residuals.rows.iter().map(|row| (row.at(&fit.linear.point, point), row.holds)).collect()
+}
+
+fn lengths(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(f64, f64)> {
+    let every = residuals.rows.len().div_ceil(DRAWN).max(1);
+    let drawn = residuals.rows.iter().filter(|r| r.holds).step_by(every);
+    drawn.map(|row| (row.time_s, row.at(&fit.linear.point, point).norm())).collect()
+}
+
+/// Share of the error of all rows that lies in those which do not hold.
+fn lies_in_clipped(residuals: &Residuals, from: &Point, to: &Point) -> f64 {
+    let mean = |wanted: &dyn Fn(bool) -> bool| {
+        let squares = residuals.rows.iter().filter(|r| wanted(r.holds)).map(|r| r.at(from, to).norm_squared());
+        let (sum, n) = squares.fold((0.0, 0.0), |s, v| (s.0 + v, s.1 + 1.0));
+        sum / f64::max(n, 1.0)
+    };
+    (1.0 - mean(&|holds| holds) / mean(&|_| true).max(f64::MIN_POSITIVE)).max(0.0)
+}
+
+/// What the chosen model leaves: more than everything together would, or a colour that was not seen.
+fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
+    let square = held_out_rms * held_out_rms;
+    let mut tests =
+        vec![Test { p_value: if square > LEFT[0] { 0.0 } else { 1.0 }, size: Size::of(square, LEFT[0], LEFT[1]) }];
+    for residuals in &fit.residuals {
+        let step: Vec<f64> = chosen.iter().zip(&fit.linear.point).map(|(a, b)| a - b).collect();
+        let white = |k: usize| {
+            let (residual, slope) = residuals.whitening.white(&residuals.rows, k)?;
+            Some(slope.iter().zip(&step).fold(residual, |r, (s, d)| r + s * *d))
+        };
+        let all: Vec<Option<Vector3<f64>>> = (0..residuals.rows.len()).map(white).collect();
+        let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = all.windows(2).filter_map(|p| Some((p[0]?, p[1]?))).collect();
+        let squares: f64 = pairs.iter().map(|(a, _)| a.norm_squared()).sum();
+        let follows = pairs.iter().map(|(a, b)| a.dot(b)).sum::<f64>() / squares.max(f64::MIN_POSITIVE);
+        let deviations = follows.abs() * (3.0 * pairs.len() as f64).sqrt();
+        let p_value = 4.0 * (1.0 - normal_cdf(deviations));
+        tests.push(Test { p_value, size: Size::of(follows.abs(), 0.1, 0.3) });
+    }
+    Remainder::of(tests)
+}
+
+fn scores(found: &Found<'_>, [before, after]: [&Point; 2], held: &HeldOut, named: bool) -> FitScore {
+    let linear = &found.fit.linear;
+    let rms = |point: &Point| {
+        let mut all = (0.0, 0);
+        for sensor in 0..linear.sensors.len() {
+            for block in 0..super::blocks::BLOCKS {
+                let (square, n) = linear.squares(sensor, block, point);
+                all = (all.0 + square, all.1 + n);
+            }
+        }
+        (all.0 / f64::from(all.1.max(1) as u32)).sqrt()
+    };
+    let some = |value: f64| named.then_some(value);
+    let [held_before, held_after] = held.rms();
+    FitScore {
+        unit: "times the noise".into(),
+        noise_floor: 1.0,
+        noise: None,
+        train: Score { rmse_before: rms(before), rmse_after: some(rms(after)), ratio_ci95: None },
+        test: Score { rmse_before: held_before, rmse_after: some(held_after), ratio_ci95: named.then(|| held.ratio()) },
+        test_ranges: Vec::new(),
+        recordings: Vec::new(),
+        log_score: None,
+        one_step_rmse: None,
+    }
+}
+
+fn ranking(effects: &[Effect], selection: &Selection) -> Vec<Ranked> {
+    let row = |s: &Standing, named: bool| Ranked {
+        id: s.term.id(),
+        channels: s.term.sensor.map(|sensor| sensor.name().to_owned()).into_iter().collect(),
+        gain: Gain::held_out(s.gain, s.ci95),
+        p_value: s.p_value,
+        named,
+        note: if effects.is_empty() { Note::Alone } else { Note::BesideNamed },
+    };
+    let named = selection.named.iter().map(|n| row(&n.standing, true));
+    named.chain(selection.others.iter().map(|s| row(s, false))).collect()
+}
+
+/// A term whose interval is so wide that the recording says nothing of it.
+fn hidden(standing: &Standing) -> Option<Hidden> {
+    let term = standing.term;
+    let widest = standing.half_widths.iter().copied().fold(0.0, f64::max);
+    (widest > WIDE * term.smallest).then(|| Hidden {
+        term,
+        half_width: widest * term.unit.per_si,
+        manoeuvre: match (term.id(), term.sensor) {
+            ("earth-rate", _) => Manoeuvre::Longer,
+            ("lever-arm", _) => Manoeuvre::FigureEight,
+            ("g-sensitivity", _) | (_, Some(Sense::Accelerometer)) => Manoeuvre::SixPositions,
+            (_, Some(Sense::Gyro)) => Manoeuvre::TurnEveryAxis,
+            _ => Manoeuvre::FigureEight,
+        },
+    })
+}

@@ -1,0 +1,164 @@
+//! Dead reckoning of attitude with a sensor at a point of the parameters, and how each parameter turns it.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::integral::{Rule, cumulative, place};
+use super::log::{Log, Motion};
+use super::parameters::{
+    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, G_SENSITIVITY,
+    GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, LOW_PASS, MOUNTING, OFFSET, Point,
+};
+
+/// What is fitted: readings, reference, and the rotation that the search starts from.
+#[derive(Debug, Clone, Copy)]
+pub struct Case<'a> {
+    /// Readings.
+    pub log: &'a Log,
+    /// Reference.
+    pub motion: &'a Motion,
+    /// C₀, from the IMU's axes to the reference's body axes.
+    pub turned: UnitQuaternion<f64>,
+    /// Gravity of the place, m/s².
+    pub gravity_m_s2: f64,
+    /// Samples that are no reading (clipped, filled): their time is left out.
+    pub spoilt: &'a [bool],
+    /// What is taken to happen between readings.
+    pub rule: Rule,
+}
+
+impl Case<'_> {
+    /// The IMU's stamp of a pose.
+    pub fn stamp_s(&self, point: &Point, pose: usize) -> f64 {
+        let t = self.motion.time_s[pose];
+        t + point[OFFSET] + point[DRIFT] * (t - self.motion.middle_s())
+    }
+
+    /// C at a point.
+    pub fn mounting(&self, point: &Point) -> UnitQuaternion<f64> {
+        self.turned * UnitQuaternion::from_scaled_axis(vector(point, MOUNTING.start))
+    }
+
+    /// cos(nπu), n = 1, 2, at a time.
+    pub fn cosines(&self, time_s: f64) -> [f64; COSINES] {
+        let u = self.log.share(time_s);
+        std::array::from_fn(|n| (std::f64::consts::PI * (n + 1) as f64 * u).cos())
+    }
+}
+
+/// Three numbers in a row.
+pub fn vector(point: &Point, start: usize) -> Vector3<f64> {
+    Vector3::new(point[start], point[start + 1], point[start + 2])
+}
+
+/// I + S of the gyro.
+pub fn gyro_matrix(point: &Point) -> Matrix3<f64> {
+    let mut matrix = Matrix3::from_diagonal(&(vector(point, GYRO_SCALE.start).add_scalar(1.0)));
+    for (n, at) in GYRO_OFF_DIAGONAL.into_iter().enumerate() {
+        matrix[at] = point[GYRO_MISALIGNMENT.start + n];
+    }
+    matrix
+}
+
+/// I + S of the accelerometer.
+pub fn force_matrix(point: &Point) -> Matrix3<f64> {
+    let mut matrix = Matrix3::from_diagonal(&(vector(point, FORCE_SCALE.start).add_scalar(1.0)));
+    for (n, at) in FORCE_OFF_DIAGONAL.into_iter().enumerate() {
+        matrix[at] = point[FORCE_MISALIGNMENT.start + n];
+    }
+    matrix
+}
+
+/// K.
+pub fn g_sensitivity(point: &Point) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
+}
+
+/// What the sensors felt, and the attitude that their gyro leads to.
+#[derive(Debug, Clone)]
+pub struct Course {
+    /// Rate in the IMU's axes, rad/s.
+    pub rate: Vec<Vector3<f64>>,
+    /// Specific force in the IMU's axes, m/s².
+    pub force: Vec<Vector3<f64>>,
+    /// From the IMU's axes to north-east-down, from the reference's attitude at the middle pose on.
+    pub attitude: Vec<UnitQuaternion<f64>>,
+    /// (I + S)⁻¹ of the gyro.
+    pub gyro: Matrix3<f64>,
+    /// The same of the accelerometer.
+    pub accelerometer: Matrix3<f64>,
+}
+
+impl Course {
+    /// At a point.
+    pub fn of(case: &Case<'_>, point: &Point) -> Self {
+        let inverse = |matrix: Matrix3<f64>| matrix.try_inverse().unwrap_or_else(Matrix3::identity);
+        let (gyro, accelerometer) = (inverse(gyro_matrix(point)), inverse(force_matrix(point)));
+        let k = g_sensitivity(point);
+        let wander = |start: usize, time_s: f64| {
+            let cosines = case.cosines(time_s);
+            Vector3::from_fn(|i, _| (0..COSINES).map(|n| point[start + COSINES * i + n] * cosines[n]).sum::<f64>())
+        };
+        let log = case.log;
+        let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
+        for n in 0..log.rate.len() {
+            let bent = |values: &[Vector3<f64>], kappa: f64| match kappa {
+                0.0 => values[n],
+                _ => values[n] - second(values, n, log.interval_s) * kappa,
+            };
+            let f = accelerometer
+                * (bent(&log.force, point[LOW_PASS.start + 1])
+                    - vector(point, FORCE_BIAS.start)
+                    - wander(FORCE_WANDER.start, log.time_s[n]));
+            let w = gyro
+                * (bent(&log.rate, point[LOW_PASS.start])
+                    - vector(point, GYRO_BIAS.start)
+                    - wander(GYRO_WANDER.start, log.time_s[n])
+                    - k * f);
+            rate.push(w);
+            force.push(f);
+        }
+        let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro, accelerometer };
+        // Anchored in the middle, so that errors that grow are smallest.
+        let middle = case.motion.time_s.len() / 2;
+        let imu = course.attitude_at(log, case.stamp_s(point, middle));
+        let anchor = case.motion.attitude[middle] * case.mounting(point) * imu.inverse();
+        course.attitude.iter_mut().for_each(|q| *q = anchor * *q);
+        course
+    }
+
+    /// The attitude at an IMU's stamp, which may lie between samples.
+    pub fn attitude_at(&self, log: &Log, stamp_s: f64) -> UnitQuaternion<f64> {
+        let (k, u) = place(&log.time_s, stamp_s);
+        let step = log.time_s[k + 1] - log.time_s[k];
+        // The integral of a rate that changes evenly, from the sample on.
+        let turn = (self.rate[k] + (self.rate[k + 1] - self.rate[k]) * (0.5 * u)) * (u * step);
+        self.attitude[k] * UnitQuaternion::from_scaled_axis(turn)
+    }
+}
+
+/// Second derivative by time at a sample, over a stretch wide enough for noise.
+pub fn second(values: &[Vector3<f64>], at: usize, interval_s: f64) -> Vector3<f64> {
+    let reach = ((0.02 / interval_s).round() as usize).max(1);
+    let (before, after) = (at.saturating_sub(reach), (at + reach).min(values.len() - 1));
+    if after - before < 2 * reach {
+        return Vector3::zeros();
+    }
+    (values[before] + values[after] - values[at] * 2.0) / (reach as f64 * interval_s).powi(2)
+}
+
+/// Attitudes from rates, the first one being none: coning made good by the one before.
+fn reckoned(log: &Log, rate: &[Vector3<f64>], rule: Rule) -> Vec<UnitQuaternion<f64>> {
+    let angles = cumulative(&log.time_s, rate, rule);
+    let mut attitude = UnitQuaternion::identity();
+    let mut before = Vector3::zeros();
+    let mut all = Vec::with_capacity(rate.len());
+    all.push(attitude);
+    for pair in angles.windows(2) {
+        let now = pair[1] - pair[0];
+        attitude *= UnitQuaternion::from_scaled_axis(now + before.cross(&now) / 12.0);
+        attitude.renormalize();
+        all.push(attitude);
+        before = now;
+    }
+    all
+}

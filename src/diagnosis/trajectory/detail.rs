@@ -1,0 +1,32 @@
+//! Plain numbers behind the figures and the words of a diagnosis of an IMU in motion.
+
+use super::account::Account;
+use crate::diagnosis::verdict::Triads;
+
+/// Plain numbers behind the figures.
+#[derive(Debug, Clone)]
+pub struct Detail {
+    /// Attitude: changes of the error per second.
+    pub attitude: Series,
+    /// Position: errors of acceleration.
+    pub position: Series,
+    /// Angle between reference and dead reckoning, rad, over time.
+    pub drift: Vec<(f64, f64)>,
+    /// Spectra of gyro and accelerometer in motion: Hz, unit/√Hz, mean of the axes.
+    pub spectra: [Vec<(f64, f64)>; 2],
+    /// Stated one-sided densities.
+    pub stated: [Option<f64>; 2],
+    /// Biases and matrices with their intervals.
+    pub published: Option<Triads>,
+    /// What the words rest on.
+    pub account: Account,
+}
+
+/// Lengths of a residual over time, thinned for plotting: s, SI.
+#[derive(Debug, Clone, Default)]
+pub struct Series {
+    /// Base model.
+    pub before: Vec<(f64, f64)>,
+    /// With the named effects.
+    pub after: Vec<(f64, f64)>,
+}

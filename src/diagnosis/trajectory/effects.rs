@@ -1,0 +1,139 @@
+//! Named effects as the public document states them.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::candidate::{AXIS_SWAP, MOUNTING, REFERENCE_NOISE, SATURATION, VIBRATION};
+use super::clipping::Limit;
+use super::judgement::Standing;
+use super::permutation::Permutation;
+use super::published::Fitted;
+use super::scatter::Excess;
+use super::selection::Named;
+use super::vibration::Vibration;
+use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
+use crate::sensor::Sense;
+use crate::units::DEGREE;
+
+/// What a mounting that needed no fit is known to, °: below, it would cost nothing.
+const SMALL_DEG: f64 = 0.1;
+
+/// Unit of a sensor's readings.
+pub fn unit(sensor: Sense) -> &'static str {
+    match sensor {
+        Sense::Gyro => "rad/s",
+        Sense::Accelerometer => "m/s^2",
+    }
+}
+
+fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String>, evidence: Evidence) -> Effect {
+    Effect {
+        id: candidate.id.into(),
+        statement: candidate.statement.into(),
+        equation: candidate.equation.into(),
+        parameters,
+        channels,
+        form: None,
+        evidence,
+        confusable_with: Vec::new(),
+    }
+}
+
+/// A fitted term.
+pub fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
+    let Standing { term, gain, p_value, .. } = &named.standing;
+    let parameters = term.parameters.clone().zip(term.names);
+    let parameters = parameters.map(|(p, name)| fit.estimate(p, name, term.unit.name, term.unit.per_si)).collect();
+    let evidence = Evidence { held_out_gain: *gain, p_value: *p_value };
+    let mut effect = effect(term.candidate, parameters, channels, evidence);
+    effect.confusable_with = named.rivals.iter().map(|t| t.id().to_owned()).collect();
+    effect
+}
+
+/// A mounting by large angles, which the start found: the effect is there, and its numbers are those of the whole rotation.
+pub fn mounted(effects: &mut Vec<Effect>, turned: UnitQuaternion<f64>, names: &[[String; 3]; 2]) {
+    if turned.angle() == 0.0 {
+        return;
+    }
+    let known = effects.iter().position(|e| e.id == MOUNTING.id);
+    let small = known.map(|at| effects.remove(at));
+    let half = |axis: usize| {
+        small.as_ref().and_then(|e| e.parameters.get(axis)).map_or(SMALL_DEG, |p| 0.5 * (p.ci95[1] - p.ci95[0]))
+    };
+    let rest = small.as_ref().map_or(Vector3::zeros(), |e| Vector3::from_fn(|i, _| e.parameters[i].value * DEGREE));
+    let whole = (turned * UnitQuaternion::from_scaled_axis(rest)).scaled_axis() / DEGREE;
+    let parameters = ["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| Estimate {
+        name: name.into(),
+        value: whole[axis],
+        unit: "deg".into(),
+        ci95: [whole[axis] - half(axis), whole[axis] + half(axis)],
+    });
+    let evidence = small.as_ref().map_or(Evidence { held_out_gain: 1.0, p_value: f64::MIN_POSITIVE }, |e| e.evidence);
+    effects.insert(0, effect(&MOUNTING, parameters.collect(), names.concat(), evidence));
+}
+
+/// Readings at a limit; `gain` is the share of the error that lies in the time when they stand there.
+pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
+    let parameters: Vec<Estimate> = limits
+        .iter()
+        .map(|limit| Estimate {
+            name: format!("{}_{}", sensor.name(), ["x", "y", "z"][limit.axis]),
+            value: limit.value,
+            unit: unit(sensor).into(),
+            // The limit lies above all readings but those that stand at it.
+            ci95: [limit.value - limit.gap, limit.value + limit.gap],
+        })
+        .collect();
+    let channels = limits.iter().map(|limit| names[limit.axis].clone()).collect();
+    // Chance that readings of a smooth density coincide in so many cases: below what can be written.
+    let evidence = Evidence { held_out_gain: gain, p_value: f64::MIN_POSITIVE };
+    (!limits.is_empty()).then(|| effect(&SATURATION, parameters, channels, evidence))
+}
+
+/// Exchanged columns.
+pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
+    (swap != Permutation::NONE).then(|| {
+        let evidence = Evidence { held_out_gain: gain, p_value: f64::MIN_POSITIVE };
+        let mut effect = effect(&AXIS_SWAP, Vec::new(), names.to_vec(), evidence);
+        effect.equation = format!("columns of the {} read {}", sensor.name(), swap.map());
+        effect
+    })
+}
+
+/// Vibration of a sensor.
+pub fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effect {
+    let density_unit = format!("{}/√Hz", unit(sensor));
+    let mut parameters =
+        vec![Estimate { name: "density".into(), value: found.density, unit: density_unit, ci95: found.ci95 }];
+    for (n, (hz, amplitude)) in found.lines.iter().enumerate() {
+        let estimate = |name: &str, value: f64, unit: &str, half: f64| Estimate {
+            name: format!("{name}_{}", n + 1),
+            value,
+            unit: unit.into(),
+            ci95: [value - half, value + half],
+        };
+        parameters.push(estimate("frequency", *hz, "Hz", found.step_hz));
+        parameters.push(estimate("amplitude", *amplitude, unit(sensor), 0.5 * amplitude));
+    }
+    let share = found.stated.map_or(0.0, |stated| 1.0 - (stated / found.density).powi(2));
+    let evidence = Evidence { held_out_gain: share.max(0.0), p_value: f64::MIN_POSITIVE };
+    effect(&VIBRATION, parameters, names.to_vec(), evidence)
+}
+
+/// What the reference errs by.
+pub fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option<Effect> {
+    let estimate = |name: &str, excess: Excess, unit: &str, per_si: f64| Estimate {
+        name: name.into(),
+        value: excess.deviation * per_si,
+        unit: unit.into(),
+        ci95: excess.ci95.map(|v| v * per_si),
+    };
+    let parameters: Vec<Estimate> = attitude
+        .map(|e| estimate("attitude", e, "mrad", 1e3))
+        .into_iter()
+        .chain(position_m.map(|e| estimate("position", e, "mm", 1e3)))
+        .collect();
+    let times = [attitude, position_m].into_iter().flatten().map(|e| e.times).fold(1.0, f64::max);
+    let evidence = Evidence { held_out_gain: 1.0 - 1.0 / times, p_value: super::judgement::FALSE_NAME };
+    (!parameters.is_empty()).then(|| effect(&REFERENCE_NOISE, parameters, vec!["reference".into()], evidence))
+}

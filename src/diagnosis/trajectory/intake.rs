@@ -1,0 +1,169 @@
+//! From a file and its model to readings and reference on one clock; what is wrong with them is said by name.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::log::{Log, Motion};
+use super::permutation::Permutation;
+use super::start::Start;
+use crate::diagnosis::model::{Reference, Trajectory};
+use crate::error::{Error, Result};
+use crate::motion::file::{self, Poses};
+use crate::number::rounded;
+use crate::numerics::order;
+use crate::recording::clock::instant::Instant;
+use crate::recording::{Recording, inertial, roles};
+
+/// Fewest seconds that both cover.
+const SHORTEST_S: f64 = 10.0;
+/// A difference of clocks that no overlap will mend, s.
+const DAYS_S: f64 = 86_400.0;
+/// Share of the gyro's variance that the reference must explain before both move alike.
+const ALIKE: f64 = 0.3;
+/// Root mean square of the rate, rad/s, below which nothing turns.
+const TURNS: f64 = 0.01;
+
+fn fail(recording: &Recording, cause: String, hint: &str) -> Error {
+    Error::new(format!("could not diagnose {}", recording.path.display()), cause, hint)
+}
+
+/// Names of the columns of gyro and accelerometer.
+pub type Names = [[String; 3]; 2];
+
+/// Which columns are which: as the model says, else as their headings do.
+pub fn names(recording: &Recording, model: &Trajectory) -> Result<Names> {
+    let headings: Vec<String> = recording.columns.iter().map(|c| c.name.clone()).collect();
+    let found = roles::of(&headings);
+    let of = |given: &Option<[String; 3]>, found: Option<[usize; 3]>, what: &str| {
+        given.clone().or_else(|| found.map(|places| places.map(|k| headings[k].clone()))).ok_or_else(|| {
+            let hint = "name the columns under [columns]: gyro = [\"gx\", \"gy\", \"gz\"], and accelerometer";
+            fail(recording, format!("no three columns are its {what}"), hint)
+        })
+    };
+    Ok([
+        of(&model.columns.gyro, found.gyro, "gyro")?,
+        of(&model.columns.accelerometer, found.accelerometer, "accelerometer")?,
+    ])
+}
+
+/// Readings, and when the first of the file was.
+pub fn log(recording: &Recording, names: &Names, findings: &mut Vec<String>) -> Result<(Log, Option<Instant>)> {
+    if recording.path.exists() {
+        let read = inertial::read(&recording.path)?;
+        let first = read.row.partition_point(|row| *row < recording.first_row);
+        let until = read.time_s.get(first).copied().unwrap_or_default()
+            + (recording.samples() as f64 - 0.5) / recording.rate_hz;
+        let last = read.time_s.partition_point(|t| *t <= until).max(first);
+        if !read.units_stated {
+            findings.push("no unit is stated: the readings are taken for rad/s and m/s²".into());
+        }
+        let of = |values: &[[f64; 3]]| values[first..last].iter().map(|v| Vector3::from(*v)).collect();
+        let log = Log {
+            time_s: read.time_s[first..last].to_vec(),
+            rate: of(&read.rate_rad_s),
+            force: of(&read.force_m_s2),
+            interval_s: read.interval_s,
+        };
+        return Ok((log, Some(read.start)));
+    }
+    let of = |names: &[String; 3]| -> Vec<Vector3<f64>> {
+        let columns = names.each_ref().map(|name| recording.column(name).unwrap_or_default());
+        (0..recording.samples()).map(|k| Vector3::from_fn(|i, _| columns[i].get(k).copied().unwrap_or(0.0))).collect()
+    };
+    let interval_s = 1.0 / recording.rate_hz;
+    let time_s = (0..recording.samples()).map(|k| k as f64 * interval_s).collect();
+    Ok((Log { time_s, rate: of(&names[0]), force: of(&names[1]), interval_s }, None))
+}
+
+/// Whether specific force is in m/s², with gravity in it.
+pub fn units(recording: &Recording, log: &Log) -> Result<()> {
+    let usual = order::median(log.force.iter().map(Vector3::norm).collect()).unwrap_or_default();
+    if usual > 4.0 && usual < 25.0 {
+        return Ok(());
+    }
+    let size = rounded(usual, 3);
+    let (cause, hint) = if (0.8..1.25).contains(&usual) {
+        (format!("specific force is {size} as a rule: in g?"), "head its columns with their unit, e.g. ax_g")
+    } else if usual < 4.0 {
+        let cause = format!("specific force is {size} m/s² as a rule: gravity has been taken out");
+        (cause, "record specific force as the sensor reads it, 9.8 m/s² at rest")
+    } else {
+        (format!("specific force is {size} m/s² as a rule"), "head its columns with their unit, e.g. ax_mg or ax_m_s2")
+    };
+    Err(fail(recording, cause, hint))
+}
+
+/// The reference on the clock of the IMU, over the time that both cover.
+pub fn motion(
+    recording: &Recording,
+    reference: &Reference,
+    log: &Log,
+    start: Option<Instant>,
+    findings: &mut Vec<String>,
+) -> Result<Motion> {
+    let request = file::Request {
+        path: &reference.file,
+        format: reference.format,
+        times: reference.times.as_deref(),
+        up: reference.up,
+        quaternion: reference.quaternion,
+        from_s: 0.0,
+        duration_s: f64::INFINITY,
+    };
+    let Poses { poses, start: began, findings: found } = file::read(&request)?;
+    findings.extend(found.iter().map(ToString::to_string));
+    let shift_s = match (start, began) {
+        (Some(start), Some(began)) => began.since(&start),
+        _ => 0.0,
+    };
+    let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
+    let ends = [poses.first(), poses.last()].map(|p| p.map_or(0.0, |p| p.time_s + shift_s));
+    let gap_s = (ends[0] - last).max(first - ends[1]);
+    if gap_s > DAYS_S {
+        let cause = format!("the clocks of reference and IMU are {} days apart", rounded(gap_s / DAYS_S, 4));
+        return Err(fail(recording, cause, "stamp both by one clock, or both from zero on"));
+    }
+    if gap_s > 0.0 {
+        let side = if ends[0] > last { "begins after the IMU ends" } else { "ends before the IMU begins" };
+        let cause = format!("reference and IMU do not overlap: the reference {side}, by {} s", rounded(gap_s, 4));
+        return Err(fail(recording, cause, "are they of one run, and stamped by one clock?"));
+    }
+    let inside = |t: f64| t >= first + 2.0 * log.interval_s && t <= last - 2.0 * log.interval_s;
+    let poses: Vec<_> = poses.into_iter().filter(|p| inside(p.time_s + shift_s)).collect();
+    let covered_s = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
+    if covered_s < SHORTEST_S || poses.len() < 100 {
+        let cause = format!(
+            "reference and IMU overlap for {} s with {} poses: need {SHORTEST_S} s and 100 poses",
+            rounded(covered_s, 3),
+            poses.len()
+        );
+        return Err(fail(recording, cause, "give a longer recording, or a reference of all of it"));
+    }
+    let time_s: Vec<f64> = poses.iter().map(|p| p.time_s + shift_s).collect();
+    let interval_s = order::median(time_s.windows(2).map(|t| t[1] - t[0]).collect()).unwrap_or_default();
+    let position: Vec<Vector3<f64>> = poses.iter().map(|p| p.position_m).collect();
+    let attitude: Vec<UnitQuaternion<f64>> = poses.iter().map(|p| p.attitude).collect();
+    Ok(Motion { time_s, position, attitude, interval_s, has_position: true })
+}
+
+/// Whether both move alike, in units that they share.
+pub fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<()> {
+    let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
+    if turning > TURNS && start.explained < ALIKE {
+        let cause = format!(
+            "reference and gyro do not turn alike: the one explains {} % of the other, whatever the shift of their clocks",
+            rounded(100.0 * start.explained.max(0.0), 2)
+        );
+        return Err(fail(recording, cause, "are they of one run? are the reference's quaternions body to world?"));
+    }
+    if start.accelerometer == (Permutation { axis: [0, 1, 2], turned: [true; 3] }) {
+        let cause =
+            "the accelerometer reads −g at rest where specific force is +g: gravity has the wrong sign".to_owned();
+        return Err(fail(recording, cause, "negate its columns: specific force is acceleration less gravity"));
+    }
+    let times = start.gyro_unit;
+    if (40.0..80.0).contains(&times) {
+        let cause = format!("the gyro reads {} times the reference's rate: degrees for radians?", rounded(times, 3));
+        return Err(fail(recording, cause, "head its columns with their unit, e.g. gx_deg_s"));
+    }
+    Ok(())
+}

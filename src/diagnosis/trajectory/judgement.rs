@@ -1,0 +1,192 @@
+//! What one candidate does to a model: its interval by a jackknife over blocks of time, and what held-out blocks say.
+//!
+//! Residuals are coloured and the reference's errors change with the motion: no formula for white noise is trusted alone.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::blocks::{BLOCKS, Linear};
+use super::candidate::Term;
+use super::parameters::Point;
+use crate::numerics::special::{f_above, t_quantile};
+
+/// Chance of a false name that is accepted, over all candidates together.
+pub const FALSE_NAME: f64 = 0.005;
+/// Interleaved parts of the blocks that are held out in turn.
+const FOLDS: usize = 5;
+
+/// What one term does to a model.
+#[derive(Debug, Clone)]
+pub struct Standing {
+    /// Which.
+    pub term: &'static Term,
+    /// Share of the held-out mean square beyond the noise that it removes.
+    pub gain: f64,
+    /// 95 % interval of the gain.
+    pub ci95: [f64; 2],
+    /// Corrected for the number of candidates tried.
+    pub p_value: f64,
+    /// By how much the held-out sum of squares falls, in units of the noise.
+    pub fall: f64,
+    /// The lower end of its 95 % interval.
+    pub least_fall: f64,
+    /// Whether its parameters lie where the library allows.
+    pub plausible: bool,
+    /// Whether one of them is large enough to cost anything.
+    pub matters: bool,
+    /// Half-widths of the 95 % intervals of its parameters, SI.
+    pub half_widths: Vec<f64>,
+}
+
+impl Standing {
+    /// Whether it may be named.
+    pub fn counts(&self) -> bool {
+        self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible && self.matters
+    }
+}
+
+/// Half the width of the 95 % interval of a number that is made of parameters: delete-one-block jackknife, and no less than
+/// white noise would give.
+pub fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) -> f64 {
+    let n = replicates.len() as f64;
+    let values: Vec<f64> = replicates.iter().map(of).collect();
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n;
+    t_quantile(0.975, n - 1.0) * variance.sqrt().max(white)
+}
+
+/// What is asked of a candidate.
+pub struct Question<'a> {
+    /// The linearised model.
+    pub linear: &'a Linear,
+    /// Parameters without it.
+    pub smaller: &'a [usize],
+    /// Parameters with it.
+    pub larger: &'a [usize],
+    /// Which.
+    pub term: &'static Term,
+    /// Below which angle times gravity nothing is blamed on the accelerometer, rad.
+    pub tilt_rad: f64,
+}
+
+/// Judges a candidate, one of so many.
+pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
+    let Question { linear, smaller, larger, term, tilt_rad } = *question;
+    let solved = linear.solve(larger, |_| true);
+    let replicates = linear.replicates(larger);
+    let own: Vec<usize> = term.parameters.clone().collect();
+    let place = |p: &usize| larger.iter().position(|q| q == p).unwrap_or_default();
+    let places: Vec<usize> = own.iter().map(place).collect();
+    let white = DMatrix::from_fn(own.len(), own.len(), |i, j| solved.covariance[(places[i], places[j])]);
+    let value = DVector::from_fn(own.len(), |i, _| solved.point[own[i]]);
+    let p_value =
+        chance(&value, &jackknife(&replicates, &own), replicates.len()).max(chance(&value, &white, usize::MAX));
+    let half_widths = own
+        .iter()
+        .enumerate()
+        .map(|(i, p)| half_width(&|point| point[*p], &replicates, white[(i, i)].max(0.0).sqrt()))
+        .collect();
+    let held = HeldOut::of(linear, smaller, larger);
+    let (fall, [least_fall, most_fall]) = held.interval(|(before, after, _)| before - after);
+    // Of what lies above the noise before.
+    let above = held.above().max(fall).max(f64::MIN_POSITIVE);
+    Standing {
+        term,
+        gain: fall / above,
+        ci95: [least_fall / above, most_fall / above],
+        p_value: (p_value * tried as f64).min(1.0),
+        fall,
+        least_fall,
+        plausible: value.iter().all(|v| v.abs() <= term.largest),
+        matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad)),
+        half_widths,
+    }
+}
+
+fn jackknife(replicates: &[Point], own: &[usize]) -> DMatrix<f64> {
+    let n = replicates.len() as f64;
+    let mean = DVector::from_fn(own.len(), |i, _| replicates.iter().map(|r| r[own[i]]).sum::<f64>() / n);
+    let mut covariance = DMatrix::zeros(own.len(), own.len());
+    for replicate in replicates {
+        let apart = DVector::from_fn(own.len(), |i, _| replicate[own[i]] - mean[i]);
+        covariance += &apart * apart.transpose() * ((n - 1.0) / n);
+    }
+    covariance
+}
+
+/// Chance that parameters which are zero come out like this: Hotelling's T², or χ² where the covariance is known.
+fn chance(value: &DVector<f64>, covariance: &DMatrix<f64>, blocks: usize) -> f64 {
+    let k = value.len() as f64;
+    // In units of the deviations, so that it can be inverted whatever the units.
+    let scale = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(value.len(), value.len(), |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
+    let Some(inverse) = (scaled + DMatrix::identity(value.len(), value.len()) * 1e-9).try_inverse() else { return 1.0 };
+    let unit = value.component_div(&scale);
+    let square = unit.dot(&(inverse * &unit));
+    if blocks == usize::MAX {
+        return crate::numerics::special::chi_squared_above(square, k);
+    }
+    let n = blocks as f64;
+    if n <= k { 1.0 } else { f_above(square * (n - k) / (k * (n - 1.0)), k, n - k) }
+}
+
+/// Sums of squares of blocks that were held out, before and after, in units of the noise.
+#[derive(Debug, Clone)]
+pub struct HeldOut {
+    blocks: Vec<(f64, f64, f64)>,
+}
+
+impl HeldOut {
+    /// Of two models.
+    pub fn of(linear: &Linear, smaller: &[usize], larger: &[usize]) -> Self {
+        let mut blocks = Vec::new();
+        for fold in 0..FOLDS {
+            let fitted = |active: &[usize]| linear.solve(active, |b| b % FOLDS != fold).point;
+            let (before, after) = (fitted(smaller), fitted(larger));
+            for block in (0..BLOCKS).filter(|b| b % FOLDS == fold) {
+                let sum = |point: &Point| {
+                    let all = (0..linear.sensors.len()).map(|s| linear.squares(s, block, point));
+                    all.fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
+                };
+                let ((b, n), (a, _)) = (sum(&before), sum(&after));
+                if n > 0 {
+                    blocks.push((b, a, n as f64));
+                }
+            }
+        }
+        Self { blocks }
+    }
+
+    fn sums(&self, skip: usize) -> (f64, f64, f64) {
+        let kept = self.blocks.iter().enumerate().filter(|(k, _)| *k != skip);
+        kept.fold((0.0, 0.0, 0.0), |s, (_, b)| (s.0 + b.0, s.1 + b.1, s.2 + b.2))
+    }
+
+    /// What lies above the noise before.
+    fn above(&self) -> f64 {
+        let (before, _, n) = self.sums(usize::MAX);
+        before - n
+    }
+
+    /// Root mean squares before and after.
+    pub fn rms(&self) -> [f64; 2] {
+        let (before, after, n) = self.sums(usize::MAX);
+        [before, after].map(|s| (s / n.max(1.0)).sqrt())
+    }
+
+    /// Value and 95 % interval of a number by leaving out each block in turn.
+    fn interval(&self, of: impl Fn((f64, f64, f64)) -> f64) -> (f64, [f64; 2]) {
+        let n = self.blocks.len() as f64;
+        let value = of(self.sums(usize::MAX));
+        let each: Vec<f64> = (0..self.blocks.len()).map(|k| of(self.sums(k))).collect();
+        let mean = each.iter().sum::<f64>() / n;
+        let deviation = (each.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt();
+        let half = t_quantile(0.975, (n - 1.0).max(1.0)) * deviation;
+        (value, [value - half, value + half])
+    }
+
+    /// 95 % interval of the ratio of root mean squares.
+    pub fn ratio(&self) -> [f64; 2] {
+        let log = |(before, after, _): (f64, f64, f64)| 0.5 * (after / before.max(f64::MIN_POSITIVE)).ln();
+        self.interval(log).1.map(f64::exp)
+    }
+}

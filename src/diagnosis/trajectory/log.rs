@@ -1,0 +1,50 @@
+//! The readings of an IMU in motion, and its reference, on the IMU's own clock.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Readings in order of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// Since the IMU's first stamp, s.
+    pub time_s: Vec<f64>,
+    /// Rates as read, rad/s.
+    pub rate: Vec<Vector3<f64>>,
+    /// Specific forces as read, m/s².
+    pub force: Vec<Vector3<f64>>,
+    /// From one reading to the next, as a rule, s.
+    pub interval_s: f64,
+}
+
+impl Log {
+    /// How long it lasts, s.
+    pub fn duration_s(&self) -> f64 {
+        self.time_s.last().copied().unwrap_or_default() - self.time_s.first().copied().unwrap_or_default()
+    }
+
+    /// Share of the recording that has passed.
+    pub fn share(&self, time_s: f64) -> f64 {
+        (time_s - self.time_s[0]) / self.duration_s().max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Reference poses, north-east-down, in order of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// On the clock of the IMU as both are stamped, s.
+    pub time_s: Vec<f64>,
+    /// m.
+    pub position: Vec<Vector3<f64>>,
+    /// From body axes to north-east-down.
+    pub attitude: Vec<UnitQuaternion<f64>>,
+    /// From one pose to the next, as a rule, s.
+    pub interval_s: f64,
+    /// Whether positions are in it.
+    pub has_position: bool,
+}
+
+impl Motion {
+    /// The middle of the time that it covers, s.
+    pub fn middle_s(&self) -> f64 {
+        0.5 * (self.time_s.first().copied().unwrap_or_default() + self.time_s.last().copied().unwrap_or_default())
+    }
+}

@@ -1,0 +1,80 @@
+//! What an IMU in motion, and its place beside the reference, may have other than the ideal: where each number stands.
+//!
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which are the
+//! accelerometer's: its S is upper triangular, the gyro's is full. C = C₀ exp(c) turns the IMU's axes to the body axes of the
+//! reference. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+
+use std::ops::Range;
+
+/// Number of parameters, fitted or not.
+pub const PARAMETERS: usize = 57;
+/// A point in the space of all parameters, SI units.
+pub type Point = [f64; PARAMETERS];
+
+/// b of the gyro, rad/s.
+pub const GYRO_BIAS: Range<usize> = 0..3;
+/// b of the accelerometer, m/s².
+pub const FORCE_BIAS: Range<usize> = 3..6;
+/// Gravity's components along the reference's north and east, m/s².
+pub const TILT: Range<usize> = 6..8;
+/// τ, s; positive where the IMU stamps late.
+pub const OFFSET: usize = 8;
+/// d, s/s.
+pub const DRIFT: usize = 9;
+/// c, rad.
+pub const MOUNTING: Range<usize> = 10..13;
+/// Diagonal of the gyro's S.
+pub const GYRO_SCALE: Range<usize> = 13..16;
+/// The gyro's S off its diagonal: xy, xz, yx, yz, zx, zy.
+pub const GYRO_MISALIGNMENT: Range<usize> = 16..22;
+/// K by rows, rad/s per m/s².
+pub const G_SENSITIVITY: Range<usize> = 22..31;
+/// Diagonal of the accelerometer's S.
+pub const FORCE_SCALE: Range<usize> = 31..34;
+/// The accelerometer's S above its diagonal: xy, xz, yz.
+pub const FORCE_MISALIGNMENT: Range<usize> = 34..37;
+/// From the reference's origin to the accelerometer, body axes, m.
+pub const LEVER_ARM: Range<usize> = 37..40;
+/// Slow wander of b of the gyro: two cosines over the recording, of x, then of y and z, rad/s.
+pub const GYRO_WANDER: Range<usize> = 40..46;
+/// The same of the accelerometer, m/s².
+pub const FORCE_WANDER: Range<usize> = 46..52;
+/// Second-order part of each sensor's read-out filter, gyro and accelerometer: y = u + κ u″, s².
+pub const LOW_PASS: Range<usize> = 52..54;
+
+/// Rate of the reference's north-east-down against inertial space, rad/s.
+pub const EARTH_RATE: Range<usize> = 54..57;
+
+/// Places of the gyro's off-diagonal numbers.
+pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+/// Places of the accelerometer's.
+pub const FORCE_OFF_DIAGONAL: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+/// Cosines that a slow wander is made of.
+pub const COSINES: usize = 2;
+
+/// How large each number may be at the very most: the standard deviation of a prior that holds fast what nothing shows.
+pub fn widths() -> Point {
+    let mut widths = [0.0; PARAMETERS];
+    let rows: [(Range<usize>, f64); 16] = [
+        (GYRO_BIAS, 1.0),
+        (FORCE_BIAS, 5.0),
+        (TILT, 3.0),
+        (OFFSET..OFFSET + 1, 10.0),
+        (DRIFT..DRIFT + 1, 1e-2),
+        (MOUNTING, 1.0),
+        (GYRO_SCALE, 0.5),
+        (GYRO_MISALIGNMENT, 0.5),
+        (G_SENSITIVITY, 2e-2),
+        (FORCE_SCALE, 0.5),
+        (FORCE_MISALIGNMENT, 0.5),
+        (LEVER_ARM, 10.0),
+        (GYRO_WANDER, 0.2),
+        (FORCE_WANDER, 2.0),
+        (LOW_PASS, 1e-2),
+        (EARTH_RATE, 1e-3),
+    ];
+    for (range, width) in rows {
+        widths[range].fill(width);
+    }
+    widths
+}

@@ -1,0 +1,128 @@
+//! The reference's position against the one that specific force leads to, along the reference's own attitude:
+//! p + R l − ∬ (R C f + g), in north-east-down.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::course::{Case, Course, second, vector};
+use super::integral::{between, cumulative, place};
+use super::parameters::{
+    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, LEVER_ARM, LOW_PASS,
+    MOUNTING, OFFSET, PARAMETERS, Point, TILT,
+};
+use super::rows::{Bins, Row, rows};
+use crate::parallel;
+
+/// Rows of the position: changes of velocity from bin to bin, m/s².
+pub fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {
+    let log = case.log;
+    let attitude: Vec<UnitQuaternion<f64>> =
+        (0..log.time_s.len()).map(|k| error.at(log.time_s[k]) * course.attitude[k]).collect();
+    let places: Vec<(usize, f64)> =
+        (0..case.motion.time_s.len()).map(|pose| place(&log.time_s, case.stamp_s(point, pose))).collect();
+    let twice = |changes: &[Vector3<f64>]| {
+        let velocity = cumulative(&log.time_s, changes, case.rule);
+        let way = cumulative(&log.time_s, &velocity, case.rule);
+        let at_poses = |of: &[Vector3<f64>], slope: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            places.iter().map(|at| between(&log.time_s, of, slope, *at)).collect()
+        };
+        (at_poses(&way, &velocity), at_poses(&velocity, changes))
+    };
+    let gravity = Vector3::new(point[TILT.start], point[TILT.start + 1], case.gravity_m_s2);
+    let felt: Vec<Vector3<f64>> =
+        attitude.iter().zip(&course.force).map(|(attitude, force)| attitude * force + gravity).collect();
+    let (way, velocity) = twice(&felt);
+    let arm = vector(point, LEVER_ARM.start);
+    let residual: Vec<Vector3<f64>> = (0..places.len())
+        .map(|pose| case.motion.position[pose] + case.motion.attitude[pose] * arm - way[pose])
+        .collect();
+    let middle = case.motion.middle_s();
+    let of = |p: usize| -> Option<Vec<Vector3<f64>>> {
+        if LEVER_ARM.contains(&p) {
+            let axis = Vector3::ith(p - LEVER_ARM.start, 1.0);
+            return Some(case.motion.attitude.iter().map(|attitude| attitude * axis).collect());
+        }
+        if TILT.contains(&p) {
+            let axis: Vector3<f64> = Vector3::ith(p - TILT.start, -1.0);
+            return Some(twice(&vec![axis; log.time_s.len()]).0);
+        }
+        integrand(case, course, 0, p, middle)?;
+        let changes: Vec<Vector3<f64>> = (0..log.time_s.len())
+            .map(|k| attitude[k] * integrand(case, course, k, p, middle).unwrap_or_default())
+            .collect();
+        let mut all = twice(&changes).0;
+        if p == OFFSET || p == DRIFT {
+            for (pose, way) in all.iter_mut().enumerate() {
+                let times = if p == OFFSET { 1.0 } else { case.motion.time_s[pose] - middle };
+                *way -= velocity[pose] * times;
+            }
+        }
+        Some(all)
+    };
+    let slopes = parallel::map_indices(PARAMETERS, of);
+    rows((log, case.spoilt), bins, 2, &residual, &slopes)
+}
+
+/// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its double integral.
+fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
+    let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
+    let unit = |axis: usize, value: f64| course.accelerometer.column(axis) * value;
+    if FORCE_BIAS.contains(&p) {
+        return Some(unit(p - FORCE_BIAS.start, 1.0));
+    }
+    if FORCE_SCALE.contains(&p) {
+        let axis = p - FORCE_SCALE.start;
+        return Some(unit(axis, f[axis]));
+    }
+    if FORCE_MISALIGNMENT.contains(&p) {
+        let (row, column) = FORCE_OFF_DIAGONAL[p - FORCE_MISALIGNMENT.start];
+        return Some(unit(row, f[column]));
+    }
+    if FORCE_WANDER.contains(&p) {
+        let n = p - FORCE_WANDER.start;
+        return Some(unit(n / COSINES, case.cosines(time_s)[n % COSINES]));
+    }
+    if MOUNTING.contains(&p) {
+        return Some(-Vector3::ith(p - MOUNTING.start, 1.0).cross(&f));
+    }
+    match p {
+        // The reference's attitude at a sample is that of another instant.
+        OFFSET => Some(w.cross(&f)),
+        DRIFT => Some(w.cross(&f) * (time_s - middle_s)),
+        _ if p == LOW_PASS.start + 1 => Some(course.accelerometer * second(&course.force, k, case.log.interval_s)),
+        _ => None,
+    }
+}
+
+/// The error of the reckoned attitude without the reference's noise: means over half a second, joined by straight lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steady {
+    start_s: f64,
+    step_s: f64,
+    values: Vec<Vector3<f64>>,
+}
+
+/// Over which E is averaged, s.
+const STEADY_S: f64 = 0.25;
+
+impl Steady {
+    /// From E at the poses, whose times are the IMU's stamps of them.
+    pub fn of(stamps_s: &[f64], error: &[Vector3<f64>]) -> Self {
+        let bins = Bins::over(stamps_s, STEADY_S);
+        let mut values = bins.means(error);
+        for k in 1..values.len() {
+            if bins.count[k] == 0 {
+                values[k] = values[k - 1];
+            }
+        }
+        Self { start_s: bins.start_s + 0.5 * STEADY_S, step_s: STEADY_S, values }
+    }
+
+    /// At an IMU's stamp.
+    fn at(&self, stamp_s: f64) -> UnitQuaternion<f64> {
+        let Some(last) = self.values.len().checked_sub(1) else { return UnitQuaternion::identity() };
+        let at = ((stamp_s - self.start_s) / self.step_s).clamp(0.0, last as f64);
+        let (k, u) = (at as usize, at.fract());
+        let next = self.values[(k + 1).min(last)];
+        UnitQuaternion::from_scaled_axis(self.values[k] * (1.0 - u) + next * u)
+    }
+}

@@ -1,0 +1,117 @@
+//! Numbers to be used whatever the verdict: calibrations of both sensors, clock and lever arm, fitted beside all that is
+//! named so that none is forced to zero because it was too small to be named.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::blocks::Linear;
+use super::course::{force_matrix, gyro_matrix, vector};
+use super::judgement::half_width;
+use super::parameters::{
+    DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_SCALE, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING,
+    OFFSET, Point, TILT,
+};
+use super::permutation::Permutation;
+use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
+use crate::units::DEGREE;
+
+/// A fitted subset with what its intervals are made of.
+pub struct Fitted {
+    active: Vec<usize>,
+    /// All parameters.
+    pub point: Point,
+    replicates: Vec<Point>,
+    white: Vec<f64>,
+}
+
+impl Fitted {
+    /// On all blocks.
+    pub fn of(linear: &Linear, active: &[usize]) -> Self {
+        let solved = linear.solve(active, |_| true);
+        let white = (0..active.len()).map(|i| solved.covariance[(i, i)].max(0.0).sqrt()).collect();
+        Self { active: active.to_vec(), point: solved.point, replicates: linear.replicates(active), white }
+    }
+
+    /// Whether a parameter is in it.
+    pub fn has(&self, p: usize) -> bool {
+        self.active.contains(&p)
+    }
+
+    /// A parameter in a unit of which `per_si` are one SI unit.
+    pub fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
+        let white = self.active.iter().position(|q| *q == p).map_or(0.0, |i| self.white[i]);
+        let (value, half) = (self.point[p], half_width(&|point| point[p], &self.replicates, white));
+        let ci95 = [(value - half) * per_si, (value + half) * per_si];
+        Estimate { name: name.into(), value: value * per_si, unit: unit.into(), ci95 }
+    }
+
+    /// A number made of parameters, with its 95 % interval.
+    fn number(&self, of: &dyn Fn(&Point) -> f64) -> (f64, [f64; 2]) {
+        let (value, half) = (of(&self.point), half_width(of, &self.replicates, 0.0));
+        (value, [value - half, value + half])
+    }
+}
+
+/// What nearly every unit has, beside a model.
+pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
+    let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
+    let force = [FORCE_SCALE, FORCE_MISALIGNMENT, LEVER_ARM];
+    let more = gyro.into_iter().chain(force.into_iter().filter(|_| has_position)).flatten();
+    let mut all = active.to_vec();
+    more.for_each(|p| {
+        if !all.contains(&p) {
+            all.push(p);
+        }
+    });
+    all
+}
+
+/// A model with the clock free, which biases ought not to depend on.
+pub fn clocked(active: &[usize]) -> Vec<usize> {
+    let more = [OFFSET, DRIFT].into_iter().filter(|p| !active.contains(p));
+    active.iter().copied().chain(more).collect()
+}
+
+/// Numbers of the base model, and clock, mounting and lever arm of the wide one.
+pub fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
+    let rows = [
+        (chosen, GYRO_BIAS, ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"], "rad/s", 1.0),
+        (chosen, FORCE_BIAS, ["accelerometer_bias_x", "accelerometer_bias_y", "accelerometer_bias_z"], "m/s^2", 1.0),
+        (wide, MOUNTING, ["mounting_x", "mounting_y", "mounting_z"], "deg", 1.0 / DEGREE),
+        (wide, LEVER_ARM, ["lever_arm_x", "lever_arm_y", "lever_arm_z"], "m", 1.0),
+    ];
+    let mut all: Vec<Estimate> = rows
+        .into_iter()
+        .flat_map(|(fitted, range, names, unit, per_si)| {
+            range.zip(names).filter(|(p, _)| fitted.has(*p)).map(move |(p, n)| fitted.estimate(p, n, unit, per_si))
+        })
+        .collect();
+    for (p, name) in TILT.zip(["gravity_north", "gravity_east"]).filter(|(p, _)| chosen.has(*p)) {
+        all.push(chosen.estimate(p, name, "m/s^2", 1.0));
+    }
+    all.push(wide.estimate(OFFSET, "time_offset", "s", 1.0));
+    all.push(wide.estimate(DRIFT, "clock_drift", "ppm", 1e6));
+    all
+}
+
+/// calibrated = matrix · (reading − bias), in the axes that the columns ought to read.
+pub fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
+    let sensor = |of: fn(&Point) -> Matrix3<f64>, bias_at: usize, swap: Permutation, unit: &str| {
+        let inverse =
+            move |p: &Point| of(p).try_inverse().unwrap_or_else(Matrix3::identity) * swap.matrix().transpose();
+        let bias = move |p: &Point| -> Vector3<f64> { swap.matrix() * vector(p, bias_at) };
+        let entries: [[(f64, [f64; 2]); 3]; 3] =
+            std::array::from_fn(|i| std::array::from_fn(|j| wide.number(&|p: &Point| inverse(p)[(i, j)])));
+        let biases: [(f64, [f64; 2]); 3] = std::array::from_fn(|i| wide.number(&|p: &Point| bias(p)[i]));
+        SensorCalibration {
+            matrix: entries.map(|row| row.map(|e| e.0)),
+            matrix_ci95: entries.map(|row| row.map(|e| e.1)),
+            bias: biases.map(|b| b.0),
+            bias_ci95: biases.map(|b| b.1),
+            unit: unit.into(),
+        }
+    };
+    wide.has(FORCE_BIAS.start).then(|| Triads {
+        gyro: Some(sensor(gyro_matrix, GYRO_BIAS.start, swapped[0], "rad/s")),
+        accelerometer: sensor(force_matrix, FORCE_BIAS.start, swapped[1], "m/s^2"),
+    })
+}

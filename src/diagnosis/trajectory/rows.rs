@@ -1,0 +1,107 @@
+//! Residuals of a reference against dead reckoning, and their slopes by every parameter, as evenly spaced rows.
+//!
+//! Means over bins of some poses, differenced until what dead reckoning cannot know (where it began, how fast) is gone:
+//! attitude once, position twice. Not for what stands in them: `attitude`, `position`.
+
+use nalgebra::Vector3;
+
+use super::log::Log;
+use super::parameters::PARAMETERS;
+
+/// One vector of the residual, and its slopes.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Time of its middle on the reference's clock, s.
+    pub time_s: f64,
+    /// Residual; its three components are north, east and down.
+    pub residual: Vector3<f64>,
+    /// Its derivative by each parameter.
+    pub slope: Box<[Vector3<f64>; PARAMETERS]>,
+    /// Whether every pose and reading that it needs is there.
+    pub holds: bool,
+}
+
+/// How poses are gathered into bins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bins {
+    /// From one to the next, s.
+    pub width_s: f64,
+    /// Bin of each pose.
+    pub of: Vec<usize>,
+    /// Poses in each.
+    pub count: Vec<usize>,
+    /// Begin of the first, s.
+    pub start_s: f64,
+}
+
+/// Share of the usual number of poses that a bin needs.
+const FULL: f64 = 0.5;
+
+impl Bins {
+    /// Over poses at these times, about as wide as wanted.
+    pub fn over(time_s: &[f64], width_s: f64) -> Self {
+        let start_s = time_s.first().copied().unwrap_or_default();
+        let of: Vec<usize> = time_s.iter().map(|t| ((t - start_s) / width_s + 1e-6).max(0.0) as usize).collect();
+        // The last bin is cut short.
+        let bins = of.last().copied().unwrap_or_default();
+        let mut count = vec![0; bins];
+        of.iter().filter(|b| **b < bins).for_each(|b| count[*b] += 1);
+        Self { width_s, of, count, start_s }
+    }
+
+    /// Means of values that stand at the poses.
+    pub fn means(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let mut sums = vec![Vector3::zeros(); self.count.len()];
+        for (bin, value) in self.of.iter().zip(values) {
+            if let Some(sum) = sums.get_mut(*bin) {
+                *sum += value;
+            }
+        }
+        sums.iter().zip(&self.count).map(|(sum, n)| sum / (*n).max(1) as f64).collect()
+    }
+
+    /// Whether each bin has its poses, and no spoilt reading lies in it.
+    fn whole(&self, log: &Log, spoilt: &[bool]) -> Vec<bool> {
+        let usual = crate::numerics::order::median(self.count.iter().map(|n| *n as f64).collect()).unwrap_or(1.0);
+        let mut whole: Vec<bool> = self.count.iter().map(|n| *n as f64 >= (FULL * usual).max(1.0)).collect();
+        for (time_s, _) in log.time_s.iter().zip(spoilt).filter(|(_, spoilt)| **spoilt) {
+            let bin = ((time_s - self.start_s) / self.width_s).floor();
+            if bin >= 0.0
+                && let Some(whole) = whole.get_mut(bin as usize)
+            {
+                *whole = false;
+            }
+        }
+        whole
+    }
+}
+
+/// Differences of bin means, `order` times, over the width of a bin to that power.
+pub fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) -> Vec<Vector3<f64>> {
+    let mut values = means.to_vec();
+    for _ in 0..order {
+        values = values.windows(2).map(|v| (v[1] - v[0]) / width_s).collect();
+    }
+    values
+}
+
+/// Rows out of a residual and its slopes, each given at the poses.
+pub fn rows(
+    (log, spoilt): (&Log, &[bool]),
+    bins: &Bins,
+    order: usize,
+    residual: &[Vector3<f64>],
+    slopes: &[Option<Vec<Vector3<f64>>>],
+) -> Vec<Row> {
+    let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), order, bins.width_s);
+    let residual = of(residual);
+    let slopes: Vec<Option<Vec<Vector3<f64>>>> = slopes.iter().map(|s| s.as_deref().map(of)).collect();
+    let whole = bins.whole(log, spoilt);
+    let row = |(k, residual): (usize, &Vector3<f64>)| Row {
+        time_s: bins.start_s + (k as f64 + 0.5 * (order + 1) as f64) * bins.width_s,
+        residual: *residual,
+        slope: Box::new(std::array::from_fn(|p| slopes[p].as_ref().map_or(Vector3::zeros(), |s| s[k]))),
+        holds: whole[k..=k + order].iter().all(|w| *w),
+    };
+    residual.iter().enumerate().map(row).collect()
+}

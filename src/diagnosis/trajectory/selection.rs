@@ -1,0 +1,146 @@
+//! Which candidates are named: forward by what held-out blocks gain, backward to drop what is not needed any more.
+
+use super::blocks::Linear;
+use super::candidate::Term;
+use super::judgement::{Question, Standing, judge};
+use super::parameters::{FORCE_BIAS, GYRO_BIAS, TILT};
+use crate::control::{Control, Stopped};
+use crate::numerics::order;
+
+/// Turns of adding and dropping before a search that goes in circles ends.
+const ROUNDS: usize = 6;
+/// Two models whose sums of squares differ by less, in units of the noise, are not told apart (Kass & Raftery 1995).
+const TIED: f64 = 6.0;
+/// Fall of the held-out sum of squares that is needed for each parameter: what a criterion of information asks.
+const PER_PARAMETER: f64 = 2.0;
+
+/// The outcome of a search.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// Named, strongest first, each judged against the model without it.
+    pub named: Vec<Named>,
+    /// The rest, judged as additions.
+    pub others: Vec<Standing>,
+}
+
+/// A term of the chosen model.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// Its evidence.
+    pub standing: Standing,
+    /// Others that would do as well in its place.
+    pub rivals: Vec<&'static Term>,
+}
+
+impl Selection {
+    /// The chosen model's parameters.
+    pub fn active(&self, has_position: bool) -> Vec<usize> {
+        with(&base(has_position), self.named.iter().map(|n| n.standing.term))
+    }
+}
+
+/// Parameters of the base model.
+pub fn base(has_position: bool) -> Vec<usize> {
+    if has_position { GYRO_BIAS.chain(FORCE_BIAS).chain(TILT).collect() } else { GYRO_BIAS.collect() }
+}
+
+/// A model and more terms.
+pub fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Term>) -> Vec<usize> {
+    active.iter().copied().chain(terms.into_iter().flat_map(|t| t.parameters.clone())).collect()
+}
+
+/// What the reference allows to be told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// Whether it has positions.
+    pub has_position: bool,
+    /// By how much its attitude and the gyro's differ, root mean square: what is smaller in the accelerometer may be
+    /// gravity along an attitude that errs.
+    pub tilt_rad: f64,
+}
+
+/// Searches a library.
+///
+/// # Errors
+/// When stopped.
+pub fn select(
+    linear: &Linear,
+    library: &[&'static Term],
+    allowed: &Allowed,
+    control: &Control,
+) -> Result<Selection, Stopped> {
+    let base = base(allowed.has_position);
+    let search = Search { linear, library, base: &base, tilt_rad: allowed.tilt_rad };
+    let mut named: Vec<&'static Term> = Vec::new();
+    let mut seen: Vec<Vec<usize>> = Vec::new();
+    for _ in 0..ROUNDS {
+        loop {
+            control.go_on()?;
+            let free = search.rest(&named);
+            let judged = free.into_iter().map(|t| search.added(&named, t)).filter(Standing::counts);
+            let worth = |s: &Standing| s.fall - PER_PARAMETER * s.term.parameters.len() as f64;
+            let Some(best) = judged.max_by(|a, b| worth(a).total_cmp(&worth(b))) else { break };
+            named.push(best.term);
+        }
+        let before = named.len();
+        loop {
+            control.go_on()?;
+            let kept = named.iter().map(|t| search.within(&named, t));
+            let Some(weakest) = kept.filter(|s| !s.counts()).min_by(|a, b| a.fall.total_cmp(&b.fall)) else { break };
+            named.retain(|t| *t != weakest.term);
+        }
+        let state = with(&base, named.iter().copied());
+        if named.len() == before || seen.contains(&state) {
+            break;
+        }
+        seen.push(state);
+    }
+    let mut standings: Vec<Standing> = named.iter().map(|t| search.within(&named, t)).collect();
+    order::sort_by_key(&mut standings, |s| -s.fall);
+    let mut others: Vec<Standing> = search.rest(&named).into_iter().map(|t| search.added(&named, t)).collect();
+    order::sort_by_key(&mut others, |s| s.p_value);
+    let named =
+        standings.into_iter().map(|standing| Named { rivals: search.rivals(&named, &standing), standing }).collect();
+    Ok(Selection { named, others })
+}
+
+struct Search<'a> {
+    linear: &'a Linear,
+    library: &'a [&'static Term],
+    base: &'a [usize],
+    tilt_rad: f64,
+}
+
+impl Search<'_> {
+    fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
+        self.library.iter().copied().filter(|t| !named.contains(t)).collect()
+    }
+
+    fn added(&self, named: &[&'static Term], term: &'static Term) -> Standing {
+        let smaller = with(self.base, named.iter().copied());
+        let larger = with(&smaller, [term]);
+        judge(
+            &Question { linear: self.linear, smaller: &smaller, larger: &larger, term, tilt_rad: self.tilt_rad },
+            self.library.len(),
+        )
+    }
+
+    fn within(&self, named: &[&'static Term], term: &'static Term) -> Standing {
+        let smaller = with(self.base, named.iter().copied().filter(|t| *t != term));
+        let larger = with(&smaller, [term]);
+        judge(
+            &Question { linear: self.linear, smaller: &smaller, larger: &larger, term, tilt_rad: self.tilt_rad },
+            self.library.len(),
+        )
+    }
+
+    /// Terms that fall as far in the place of a named one.
+    fn rivals(&self, named: &[&'static Term], standing: &Standing) -> Vec<&'static Term> {
+        let without: Vec<&'static Term> = named.iter().copied().filter(|t| *t != standing.term).collect();
+        let fits = |t: &&'static Term| {
+            let rival = self.added(&without, t);
+            rival.plausible && rival.fall > standing.fall - TIED
+        };
+        self.rest(named).into_iter().filter(fits).collect()
+    }
+}

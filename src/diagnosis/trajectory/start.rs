@@ -1,0 +1,224 @@
+//! Where the search starts: the clocks laid on each other, the axes told apart, biases roughly.
+//!
+//! Rates over short windows, of the reference by its attitudes and of the gyro by its integral, are regressed on each other
+//! for every shift of the clocks: the shift that explains most is the one, whatever the mounting. What is then left is a
+//! matrix: a rotation where the IMU is mounted askew, a mirrored one where axes were exchanged.
+
+use nalgebra::{Matrix3, Matrix3x4, Matrix4, Rotation3, UnitQuaternion, Vector3, Vector4};
+
+use super::integral::{Rule, between, cumulative, place};
+use super::log::{Log, Motion};
+use super::permutation::{Permutation, SIGNED};
+use crate::numerics::order;
+
+/// Window over which rates are compared, s, and the shifts that are tried, s: up to, in steps of.
+const WINDOW_S: f64 = 0.1;
+const SHIFTS_S: (f64, f64) = (2.0, 0.02);
+/// Windows at most.
+const MOST: usize = 3000;
+/// Square error by which the better of two ways to hold the axes must be smaller.
+const BETTER: f64 = 0.5;
+
+/// An angle that the fit finds by itself, rad.
+const SMALL_RAD: f64 = 0.2;
+
+/// Where the search starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// By how much the IMU stamps late, s.
+    pub offset_s: f64,
+    /// Share of the gyro's variance that the reference explains at that shift.
+    pub explained: f64,
+    /// What one unit of the gyro is in rad/s by the reference; 1 where all is well.
+    pub gyro_unit: f64,
+    /// Which axes the gyro's columns read.
+    pub gyro: Permutation,
+    /// Which axes the accelerometer's columns read.
+    pub accelerometer: Permutation,
+    /// From the IMU's axes to the reference's body axes.
+    pub turned: UnitQuaternion<f64>,
+    /// Bias of the gyro in its own axes, rad/s.
+    pub gyro_bias: Vector3<f64>,
+    /// Bias of the accelerometer in its own axes, m/s².
+    pub force_bias: Vector3<f64>,
+}
+
+/// Mean vectors of both over the same windows.
+struct Pairs {
+    reference: Vec<Vector3<f64>>,
+    read: Vec<Vector3<f64>>,
+}
+
+impl Pairs {
+    /// read = M reference + b in least squares, with the share of the variance of `read` that this explains.
+    fn regression(&self) -> (Matrix3<f64>, Vector3<f64>, f64) {
+        let count = self.read.len().max(1) as f64;
+        let mean = self.read.iter().sum::<Vector3<f64>>() / count;
+        let (mut normal, mut cross) = (Matrix4::zeros(), Matrix3x4::zeros());
+        for (x, y) in self.reference.iter().zip(&self.read) {
+            let x = Vector4::new(x.x, x.y, x.z, 1.0);
+            normal += x * x.transpose();
+            cross += y * x.transpose();
+        }
+        let ridge = Matrix4::from_diagonal(&Vector4::new(1e-9, 1e-9, 1e-9, 0.0)) * count;
+        let Some(inverse) = (normal + ridge).try_inverse() else { return (Matrix3::identity(), mean, 0.0) };
+        let both = cross * inverse;
+        let (matrix, bias) = (both.fixed_view::<3, 3>(0, 0).into_owned(), both.column(3).into_owned());
+        let (mut left, mut all) = (0.0, 0.0);
+        for (x, y) in self.reference.iter().zip(&self.read) {
+            left += (y - matrix * x - bias).norm_squared();
+            all += (y - mean).norm_squared();
+        }
+        (matrix, bias, 1.0 - left / f64::max(all, f64::MIN_POSITIVE))
+    }
+
+    /// Mean square that a fixed matrix leaves, with the best bias, and that bias.
+    fn left(&self, matrix: &Matrix3<f64>) -> (f64, Vector3<f64>) {
+        let count = self.read.len().max(1) as f64;
+        let differences: Vec<Vector3<f64>> =
+            self.reference.iter().zip(&self.read).map(|(x, y)| y - matrix * x).collect();
+        let bias = Vector3::from_fn(|i, _| order::median(differences.iter().map(|d| d[i]).collect()).unwrap_or(0.0));
+        (differences.iter().map(|d| (d - bias).norm_squared()).sum::<f64>() / count, bias)
+    }
+}
+
+/// Windows of poses: first and last.
+fn windows(motion: &Motion) -> Vec<(usize, usize)> {
+    let reach = ((WINDOW_S / motion.interval_s).round() as usize).max(1);
+    let last = motion.time_s.len().saturating_sub(reach);
+    let every = (last / MOST).max(reach / 2).max(1);
+    let is_short = |k: &usize| motion.time_s[k + reach] - motion.time_s[*k] < 3.0 * reach as f64 * motion.interval_s;
+    (0..last).step_by(every).filter(is_short).map(|k| (k, k + reach)).collect()
+}
+
+/// Lays one on the other.
+pub fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
+    let windows = windows(motion);
+    let integral = cumulative(&log.time_s, &log.rate, Rule::Straight);
+    let rates: Vec<(f64, f64, Vector3<f64>)> = windows
+        .iter()
+        .map(|(a, b)| {
+            let (from, to) = (motion.time_s[*a], motion.time_s[*b]);
+            let turn = motion.attitude[*a].inverse() * motion.attitude[*b];
+            (from, to, turn.scaled_axis() / (to - from))
+        })
+        .collect();
+    let at = |shift_s: f64| -> Pairs {
+        let inside = |t: f64| t >= log.time_s[0] && t <= log.time_s[log.time_s.len() - 1];
+        let held = rates.iter().filter(|(from, to, _)| inside(from + shift_s) && inside(to + shift_s));
+        let (mut reference, mut read) = (Vec::new(), Vec::new());
+        for (from, to, rate) in held {
+            let end = |t: f64| between(&log.time_s, &integral, &log.rate, place(&log.time_s, t + shift_s));
+            reference.push(*rate);
+            read.push((end(*to) - end(*from)) / (to - from));
+        }
+        Pairs { reference, read }
+    };
+    let score = |shift_s: f64| at(shift_s).regression().2;
+    let count = (SHIFTS_S.0 / SHIFTS_S.1) as i32;
+    let scores: Vec<(f64, f64)> =
+        (-count..=count).map(|k| f64::from(k) * SHIFTS_S.1).map(|shift| (shift, score(shift))).collect();
+    let best = scores.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
+    let offset_s = refined(best.0, SHIFTS_S.1, score);
+    let pairs = at(offset_s);
+    let (matrix, _, explained) = pairs.regression();
+    let gyro_unit = matrix.determinant().abs().cbrt();
+    let (gyro, accelerometer, turned) = axes(&matrix, &forces(log, motion, offset_s, gravity_m_s2));
+    let expected = gyro.matrix() * turned.inverse().to_rotation_matrix().matrix();
+    let gyro_bias = gyro.matrix().transpose() * pairs.left(&expected).1;
+    let expected = accelerometer.matrix() * turned.inverse().to_rotation_matrix().matrix();
+    let force_bias = accelerometer.matrix().transpose() * forces(log, motion, offset_s, gravity_m_s2).left(&expected).1;
+    Start { offset_s, explained, gyro_unit, gyro, accelerometer, turned, gyro_bias, force_bias }
+}
+
+/// The top of a score near a place, by halving the step.
+fn refined(mut at: f64, mut step: f64, score: impl Fn(f64) -> f64) -> f64 {
+    let mut best = score(at);
+    while step > 2e-4 {
+        step *= 0.5;
+        for trial in [at - step, at + step] {
+            let value = score(trial);
+            if value > best {
+                (at, best) = (trial, value);
+            }
+        }
+    }
+    at
+}
+
+/// Mean specific forces over windows: the reference's, in its body axes, and those read.
+fn forces(log: &Log, motion: &Motion, offset_s: f64, gravity_m_s2: f64) -> Pairs {
+    let reach = ((2.0 * WINDOW_S / motion.interval_s).round() as usize).max(1);
+    let velocity = cumulative(&log.time_s, &log.force, Rule::Straight);
+    let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
+    let count = motion.time_s.len();
+    let every = (count / MOST).max(reach / 2).max(1);
+    let (mut reference, mut read) = (Vec::new(), Vec::new());
+    for k in (reach..count.saturating_sub(reach)).step_by(every) {
+        let (before, middle, after) = (motion.time_s[k - reach], motion.time_s[k], motion.time_s[k + reach]);
+        let half = 0.5 * (after - before);
+        let [from, to] = [middle - 0.5 * half, middle + 0.5 * half].map(|t| t + offset_s);
+        if from < first || to > last || half > 3.0 * reach as f64 * motion.interval_s {
+            continue;
+        }
+        let way = motion.position[k + reach] + motion.position[k - reach] - motion.position[k] * 2.0;
+        let force = way / (half * half) - Vector3::new(0.0, 0.0, gravity_m_s2);
+        reference.push(motion.attitude[k].inverse_transform_vector(&force));
+        let end = |t: f64| between(&log.time_s, &velocity, &log.force, place(&log.time_s, t));
+        read.push((end(to) - end(from)) / (to - from));
+    }
+    Pairs { reference, read }
+}
+
+/// Which axes each sensor's columns read, and how the IMU is mounted.
+fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> (Permutation, Permutation, UnitQuaternion<f64>) {
+    let none = Permutation::NONE;
+    let rotation = |of: &Matrix3<f64>| nearest(of).transpose();
+    // A gyro whose axes are held as they are, or exchanged: the one of 48 ways that comes nearest to a small mounting, where
+    // nothing but an exchange makes a mirrored matrix of it.
+    let (gyro, turned) = if matrix.determinant() >= 0.0 {
+        (none, rotation(matrix))
+    } else {
+        let closest = SIGNED.iter().filter(|p| p.matrix().determinant() < 0.0);
+        let apart = |p: &&Permutation| (p.matrix() - matrix).norm();
+        let best = closest.min_by(|a, b| apart(a).total_cmp(&apart(b))).copied().unwrap_or(none);
+        (best, rotation(&(best.matrix().transpose() * matrix)))
+    };
+    // The accelerometer with that mounting: as it is, or exchanged.
+    let left = |p: &Permutation, turned: &Matrix3<f64>| forces.left(&(p.matrix() * turned.transpose())).0;
+    let best_of = |turned: &Matrix3<f64>| {
+        let best = SIGNED.iter().copied().min_by(|a, b| left(a, turned).total_cmp(&left(b, turned))).unwrap_or(none);
+        if left(&best, turned) < BETTER * left(&none, turned) { best } else { none }
+    };
+    let accelerometer = best_of(&turned);
+    // Both exchanged alike is a mounting; a gyro turned by right angles that the accelerometer denies is an exchange.
+    let right = SIGNED.iter().copied().find(|p| *p != none && (p.matrix() - turned.transpose()).norm() < 0.3);
+    if let (Some(right), true) = (right, gyro == none && accelerometer != none) {
+        let rest = rotation(&(right.matrix().transpose() * matrix));
+        if best_of(&rest) == none {
+            return (right, none, of_matrix(&rest));
+        }
+    }
+    (gyro, accelerometer, of_matrix(&turned))
+}
+
+/// The rotation that comes nearest to a matrix.
+fn nearest(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+    let svd = matrix.svd(true, true);
+    let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+    let sign = (u * v).determinant().signum();
+    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v
+}
+
+/// A mounting that is no small angle: right angles where it comes near to them, itself else. Small angles are for the fit,
+/// which tells them from misalignment.
+fn of_matrix(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    let right = SIGNED.iter().map(Permutation::matrix).filter(|p| p.determinant() > 0.0);
+    let near = right.into_iter().find(|p| angle(&(p.transpose() * matrix)) < SMALL_RAD);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(near.unwrap_or(*matrix)))
+}
+
+/// Angle of a rotation, rad.
+fn angle(matrix: &Matrix3<f64>) -> f64 {
+    (0.5 * (matrix.trace() - 1.0)).clamp(-1.0, 1.0).acos()
+}

@@ -1,0 +1,112 @@
+//! The verdict on an IMU in motion, in plain words.
+
+use crate::diagnosis::trajectory::account::{Account, Hidden, Manoeuvre};
+use crate::diagnosis::trajectory::detail::Detail;
+use crate::diagnosis::verdict::Outcome;
+use crate::number::short;
+
+/// One or two sentences for the first screen.
+pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
+    let account = &detail.account;
+    let names: Vec<&str> = account.named.iter().map(|n| n.spoken.as_str()).collect();
+    let [before, after] = account.held_out.map(short);
+    if !account.with_reference {
+        return match names.is_empty() {
+            true => {
+                "Without a reference only limits and vibration can be judged, and the readings show neither.".into()
+            }
+            false => format!("Without a reference: the readings show {}.", names.join(", ")),
+        };
+    }
+    match outcome {
+        Outcome::Adequate => {
+            "Nothing is missing that this motion could show: IMU and reference agree within the noise \
+                              of both."
+                .into()
+        }
+        Outcome::Explained => format!(
+            "The model left out {}. With {} the error on held-out parts of the recording falls from {before} to {after} \
+             times the noise.",
+            names.join(", "),
+            if names.len() == 1 { "it" } else { "them" }
+        ),
+        Outcome::Unexplained if names.is_empty() => format!(
+            "IMU and reference differ by {before} times the noise, and no candidate in the library explains it."
+        ),
+        Outcome::Unexplained => format!(
+            "The model left out {}, and something else: the error on held-out parts is still {after} times the noise.",
+            names.join(", ")
+        ),
+        Outcome::Undecidable => {
+            let tied = account.named.iter().filter(|n| !n.rivals.is_empty());
+            let pairs: Vec<String> = tied.map(|n| format!("{} (or {})", n.spoken, n.rivals.join(", "))).collect();
+            match pairs.is_empty() {
+                true => "This motion cannot decide whether anything is missing.".into(),
+                false => format!("Something is missing, but this motion cannot tell what: {}.", pairs.join("; ")),
+            }
+        }
+    }
+}
+
+/// Where the mismatch lives.
+pub fn place(detail: &Detail) -> String {
+    let rms =
+        |series: &[(f64, f64)]| (series.iter().map(|p| p.1 * p.1).sum::<f64>() / series.len().max(1) as f64).sqrt();
+    if detail.attitude.before.is_empty() {
+        return "in the readings alone: no reference was given".into();
+    }
+    let mut parts = Vec::new();
+    for (what, series, unit, per) in
+        [("attitude", &detail.attitude, "mrad/s", 1e3), ("position", &detail.position, "mm/s²", 1e3)]
+    {
+        if !series.before.is_empty() {
+            let [before, after] = [&series.before, &series.after].map(|s| short(rms(s) * per));
+            parts.push(format!("{what}: {before} {unit} rms with the base model, {after} {unit} as repaired"));
+        }
+    }
+    parts.join("; ")
+}
+
+/// What the motion could not tell, in sentences.
+pub fn findings(account: &Account) -> Vec<String> {
+    let one = |h: &Hidden| {
+        format!(
+            "this motion does not tell {}: it is known to ±{} {} only; {} would show it",
+            h.term.spoken(),
+            short(h.half_width),
+            h.term.unit.name,
+            manoeuvre(h.manoeuvre)
+        )
+    };
+    account.hidden.iter().map(one).collect()
+}
+
+fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
+    match manoeuvre {
+        Manoeuvre::TurnEveryAxis => "turns about every axis, to and fro",
+        Manoeuvre::SixPositions => "holding each of the six faces up for some seconds",
+        Manoeuvre::FigureEight => "figures of eight with quick turns",
+        Manoeuvre::Longer => "a longer recording",
+    }
+}
+
+/// What would decide or confirm.
+pub fn next_experiment(outcome: Outcome, account: &Account) -> String {
+    if !account.with_reference {
+        return "Record a reference of the motion beside it (motion capture, GNSS/INS, another IMU), and name it under \
+                [reference]."
+            .into();
+    }
+    let hidden = account.hidden.first().map(|h| manoeuvre(h.manoeuvre));
+    match (outcome, hidden) {
+        (Outcome::Undecidable, Some(way)) => format!("Record {way}: what is tied here comes apart there."),
+        (Outcome::Unexplained, _) => {
+            "Record the same motion again with another reference: what stays is the sensor's.".into()
+        }
+        (_, Some(way)) => format!("What this motion does not tell would come out by {way}."),
+        (Outcome::Explained, None) => {
+            "Diagnose another flight of the same sensor: what is the sensor's comes out alike.".into()
+        }
+        _ => "None is needed for what this motion could show.".into(),
+    }
+}

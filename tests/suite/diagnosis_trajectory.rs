@@ -1,0 +1,187 @@
+//! An IMU in motion beside its reference: what is concealed in a log is found, and nothing else.
+//!
+//! Real logs: Burri et al., *The EuRoC micro aerial vehicle datasets*, IJRR 2016. The reference file's own biases are read here
+//! and never by the tool. Made-up flights: the tool's own drone, whose readings are exact but for what is planted.
+
+mod flight;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::diagnosis::answer::Answer;
+
+use super::world::{check, data_test, near, test};
+use flight::{Flight, base, biases, effect, ids, made_up, matrix, real};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        data_test("trajectory: the gyro's bias on two flights is that of the reference file", gyro_bias),
+        data_test("trajectory: a shifted clock is found to a tenth of a millisecond", shifted),
+        data_test("trajectory: a scale of half a per cent and an axis askew are found and nothing else", sensor),
+        data_test("trajectory: clipped readings are found with their limit", clipped),
+        data_test("trajectory: exchanged axes are found", exchanged),
+        data_test("trajectory: a lever arm of 5 cm is found to 5 mm", lever_arm),
+        test("trajectory: a made-up flight without effects names none, and each planted effect alone", planted),
+        test("trajectory: bad input is refused by name", bad_input),
+    ]
+}
+
+const FLIGHTS: [&str; 2] = ["euroc_v102", "euroc_mh04"];
+
+fn gyro_bias(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let answer = real(data, name)?.diagnosed()?;
+        let expected = biases(data, name)?;
+        for axis in 0..3 {
+            let got = base(&answer, ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"][axis])?;
+            near(&format!("{name} {axis}"), got.value, expected[axis], 2e-5)?;
+            check((got.value - expected[axis] - 1e-4).abs() > 2e-5, "a bias 1e-4 off would pass")?;
+        }
+    }
+    Ok(())
+}
+
+/// Nothing is named beyond what the untouched flight names, and `id` is.
+fn named_alone(what: &str, touched: &Answer, untouched: &Answer, id: &str) -> Result<(), Failed> {
+    let (all, known): (BTreeSet<String>, BTreeSet<String>) = (ids(touched), ids(untouched));
+    check(all.contains(id), format!("{what}: {id} is not among {all:?}"))?;
+    let more: Vec<&String> = all.iter().filter(|i| *i != id && !known.contains(*i)).collect();
+    check(more.is_empty(), format!("{what}: also named: {more:?}; untouched {known:?}"))
+}
+
+fn shifted(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let flight = real(data, name)?;
+        let untouched = flight.diagnosed()?;
+        for shift_s in [0.005, -0.005] {
+            let answer = flight.shifted(shift_s).diagnosed()?;
+            let what = format!("{name} shifted by {shift_s}");
+            named_alone(&what, &answer, &untouched, "time-offset")?;
+            let change = base(&answer, "time_offset")?.value - base(&untouched, "time_offset")?.value;
+            near(&what, change, shift_s, 1e-4)?;
+            let half = 0.5 * (base(&answer, "time_offset")?.ci95[1] - base(&answer, "time_offset")?.ci95[0]);
+            check(half < 1e-3 && (change - shift_s).abs() < half, format!("{what}: ±{half}"))?;
+            check((change + shift_s).abs() > 1e-4, "the other sign would pass")?;
+        }
+    }
+    Ok(())
+}
+
+fn sensor(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let flight = real(data, name)?;
+        let untouched = flight.diagnosed()?;
+        let scaled = flight.with_rate(|w| [w[0] * 1.005, w[1] * 1.005, w[2] * 1.005]).diagnosed()?;
+        named_alone(name, &scaled, &untouched, "scale-factor")?;
+        let askew = flight.with_rate(|w| [w[0] + 5e-3 * w[1], w[1], w[2]]).diagnosed()?;
+        named_alone(name, &askew, &untouched, "misalignment")?;
+        for axis in 0..3 {
+            // calibrated = matrix · (reading − bias): a reading that is too large has a smaller entry.
+            let of = |answer: &Answer| matrix(answer).map(|m| 1.0 / m[axis][axis] - 1.0);
+            near(&format!("{name} scale {axis}"), of(&scaled)? - of(&untouched)?, 5e-3, 5e-4)?;
+            near(&format!("{name} scale {axis}, untouched"), of(&askew)? - of(&untouched)?, 0.0, 5e-4)?;
+        }
+        let of = |answer: &Answer| matrix(answer).map(|m| -m[0][1]);
+        near(&format!("{name} xy"), of(&askew)? - of(&untouched)?, 5e-3, 5e-4)?;
+        check((of(&scaled)? - of(&untouched)? - 5e-3).abs() > 5e-4, "a straight axis would pass for an askew one")?;
+    }
+    Ok(())
+}
+
+fn clipped(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let flight = real(data, name)?;
+        let untouched = flight.diagnosed()?;
+        let peak: [f64; 3] = std::array::from_fn(|i| flight.rate.iter().fold(0.0, |p: f64, w| p.max(w[i].abs())));
+        let limit = peak.map(|p| 0.6 * p);
+        let answer = flight.with_rate(|w| std::array::from_fn(|i| w[i].clamp(-limit[i], limit[i]))).diagnosed()?;
+        named_alone(name, &answer, &untouched, "readout-saturation")?;
+        let found = effect(&answer, "readout-saturation")?;
+        for p in &found.parameters {
+            let axis = ["gyro_x", "gyro_y", "gyro_z"].iter().position(|n| *n == p.name).unwrap_or(9);
+            near(&format!("{name} {}", p.name), p.value, limit[axis], 1e-9)?;
+        }
+        check(!ids(&untouched).contains("readout-saturation"), "the untouched flight is clipped")?;
+    }
+    Ok(())
+}
+
+fn exchanged(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let flight = real(data, name)?;
+        let untouched = flight.diagnosed()?;
+        for (map, answer) in [
+            ("y x z", flight.with_rate(|w| [w[1], w[0], w[2]]).diagnosed()?),
+            ("x y -z", flight.with_rate(|w| [w[0], w[1], -w[2]]).diagnosed()?),
+        ] {
+            let what = format!("{name} {map}");
+            named_alone(&what, &answer, &untouched, "axis-swap")?;
+            let found = effect(&answer, "axis-swap")?;
+            check(found.equation.ends_with(&format!("read {map}")), format!("{what}: {}", found.equation))?;
+        }
+    }
+    Ok(())
+}
+
+fn lever_arm(data: &Path) -> Result<(), Failed> {
+    for name in FLIGHTS {
+        let flight = real(data, name)?;
+        let untouched = flight.diagnosed()?;
+        // The reference follows a point 5 cm before the IMU: from it to the IMU it is as far back.
+        let answer = flight.carried([0.05, 0.0, 0.0]).diagnosed()?;
+        named_alone(name, &answer, &untouched, "lever-arm")?;
+        for (axis, expected) in [("x", -0.05), ("y", 0.0), ("z", 0.0)] {
+            let of = |answer: &Answer| base(answer, &format!("lever_arm_{axis}")).map(|e| e.value);
+            near(&format!("{name} {axis}"), of(&answer)? - of(&untouched)?, expected, 5e-3)?;
+        }
+    }
+    Ok(())
+}
+
+/// What is planted, and the id that is to be named.
+type Plant = (&'static str, fn(&Flight) -> Flight);
+
+fn planted() -> Result<(), Failed> {
+    let flight = made_up(1)?;
+    let none = flight.diagnosed()?;
+    check(ids(&none).is_empty(), format!("without effects: {:?} ({:?})", ids(&none), none.outcome))?;
+    let plants: [Plant; 7] = [
+        ("time-offset", |f| f.shifted(0.004)),
+        ("scale-factor", |f| f.with_rate(|w| w.map(|v| v * 1.004))),
+        ("misalignment", |f| f.with_rate(|w| [w[0], w[1] + 4e-3 * w[2], w[2]])),
+        ("g-sensitivity", |f| f.with_g_sensitivity(2e-4)),
+        ("axis-swap", |f| f.with_force(|a| [a[1], a[0], a[2]])),
+        ("lever-arm", |f| f.carried([0.0, 0.1, 0.0])),
+        ("readout-saturation", |f| f.with_rate(|w| w.map(|v| v.clamp(-0.25, 0.25)))),
+    ];
+    for (id, plant) in plants {
+        let all = ids(&plant(&flight).diagnosed()?);
+        check(all.len() == 1 && all.contains(id), format!("{id} planted: {all:?}"))?;
+    }
+    Ok(())
+}
+
+fn bad_input() -> Result<(), Failed> {
+    let flight = made_up(2)?;
+    flight.diagnosed()?;
+    let wrong: [(&str, Flight); 6] = [
+        ("days apart", flight.shifted(3e7)),
+        ("do not overlap", flight.shifted(500.0)),
+        ("wrong sign", flight.with_force(|a| a.map(|v| -v))),
+        ("degrees for radians", flight.with_rate(|w| w.map(f64::to_degrees))),
+        ("in g", flight.with_force(|a| a.map(|v| v / 9.80665))),
+        ("do not turn alike", flight.with_rate_at(|k, w| w.map(|v| 0.0 * v + (k as f64 * 0.37).sin()))),
+    ];
+    for (words, flight) in wrong {
+        match flight.diagnosed() {
+            Err(failed) => {
+                let text = failed.message().unwrap_or_default().to_owned();
+                check(text.contains(words), format!("`{words}` is not said: {text}"))?;
+            }
+            Ok(answer) => return Err(format!("{words}: passes as {:?}", answer.outcome).into()),
+        }
+    }
+    Ok(())
+}

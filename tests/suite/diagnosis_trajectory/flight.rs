@@ -1,0 +1,182 @@
+//! Flights as numbers, real and made up, which a test may alter before the tool sees them.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use libtest_mimic::Failed;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use proofmass::control::Control;
+use proofmass::diagnosis::answer::{Answer, Detail};
+use proofmass::diagnosis::verdict::{Effect, Estimate};
+use proofmass::diagnosis::{diagnose, model};
+use proofmass::document;
+use proofmass::motion::sources::{self, Section};
+use proofmass::motion::{Earth, Sampling};
+use proofmass::rng::{Philox, Stream};
+
+/// Three numbers.
+type Three = [f64; 3];
+
+/// Readings and poses, each with its stamp.
+#[derive(Debug, Clone)]
+pub struct Flight {
+    stamps_ns: Vec<i64>,
+    /// rad/s.
+    pub rate: Vec<Three>,
+    force: Vec<Three>,
+    poses: Vec<(i64, Vector3<f64>, UnitQuaternion<f64>)>,
+}
+
+fn numbers(path: &Path) -> Result<Vec<(i64, Vec<f64>)>, Failed> {
+    let text = std::fs::read_to_string(path)?;
+    let row = |line: &str| -> Option<(i64, Vec<f64>)> {
+        let (stamp, rest) = line.split_once(',')?;
+        Some((stamp.trim().parse().ok()?, rest.split(',').filter_map(|v| v.trim().parse().ok()).collect()))
+    };
+    Ok(text.lines().skip(1).filter_map(row).collect())
+}
+
+/// A recorded flight.
+pub fn real(data: &Path, name: &str) -> Result<Flight, Failed> {
+    let imu = numbers(&data.join(name).join("imu0.csv"))?;
+    let poses = numbers(&data.join(name).join("ground_truth.csv"))?;
+    let three = |v: &[f64], at: usize| [v[at], v[at + 1], v[at + 2]];
+    Ok(Flight {
+        stamps_ns: imu.iter().map(|r| r.0).collect(),
+        rate: imu.iter().map(|r| three(&r.1, 0)).collect(),
+        force: imu.iter().map(|r| three(&r.1, 3)).collect(),
+        poses: poses
+            .iter()
+            .map(|(stamp, v)| {
+                let attitude = UnitQuaternion::from_quaternion(Quaternion::new(v[3], v[4], v[5], v[6]));
+                (*stamp, Vector3::new(v[0], v[1], v[2]), attitude)
+            })
+            .collect(),
+    })
+}
+
+/// The reference file's own mean bias of the gyro, rad/s.
+pub fn biases(data: &Path, name: &str) -> Result<Three, Failed> {
+    let poses = numbers(&data.join(name).join("ground_truth.csv"))?;
+    Ok(std::array::from_fn(|i| poses.iter().map(|(_, v)| v[10 + i]).sum::<f64>() / poses.len() as f64))
+}
+
+/// A drone's flight of ninety seconds, 200 readings and 100 poses per second: white noise of a fair consumer sensor, constant
+/// biases, an exact reference.
+pub fn made_up(seed: u64) -> Result<Flight, Failed> {
+    let text = format!("kind = \"drone\"\nspeed_m_s = 3.0\nextent_m = 6.0\nstill_s = 3.0\nseed = {seed}\n");
+    let section: Section = document::parse_toml("study.toml", &text)?;
+    let trajectory = sources::trajectory(&section, 90.0)?;
+    let sampling = Sampling { rate_hz: 200.0, duration_s: 90.0, lever_arm_m: Vector3::zeros() };
+    let truth = trajectory.truth(&Earth::FLAT, sampling)?;
+    let mut random = Philox::new(seed, 7, Stream::Host);
+    let mut noisy = |value: Vector3<f64>, bias: Three, deviation: f64| -> Three {
+        std::array::from_fn(|i| value[i] + bias[i] + deviation * random.normal())
+    };
+    let stamp = |time_s: f64| 1_600_000_000_000_000_000 + (time_s * 1e9).round() as i64;
+    let mut flight = Flight { stamps_ns: Vec::new(), rate: Vec::new(), force: Vec::new(), poses: Vec::new() };
+    for (k, sample) in truth.samples.iter().enumerate() {
+        flight.stamps_ns.push(stamp(sample.time_s));
+        flight.rate.push(noisy(sample.rate_rad_s, [0.01, -0.02, 0.005], 1.6968e-3));
+        flight.force.push(noisy(sample.specific_force_m_s2, [0.05, -0.03, 0.1], 2e-2));
+        if k % 2 == 0 {
+            // North-east-down to a reference with z up, as files have it.
+            let up = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+            flight.poses.push((stamp(sample.time_s), up * sample.position_m, up * sample.attitude));
+        }
+    }
+    Ok(flight)
+}
+
+impl Flight {
+    /// The IMU's stamps moved.
+    pub fn shifted(&self, shift_s: f64) -> Self {
+        let shift = (shift_s * 1e9).round() as i64;
+        Self { stamps_ns: self.stamps_ns.iter().map(|s| s + shift).collect(), ..self.clone() }
+    }
+
+    /// Every rate altered.
+    pub fn with_rate(&self, of: impl Fn(Three) -> Three) -> Self {
+        self.with_rate_at(|_, w| of(w))
+    }
+
+    /// Every rate altered, by its place.
+    pub fn with_rate_at(&self, of: impl Fn(usize, Three) -> Three) -> Self {
+        Self { rate: self.rate.iter().enumerate().map(|(k, w)| of(k, *w)).collect(), ..self.clone() }
+    }
+
+    /// Every specific force altered.
+    pub fn with_force(&self, of: impl Fn(Three) -> Three) -> Self {
+        Self { force: self.force.iter().map(|a| of(*a)).collect(), ..self.clone() }
+    }
+
+    /// The gyro's x reads so much of the specific force along y, rad/s per m/s².
+    pub fn with_g_sensitivity(&self, size: f64) -> Self {
+        self.with_rate_at(|k, w| [w[0] + size * self.force[k][1], w[1], w[2]])
+    }
+
+    /// The reference follows a point that lies so far from where it was, body axes, m.
+    pub fn carried(&self, arm_m: Three) -> Self {
+        let moved = self.poses.iter().map(|(s, p, q)| (*s, p + q * Vector3::from(arm_m), *q));
+        Self { poses: moved.collect(), ..self.clone() }
+    }
+
+    fn imu(&self) -> String {
+        let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
+                        a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
+            .to_owned();
+        for ((stamp, w), a) in self.stamps_ns.iter().zip(&self.rate).zip(&self.force) {
+            let _ = writeln!(text, "{stamp},{},{},{},{},{},{}", w[0], w[1], w[2], a[0], a[1], a[2]);
+        }
+        text
+    }
+
+    fn reference(&self) -> String {
+        let mut text =
+            "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+                .to_owned();
+        for (stamp, p, q) in &self.poses {
+            let _ = writeln!(text, "{stamp},{},{},{},{},{},{},{}", p.x, p.y, p.z, q.w, q.i, q.j, q.k);
+        }
+        text
+    }
+
+    /// What the tool says.
+    pub fn diagnosed(&self) -> Result<Answer, Failed> {
+        let folder = tempfile::tempdir()?;
+        let imu = folder.path().join("imu.csv");
+        std::fs::write(&imu, self.imu())?;
+        std::fs::write(folder.path().join("reference.csv"), self.reference())?;
+        let file = folder.path().join("model.toml");
+        // The static figures of the flights' own sensor.yaml; the made-up flights are given the same.
+        let model = "kind = \"trajectory\"\n[columns]\ntime = \"#timestamp [ns]\"\n[reference]\nfile = \"reference.csv\"\n\
+                     [noise.gyro]\ndensity = 1.6968e-4\n[noise.accelerometer]\ndensity = 2.0e-3\n";
+        std::fs::write(&file, model)?;
+        let model = model::read(&file)?;
+        let recording = model::read_recording(&imu, &model)?;
+        Ok(diagnose(&recording, &model, &Control::silent())?)
+    }
+}
+
+/// Ids of all that is named.
+pub fn ids(answer: &Answer) -> BTreeSet<String> {
+    answer.effects.iter().map(|e| e.id.clone()).collect()
+}
+
+/// A named effect.
+pub fn effect<'a>(answer: &'a Answer, id: &str) -> Result<&'a Effect, Failed> {
+    answer.effects.iter().find(|e| e.id == id).ok_or_else(|| format!("{id} is not named: {:?}", ids(answer)).into())
+}
+
+/// A number of the base model.
+pub fn base<'a>(answer: &'a Answer, name: &str) -> Result<&'a Estimate, Failed> {
+    answer.base.iter().find(|e| e.name == name).ok_or_else(|| format!("no {name} among the base's numbers").into())
+}
+
+/// The gyro's calibration.
+pub fn matrix(answer: &Answer) -> Result<[[f64; 3]; 3], Failed> {
+    let Detail::Trajectory(detail) = &answer.detail else { return Err("another kind".into()) };
+    let gyro = detail.published.as_ref().and_then(|p| p.gyro.as_ref());
+    gyro.map(|g| g.matrix).ok_or_else(|| "no calibration of the gyro".into())
+}
