@@ -1,6 +1,6 @@
 //! An IMU in motion, beside a reference of that motion: which physics a calibrated IMU leaves out.
 //!
-//! `intake` → `start` → `fit` → `selection` → `conclusion`: readings and poses on one clock; clocks, axes and biases roughly;
+//! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses on one clock, and whether they agree;
 //! attitude and position of the reference against dead reckoning, linear in every parameter (`attitude`, `position`), made
 //! white (`whitening`) and summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the verdict.
 //! The base model has constant biases, gravity of the place and the IMU's stamps and axes as they are given. Not for motion
