@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
-use crate::numerics::special::{f_above, t_quantile};
+use crate::numerics::special::{f_survival, t_quantile};
 
 /// Chance of a false name that is accepted, over all candidates together.
 pub const FALSE_NAME: f64 = 0.005;
@@ -123,10 +123,10 @@ fn chance(value: &DVector<f64>, covariance: &DMatrix<f64>, blocks: usize) -> f64
     let unit = value.component_div(&scale);
     let square = unit.dot(&(inverse * &unit));
     if blocks == usize::MAX {
-        return crate::numerics::special::chi_squared_above(square, k);
+        return crate::numerics::special::chi_squared_survival(square, k);
     }
     let n = blocks as f64;
-    if n <= k { 1.0 } else { f_above(square * (n - k) / (k * (n - 1.0)), k, n - k) }
+    if n <= k { 1.0 } else { f_survival(square * (n - k) / (k * (n - 1.0)), k, n - k) }
 }
 
 /// Sums of squares of blocks that were held out, before and after, in units of the noise.
