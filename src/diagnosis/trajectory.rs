@@ -11,6 +11,7 @@ mod attitude;
 mod blocks;
 pub mod candidate;
 mod clipping;
+mod colour;
 mod conclusion;
 mod course;
 pub mod detail;

@@ -5,11 +5,11 @@
 
 use nalgebra::Vector3;
 
-use super::course::{Case, Course, second};
+use super::course::{Case, Course};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
     COSINES, DRIFT, EARTH_RATE, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE,
-    GYRO_WANDER, LOW_PASS, MOUNTING, OFFSET, PARAMETERS, Point,
+    GYRO_WANDER, MOUNTING, OFFSET, PARAMETERS, Point,
 };
 use super::rows::{Bins, Row, rows};
 use crate::parallel;
@@ -63,11 +63,10 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize) -> Option<Vec
         let n = p - G_SENSITIVITY.start;
         return Some(unit(n / 3, f[n % 3]));
     }
-    if GYRO_WANDER.contains(&p) {
+    GYRO_WANDER.contains(&p).then(|| {
         let n = p - GYRO_WANDER.start;
-        return Some(unit(n / COSINES, case.cosines(case.log.time_s[k])[n % COSINES]));
-    }
-    (p == LOW_PASS.start).then(|| course.gyro * second(&course.rate, k, case.log.interval_s))
+        unit(n / COSINES, case.cosines(case.log.time_s[k])[n % COSINES])
+    })
 }
 
 /// What a parameter does to E at the poses at once.

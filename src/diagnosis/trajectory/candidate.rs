@@ -12,6 +12,7 @@ mod term;
 pub use frame::MOUNTING;
 pub use readout::{AXIS_SWAP, SATURATION, VIBRATION};
 pub use reference::REFERENCE_NOISE;
+pub use sensor::MISALIGNMENT;
 pub use term::{Term, Unit};
 
 /// The library of this kind.
@@ -23,10 +24,9 @@ pub const CANDIDATES: &[Candidate] = &[
     sensor::GYRO_BIAS,
     sensor::ACCELEROMETER_BIAS,
     sensor::SCALE_FACTOR,
-    sensor::MISALIGNMENT,
+    MISALIGNMENT,
     sensor::G_SENSITIVITY,
     SATURATION,
-    readout::LOW_PASS,
     AXIS_SWAP,
     VIBRATION,
     sensor::EARTH_RATE,
@@ -35,7 +35,7 @@ pub const CANDIDATES: &[Candidate] = &[
 
 /// Everything that is fitted and judged by held-out blocks, with or without positions in the reference.
 pub fn terms(has_position: bool) -> Vec<&'static Term> {
-    [clock::TERMS, frame::TERMS, sensor::TERMS, readout::TERMS]
+    [clock::TERMS, frame::TERMS, sensor::TERMS]
         .into_iter()
         .flatten()
         .filter(|t| has_position || t.by_attitude)

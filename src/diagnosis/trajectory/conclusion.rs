@@ -112,8 +112,8 @@ impl Told<'_> {
             selection.named.iter().map(|n| effects::fitted(n, &chosen, self.channels(n.standing.term))).collect();
         effects::mounted(&mut effects, found.start.turned, &self.names);
         effects.splice(0..0, self.of_readings([clipped; 2], swap, found.start.explained));
-        let clocked = Fitted::of(&fit.linear, &published::clocked(&active));
-        let left: Vec<Vec<(Vector3<f64>, bool)>> = fit.residuals.iter().map(|r| left(fit, r, &clocked.point)).collect();
+        let seated = Fitted::of(&fit.linear, &published::seated(&active));
+        let left: Vec<Vec<(Vector3<f64>, bool)>> = fit.residuals.iter().map(|r| left(fit, r, &seated.point)).collect();
         let rate_hz = 1.0 / found.log.interval_s;
         // N² is half the one-sided density: the one stated, else the floor of the readings.
         let walk = |stated: Option<Noise>, readings: &[Vector3<f64>]| {
@@ -137,7 +137,7 @@ impl Told<'_> {
         detail.published = published::calibration(&wide, swap);
         let scores = scores(found, [&before, &chosen.point], &held, named > 0);
         let mut answer =
-            self.answer(outcome, effects, scores, remainder, published::base(&clocked, &wide), Vec::new(), detail);
+            self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), Vec::new(), detail);
         answer.ranking = ranking(&answer.effects, selection);
         answer
     }

@@ -6,7 +6,7 @@ use super::integral::{Rule, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{
     COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, G_SENSITIVITY,
-    GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, LOW_PASS, MOUNTING, OFFSET, Point,
+    GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
 };
 
 /// What is fitted: readings, reference, and the rotation that the search starts from.
@@ -101,16 +101,12 @@ impl Course {
         let log = case.log;
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
-            let bent = |values: &[Vector3<f64>], kappa: f64| match kappa {
-                0.0 => values[n],
-                _ => values[n] - second(values, n, log.interval_s) * kappa,
-            };
             let f = accelerometer
-                * (bent(&log.force, point[LOW_PASS.start + 1])
+                * (log.force[n]
                     - vector(point, FORCE_BIAS.start)
                     - wander(FORCE_WANDER.start, log.time_s[n]));
             let w = gyro
-                * (bent(&log.rate, point[LOW_PASS.start])
+                * (log.rate[n]
                     - vector(point, GYRO_BIAS.start)
                     - wander(GYRO_WANDER.start, log.time_s[n])
                     - k * f);
@@ -134,16 +130,6 @@ impl Course {
         let turn = (self.rate[k] + (self.rate[k + 1] - self.rate[k]) * (0.5 * u)) * (u * step);
         self.attitude[k] * UnitQuaternion::from_scaled_axis(turn)
     }
-}
-
-/// Second derivative by time at a sample, over a stretch wide enough for noise.
-pub fn second(values: &[Vector3<f64>], at: usize, interval_s: f64) -> Vector3<f64> {
-    let reach = ((0.02 / interval_s).round() as usize).max(1);
-    let (before, after) = (at.saturating_sub(reach), (at + reach).min(values.len() - 1));
-    if after - before < 2 * reach {
-        return Vector3::zeros();
-    }
-    (values[before] + values[after] - values[at] * 2.0) / (reach as f64 * interval_s).powi(2)
 }
 
 /// Attitudes from rates, the first one being none: coning made good by the one before.

@@ -12,13 +12,14 @@ use super::whitening::Whitening;
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
-/// Rounds: the first ones bring the point near, the last ones hardly move it.
+/// Rounds at most, and the share of a standard error below which none is needed any more.
 const ROUNDS: usize = 5;
+const SETTLED: f64 = 0.1;
 /// Width of a bin of attitude and of position, s, and in poses at least.
 const WIDTH: [(f64, f64); 2] = [(0.05, 3.0), (0.1, 3.0)];
-/// Rows that the noise of attitude and of position looks back. More of attitude would trust the slow part of the residual,
-/// in which references that were filtered err most; the second differences of position take more to be made white.
-const ORDERS: [usize; 2] = [3, 8];
+/// Rows that the noise of attitude and of position looks back at most. More of attitude would trust the slow part of the
+/// residual, in which references that were smoothed err most; the second differences of position take more to be made white.
+const MOST: [usize; 2] = [3, 10];
 
 /// Rows at the last point, with what makes them white.
 #[derive(Debug, Clone)]
@@ -72,7 +73,14 @@ impl Fit {
                 let (linear, residuals) = coloured(&point, residuals, active, ends);
                 return Ok(Self { linear, residuals, error });
             }
-            point = linear.solve(active, |_| true).point;
+            let solved = linear.solve(active, |_| true);
+            let moved = |(i, p): (usize, &usize)| {
+                (solved.point[*p] - point[*p]).abs() > SETTLED * solved.covariance[(i, i)].max(0.0).sqrt()
+            };
+            if !active.iter().enumerate().any(moved) {
+                round = round.max(ROUNDS);
+            }
+            point = solved.point;
         }
     }
 
@@ -103,7 +111,7 @@ fn leave_out(rows: &mut [Row], from: &Point, to: &Point) {
 fn whitened(point: &Point, all: Vec<(Vec<Row>, f64)>, active: &[usize], ends: [f64; 2]) -> (Linear, Vec<Residuals>) {
     let plain = |(sensor, (rows, width_s)): (usize, (Vec<Row>, f64))| {
         let residual: Vec<_> = rows.iter().map(|r| r.residual).collect();
-        Residuals { whitening: Whitening::of(&rows, &residual, ORDERS[sensor]), rows, width_s }
+        Residuals { whitening: Whitening::of(&rows, &residual, MOST[sensor]), rows, width_s }
     };
     let residuals: Vec<Residuals> = all.into_iter().enumerate().map(plain).collect();
     coloured(point, residuals, active, ends)
@@ -124,7 +132,7 @@ fn coloured(
         let solved = linear(&residuals).solve(active, |_| true).point;
         for (sensor, r) in residuals.iter_mut().enumerate() {
             let left: Vec<_> = r.rows.iter().map(|row| row.at(point, &solved)).collect();
-            r.whitening = Whitening::of(&r.rows, &left, ORDERS[sensor]);
+            r.whitening = Whitening::of(&r.rows, &left, MOST[sensor]);
         }
     }
     (linear(&residuals), residuals)

@@ -1,13 +1,13 @@
 //! What an IMU in motion, and its place beside the reference, may have other than the ideal: where each number stands.
 //!
-//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which are the
-//! accelerometer's: its S is upper triangular, the gyro's is full. C = C₀ exp(c) turns the IMU's axes to the body axes of the
-//! reference. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which C = C₀ exp(c) turns
+//! to the body axes of the reference. Each S off its diagonal is full: what turns both sensors alike is a mounting and no
+//! misalignment, which `selection` sees to. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub const PARAMETERS: usize = 57;
+pub const PARAMETERS: usize = 58;
 /// A point in the space of all parameters, SI units.
 pub type Point = [f64; PARAMETERS];
 
@@ -31,31 +31,28 @@ pub const GYRO_MISALIGNMENT: Range<usize> = 16..22;
 pub const G_SENSITIVITY: Range<usize> = 22..31;
 /// Diagonal of the accelerometer's S.
 pub const FORCE_SCALE: Range<usize> = 31..34;
-/// The accelerometer's S above its diagonal: xy, xz, yz.
-pub const FORCE_MISALIGNMENT: Range<usize> = 34..37;
+/// The accelerometer's S off its diagonal: above it xy, xz, yz; below it yx, zx, zy.
+pub const FORCE_MISALIGNMENT: Range<usize> = 34..40;
 /// From the reference's origin to the accelerometer, body axes, m.
-pub const LEVER_ARM: Range<usize> = 37..40;
+pub const LEVER_ARM: Range<usize> = 40..43;
 /// Slow wander of b of the gyro: two cosines over the recording, of x, then of y and z, rad/s.
-pub const GYRO_WANDER: Range<usize> = 40..46;
+pub const GYRO_WANDER: Range<usize> = 43..49;
 /// The same of the accelerometer, m/s².
-pub const FORCE_WANDER: Range<usize> = 46..52;
-/// Second-order part of each sensor's read-out filter, gyro and accelerometer: y = u + κ u″, s².
-pub const LOW_PASS: Range<usize> = 52..54;
-
+pub const FORCE_WANDER: Range<usize> = 49..55;
 /// Rate of the reference's north-east-down against inertial space, rad/s.
-pub const EARTH_RATE: Range<usize> = 54..57;
+pub const EARTH_RATE: Range<usize> = 55..58;
 
 /// Places of the gyro's off-diagonal numbers.
 pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 /// Places of the accelerometer's.
-pub const FORCE_OFF_DIAGONAL: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
+pub const FORCE_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 2), (1, 0), (2, 0), (2, 1)];
 /// Cosines that a slow wander is made of.
 pub const COSINES: usize = 2;
 
 /// How large each number may be at the very most: the standard deviation of a prior that holds fast what nothing shows.
 pub fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
-    let rows: [(Range<usize>, f64); 16] = [
+    let rows: [(Range<usize>, f64); 15] = [
         (GYRO_BIAS, 1.0),
         (FORCE_BIAS, 5.0),
         (TILT, 3.0),
@@ -70,7 +67,6 @@ pub fn widths() -> Point {
         (LEVER_ARM, 10.0),
         (GYRO_WANDER, 0.2),
         (FORCE_WANDER, 2.0),
-        (LOW_PASS, 1e-2),
         (EARTH_RATE, 1e-3),
     ];
     for (range, width) in rows {

@@ -3,10 +3,10 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::course::{Case, Course, second, vector};
+use super::course::{Case, Course, vector};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, LEVER_ARM, LOW_PASS,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, LEVER_ARM,
     MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
 use super::rows::{Bins, Row, rows};
@@ -88,7 +88,6 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64
         // The reference's attitude at a sample is that of another instant.
         OFFSET => Some(w.cross(&f)),
         DRIFT => Some(w.cross(&f) * (time_s - middle_s)),
-        _ if p == LOW_PASS.start + 1 => Some(course.accelerometer * second(&course.force, k, case.log.interval_s)),
         _ => None,
     }
 }

@@ -54,7 +54,10 @@ impl Fitted {
 /// What nearly every unit has, beside a model.
 pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
-    let force = [FORCE_SCALE, FORCE_MISALIGNMENT, LEVER_ARM];
+    // Beside a mounting body axes are the accelerometer's: y in its x–y plane, x its own.
+    let is_mounted = active.contains(&MOUNTING.start);
+    let askew = if is_mounted { FORCE_MISALIGNMENT.start..FORCE_MISALIGNMENT.start + 3 } else { FORCE_MISALIGNMENT };
+    let force = [FORCE_SCALE, askew, LEVER_ARM];
     let more = gyro.into_iter().chain(force.into_iter().filter(|_| has_position)).flatten();
     let mut all = active.to_vec();
     more.for_each(|p| {
@@ -65,9 +68,11 @@ pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     all
 }
 
-/// A model with the clock free, which biases ought not to depend on.
-pub fn clocked(active: &[usize]) -> Vec<usize> {
-    let more = [OFFSET, DRIFT].into_iter().filter(|p| !active.contains(p));
+/// A model with clock and mounting free, which biases ought not to depend on; where a sensor's axes are free, so is its mounting.
+pub fn seated(active: &[usize]) -> Vec<usize> {
+    let askew = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p) || FORCE_MISALIGNMENT.contains(p));
+    let mounting = MOUNTING.filter(|_| !askew);
+    let more = [OFFSET, DRIFT].into_iter().chain(mounting).filter(|p| !active.contains(p));
     active.iter().copied().chain(more).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Which candidates are named: forward by what held-out blocks gain, backward to drop what is not needed any more.
 
 use super::blocks::Linear;
-use super::candidate::Term;
+use super::candidate::{MISALIGNMENT, MOUNTING, Term};
 use super::judgement::{Question, Standing, judge};
 use super::parameters::{FORCE_BIAS, GYRO_BIAS, TILT};
 use crate::control::{Control, Stopped};
@@ -112,8 +112,17 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// What may be added. Where one sensor's axes are free, a mounting would only turn the other's: that is a misalignment,
+    /// of the other; and where a mounting and one sensor's axes are free, so would the other's axes.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
-        self.library.iter().copied().filter(|t| !named.contains(t)).collect()
+        let count = |id: &str| named.iter().filter(|t| t.id() == id).count();
+        let turned = count(MOUNTING.id) + count(MISALIGNMENT.id);
+        let closed = |t: &Term| match t.id() {
+            id if id == MOUNTING.id => turned > 0,
+            id if id == MISALIGNMENT.id => turned > 1,
+            _ => false,
+        };
+        self.library.iter().copied().filter(|t| !named.contains(t) && !closed(t)).collect()
     }
 
     fn added(&self, named: &[&'static Term], term: &'static Term) -> Standing {
@@ -141,6 +150,6 @@ impl Search<'_> {
             let rival = self.added(&without, t);
             rival.plausible && rival.fall > standing.fall - TIED
         };
-        self.rest(named).into_iter().filter(fits).collect()
+        self.rest(&without).into_iter().filter(|t| *t != standing.term && fits(t)).collect()
     }
 }

@@ -122,7 +122,7 @@ impl Flight {
         Self { poses: moved.collect(), ..self.clone() }
     }
 
-    fn imu(&self) -> String {
+    pub fn imu(&self) -> String {
         let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
                         a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
             .to_owned();
@@ -132,7 +132,7 @@ impl Flight {
         text
     }
 
-    fn reference(&self) -> String {
+    pub fn reference(&self) -> String {
         let mut text =
             "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
                 .to_owned();

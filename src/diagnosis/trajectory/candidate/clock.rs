@@ -12,7 +12,7 @@ pub(super) const TIME_OFFSET: Candidate = Candidate {
     parameters: &[Parameter { name: "offset", unit: "s", range: (-10.0, 10.0) }],
     acts: "clock",
     signature: "attitude errors proportional to the rate, along it",
-    confusable_with: &["readout-lowpass", "clock-drift"],
+    confusable_with: &["clock-drift", "lever-arm"],
     reference: "Furgale, Rehder & Siegwart, IROS 2013",
 };
 

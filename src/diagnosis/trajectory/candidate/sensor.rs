@@ -14,16 +14,17 @@ pub(super) const SCALE_FACTOR: Candidate = Candidate {
     parameters: &[Parameter { name: "gyro_x … accelerometer_z", unit: "ppm", range: (-2e5, 2e5) }],
     acts: "readout",
     signature: "turns come out too long or too short in proportion; specific force likewise",
-    confusable_with: &["readout-lowpass"],
+    confusable_with: &["readout-saturation"],
     reference: "IEEE 952, IEEE 1293",
 };
 
-pub(super) const MISALIGNMENT: Candidate = Candidate {
+/// `misalignment`.
+pub const MISALIGNMENT: Candidate = Candidate {
     id: "misalignment",
     kind: Kind::Trajectory,
-    statement: "The sensor's axes are not at right angles, or the gyro's do not stand along the accelerometer's.",
+    statement: "The sensor's axes are not at right angles, or not where the other sensor's say they are.",
     equation: "y = (I + S) v + b, S off its diagonal",
-    parameters: &[Parameter { name: "gyro_xy … accelerometer_yz", unit: "mrad", range: (-200.0, 200.0) }],
+    parameters: &[Parameter { name: "gyro_xy … accelerometer_zy", unit: "mrad", range: (-200.0, 200.0) }],
     acts: "readout",
     signature: "a rate about one axis appears on another, in one sensor alone",
     confusable_with: &["mounting"],
@@ -154,7 +155,14 @@ pub(super) const TERMS: &[Term] = &[
         candidate: &MISALIGNMENT,
         sensor: Some(Sense::Accelerometer),
         parameters: parameters::FORCE_MISALIGNMENT,
-        names: &["accelerometer_xy", "accelerometer_xz", "accelerometer_yz"],
+        names: &[
+            "accelerometer_xy",
+            "accelerometer_xz",
+            "accelerometer_yz",
+            "accelerometer_yx",
+            "accelerometer_zx",
+            "accelerometer_zy",
+        ],
         unit: MRAD,
         largest: 0.2,
         smallest: 1e-3,
