@@ -114,10 +114,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
         let solved = fit.linear.solve(&active, |_| true).point;
         Fit::new(&case, &solved, &active, control).map_err(stopped)
     };
-    let dbg = |w: &str, fit: &Fit, sel: &Selection| if std::env::var("PMDBG").is_ok() { eprintln!("{w} tilt {:.2e} point {:.5?}", fit.tilt_rad(), fit.linear.point); for r in &fit.residuals { eprintln!("  dev {:?}", r.whitening.deviation); } for s in sel.named.iter().map(|n| &n.standing).chain(&sel.others) { let v = fit.linear.solve(&selection::with(&sel.active(true), (!sel.named.iter().any(|n| n.standing.term == s.term)).then_some(s.term)), |_| true).point; eprintln!("   {} p {:.1e} fall {:.1} least {:.1} pl {} m {} value {:.6?} half {:.6?}", s.term.spoken(), s.p_value, s.fall, s.least_fall, s.plausible, s.matters, &v[s.term.parameters.clone()], s.half_widths); } };
-    let s0 = select(&fit)?; dbg("first", &fit, &s0);
-    let fit = about(&fit, &s0)?;
-    let selection = select(&fit)?; dbg("second", &fit, &selection);
+    let fit = about(&fit, &select(&fit)?)?;
+    let selection = select(&fit)?;
     let fit = about(&fit, &selection)?;
     drop(work);
     Ok(told.conclude(&Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection }))

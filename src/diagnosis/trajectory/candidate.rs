@@ -39,6 +39,5 @@ pub fn terms(has_position: bool) -> Vec<&'static Term> {
         .into_iter()
         .flatten()
         .filter(|t| has_position || t.by_attitude)
-        .filter(|t| std::env::var("PMALL").is_ok() || !matches!((t.id(), t.sensor), ("scale-factor" | "misalignment", Some(crate::sensor::Sense::Accelerometer))))
         .collect()
 }

@@ -19,7 +19,8 @@ impl Lags {
     pub fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
         let most = most.min(residual.len() / 20);
         let empty = || std::array::from_fn(|_| DMatrix::zeros(most + 1, most + 1));
-        let (mut products, mut count): (Vec<[DMatrix<f64>; 3]>, _) = ((0..STRETCHES).map(|_| empty()).collect(), vec![0.0; STRETCHES]);
+        let (mut products, mut count): (Vec<[DMatrix<f64>; 3]>, _) =
+            ((0..STRETCHES).map(|_| empty()).collect(), vec![0.0; STRETCHES]);
         for k in (most..residual.len()).filter(|k| holds[k - most..=*k].iter().all(|h| *h)) {
             let stretch = k * STRETCHES / residual.len();
             count[stretch] += 1.0;

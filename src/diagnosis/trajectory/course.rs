@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::integral::{Rule, cumulative, place};
 use super::log::{Log, Motion};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, G_SENSITIVITY,
-    GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL, GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, G_SENSITIVITY, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_OFF_DIAGONAL,
+    GYRO_SCALE, GYRO_WANDER, MOUNTING, OFFSET, Point,
 };
 
 /// What is fitted: readings, reference, and the rotation that the search starts from.
@@ -59,15 +59,6 @@ pub fn gyro_matrix(point: &Point) -> Matrix3<f64> {
     matrix
 }
 
-/// I + S of the accelerometer.
-pub fn force_matrix(point: &Point) -> Matrix3<f64> {
-    let mut matrix = Matrix3::from_diagonal(&(vector(point, FORCE_SCALE.start).add_scalar(1.0)));
-    for (n, at) in FORCE_OFF_DIAGONAL.into_iter().enumerate() {
-        matrix[at] = point[FORCE_MISALIGNMENT.start + n];
-    }
-    matrix
-}
-
 /// K.
 pub fn g_sensitivity(point: &Point) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
@@ -84,15 +75,12 @@ pub struct Course {
     pub attitude: Vec<UnitQuaternion<f64>>,
     /// (I + S)⁻¹ of the gyro.
     pub gyro: Matrix3<f64>,
-    /// The same of the accelerometer.
-    pub accelerometer: Matrix3<f64>,
 }
 
 impl Course {
     /// At a point.
     pub fn of(case: &Case<'_>, point: &Point) -> Self {
-        let inverse = |matrix: Matrix3<f64>| matrix.try_inverse().unwrap_or_else(Matrix3::identity);
-        let (gyro, accelerometer) = (inverse(gyro_matrix(point)), inverse(force_matrix(point)));
+        let gyro = gyro_matrix(point).try_inverse().unwrap_or_else(Matrix3::identity);
         let k = g_sensitivity(point);
         let wander = |start: usize, time_s: f64| {
             let cosines = case.cosines(time_s);
@@ -101,19 +89,13 @@ impl Course {
         let log = case.log;
         let (mut rate, mut force) = (Vec::with_capacity(log.rate.len()), Vec::with_capacity(log.rate.len()));
         for n in 0..log.rate.len() {
-            let f = accelerometer
-                * (log.force[n]
-                    - vector(point, FORCE_BIAS.start)
-                    - wander(FORCE_WANDER.start, log.time_s[n]));
+            let f = log.force[n] - vector(point, FORCE_BIAS.start) - wander(FORCE_WANDER.start, log.time_s[n]);
             let w = gyro
-                * (log.rate[n]
-                    - vector(point, GYRO_BIAS.start)
-                    - wander(GYRO_WANDER.start, log.time_s[n])
-                    - k * f);
+                * (log.rate[n] - vector(point, GYRO_BIAS.start) - wander(GYRO_WANDER.start, log.time_s[n]) - k * f);
             rate.push(w);
             force.push(f);
         }
-        let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro, accelerometer };
+        let mut course = Self { attitude: reckoned(log, &rate, case.rule), rate, force, gyro };
         // Anchored in the middle, so that errors that grow are smallest.
         let middle = case.motion.time_s.len() / 2;
         let imu = course.attitude_at(log, case.stamp_s(point, middle));

@@ -7,10 +7,11 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::{BLOCKS, Linear};
 use super::candidate::Term;
 use super::parameters::Point;
+use crate::diagnosis::remainder::REAL;
 use crate::numerics::special::{f_survival, t_quantile};
 
-/// Chance of a false name that is accepted, over all candidates together.
-pub const FALSE_NAME: f64 = 0.005;
+/// Chance of a false name that is accepted, over all candidates together: what every kind calls real.
+pub const FALSE_NAME: f64 = REAL;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;
 
@@ -80,7 +81,7 @@ pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let value = DVector::from_fn(own.len(), |i, _| solved.point[own[i]]);
     let p_value =
         chance(&value, &jackknife(&replicates, &own), replicates.len()).max(chance(&value, &white, usize::MAX));
-    let half_widths = own
+    let half_widths: Vec<f64> = own
         .iter()
         .enumerate()
         .map(|(i, p)| half_width(&|point| point[*p], &replicates, white[(i, i)].max(0.0).sqrt()))
@@ -96,7 +97,7 @@ pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
         p_value: (p_value * tried as f64).min(1.0),
         fall,
         least_fall,
-        plausible: value.iter().all(|v| v.abs() <= term.largest),
+        plausible: value.iter().zip(&half_widths).all(|(v, half)| v.abs() - half <= term.largest),
         matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad)),
         half_widths,
     }

@@ -1,13 +1,14 @@
 //! What an IMU in motion, and its place beside the reference, may have other than the ideal: where each number stands.
 //!
-//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = (I + S) f + b. ω and f stand in the IMU's axes, which C = C₀ exp(c) turns
-//! to the body axes of the reference. Each S off its diagonal is full: what turns both sensors alike is a mounting and no
-//! misalignment, which `selection` sees to. An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = f + b. ω and f stand in the IMU's axes, which are the accelerometer's and
+//! which C = C₀ exp(c) turns to the body axes of the reference. The accelerometer's own scale and axes are not free: most
+//! bodies press along one axis alone, and along the others their slopes would be made of the noise that they are judged by.
+//! An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub const PARAMETERS: usize = 58;
+pub const PARAMETERS: usize = 49;
 /// A point in the space of all parameters, SI units.
 pub type Point = [f64; PARAMETERS];
 
@@ -29,30 +30,24 @@ pub const GYRO_SCALE: Range<usize> = 13..16;
 pub const GYRO_MISALIGNMENT: Range<usize> = 16..22;
 /// K by rows, rad/s per m/s².
 pub const G_SENSITIVITY: Range<usize> = 22..31;
-/// Diagonal of the accelerometer's S.
-pub const FORCE_SCALE: Range<usize> = 31..34;
-/// The accelerometer's S off its diagonal: above it xy, xz, yz; below it yx, zx, zy.
-pub const FORCE_MISALIGNMENT: Range<usize> = 34..40;
 /// From the reference's origin to the accelerometer, body axes, m.
-pub const LEVER_ARM: Range<usize> = 40..43;
+pub const LEVER_ARM: Range<usize> = 31..34;
 /// Slow wander of b of the gyro: two cosines over the recording, of x, then of y and z, rad/s.
-pub const GYRO_WANDER: Range<usize> = 43..49;
+pub const GYRO_WANDER: Range<usize> = 34..40;
 /// The same of the accelerometer, m/s².
-pub const FORCE_WANDER: Range<usize> = 49..55;
+pub const FORCE_WANDER: Range<usize> = 40..46;
 /// Rate of the reference's north-east-down against inertial space, rad/s.
-pub const EARTH_RATE: Range<usize> = 55..58;
+pub const EARTH_RATE: Range<usize> = 46..49;
 
 /// Places of the gyro's off-diagonal numbers.
 pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
-/// Places of the accelerometer's.
-pub const FORCE_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 2), (1, 0), (2, 0), (2, 1)];
 /// Cosines that a slow wander is made of.
 pub const COSINES: usize = 2;
 
 /// How large each number may be at the very most: the standard deviation of a prior that holds fast what nothing shows.
 pub fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
-    let rows: [(Range<usize>, f64); 15] = [
+    let rows: [(Range<usize>, f64); 13] = [
         (GYRO_BIAS, 1.0),
         (FORCE_BIAS, 5.0),
         (TILT, 3.0),
@@ -62,8 +57,6 @@ pub fn widths() -> Point {
         (GYRO_SCALE, 0.5),
         (GYRO_MISALIGNMENT, 0.5),
         (G_SENSITIVITY, 2e-2),
-        (FORCE_SCALE, 0.5),
-        (FORCE_MISALIGNMENT, 0.5),
         (LEVER_ARM, 10.0),
         (GYRO_WANDER, 0.2),
         (FORCE_WANDER, 2.0),

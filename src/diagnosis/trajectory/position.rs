@@ -6,8 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::course::{Case, Course, vector};
 use super::integral::{between, cumulative, place};
 use super::parameters::{
-    COSINES, DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_OFF_DIAGONAL, FORCE_SCALE, FORCE_WANDER, LEVER_ARM,
-    MOUNTING, OFFSET, PARAMETERS, Point, TILT,
+    COSINES, DRIFT, FORCE_BIAS, FORCE_WANDER, LEVER_ARM, MOUNTING, OFFSET, PARAMETERS, Point, TILT,
 };
 use super::rows::{Bins, Row, rows};
 use crate::parallel;
@@ -65,17 +64,9 @@ pub fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bin
 /// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its double integral.
 fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
     let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
-    let unit = |axis: usize, value: f64| course.accelerometer.column(axis) * value;
+    let unit = |axis: usize, value: f64| Vector3::ith(axis, value);
     if FORCE_BIAS.contains(&p) {
         return Some(unit(p - FORCE_BIAS.start, 1.0));
-    }
-    if FORCE_SCALE.contains(&p) {
-        let axis = p - FORCE_SCALE.start;
-        return Some(unit(axis, f[axis]));
-    }
-    if FORCE_MISALIGNMENT.contains(&p) {
-        let (row, column) = FORCE_OFF_DIAGONAL[p - FORCE_MISALIGNMENT.start];
-        return Some(unit(row, f[column]));
     }
     if FORCE_WANDER.contains(&p) {
         let n = p - FORCE_WANDER.start;

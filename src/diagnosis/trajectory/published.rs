@@ -4,15 +4,17 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::Linear;
-use super::course::{force_matrix, gyro_matrix, vector};
+use super::course::{gyro_matrix, vector};
 use super::judgement::half_width;
 use super::parameters::{
-    DRIFT, FORCE_BIAS, FORCE_MISALIGNMENT, FORCE_SCALE, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING,
-    OFFSET, Point, TILT,
+    DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
 use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
 use crate::units::DEGREE;
+
+/// How well the accelerometer's scale and axes are known, which are not fitted: what a sensor may have at most.
+const HELD: f64 = 0.2;
 
 /// A fitted subset with what its intervals are made of.
 pub struct Fitted {
@@ -54,11 +56,7 @@ impl Fitted {
 /// What nearly every unit has, beside a model.
 pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
-    // Beside a mounting body axes are the accelerometer's: y in its x–y plane, x its own.
-    let is_mounted = active.contains(&MOUNTING.start);
-    let askew = if is_mounted { FORCE_MISALIGNMENT.start..FORCE_MISALIGNMENT.start + 3 } else { FORCE_MISALIGNMENT };
-    let force = [FORCE_SCALE, askew, LEVER_ARM];
-    let more = gyro.into_iter().chain(force.into_iter().filter(|_| has_position)).flatten();
+    let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|_| has_position)).flatten();
     let mut all = active.to_vec();
     more.for_each(|p| {
         if !all.contains(&p) {
@@ -68,9 +66,9 @@ pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     all
 }
 
-/// A model with clock and mounting free, which biases ought not to depend on; where a sensor's axes are free, so is its mounting.
+/// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes are free, so is its mounting.
 pub fn seated(active: &[usize]) -> Vec<usize> {
-    let askew = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p) || FORCE_MISALIGNMENT.contains(p));
+    let askew = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
     let mounting = MOUNTING.filter(|_| !askew);
     let more = [OFFSET, DRIFT].into_iter().chain(mounting).filter(|p| !active.contains(p));
     active.iter().copied().chain(more).collect()
@@ -100,12 +98,8 @@ pub fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
 
 /// calibrated = matrix · (reading − bias), in the axes that the columns ought to read.
 pub fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
-    let sensor = |of: fn(&Point) -> Matrix3<f64>, bias_at: usize, swap: Permutation, unit: &str| {
-        let inverse =
-            move |p: &Point| of(p).try_inverse().unwrap_or_else(Matrix3::identity) * swap.matrix().transpose();
+    let sensor = |entries: [[(f64, [f64; 2]); 3]; 3], bias_at: usize, swap: Permutation, unit: &str| {
         let bias = move |p: &Point| -> Vector3<f64> { swap.matrix() * vector(p, bias_at) };
-        let entries: [[(f64, [f64; 2]); 3]; 3] =
-            std::array::from_fn(|i| std::array::from_fn(|j| wide.number(&|p: &Point| inverse(p)[(i, j)])));
         let biases: [(f64, [f64; 2]); 3] = std::array::from_fn(|i| wide.number(&|p: &Point| bias(p)[i]));
         SensorCalibration {
             matrix: entries.map(|row| row.map(|e| e.0)),
@@ -115,8 +109,14 @@ pub fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
             unit: unit.into(),
         }
     };
+    let gyro =
+        |p: &Point| gyro_matrix(p).try_inverse().unwrap_or_else(Matrix3::identity) * swapped[0].matrix().transpose();
+    let fitted = std::array::from_fn(|i| std::array::from_fn(|j| wide.number(&|p: &Point| gyro(p)[(i, j)])));
+    let taken = swapped[1].matrix().transpose();
+    let held = |i, j| (taken[(i, j)], [taken[(i, j)] - HELD, taken[(i, j)] + HELD]);
+    let held = std::array::from_fn(|i| std::array::from_fn(|j| held(i, j)));
     wide.has(FORCE_BIAS.start).then(|| Triads {
-        gyro: Some(sensor(gyro_matrix, GYRO_BIAS.start, swapped[0], "rad/s")),
-        accelerometer: sensor(force_matrix, FORCE_BIAS.start, swapped[1], "m/s^2"),
+        gyro: Some(sensor(fitted, GYRO_BIAS.start, swapped[0], "rad/s")),
+        accelerometer: sensor(held, FORCE_BIAS.start, swapped[1], "m/s^2"),
     })
 }

@@ -112,35 +112,30 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What may be added. Where one sensor's axes are free, a mounting would only turn the other's: that is a misalignment,
-    /// of the other; and where a mounting and one sensor's axes are free, so would the other's axes.
+    /// What may be added. Where the gyro's axes are free it says nothing of a mounting, and the accelerometer alone cannot tell
+    /// one from axes of its own that are askew.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
-        let count = |id: &str| named.iter().filter(|t| t.id() == id).count();
-        let turned = count(MOUNTING.id) + count(MISALIGNMENT.id);
-        let closed = |t: &Term| match t.id() {
-            id if id == MOUNTING.id => turned > 0,
-            id if id == MISALIGNMENT.id => turned > 1,
-            _ => false,
-        };
+        let askew = named.iter().any(|t| t.id() == MISALIGNMENT.id);
+        let closed = |t: &Term| askew && t.id() == MOUNTING.id;
         self.library.iter().copied().filter(|t| !named.contains(t) && !closed(t)).collect()
     }
 
     fn added(&self, named: &[&'static Term], term: &'static Term) -> Standing {
         let smaller = with(self.base, named.iter().copied());
         let larger = with(&smaller, [term]);
-        judge(
-            &Question { linear: self.linear, smaller: &smaller, larger: &larger, term, tilt_rad: self.tilt_rad },
-            self.library.len(),
-        )
+        self.judged(&smaller, &larger, term, named.len() + 1)
     }
 
     fn within(&self, named: &[&'static Term], term: &'static Term) -> Standing {
         let smaller = with(self.base, named.iter().copied().filter(|t| *t != term));
         let larger = with(&smaller, [term]);
-        judge(
-            &Question { linear: self.linear, smaller: &smaller, larger: &larger, term, tilt_rad: self.tilt_rad },
-            self.library.len(),
-        )
+        self.judged(&smaller, &larger, term, named.len())
+    }
+
+    /// Each of the library was tried as often as something was added.
+    fn judged(&self, smaller: &[usize], larger: &[usize], term: &'static Term, looks: usize) -> Standing {
+        let question = Question { linear: self.linear, smaller, larger, term, tilt_rad: self.tilt_rad };
+        judge(&question, self.library.len() * looks)
     }
 
     /// Terms that fall as far in the place of a named one.

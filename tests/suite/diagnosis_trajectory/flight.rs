@@ -111,9 +111,9 @@ impl Flight {
         Self { force: self.force.iter().map(|a| of(*a)).collect(), ..self.clone() }
     }
 
-    /// The gyro's x reads so much of the specific force along y, rad/s per m/s².
+    /// The gyro's x reads so much of the specific force along z, which a drone's thrust changes, rad/s per m/s².
     pub fn with_g_sensitivity(&self, size: f64) -> Self {
-        self.with_rate_at(|k, w| [w[0] + size * self.force[k][1], w[1], w[2]])
+        self.with_rate_at(|k, w| [w[0] + size * self.force[k][2], w[1], w[2]])
     }
 
     /// The reference follows a point that lies so far from where it was, body axes, m.
@@ -122,7 +122,7 @@ impl Flight {
         Self { poses: moved.collect(), ..self.clone() }
     }
 
-    pub fn imu(&self) -> String {
+    fn imu(&self) -> String {
         let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
                         a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
             .to_owned();
@@ -132,7 +132,7 @@ impl Flight {
         text
     }
 
-    pub fn reference(&self) -> String {
+    fn reference(&self) -> String {
         let mut text =
             "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
                 .to_owned();
