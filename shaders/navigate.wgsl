@@ -6,6 +6,7 @@ override ROUND: bool = false;
 override COUPLED: bool = false;
 override TAKEN: bool = false;
 override AIDED: bool = false;
+override FOLLOWS: bool = false;
 
 // What the members share over a tile; mirrored in `src/kernel/layout.rs`.
 struct Flight {
@@ -42,10 +43,13 @@ struct Passage {
     gravity: vec2<f32>,
     body_force: vec3<f32>,
     body_rate: vec3<f32>,
+    warmer: f32,
+    force_change: vec3<f32>,
+    rate_change: vec3<f32>,
 }
 
 @group(0) @binding(0) var<uniform> flight: Flight;
-// Nine vectors for a sample.
+// Eleven vectors for a sample.
 @group(0) @binding(1) var<uniform> passages: array<vec4<f32>, 4096>;
 // Errors of the readings of one axis: for each sample, accelerometer and then gyro.
 @group(0) @binding(2) var<storage, read> x: array<f32>;
@@ -60,15 +64,17 @@ struct Passage {
 @group(0) @binding(9) var<storage, read_write> turns: array<f32>;
 
 fn passage(n: u32) -> Passage {
-    let a = passages[9u * n];
-    let b = passages[9u * n + 1u];
-    let c = passages[9u * n + 2u];
-    let d = passages[9u * n + 3u];
-    let e = passages[9u * n + 4u];
-    let f = passages[9u * n + 5u];
-    let g = passages[9u * n + 6u];
-    let h = passages[9u * n + 7u];
-    let i = passages[9u * n + 8u];
+    let a = passages[11u * n];
+    let b = passages[11u * n + 1u];
+    let c = passages[11u * n + 2u];
+    let d = passages[11u * n + 3u];
+    let e = passages[11u * n + 4u];
+    let f = passages[11u * n + 5u];
+    let g = passages[11u * n + 6u];
+    let h = passages[11u * n + 7u];
+    let i = passages[11u * n + 8u];
+    let j = passages[11u * n + 9u];
+    let k = passages[11u * n + 10u];
     return Passage(
         // Rows of the host are columns here, so that a vector stands on the left.
         mat3x3<f32>(a.xyz, vec3<f32>(a.w, b.xy), vec3<f32>(b.zw, c.x)),
@@ -83,6 +89,9 @@ fn passage(n: u32) -> Passage {
         vec2<f32>(g.w, h.x),
         h.yzw,
         i.xyz,
+        i.w,
+        j.xyz,
+        vec3<f32>(j.w, k.xy),
     );
 }
 
@@ -101,6 +110,12 @@ fn keep(i: u32, which: u32, value: vec3<f32>) {
 
 fn coupling(i: u32, row: u32) -> vec3<f32> {
     let at = (6u + 3u * row) * flight.stride + i;
+    return vec3<f32>(given[at], given[at + flight.stride], given[at + 2u * flight.stride]);
+}
+
+// Three of the numbers that follow temperature and stamps, from the couplings' end on.
+fn followed(i: u32, row: u32) -> vec3<f32> {
+    let at = (33u + 3u * row) * flight.stride + i;
     return vec3<f32>(given[at], given[at + flight.stride], given[at + 2u * flight.stride]);
 }
 
@@ -183,6 +198,11 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
                 dot(coupling(i, 4u), p.body_rate) + dot(coupling(i, 7u), p.body_force),
                 dot(coupling(i, 5u), p.body_rate) + dot(coupling(i, 8u), p.body_force),
             );
+        }
+        if FOLLOWS {
+            let late = given[45u * stride + i];
+            error += p.warmer * (followed(i, 1u) * p.body_force + followed(i, 0u)) - late * p.force_change;
+            turn += p.warmer * (followed(i, 3u) * p.body_rate + followed(i, 2u)) - late * p.rate_change;
         }
         let f = error * p.attitude;
         let w = turn * p.attitude;

@@ -6,6 +6,7 @@ pub mod cpu;
 pub mod fix;
 pub mod flicker;
 pub mod flight;
+pub mod follow;
 pub mod force;
 pub mod fragment;
 pub mod integrator;

@@ -25,6 +25,7 @@ mod suite {
     pub mod emit;
     pub mod export;
     pub mod flown;
+    pub mod following;
     pub mod formats;
     pub mod fuzz;
     pub mod hostile_names;
@@ -150,6 +151,8 @@ fn main() {
         suite::strapdown::tests(),
         // aiding: outages, zero-velocity updates, filter and reset.
         suite::aiding::tests(),
+        // following: errors that follow temperature and late stamps.
+        suite::following::tests(),
         // motion_keys: vibration and the navigator's integrator do what their laws say.
         suite::motion_keys::tests(),
         // resume_in_motion: a stopped flight ends with the same bits.

@@ -8,6 +8,7 @@
 
 mod fix;
 pub mod flicker;
+mod follow;
 mod general;
 pub mod imu;
 pub mod lanes;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::fix::Fix;
+use super::follow::Follow;
 use super::job::{Clock, Job};
 use super::passage::Course;
 use crate::rng::{Philox, Stream};
@@ -67,6 +68,8 @@ pub struct Flight {
     pub axes: [Job; 3],
     /// What couples them, per member; `None` where nothing does.
     pub coupling: Option<Arc<dyn Fn(u64) -> Coupling + Send + Sync>>,
+    /// What follows temperature and late stamps, per member; `None` where nothing does.
+    pub follow: Option<Arc<dyn Fn(u64) -> Follow + Send + Sync>>,
     /// True motion.
     pub course: Arc<Course>,
     /// Vertical channel.
@@ -117,6 +120,11 @@ impl Flight {
             let (coupling, [force, rate]) = (coupling(member), self.course.standing());
             mean.0 += coupling.force_to_force * force;
             mean.1 += coupling.rate_to_rate * rate + coupling.force_to_rate * force;
+        }
+        if let Some(follow) = &self.follow {
+            let [force, rate] = follow(member).standing(self.course.standing(), self.course.standing_warmer_k());
+            mean.0 += force;
+            mean.1 += rate;
         }
         self.begin(member, Some(mean))
     }

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::excitation::Waveform;
 use crate::motion::earth::Radii;
+use crate::motion::temperature::Temperature;
 use crate::motion::{Earth, Place, Truth};
 use crate::numerics::elementary::Real;
 
@@ -40,10 +41,16 @@ pub struct Passage<T> {
     pub body_force: [T; 3],
     /// Angular rate against inertial space in body axes, rad/s.
     pub body_rate: [T; 3],
+    /// How much warmer than the reference the sensor is, K.
+    pub warmer: T,
+    /// What the body force grows by, m/s³.
+    pub force_change: [T; 3],
+    /// What the body rate grows by, rad/s².
+    pub rate_change: [T; 3],
 }
 
-/// Numbers of a passage as `shaders/navigate.wgsl` has them: nine vectors of four, the last number unused.
-pub const NUMBERS: usize = 36;
+/// Numbers of a passage as `shaders/navigate.wgsl` has them: eleven vectors of four, the last two numbers unused.
+pub const NUMBERS: usize = 44;
 
 /// A truth with its Earth, and the places it passes.
 #[derive(Debug, Clone)]
@@ -56,6 +63,8 @@ pub struct Course {
     mounting: UnitQuaternion<f64>,
     /// Where it is at every sample.
     places: Vec<Place>,
+    /// How warm the sensor is on the way.
+    temperature: Temperature,
 }
 
 impl Course {
@@ -76,7 +85,17 @@ impl Course {
             place = place.moved(earth.place_rates(half, mean), truth.interval_s);
         }
         places.push(place);
-        Self { truth: Arc::new(truth), earth, mounting, places }
+        Self { truth: Arc::new(truth), earth, mounting, places, temperature: Temperature::default() }
+    }
+
+    /// The same with a sensor that is so warm on the way.
+    pub fn with_temperature(self, temperature: Temperature) -> Self {
+        Self { temperature, ..self }
+    }
+
+    /// How much warmer than the reference the sensor is at the start, K.
+    pub fn standing_warmer_k(&self) -> f64 {
+        self.temperature.above_reference_k(0.0)
     }
 
     /// From the sensor's axes to the body's.
@@ -151,6 +170,9 @@ impl Course {
             gravity: self.gravity_gradient(place),
             body_force: mean(|s| s.specific_force_m_s2).into(),
             body_rate: mean(|s| s.rate_rad_s).into(),
+            warmer: self.temperature.above_reference_k((n as f64 + 0.5) * self.truth.interval_s),
+            force_change: ((after.specific_force_m_s2 - before.specific_force_m_s2) / self.truth.interval_s).into(),
+            rate_change: ((after.rate_rad_s - before.rate_rad_s) / self.truth.interval_s).into(),
         }
     }
 
@@ -163,7 +185,7 @@ impl Course {
 impl Passage<f64> {
     /// In the order of its fields.
     pub fn numbers(&self) -> [f64; NUMBERS] {
-        let parts: [&[f64]; 12] = [
+        let parts: [&[f64]; 15] = [
             &self.attitude,
             &self.force,
             &self.level_rate,
@@ -175,7 +197,10 @@ impl Passage<f64> {
             &self.gravity,
             &self.body_force,
             &self.body_rate,
-            &[0.0],
+            &[self.warmer],
+            &self.force_change,
+            &self.rate_change,
+            &[0.0; 2],
         ];
         let mut all = parts.into_iter().flatten();
         std::array::from_fn(|_| all.next().copied().unwrap_or_default())
@@ -199,6 +224,9 @@ impl Passage<f64> {
             gravity: of(self.gravity),
             body_force: of(self.body_force),
             body_rate: of(self.body_rate),
+            warmer: T::of(self.warmer),
+            force_change: of(self.force_change),
+            rate_change: of(self.rate_change),
         }
     }
 }

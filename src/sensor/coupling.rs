@@ -1,11 +1,13 @@
-//! The keys of study.toml by which a reading takes from another axis or instrument: a gyro's scale factor, misalignments and
-//! g-sensitivity. Along one axis the last two are sensor terms of their own, in the same slots.
+//! The keys of study.toml by which a reading takes from another axis or instrument, from the temperature or from a late clock: a
+//! gyro's scale factor, misalignments and g-sensitivity, temperature coefficients, a time offset. Along one axis the
+//! g-sensitivity is a sensor term of its own, in the same slot.
 
 use crate::units::key::Key;
 use crate::units::key::Sign::Any;
-use crate::units::{DEGREE_PER_HOUR, PPM, STANDARD_GRAVITY_M_S2};
+use crate::units::{DEGREE_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY_M_S2};
 
 const MILLI: f64 = 1e-3;
+const MICRO: f64 = 1e-6;
 
 /// Reading of a gyro per rate about its own axis.
 pub(crate) const GYRO_SCALE_FACTOR: Key =
@@ -21,9 +23,54 @@ pub(crate) const G_SENSITIVITY: Key =
 pub(crate) const ACCELEROMETER_MISALIGNMENT: Key =
     Key::new(43, "accelerometer.misalignment_mrad", "accelerometer misalignment", "mrad", MILLI, Any);
 
-/// All of them, in the order of a sensor table.
-pub(crate) const KEYS: [&Key; 4] =
-    [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
+/// Change of an accelerometer's bias per kelvin.
+pub(crate) const ACCELEROMETER_BIAS_PER_K: Key =
+    Key::new(47, "accelerometer.bias_temperature_ug_k", "accelerometer bias over temperature", "µg/K", MICRO_G, Any);
+/// Change of its scale factor per kelvin.
+pub(crate) const ACCELEROMETER_SCALE_PER_K: Key = Key::new(
+    48,
+    "accelerometer.scale_temperature_ppm_k",
+    "accelerometer scale factor over temperature",
+    "ppm/K",
+    PPM,
+    Any,
+);
+/// Change of a gyro's bias per kelvin.
+pub(crate) const GYRO_BIAS_PER_K: Key =
+    Key::new(49, "gyro.bias_temperature_deg_h_k", "gyro bias over temperature", "°/h/K", DEGREE_PER_HOUR, Any);
+/// Change of its scale factor per kelvin.
+pub(crate) const GYRO_SCALE_PER_K: Key =
+    Key::new(50, "gyro.scale_temperature_ppm_k", "gyro scale factor over temperature", "ppm/K", PPM, Any);
+/// How late the stamps of all readings are: the same for the six of a member.
+pub(crate) const TIME_OFFSET: Key = Key::new(51, "sensor.time_offset_us", "time offset", "µs", MICRO, Any);
 
-/// Those that mean something only where there are other axes, or a turn.
-pub(crate) const BETWEEN_AXES: [&Key; 2] = [&GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT];
+/// What one axis takes from another one or from the other instrument.
+pub(crate) const COUPLINGS: [&Key; 4] =
+    [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
+/// What follows the temperature, accelerometer before gyro and bias before scale factor.
+pub(crate) const OVER_TEMPERATURE: [&Key; 4] =
+    [&ACCELEROMETER_BIAS_PER_K, &ACCELEROMETER_SCALE_PER_K, &GYRO_BIAS_PER_K, &GYRO_SCALE_PER_K];
+
+/// All that act along a trajectory by the motion or the temperature, in the order of a sensor table.
+pub(crate) const KEYS: [&Key; 9] = [
+    &ACCELEROMETER_MISALIGNMENT,
+    &GYRO_SCALE_FACTOR,
+    &GYRO_MISALIGNMENT,
+    &G_SENSITIVITY,
+    &ACCELEROMETER_BIAS_PER_K,
+    &ACCELEROMETER_SCALE_PER_K,
+    &GYRO_BIAS_PER_K,
+    &GYRO_SCALE_PER_K,
+    &TIME_OFFSET,
+];
+
+/// Those that mean something only along a trajectory.
+pub(crate) const IN_MOTION: [&Key; 7] = [
+    &TIME_OFFSET,
+    &ACCELEROMETER_BIAS_PER_K,
+    &ACCELEROMETER_SCALE_PER_K,
+    &GYRO_SCALE_FACTOR,
+    &GYRO_MISALIGNMENT,
+    &GYRO_BIAS_PER_K,
+    &GYRO_SCALE_PER_K,
+];

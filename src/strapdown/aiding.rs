@@ -108,7 +108,7 @@ impl Known {
             let square = column.variance + column.mean * column.mean;
             let bias = match column.gain {
                 Gain::One(_) | Gain::Time(..) => column.gain.inputs(&Default::default(), time_s),
-                Gain::None | Gain::Force(..) | Gain::Rate(..) => SMatrix::zeros(),
+                _ => SMatrix::zeros(),
             };
             errors += column.state * column.state.transpose() * square;
             biases += (bias - column.taken) * column.state.transpose() * square;

@@ -3,10 +3,10 @@
 //!
 //! After a still start what it has found is taken off: a constant input c beside the process itself, correlated with it.
 
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::SMatrix;
 
 use super::gains::Gains;
-use super::linear::{Drive, Square, Step};
+use super::linear::{Drive, Felt, Square, Step};
 
 type Inputs = SMatrix<f64, 6, 6>;
 
@@ -38,18 +38,33 @@ pub enum Gain {
     Rate(usize, usize),
     /// Time from the beginning of the run, on this input; the still start lasted so long, s.
     Time(usize, f64),
+    /// Kelvins above the reference, on this input.
+    Warmer(usize),
+    /// The same times what an axis of the input's own instrument feels.
+    WarmerFelt(usize),
+    /// What each input changes by, taken off all of them: per second that the stamps are late.
+    Late,
 }
 
 impl Gain {
-    /// The inputs at a time after the end of the still start, with this body force and rate.
-    pub fn inputs(self, [force, rate]: &[Vector3<f64>; 2], time_s: f64) -> SMatrix<f64, 6, 1> {
+    /// The inputs at a time after the end of the still start, when this is felt.
+    pub fn inputs(self, felt: &Felt, time_s: f64) -> SMatrix<f64, 6, 1> {
         let mut inputs = SMatrix::zeros();
         match self {
             Self::None => {}
             Self::One(input) => inputs[input] = 1.0,
-            Self::Force(input, axis, power) => inputs[input] = force[axis].powi(power),
-            Self::Rate(input, axis) => inputs[input] = rate[axis],
+            Self::Force(input, axis, power) => inputs[input] = felt.force[axis].powi(power),
+            Self::Rate(input, axis) => inputs[input] = felt.rate[axis],
             Self::Time(input, still_s) => inputs[input] = still_s + time_s,
+            Self::Warmer(input) => inputs[input] = felt.warmer_k,
+            Self::WarmerFelt(input) => {
+                let own = if input < 3 { felt.force[input] } else { felt.rate[input - 3] };
+                inputs[input] = felt.warmer_k * own;
+            }
+            Self::Late => {
+                (0..3).for_each(|i| inputs[i] = -felt.force_change[i]);
+                (0..3).for_each(|i| inputs[3 + i] = -felt.rate_change[i]);
+            }
         }
         inputs
     }
@@ -58,7 +73,7 @@ impl Gain {
 impl Column {
     /// Takes it through a step that begins `time_s` after the end of the still start.
     pub fn advance(&mut self, step: &Step, time_s: f64) {
-        let inputs = self.gain.inputs(&step.body(), time_s + 0.5 * step.seconds) - self.taken;
+        let inputs = self.gain.inputs(step.felt(), time_s + 0.5 * step.seconds) - self.taken;
         self.state = step.transition * self.state + step.response * inputs;
     }
 

@@ -22,8 +22,40 @@ pub struct Model {
     pub dynamics: Square,
     /// B.
     pub drive: Drive,
-    /// Specific force and angular rate in body axes, m/s² and rad/s.
-    pub body: [Vector3<f64>; 2],
+    /// What the sensor feels.
+    pub felt: Felt,
+}
+
+/// What a sensor feels in body axes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Felt {
+    /// Specific force, m/s².
+    pub force: Vector3<f64>,
+    /// Angular rate, rad/s.
+    pub rate: Vector3<f64>,
+    /// What the force grows by, m/s³.
+    pub force_change: Vector3<f64>,
+    /// What the rate grows by, rad/s².
+    pub rate_change: Vector3<f64>,
+    /// How much warmer than the reference it is, K.
+    pub warmer_k: f64,
+}
+
+impl Felt {
+    /// Before the motion.
+    pub fn standing(course: &Course) -> Self {
+        let [force, rate] = course.standing();
+        Self { force, rate, warmer_k: course.standing_warmer_k(), ..Self::default() }
+    }
+
+    /// Adds a share of another.
+    fn add(&mut self, other: &Self, share: f64) {
+        self.force += other.force * share;
+        self.rate += other.rate * share;
+        self.force_change += other.force_change * share;
+        self.rate_change += other.rate_change * share;
+        self.warmer_k += other.warmer_k * share;
+    }
 }
 
 /// Samples of a step at which the truth is asked.
@@ -33,13 +65,13 @@ impl Model {
     /// The mean model over samples `from` to `until` of a course.
     pub fn over(course: &Course, vertical: Vertical, from: u64, until: u64) -> Self {
         let count = (until - from).clamp(1, ASKED);
-        let mut sum = Self { dynamics: Square::zeros(), drive: Drive::zeros(), body: [Vector3::zeros(); 2] };
+        let mut sum = Self { dynamics: Square::zeros(), drive: Drive::zeros(), felt: Felt::default() };
         for k in 0..count {
             let n = from + (2 * k + 1) * (until - from) / (2 * count);
             let one = Self::at(&course.passage(n), vertical);
             sum.dynamics += one.dynamics / count as f64;
             sum.drive += one.drive / count as f64;
-            sum.body.iter_mut().zip(one.body).for_each(|(s, b)| *s += b / count as f64);
+            sum.felt.add(&one.felt, 1.0 / count as f64);
         }
         sum
     }
@@ -98,7 +130,14 @@ impl Model {
                 drive.row_mut(down).fill(0.0);
             }
         }
-        Self { dynamics, drive, body: [p.body_force.into(), p.body_rate.into()] }
+        let felt = Felt {
+            force: p.body_force.into(),
+            rate: p.body_rate.into(),
+            force_change: p.force_change.into(),
+            rate_change: p.rate_change.into(),
+            warmer_k: p.warmer,
+        };
+        Self { dynamics, drive, felt }
     }
 }
 
@@ -145,8 +184,8 @@ impl Step {
         sum
     }
 
-    /// Specific force and angular rate in body axes.
-    pub fn body(&self) -> [Vector3<f64>; 2] {
-        self.model.body
+    /// What the sensor feels.
+    pub fn felt(&self) -> &Felt {
+        &self.model.felt
     }
 }

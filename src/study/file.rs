@@ -63,6 +63,8 @@ pub struct File {
     pub earth: Option<Earth>,
     /// Measurements that aid the navigation along the trajectory.
     pub aiding: Option<Aiding>,
+    /// Temperature of the sensor along the trajectory.
+    pub temperature: Option<Temperature>,
     /// Mounting of the sensor in the moving body.
     pub mounting: Option<Mounting>,
     /// Vibration of the sensor in addition to the motion.
@@ -142,6 +144,17 @@ pub enum AidingMethod {
     Filter,
     /// Velocity and position are set to what is measured; attitude and biases are left as they are.
     Reset,
+}
+
+/// `[temperature]`
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Temperature {
+    /// Pairs of time, s, and temperature, °C, with straight lines between; during a still start the first one holds.
+    pub profile_s_deg_c: Vec<[f64; 2]>,
+    /// Temperature at which the stated biases and scale factors hold, °C; absent: the first of the profile.
+    pub reference_deg_c: Option<f64>,
 }
 
 /// `[navigator]`

@@ -15,12 +15,15 @@ use crate::excitation::Waveform;
 use crate::excitation::plan::Variation;
 use crate::excitation::random::{RandomVibration, Spectrum};
 use crate::kernel::flight::{Coupling, Flight, Misalignment, Vertical, axis_seed};
+use crate::kernel::follow::Follow;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job};
 use crate::kernel::passage::{Along, Course};
+use crate::motion::temperature::Temperature;
 use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
 use crate::sensor::{ProofMass, coupling};
 use crate::units::DEGREE;
+use crate::units::key::Key;
 
 /// Members that are asked for the stiffest proof mass.
 const ASKED: u64 = 1000;
@@ -106,7 +109,8 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
         _ => Vertical::Free,
     };
     let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
-    let course = Arc::new(Course::new(truth, earth, rotation));
+    let temperature = temperature(name, file, &between)?;
+    let course = Arc::new(Course::new(truth, earth, rotation).with_temperature(temperature));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
     let flown = flown::read(name, file, lever_arm_m)?;
@@ -130,13 +134,17 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
         return Err(refuse(name, cause, "give one number, or add a [trajectory], e.g. kind = \"rest\""));
     }
     let all = check::tolerances(name, file, 0)?;
-    if let Some(key) = coupling::BETWEEN_AXES.into_iter().find(|key| all[key].is_some()) {
-        let cause = format!("`{}` acts between axes, and the study has one axis", key.path);
+    if let Some(key) = coupling::IN_MOTION.into_iter().find(|key| all[key].is_some()) {
+        let cause = match coupling::COUPLINGS.contains(&key) {
+            true => format!("`{}` acts between axes, and the study has one axis", key.path),
+            false => format!("`{}` follows the motion or the temperature, and the study has no trajectory", key.path),
+        };
         return Err(refuse(name, cause, "add a [trajectory], e.g. kind = \"rest\""));
     }
     let sections = [
         ("earth", file.earth.is_some()),
         ("aiding", file.aiding.is_some()),
+        ("temperature", file.temperature.is_some()),
         ("mounting", file.mounting.is_some()),
         ("vibration", file.vibration.is_some()),
         ("navigator", file.navigator.is_some()),
@@ -176,6 +184,42 @@ fn earth(name: &str, file: &File) -> Result<Earth> {
             }),
         },
     }
+}
+
+/// How warm the sensor is on the way.
+fn temperature(name: &str, file: &File, between: &[Tolerances; 3]) -> Result<Temperature> {
+    let given = |key: &&Key| between.iter().any(|axis| axis[key].is_some());
+    if between.iter().any(|axis| axis[&coupling::TIME_OFFSET] != between[0][&coupling::TIME_OFFSET]) {
+        let cause = format!("`{}` is a list of three, and all axes share one clock", coupling::TIME_OFFSET.path);
+        return Err(refuse(name, cause, "give one number"));
+    }
+    let key = coupling::OVER_TEMPERATURE.into_iter().find(given);
+    let Some(section) = &file.temperature else {
+        return match key {
+            None => Ok(Temperature::default()),
+            Some(key) => Err(refuse(
+                name,
+                format!("`{}` needs a [temperature]", key.path),
+                "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
+            )),
+        };
+    };
+    let points = section.profile_s_deg_c.clone();
+    let rises = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+    let sound = points.iter().all(|[time_s, deg_c]| time_s.is_finite() && (-273.15..1000.0).contains(deg_c));
+    if points.is_empty() || !rises || !sound {
+        return Err(refuse(
+            name,
+            "`temperature.profile_s_deg_c` needs pairs of time and temperature, times increasing, in °C",
+            "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
+        ));
+    }
+    let reference_deg_c = section.reference_deg_c.unwrap_or(points[0][1]);
+    if !(-273.15..1000.0).contains(&reference_deg_c) {
+        let cause = format!("`temperature.reference_deg_c` = {reference_deg_c:?}: no sensor is calibrated there");
+        return Err(refuse(name, cause, "give °C, e.g. 25.0"));
+    }
+    Ok(Temperature { points, reference_deg_c })
 }
 
 /// Where the sensor sits: lever arm, m, and the turn from its axes to the body's.
@@ -249,6 +293,13 @@ impl InMotion {
         }
     }
 
+    /// What one member's readings take from the temperature and from late stamps.
+    fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
+        let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
+        let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
+        Follow { per_kelvin: bias_then_scale, late_s: draw(&coupling::TIME_OFFSET, 0) }
+    }
+
     /// The ensemble of a run, with statistics at `report_samples` after the end of the still start.
     ///
     /// # Errors
@@ -281,11 +332,16 @@ impl InMotion {
             })
         };
         let (seed, all) = (run.seed, self.between.clone());
-        let couples = all.iter().any(|t| coupling::KEYS.into_iter().any(|key| t[key].is_some_and(|n| !n.is_zero())));
+        let has = |keys: &[&Key]| all.iter().any(|t| keys.iter().any(|key| t[*key].is_some_and(|n| !n.is_zero())));
+        let couples = has(&coupling::COUPLINGS);
+        let follows = has(&coupling::OVER_TEMPERATURE) || has(&[&coupling::TIME_OFFSET]);
+        let again = all.clone();
+        let followed = move |member: u64| Self::follow(&again, seed, member);
         let draws = move |member: u64| Self::coupling(&all, seed, member);
         Ok(Flight {
             axes: [axis(0)?, axis(1)?, axis(2)?],
             coupling: couples.then(|| Arc::new(draws) as Arc<dyn Fn(u64) -> Coupling + Send + Sync>),
+            follow: follows.then(|| Arc::new(followed) as Arc<dyn Fn(u64) -> Follow + Send + Sync>),
             course: self.course.clone(),
             vertical: self.vertical,
             misalignment: self.misalignment,

@@ -17,11 +17,10 @@ pub fn keys() -> impl Iterator<Item = &'static Key> {
         keys.filter(move |key| key.section() == section)
     };
     let excitation = [&excitation::SIZE, &excitation::FREQUENCY, &excitation::PHASE];
-    let between =
-        |section: &'static str| coupling::BETWEEN_AXES.into_iter().filter(move |key| key.section() == section);
+    let between = |section: &'static str| coupling::IN_MOTION.into_iter().filter(move |key| key.section() == section);
     let both = move |section: &'static str| of(section).chain(between(section));
     mechanics::keys()
-        .chain(of("sensor"))
+        .chain(both("sensor"))
         .chain(both("accelerometer"))
         .chain(both("gyro"))
         .chain(of("alignment"))

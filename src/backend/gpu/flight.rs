@@ -13,6 +13,7 @@ use crate::backend::{Batch, tile};
 use crate::error::{Error, Result};
 use crate::kernel::fix;
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
+use crate::kernel::follow::FOLLOWED;
 use crate::kernel::layout::{
     self, BLOCK, NAVIGATE_ATTITUDE, NAVIGATE_STATE, NAVIGATE_WORKGROUP, SIMULATE_WORKGROUP, state,
 };
@@ -129,6 +130,7 @@ impl<'a> Carried<'a> {
             ("ROUND", flight.course.earth.latitude_rad.is_some()),
             ("COUPLED", flight.coupling.is_some()),
             ("TAKEN", flight.clock().still_samples > 0 || !flight.fixes.is_empty()),
+            ("FOLLOWS", flight.follow.is_some()),
             ("AIDED", !flight.fixes.is_empty()),
         ];
         let constants = flags.map(|(name, on)| (name, f64::from(u8::from(on))));
@@ -138,7 +140,7 @@ impl<'a> Carried<'a> {
             traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
             navigate: gpu.kernel(&source::navigate(gpu.adapter.int64), &constants)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
-            given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS as u64))?,
+            given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS + FOLLOWED) as u64)?,
             state: gpu.zeros(4 * u64::from(stride) * NAVIGATE_STATE as u64)?,
             groups: (0..GROUPS).map(|g| Group::new(gpu, batch, stride, g)).collect::<Result<_>>()?,
             axes,
@@ -155,7 +157,7 @@ impl<'a> Carried<'a> {
     /// gyros, member by member.
     fn begin(&self, gpu: &Gpu, means: Option<&[Vec<(f32, f32)>]>) -> Result<()> {
         let (flight, stride) = (self.batch.flight, self.stride as usize);
-        let mut given = vec![0.0_f32; stride * (6 + COUPLINGS)];
+        let mut given = vec![0.0_f32; stride * (6 + COUPLINGS + FOLLOWED)];
         let mut state = vec![0.0_f32; stride * NAVIGATE_STATE];
         for i in 0..self.members as usize {
             let member = self.batch.members.start + i as u64;
@@ -181,6 +183,11 @@ impl<'a> Carried<'a> {
             if let Some(coupling) = &flight.coupling {
                 let numbers = coupling(member).numbers();
                 numbers.iter().enumerate().for_each(|(k, v)| given[(6 + k) * stride + i] = *v as f32);
+            }
+            if let Some(follow) = &flight.follow {
+                let numbers = follow(member).numbers();
+                let at = |k: usize| (6 + COUPLINGS + k) * stride + i;
+                numbers.iter().enumerate().for_each(|(k, v)| given[at(k)] = *v as f32);
             }
         }
         gpu.write(&self.given, cast_slice(&given))?;

@@ -1,6 +1,7 @@
 //! 64 six-axis members: three axes of readings, what couples them, and the navigation that they feed.
 
 use super::fix::Correct;
+use super::follow::Followed;
 use super::lanes::{LANES, Lane, Level};
 use super::members::{Members, Shared};
 use super::navigate::{Couple, Navigate, State, roll_pitch_heading};
@@ -11,6 +12,7 @@ use super::stretch::STRETCH;
 use super::sums::CHUNK;
 use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
+use crate::kernel::follow::FOLLOWED;
 use crate::kernel::force::Force;
 use crate::kernel::passage::Passage;
 use crate::numerics::elementary::Real;
@@ -19,6 +21,7 @@ use crate::numerics::elementary::Real;
 pub struct Imu<T: Real> {
     axes: [Box<Members<T>>; 3],
     coupling: Option<Box<[Lane<T>; COUPLINGS]>>,
+    follow: Option<Box<[Lane<T>; FOLLOWED]>>,
     state: Box<State<T>>,
     /// What a still start has found of accelerometers and gyros, and fixes since; none without either.
     found: Option<Box<[[Lane<T>; 3]; 2]>>,
@@ -56,8 +59,16 @@ impl<T: Real> Imu<T> {
             }
             lanes
         });
+        let follow = flight.follow.as_ref().map(|draw| {
+            let mut lanes = Box::new([Lane::splat(T::of(0.0)); FOLLOWED]);
+            for l in 0..LANES {
+                let numbers = draw(first_member + l as u64).numbers();
+                lanes.iter_mut().zip(numbers).for_each(|(lane, number)| lane[l] = T::of(number));
+            }
+            lanes
+        });
         let found = (!flight.fixes.is_empty()).then(|| Box::new([[Lane::splat(T::of(0.0)); 3]; 2]));
-        let mut imu = Self { axes, coupling, state: Box::new(State::default()), found, first_member };
+        let mut imu = Self { axes, coupling, follow, state: Box::new(State::default()), found, first_member };
         if flight.clock().still_samples == 0 {
             (0..LANES).for_each(|l| imu.state.begin(l, &flight.begin(first_member + l as u64, None)));
         }
@@ -105,6 +116,13 @@ impl<T: Real> Imu<T> {
                 let error = [&mut e0[..count], &mut e1[..count], &mut e2[..count]];
                 let turn = [&mut t0[..count], &mut t1[..count], &mut t2[..count]];
                 level.run(Couple { numbers, passages, error, turn });
+            }
+            if let Some(numbers) = &self.follow {
+                let [e0, e1, e2] = &mut error;
+                let [t0, t1, t2] = &mut turn;
+                let error = [&mut e0[..count], &mut e1[..count], &mut e2[..count]];
+                let turn = [&mut t0[..count], &mut t1[..count], &mut t2[..count]];
+                level.run(Followed { numbers, passages, error, turn });
             }
             if let Some([accelerometers, gyros]) = self.found.as_deref() {
                 for axis in 0..3 {

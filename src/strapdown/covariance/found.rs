@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::kernel::flight::Flight;
 use crate::strapdown::family::{Column, Gain};
-use crate::strapdown::linear::Drive;
+use crate::strapdown::linear::{Drive, Felt};
 
 /// What a still start makes of mean reading errors.
 pub struct Found {
@@ -45,7 +45,7 @@ pub fn column(gain: Gain, (mean, variance): (f64, f64), found: Option<&Found>, f
     let mut column = Column { state: SMatrix::zeros(), taken: SMatrix::zeros(), gain, mean, variance };
     if let Some(found) = found {
         // Over the still start a straight line has the value of its middle.
-        let inputs = gain.inputs(&flight.course.standing(), -0.5 * found.seconds);
+        let inputs = gain.inputs(&Felt::standing(&flight.course), -0.5 * found.seconds);
         column.state = found.state * inputs;
         column.taken = found.taken * inputs;
     }

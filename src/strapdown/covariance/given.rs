@@ -14,8 +14,35 @@ use crate::units::key::Key;
 /// Phases over which a held process is averaged.
 const PHASES: u64 = 8;
 
-/// What readings take from elsewhere.
+/// What readings take from other axes, from the temperature and from late stamps.
 pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight: &Flight) -> Vec<Column> {
+    if *key == coupling::TIME_OFFSET {
+        let moments = motion.between[0].moments(key);
+        return if moments == (0.0, 0.0) { Vec::new() } else { vec![column(Gain::Late, moments, found, flight)] };
+    }
+    match coupling::OVER_TEMPERATURE.into_iter().position(|other| other == key) {
+        Some(place) => over_temperature(place, key, motion, found, flight),
+        None => between_axes(key, motion, found, flight),
+    }
+}
+
+/// What follows the temperature: which of the four.
+fn over_temperature(
+    place: usize,
+    key: &'static Key,
+    motion: &InMotion,
+    found: Option<&Found>,
+    flight: &Flight,
+) -> Vec<Column> {
+    let one = |axis: usize| {
+        let (input, moments) = (3 * (place / 2) + axis, motion.between[axis].moments(key));
+        let gain = if place % 2 == 0 { Gain::Warmer(input) } else { Gain::WarmerFelt(input) };
+        (moments != (0.0, 0.0)).then(|| column(gain, moments, found, flight))
+    };
+    (0..3).filter_map(one).collect()
+}
+
+fn between_axes(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight: &Flight) -> Vec<Column> {
     let mut columns = Vec::new();
     for axis in 0..3 {
         let moments = motion.between[axis].moments(key);

@@ -1,0 +1,39 @@
+//! What 64 members take from the temperature and from late stamps, added to consecutive samples. Twin of `followed` in
+//! `shaders/navigate.wgsl`.
+
+use super::lanes::{Kernel, LANES, Lane};
+use crate::kernel::follow::FOLLOWED;
+use crate::kernel::passage::Passage;
+use crate::numerics::elementary::{Real, fma};
+
+/// The numbers, and the errors of the accelerometers' readings and of the gyros'.
+pub(super) struct Followed<'a, T> {
+    /// As `Follow::numbers` has them.
+    pub numbers: &'a [Lane<T>; FOLLOWED],
+    pub passages: &'a [Passage<T>],
+    pub error: [&'a mut [Lane<T>]; 3],
+    pub turn: [&'a mut [Lane<T>]; 3],
+}
+
+impl<T: Real> Kernel for Followed<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let k = self.numbers;
+        for axis in 0..3 {
+            for n in 0..self.passages.len() {
+                let p = &self.passages[n];
+                let (error, turn) = (&mut self.error[axis][n], &mut self.turn[axis][n]);
+                for l in 0..LANES {
+                    let late = -k[12][l];
+                    let force = fma::<T, FMA>(k[3 + axis][l], p.body_force[axis], k[axis][l]);
+                    let rate = fma::<T, FMA>(k[9 + axis][l], p.body_rate[axis], k[6 + axis][l]);
+                    let warm_force = fma::<T, FMA>(force, p.warmer, error[l]);
+                    let warm_rate = fma::<T, FMA>(rate, p.warmer, turn[l]);
+                    error[l] = fma::<T, FMA>(late, p.force_change[axis], warm_force);
+                    turn[l] = fma::<T, FMA>(late, p.rate_change[axis], warm_rate);
+                }
+            }
+        }
+    }
+}

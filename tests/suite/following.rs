@@ -1,0 +1,167 @@
+//! Errors that follow temperature and stamps: each by its closed form, beside the linear covariance, and on a GPU.
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::backend::flight::Quantity;
+use proofmass::control::Control;
+use proofmass::ensemble;
+use proofmass::strapdown::answer::{Answer, LINEAR};
+use proofmass::strapdown::backends::run_on;
+use proofmass::strapdown::run::Ensemble;
+
+use super::strapdown::{NOISE, answered, parsed, series};
+use super::world::{check, gpu_test, near, test};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![
+        test("following: a bias that warms up moves by a sixth of its rate times t³", warming_bias),
+        test("following: a scale factor that warms up reads gravity wrong", warming_scale),
+        test("following: late stamps leave the navigator behind by the way of their delay", late),
+        test("following: what follows spreads as the linear covariance says", covariance),
+        gpu_test("following: the GPU gives the CPU's percentiles", parity),
+        test("following: keys without what they follow are refused in a sentence", refusals),
+    ]
+}
+
+const G: f64 = 9.806_65;
+
+fn last(answer: &Answer, quantity: Quantity) -> f64 {
+    series(answer, quantity, |s| s.mean).last().copied().unwrap_or(f64::NAN)
+}
+
+fn warming(keys: &str, profile: &str) -> Result<Answer, Failed> {
+    answered(&format!(
+        "members = 64\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 100.0\n[trajectory]\nkind = \"rest\"\n[report]\n\
+         times_s = [60.0]\n[temperature]\nprofile_s_deg_c = {profile}\n{keys}"
+    ))
+}
+
+/// 30 K in 60 s at 10 µg/K: b′ = 5 µg/s, position b′ t³/6. A gyro's 2 °/h/K about east: tilt rate ε′ t, north −g ε′ t⁴/24.
+fn warming_bias() -> Result<(), Failed> {
+    let ramp = "[[0.0, 20.0], [60.0, 50.0]]";
+    let accelerometer = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", ramp)?;
+    let expected = 10e-6 * G * 0.5 * 60.0f64.powi(3) / 6.0;
+    near("accelerometer", last(&accelerometer, Quantity::Position(0)), expected, 1e-3 * expected)?;
+    check((expected - 2.0 * last(&accelerometer, Quantity::Position(0))).abs() > 1e-3 * expected, "any slope fits")?;
+    let gyro = warming("[gyro]\nbias_temperature_deg_h_k = [0.0, 2.0, 0.0]\n", ramp)?;
+    let expected = -G * 2.0 * std::f64::consts::PI / 180.0 / 3600.0 * 0.5 * 60.0f64.powi(4) / 24.0;
+    near("gyro", last(&gyro, Quantity::Position(0)), expected, 1e-3 * expected.abs())?;
+    // Control: at the reference nothing follows.
+    let cold = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", "[[0.0, 20.0]]")?;
+    near("at the reference", last(&cold, Quantity::Position(0)), 0.0, 1e-9)
+}
+
+/// 10 K above the reference at 100 ppm/K reads gravity, −g along z, a thousandth wrong: down −½ · 1e-3 g t².
+fn warming_scale() -> Result<(), Failed> {
+    let keys = "reference_deg_c = 20.0\n[accelerometer]\nscale_temperature_ppm_k = 100.0\n";
+    let answer = warming(keys, "[[0.0, 30.0]]")?;
+    let expected = -0.5 * 1e-3 * G * 3600.0;
+    near("down", last(&answer, Quantity::Position(2)), expected, 1e-3 * expected.abs())?;
+    near("north", last(&answer, Quantity::Position(0)), 0.0, 1e-6)?;
+    check(last(&warming(keys, "[[0.0, 25.0]]")?, Quantity::Position(2)) > 0.6 * expected, "any temperature fits")?;
+    let gyro = "reference_deg_c = 20.0\n[gyro]\nscale_temperature_ppm_k = 100.0\n";
+    near("a gyro at rest", last(&warming(gyro, "[[0.0, 30.0]]")?, Quantity::Attitude(2)), 0.0, 1e-9)
+}
+
+/// What is stamped τ late is where the vehicle was: position −v τ, heading −ω τ (first order).
+fn late() -> Result<(), Failed> {
+    let at = |offset_us: f64| {
+        answered(&format!(
+            "members = 64\nduration_s = 40.0\n[sensor]\nsample_rate_hz = 200.0\ntime_offset_us = {offset_us:?}\n\
+             [trajectory]\nkind = \"car\"\n[report]\ntimes_s = [5.0, 12.0, 20.0, 27.0, 33.0, 40.0]\n"
+        ))
+    };
+    let answer = at(1000.0)?;
+    let truth = &answer.flight.course.truth;
+    let fastest = truth.samples.iter().map(|s| s.velocity_m_s.norm()).fold(0.0, f64::max);
+    let all = |answer: &Answer, tau_s: f64| -> Result<(), Failed> {
+        for axis in 0..2 {
+            for (got, time_s) in
+                series(answer, Quantity::Position(axis), |s| s.mean).iter().zip(answer.report_times_s())
+            {
+                let speed = truth.samples[(time_s * 200.0).round() as usize].velocity_m_s[axis];
+                near(&format!("axis {axis} after {time_s} s"), *got, -tau_s * speed, 0.02 * tau_s * fastest)?;
+            }
+        }
+        Ok(())
+    };
+    check(fastest > 3.0, "the car hardly moves")?;
+    all(&answer, 1e-3)?;
+    check(all(&answer, 2e-3).is_err() && all(&answer, -1e-3).is_err(), "any offset fits")
+}
+
+const DRIVE: &str = "members = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 50.0\n\
+    time_offset_us = { mean = 0.0, sd = 5000.0 }\n[trajectory]\nkind = \"car\"\n[earth]\nlatitude_deg = 47.4\n\
+    [temperature]\nprofile_s_deg_c = [[0.0, 20.0], [30.0, 60.0]]\nreference_deg_c = 25.0\n\
+    [report]\ntimes_s = [10.0, 30.0, 60.0]\n";
+const FOLLOWING: [&str; 2] = [
+    "bias_temperature_ug_k = { mean = 0.0, sd = 30.0 }\nscale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
+    "bias_temperature_deg_h_k = { mean = 0.0, sd = 1.0 }\nscale_temperature_ppm_k = { mean = 0.0, sd = 50.0 }\n",
+];
+
+fn drive(start: &str) -> String {
+    let noise = NOISE.replace("[gyro]\n", &format!("{}[gyro]\n{}", FOLLOWING[0], FOLLOWING[1]));
+    format!("{DRIVE}{noise}[alignment]\n{start}")
+}
+
+fn covariance() -> Result<(), Failed> {
+    for start in ["kind = \"ideal\"\n", "kind = \"still\"\nstill_s = 10.0\nheading_sd_deg = 0.5\n"] {
+        let answer = answered(&drive(start))?;
+        let four = 4.0 / (2.0 * answer.ensemble.members as f64).sqrt();
+        check(answer.apart.is_empty(), format!("{:?}", answer.apart))?;
+        let ratio = |other: &Answer, q: usize| {
+            let last = answer.report[2];
+            answer.ensemble.summary(last, LINEAR[q]).sd / other.covariance.variance(last, q).sqrt()
+        };
+        (0..9).try_for_each(|q| near(&format!("{:?}", LINEAR[q]), ratio(&answer, q), 1.0, four))?;
+        // Control: another profile is seen.
+        let other = answered(&drive(start).replace("[30.0, 60.0]", "[30.0, 100.0]"))?;
+        check((0..9).any(|q| (ratio(&other, q) - 1.0).abs() > four), "any profile spreads alike")?;
+    }
+    Ok(())
+}
+
+fn parity() -> Result<(), Failed> {
+    let text = drive("kind = \"still\"\nstill_s = 3.1\n").replace("4096", "1024");
+    let on = |choice, text: &str| -> Result<Ensemble, Failed> {
+        let study = parsed(text)?;
+        let flight = study.flight(study.in_motion.as_ref().ok_or("no trajectory")?, vec![7, 1500, 3000])?;
+        Ok(run_on(choice, &flight, &Control::silent())?)
+    };
+    let (cpu, gpu) = (on(ensemble::Choice::Cpu, &text)?, on(ensemble::Choice::Gpu, &text)?);
+    let other = on(ensemble::Choice::Cpu, &text.replace("sd = 30.0", "sd = 33.0"))?;
+    let apart = |to: &Ensemble| {
+        let one = |k: usize, q: Quantity| {
+            let (a, b) = (cpu.summary(k, q), to.summary(k, q));
+            let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            worst / a.sd
+        };
+        (0..3).flat_map(|k| LINEAR.map(|q| one(k, q))).fold(0.0, f64::max)
+    };
+    check(gpu.machine.kind == "gpu", "the GPU's run was not on a GPU")?;
+    check(apart(&gpu) < 5e-3, format!("percentiles {} sd apart", apart(&gpu)))?;
+    check(apart(&other) > 5e-3, "a tenth more over temperature is not seen: the comparison is blind")
+}
+
+fn refusals() -> Result<(), Failed> {
+    let rest = "[trajectory]\nkind = \"rest\"\n";
+    let cases = [
+        (String::new(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "has no trajectory"),
+        (String::new(), "[sensor]\ntime_offset_us = 1.0\n", "has no trajectory"),
+        (String::new(), "[temperature]\nprofile_s_deg_c = [[0.0, 20.0]]\n", "[temperature] needs a [trajectory]"),
+        (rest.to_owned(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "needs a [temperature]"),
+        (rest.to_owned(), "[sensor]\ntime_offset_us = [1.0, 2.0, 3.0]\n", "one clock"),
+        (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[5.0, 20.0], [1.0, 30.0]]\n", "times increasing"),
+        (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[0.0, -300.0]]\n", "in °C"),
+    ];
+    for (first, text, expected) in cases {
+        match parsed(&format!("duration_s = 1.0\n{first}{text}")) {
+            Ok(_) => return Err(format!("accepted: {text}").into()),
+            Err(error) => {
+                let words = error.message().unwrap_or_default().to_owned();
+                check(words.contains(expected), format!("{text}: {words}"))?;
+            }
+        }
+    }
+    Ok(())
+}
