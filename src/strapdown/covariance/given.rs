@@ -36,7 +36,7 @@ fn over_temperature(
 ) -> Vec<Column> {
     let one = |axis: usize| {
         let (input, moments) = (3 * (place / 2) + axis, motion.between[axis].moments(key));
-        let gain = if place % 2 == 0 { Gain::Warmer(input) } else { Gain::WarmerFelt(input) };
+        let gain = if place.is_multiple_of(2) { Gain::Warmer(input) } else { Gain::WarmerFelt(input) };
         (moments != (0.0, 0.0)).then(|| column(gain, moments, found, flight))
     };
     (0..3).filter_map(one).collect()

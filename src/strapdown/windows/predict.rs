@@ -11,7 +11,7 @@ use super::linear::{Kind, Linear, Part};
 use super::window::{Biases, Nine};
 use crate::kernel::flicker;
 use crate::strapdown::family::Gain;
-use crate::strapdown::linear::Square;
+use crate::strapdown::linear::{Felt, Square};
 
 /// What a window's end is expected to be.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +78,11 @@ fn noise_of(part: &Part) -> Square {
 fn net(place: &Place<'_>, gain: Gain, end: &Nine, in_base: impl Fn(usize) -> Nine) -> (Nine, Square) {
     let to_end = &place.linear.to_end;
     match &place.taken.source {
-        Source::Still(still) => (end - to_end * gain.inputs(&still.standing, 0.0), Square::zeros()),
+        Source::Still(still) => {
+            let [force, rate] = still.standing;
+            let felt = Felt { force, rate, ..Felt::default() };
+            (end - to_end * gain.inputs(&felt, 0.0), Square::zeros())
+        }
         Source::Others(others) => {
             let mean = others.bases.iter().map(|(base, to_bias)| to_bias * in_base(*base)).sum::<Biases>();
             let net = end - to_end * mean;
