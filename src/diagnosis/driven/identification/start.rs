@@ -7,12 +7,14 @@ use std::f64::consts::{PI, TAU};
 use crate::diagnosis::driven::base::{BASE, GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::alignment::{Alignment, align};
 use crate::diagnosis::driven::intake::data::Data;
+use crate::diagnosis::driven::simulation::run::trace;
 use crate::diagnosis::driven::simulation::structure::ModelStructure;
 use crate::diagnosis::model;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, spectrum};
 use crate::parallel;
 use crate::physics::scales::Scales;
+use realfft::num_complex::Complex64;
 
 use super::fit::{Fit, fit};
 
@@ -24,6 +26,14 @@ const SLOWEST: f64 = 3000.0;
 const SEARCHING: f64 = 0.5;
 /// Fitted from this many of the best places.
 const POLISHED: usize = 4;
+/// Fraction of a residual's power that a peak of its spectrum must hold to be where the transient rings.
+const LEAST_RINGING: f64 = 0.05;
+/// Damping ratios to begin with there.
+const RINGING_ZETAS: [f64; 3] = [0.003, 0.02, 0.1];
+/// The same of a reading without an input.
+const SPECTRUM_ZETAS: [f64; 4] = [0.003, 0.02, 0.1, 0.4];
+/// Fraction by which two frequencies differ that lead to one place.
+const SAME_LINE: f64 = 0.01;
 
 /// Sizes before anything is fitted.
 pub fn first_scales(data: &Data) -> Scales {
@@ -96,8 +106,65 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
         here.gain = if data.input.is_some() { found.point[0] } else { 1.0 };
         Some((found, here))
     };
-    let found: Vec<Option<(Fit, Scales)>> = parallel::map(&places, begin);
-    found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
+    let best_of = |places: &[Place]| {
+        let found: Vec<Option<(Fit, Scales)>> = parallel::map(places, begin);
+        found.into_iter().flatten().min_by(|(a, _), (b, _)| a.variance.total_cmp(&b.variance))
+    };
+    let best = best_of(&places)?;
+    // Under few lines the response says little of the resonance; the transient rings at it.
+    let ringing = data.input.as_ref().map_or(Vec::new(), |input| by_ringing(data, input.samples(), &best.0));
+    let other = best_of(&ringing).filter(|(fit, _)| fit.variance < best.0.variance);
+    Some(other.unwrap_or(best))
+}
+
+/// Where the residual of a fit rings: at the highest peak of its spectrum, with the gain that answers the loudest line of the
+/// input as the fit does. None where no peak stands out.
+fn by_ringing(data: &Data, input: &[f64], fit: &Fit) -> Vec<Place> {
+    let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
+    let Some(driven) = loudest(&input[data.hull.clone()], data.rate_hz) else { return Vec::new() };
+    let w = driven.omega;
+    let denominator = |omega: f64, zeta: f64| Complex64::new(omega * omega - w * w, 2.0 * zeta * omega * w);
+    let answer = fit.point[GAIN] / denominator(fit.point[OMEGA], fit.point[ZETA]);
+    let mut lines: Vec<Line> = Vec::new();
+    for line in looks(&errors).filter_map(|look| loudest(look, data.rate_hz)) {
+        let is_new = lines.iter().all(|l| (l.omega / line.omega - 1.0).abs() > SAME_LINE);
+        if line.fraction > LEAST_RINGING && is_new {
+            lines.push(line);
+        }
+    }
+    let place = |line: &Line, zeta: f64| Place {
+        gain: (answer * denominator(line.omega, zeta)).re,
+        omega: line.omega,
+        zeta,
+        residual: 1.0,
+    };
+    lines.iter().flat_map(|line| RINGING_ZETAS.map(|zeta| place(line, zeta))).collect()
+}
+
+/// A ring-down is loudest at its beginning: the whole, and shorter looks that see heavy damping too.
+fn looks(values: &[f64]) -> impl Iterator<Item = &[f64]> {
+    [1, 4, 16, 64].into_iter().map(|part| &values[..values.len() / part]).filter(|look| look.len() >= 32)
+}
+
+/// A peak of a spectrum.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    /// rad/s.
+    omega: f64,
+    /// Of all power, what it and two ordinates to each side hold.
+    fraction: f64,
+}
+
+/// The highest peak of a sequence's spectrum; `None` for a sequence without power.
+fn loudest(values: &[f64], rate_hz: f64) -> Option<Line> {
+    let spectrum::Density { frequency_hz, density, .. } = spectrum::periodogram(values, rate_hz);
+    let total: f64 = density.iter().sum();
+    let (at, _) = density.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let peak = at.saturating_sub(2)..(at + 3).min(density.len());
+    let power: f64 = density[peak.clone()].iter().sum();
+    // The centre of power is finer than the ordinates.
+    let centre = peak.map(|i| density[i] * frequency_hz[i]).sum::<f64>() / power;
+    (total > 0.0 && total.is_finite()).then_some(Line { omega: TAU * centre, fraction: power / total })
 }
 
 /// Fits the base model from one place; with the sizes that follow from it.
@@ -160,20 +227,7 @@ fn polished(mut places: Vec<Place>) -> Vec<Place> {
 }
 
 fn by_spectrum(data: &Data) -> Vec<Place> {
-    let y = &data.reading[data.hull.clone()];
-    // A ring-down is loudest at its beginning; a shorter look there sees heavy damping too.
-    let mut places = Vec::new();
-    for length in [y.len(), y.len() / 4, y.len() / 16, y.len() / 64] {
-        if length < 32 {
-            continue;
-        }
-        let density = spectrum::periodogram(&y[..length], data.rate_hz);
-        let peak = density.density.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((i, _)) = peak {
-            for zeta in [0.003, 0.02, 0.1, 0.4] {
-                places.push(Place { gain: 1.0, omega: TAU * density.frequency_hz[i], zeta, residual: 0.0 });
-            }
-        }
-    }
-    places
+    let lines = looks(&data.reading[data.hull.clone()]).filter_map(|look| loudest(look, data.rate_hz));
+    let place = |line: Line, zeta: f64| Place { gain: 1.0, omega: line.omega, zeta, residual: 0.0 };
+    lines.flat_map(|line| SPECTRUM_ZETAS.map(|zeta| place(line, zeta))).collect()
 }
