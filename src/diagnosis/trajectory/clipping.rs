@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::judgement::FALSE_NAME;
+
 /// Readings at a limit that are needed to call it one, and in a row.
 const AT_LEAST: (usize, usize) = (8, 3);
 /// Share of the range below the limit, in which a reading that is not clipped would stand as often.
@@ -18,6 +20,8 @@ pub struct Limit {
     pub gap: f64,
     /// Readings at it, from both sides.
     pub samples: usize,
+    /// Chance that readings which are not held by a limit stay at their extreme so long.
+    pub p_value: f64,
 }
 
 /// Limits of three axes; every reading that stands at one is marked.
@@ -32,6 +36,10 @@ fn limit(readings: &[Vector3<f64>], axis: usize, spoilt: &mut [bool]) -> Option<
     let sides = [(high, 1.0), (-low, -1.0)];
     let flat: Vec<(f64, f64)> =
         sides.into_iter().filter(|(top, sign)| is_flat(readings, axis, *top, *sign, range)).collect();
+    let p_value = flat.iter().map(|(top, sign)| stays(readings, axis, *top, *sign)).fold(1.0, f64::min);
+    if p_value >= FALSE_NAME {
+        return None;
+    }
     let (value, _) = *flat.iter().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     let mut samples = 0;
     let mut gap = f64::INFINITY;
@@ -44,7 +52,26 @@ fn limit(readings: &[Vector3<f64>], axis: usize, spoilt: &mut [bool]) -> Option<
             gap = gap.min(below);
         }
     }
-    Some(Limit { axis, value: value.abs(), gap: if gap.is_finite() { gap } else { 0.0 }, samples })
+    Some(Limit { axis, value: value.abs(), gap: if gap.is_finite() { gap } else { 0.0 }, samples, p_value })
+}
+
+/// Sides of three axes of two sensors.
+const LOOKS: f64 = 12.0;
+
+/// Chance that readings repeat themselves so often at their extreme, from how often they do elsewhere.
+fn stays(readings: &[Vector3<f64>], axis: usize, top: f64, sign: f64) -> f64 {
+    let (mut repeated, mut pairs, mut held) = (0.0, 0.0, 0.0);
+    for pair in readings.windows(2) {
+        let [before, after] = [pair[0][axis], pair[1][axis]];
+        if top - sign * before <= 0.0 {
+            held += f64::from(before == after);
+        } else {
+            pairs += 1.0;
+            repeated += f64::from(before == after);
+        }
+    }
+    let usual: f64 = (repeated + 1.0) / (pairs + 1.0);
+    (LOOKS * usual.powf(held)).clamp(f64::MIN_POSITIVE, 1.0)
 }
 
 /// Whether many readings, and some in a row, stand at the extreme one and few just below.

@@ -23,9 +23,9 @@ use crate::diagnosis::answer::{self, Answer, Places};
 use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model::{InertialNoise, Noise, Trajectory};
 use crate::diagnosis::remainder::{Remainder, Size, Test};
-use crate::diagnosis::ruling::{Evidence, rule};
+use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Fit as FitScore, RecordingInfo, Score};
+use crate::diagnosis::verdict::{Effect, Evidence, Fit as FitScore, RecordingInfo, Score};
 use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -79,9 +79,10 @@ pub fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
 impl Told<'_> {
     /// The verdict without a reference: limits and vibration alone.
     pub fn without_reference(self, log: &Log) -> Answer {
-        let effects = self.of_readings([0.0; 2], [Permutation::NONE; 2], 0.0);
+        let none = Evidence { held_out_gain: 0.0, p_value: 1.0 };
+        let effects = self.of_readings([0.0; 2], [Permutation::NONE; 2], none);
         let account = self.account(&effects, None, [0.0; 2]);
-        let outcome = rule(&Evidence { named: effects.len(), has_power: false, ..Evidence::default() });
+        let outcome = rule(&ruling::Evidence { named: effects.len(), has_power: false, ..ruling::Evidence::default() });
         let fit = FitScore {
             unit: "times the noise".into(),
             noise_floor: 1.0,
@@ -110,8 +111,10 @@ impl Told<'_> {
         let swap = [found.start.gyro, found.start.accelerometer];
         let mut effects: Vec<Effect> =
             selection.named.iter().map(|n| effects::fitted(n, &chosen, self.channels(n.standing.term))).collect();
-        effects::mounted(&mut effects, found.start.turned, &self.names);
-        effects.splice(0..0, self.of_readings([clipped; 2], swap, found.start.explained));
+        effects::mounted(&mut effects, found.start, &self.names);
+        let exchanged =
+            Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
+        effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
         let seated = Fitted::of(&fit.linear, &published::seated(&active));
         let left: Vec<Vec<(Vector3<f64>, bool)>> = fit.residuals.iter().map(|r| left(fit, r, &seated.point)).collect();
         let rate_hz = 1.0 / found.log.interval_s;
@@ -125,12 +128,12 @@ impl Told<'_> {
         effects.extend(effects::reference(attitude, position));
         let remainder = remainder(fit, &chosen.point, held.rms()[1]);
         let named = effects.len();
-        let outcome = rule(&Evidence {
+        let outcome = rule(&ruling::Evidence {
             named,
             tied: selection.named.iter().filter(|n| !n.rivals.is_empty()).count(),
             remainder: remainder.size,
             held_out_ratio: held.ratio()[0],
-            ..Evidence::default()
+            ..ruling::Evidence::default()
         });
         let account = self.account(&effects, Some(selection), held.rms());
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
@@ -143,10 +146,10 @@ impl Told<'_> {
     }
 
     /// Effects that the readings show by themselves.
-    fn of_readings(&self, clipped: [f64; 2], swap: [Permutation; 2], explained: f64) -> Vec<Effect> {
+    fn of_readings(&self, clipped: [f64; 2], swap: [Permutation; 2], exchanged: Evidence) -> Vec<Effect> {
         let mut all = Vec::new();
         for (k, sensor) in SENSORS.into_iter().enumerate() {
-            all.extend(effects::swapped(swap[k], sensor, &self.names[k], explained));
+            all.extend(effects::swapped(swap[k], sensor, &self.names[k], exchanged));
             all.extend(effects::saturation(&self.limits[k], sensor, &self.names[k], clipped[k]));
         }
         for (k, sensor) in SENSORS.into_iter().enumerate() {

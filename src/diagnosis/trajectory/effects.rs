@@ -9,6 +9,7 @@ use super::permutation::Permutation;
 use super::published::Fitted;
 use super::scatter::Excess;
 use super::selection::Named;
+use super::start::Start;
 use super::vibration::Vibration;
 use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
@@ -51,7 +52,8 @@ pub fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
 }
 
 /// A mounting by large angles, which the start found: the effect is there, and its numbers are those of the whole rotation.
-pub fn mounted(effects: &mut Vec<Effect>, turned: UnitQuaternion<f64>, names: &[[String; 3]; 2]) {
+pub fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2]) {
+    let turned = start.turned;
     if turned.angle() == 0.0 {
         return;
     }
@@ -68,7 +70,7 @@ pub fn mounted(effects: &mut Vec<Effect>, turned: UnitQuaternion<f64>, names: &[
         unit: "deg".into(),
         ci95: [whole[axis] - half(axis), whole[axis] + half(axis)],
     });
-    let evidence = small.as_ref().map_or(Evidence { held_out_gain: 1.0, p_value: f64::MIN_POSITIVE }, |e| e.evidence);
+    let evidence = Evidence { held_out_gain: start.explained.max(0.0), p_value: start.chance_turned };
     effects.insert(0, effect(&MOUNTING, parameters.collect(), names.concat(), evidence));
 }
 
@@ -85,15 +87,14 @@ pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f6
         })
         .collect();
     let channels = limits.iter().map(|limit| names[limit.axis].clone()).collect();
-    // Chance that readings of a smooth density coincide in so many cases: below what can be written.
-    let evidence = Evidence { held_out_gain: gain, p_value: f64::MIN_POSITIVE };
+    let p_value = limits.iter().map(|limit| limit.p_value).fold(1.0, f64::min);
+    let evidence = Evidence { held_out_gain: gain, p_value };
     (!limits.is_empty()).then(|| effect(&SATURATION, parameters, channels, evidence))
 }
 
 /// Exchanged columns.
-pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
+pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], evidence: Evidence) -> Option<Effect> {
     (swap != Permutation::NONE).then(|| {
-        let evidence = Evidence { held_out_gain: gain, p_value: f64::MIN_POSITIVE };
         let mut effect = effect(&AXIS_SWAP, Vec::new(), names.to_vec(), evidence);
         effect.equation = format!("columns of the {} read {}", sensor.name(), swap.map());
         effect
@@ -116,7 +117,7 @@ pub fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effec
         parameters.push(estimate("amplitude", *amplitude, unit(sensor), 0.5 * amplitude));
     }
     let share = found.stated.map_or(0.0, |stated| 1.0 - (stated / found.density).powi(2));
-    let evidence = Evidence { held_out_gain: share.max(0.0), p_value: f64::MIN_POSITIVE };
+    let evidence = Evidence { held_out_gain: share.max(0.0), p_value: found.p_value };
     effect(&VIBRATION, parameters, names.to_vec(), evidence)
 }
 
@@ -134,6 +135,8 @@ pub fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option
         .chain(position_m.map(|e| estimate("position", e, "mm", 1e3)))
         .collect();
     let times = [attitude, position_m].into_iter().flatten().map(|e| e.times).fold(1.0, f64::max);
-    let evidence = Evidence { held_out_gain: 1.0 - 1.0 / times, p_value: super::judgement::FALSE_NAME };
+    let least = [attitude, position_m].into_iter().flatten().map(|e| e.p_value).fold(1.0, f64::min);
+    // Of attitude and position.
+    let evidence = Evidence { held_out_gain: 1.0 - 1.0 / times, p_value: (2.0 * least).min(1.0) };
     (!parameters.is_empty()).then(|| effect(&REFERENCE_NOISE, parameters, vec!["reference".into()], evidence))
 }

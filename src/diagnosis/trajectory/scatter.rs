@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::blocks::BLOCKS;
 use super::judgement::FALSE_NAME;
 use crate::numerics::order;
-use crate::numerics::special::t_quantile;
+use crate::numerics::special::{f_survival, t_quantile};
 use crate::numerics::spectrum::welch;
 
 /// Times over which errors are compared, in bins.
@@ -30,6 +30,8 @@ pub struct Excess {
     pub span_s: f64,
     /// Variance over the sensor's.
     pub times: f64,
+    /// Chance that so much is seen where there is no such excess, corrected for the times that were compared.
+    pub p_value: f64,
 }
 
 /// Variance per Hz of the floor of readings, one-sided, unit²/Hz: mean of the axes.
@@ -89,7 +91,15 @@ fn over(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64, span: 
         ci95: [size(all - half), size(all + half)],
         span_s: width_s * span as f64,
         times: all / own.max(f64::MIN_POSITIVE),
+        p_value: (SPANS.len() as f64 * beyond(all - BEYOND * own, deviation, n)).min(1.0),
     })
+}
+
+/// Chance of a mean of so many blocks that lies so far above zero: Student's t.
+pub fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
+    let t = mean / deviation.max(f64::MIN_POSITIVE);
+    let tail = 0.5 * f_survival(t * t, 1.0, blocks - 1.0);
+    if t > 0.0 { tail.max(f64::MIN_POSITIVE) } else { 1.0 - tail }
 }
 
 /// Position errors that are white from bin to bin: σ of a bin's mean out of second differences, whose variance is
@@ -127,5 +137,6 @@ pub fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64
         ci95: [size(variance - half), size(variance + half)],
         span_s: width_s,
         times: variance / own.max(f64::MIN_POSITIVE),
+        p_value: beyond(variance - BEYOND * own, deviation, n),
     })
 }

@@ -6,9 +6,12 @@
 
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Rotation3, UnitQuaternion, Vector3, Vector4};
 
+use super::blocks::BLOCKS;
 use super::integral::{Rule, between, cumulative, place};
+use super::judgement::FALSE_NAME;
 use super::log::{Log, Motion};
 use super::permutation::{Permutation, SIGNED};
+use super::scatter::beyond;
 use crate::numerics::order;
 
 /// Window over which rates are compared, s, and the shifts that are tried, s: up to, in steps of.
@@ -37,11 +40,18 @@ pub struct Start {
     pub accelerometer: Permutation,
     /// From the IMU's axes to the reference's body axes.
     pub turned: UnitQuaternion<f64>,
+    /// Chance that these axes fit so much better than those as given, corrected for the ways that were tried; 1 where as given.
+    pub chance_exchanged: f64,
+    /// The same of the rotation against none.
+    pub chance_turned: f64,
     /// Bias of the gyro in its own axes, rad/s.
     pub gyro_bias: Vector3<f64>,
     /// Bias of the accelerometer in its own axes, m/s².
     pub force_bias: Vector3<f64>,
 }
+
+/// Axes of gyro and accelerometer, and the mounting.
+type Axes = (Permutation, Permutation, UnitQuaternion<f64>);
 
 /// Mean vectors of both over the same windows.
 struct Pairs {
@@ -70,6 +80,20 @@ impl Pairs {
             all += (y - mean).norm_squared();
         }
         (matrix, bias, 1.0 - left / f64::max(all, f64::MIN_POSITIVE))
+    }
+
+    /// Chance that one matrix fits by so much better than another: mean squares of blocks of time, Student's t.
+    fn better(&self, one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
+        let biases = [one, other].map(|m| self.left(m).1);
+        let mut blocks = vec![0.0; BLOCKS];
+        for (k, (x, y)) in self.reference.iter().zip(&self.read).enumerate() {
+            let [one, other] = [(one, biases[0]), (other, biases[1])].map(|(m, b)| (y - m * x - b).norm_squared());
+            blocks[k * BLOCKS / self.read.len()] += other - one;
+        }
+        let n = BLOCKS as f64;
+        let mean = blocks.iter().sum::<f64>() / n;
+        let variance = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        beyond(mean, (variance / n).sqrt(), n)
     }
 
     /// Mean square that a fixed matrix leaves, with the best bias, and that bias.
@@ -123,12 +147,43 @@ pub fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
     let pairs = at(offset_s);
     let (matrix, _, explained) = pairs.regression();
     let gyro_unit = matrix.determinant().abs().cbrt();
-    let (gyro, accelerometer, turned) = axes(&matrix, &forces(log, motion, offset_s, gravity_m_s2));
-    let expected = gyro.matrix() * turned.inverse().to_rotation_matrix().matrix();
-    let gyro_bias = gyro.matrix().transpose() * pairs.left(&expected).1;
-    let expected = accelerometer.matrix() * turned.inverse().to_rotation_matrix().matrix();
-    let force_bias = accelerometer.matrix().transpose() * forces(log, motion, offset_s, gravity_m_s2).left(&expected).1;
-    Start { offset_s, explained, gyro_unit, gyro, accelerometer, turned, gyro_bias, force_bias }
+    let forces = forces(log, motion, offset_s, gravity_m_s2);
+    let expected = |(gyro, accelerometer, turned): &Axes| {
+        [gyro, accelerometer].map(|p| p.matrix() * turned.inverse().to_rotation_matrix().matrix())
+    };
+    // By either sensor, of all ways to exchange three axes.
+    let chance = |one: &Axes, other: &Axes| {
+        let (one, other) = (expected(one), expected(other));
+        let least = pairs.better(&one[0], &other[0]).min(forces.better(&one[1], &other[1]));
+        (2.0 * SIGNED.len() as f64 * least).min(1.0)
+    };
+    let none = Permutation::NONE;
+    let as_given = (none, none, of_matrix(&nearest(&matrix).transpose()));
+    let mut found = axes(&matrix, &forces);
+    let mut chance_exchanged = 1.0;
+    if (found.0, found.1) != (none, none) {
+        chance_exchanged = chance(&found, &as_given);
+        if chance_exchanged >= FALSE_NAME {
+            (found, chance_exchanged) = (as_given, 1.0);
+        }
+    }
+    let chance_turned = chance(&found, &(found.0, found.1, UnitQuaternion::identity()));
+    let matrices = expected(&found);
+    let (gyro, accelerometer, turned) = found;
+    let gyro_bias = gyro.matrix().transpose() * pairs.left(&matrices[0]).1;
+    let force_bias = accelerometer.matrix().transpose() * forces.left(&matrices[1]).1;
+    Start {
+        offset_s,
+        explained,
+        gyro_unit,
+        gyro,
+        accelerometer,
+        turned,
+        chance_exchanged,
+        chance_turned,
+        gyro_bias,
+        force_bias,
+    }
 }
 
 /// The top of a score near a place, by halving the step.
@@ -171,7 +226,7 @@ fn forces(log: &Log, motion: &Motion, offset_s: f64, gravity_m_s2: f64) -> Pairs
 }
 
 /// Which axes each sensor's columns read, and how the IMU is mounted.
-fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> (Permutation, Permutation, UnitQuaternion<f64>) {
+fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> Axes {
     let none = Permutation::NONE;
     let rotation = |of: &Matrix3<f64>| nearest(of).transpose();
     // A gyro whose axes are held as they are, or exchanged: the one of 48 ways that comes nearest to a small mounting, where

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::numerics::order;
+use crate::numerics::special::chi_squared_survival;
 use crate::numerics::spectrum::welch;
 
 /// Below this no spectrum of readings is taken for vibration, Hz: bodies move.
@@ -29,6 +30,8 @@ pub struct Vibration {
     pub step_hz: f64,
     /// Lines: frequency, Hz, and amplitude, unit.
     pub lines: Vec<(f64, f64)>,
+    /// Chance that noise of the static figure, or without lines, shows as much.
+    pub p_value: f64,
 }
 
 /// Spectrum of a sensor: mean of its axes, as (Hz, unit²/Hz).
@@ -49,26 +52,37 @@ pub fn vibration(readings: &[Vector3<f64>], rate_hz: f64, stated: Option<f64>) -
         return None;
     }
     let mean = above.iter().map(|l| l.1).sum::<f64>() / above.len() as f64;
-    let lines = lines(&above);
+    let (lines, highest) = lines(&above);
     let louder = stated.is_some_and(|density| mean > BEYOND * density * density);
     let half = 1.96 / (3.0 * averages * above.len() as f64).sqrt();
     let density = mean.sqrt();
+    // Sums of squares of as many normal numbers as the averages of three axes hold.
+    let normal = 6.0 * averages;
+    let level = stated.map_or(1.0, |stated| {
+        let many = normal * above.len() as f64;
+        chi_squared_survival(many * mean / (stated * stated).max(f64::MIN_POSITIVE), many)
+    });
+    let line = above.len() as f64 * chi_squared_survival(normal * highest, normal);
+    let p_value = (2.0 * level.min(line)).clamp(f64::MIN_POSITIVE, 1.0);
     (louder || !lines.is_empty()).then(|| Vibration {
         density,
         ci95: [density * (1.0 - 0.5 * half), density * (1.0 + 0.5 * half)],
         stated,
         step_hz: above[1].0 - above[0].0,
         lines,
+        p_value,
     })
 }
 
-/// Narrow peaks, strongest first.
-fn lines(spectrum: &[(f64, f64)]) -> Vec<(f64, f64)> {
+/// Narrow peaks, strongest first, and the highest line over the median of its neighbours.
+fn lines(spectrum: &[(f64, f64)]) -> (Vec<(f64, f64)>, f64) {
     let step_hz = spectrum[1].0 - spectrum[0].0;
     let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut highest: f64 = 0.0;
     for k in LINE.1..spectrum.len() - LINE.1 {
         let near = &spectrum[k - LINE.1..=k + LINE.1];
         let usual = order::median(near.iter().map(|l| l.1).collect()).unwrap_or_default();
+        highest = highest.max(spectrum[k].1 / usual.max(f64::MIN_POSITIVE));
         let is_top = spectrum[k].1 >= spectrum[k - 1].1 && spectrum[k].1 >= spectrum[k + 1].1;
         if is_top && spectrum[k].1 > LINE.0 * usual {
             let power: f64 = spectrum[k - 2..=k + 2].iter().map(|l| (l.1 - usual).max(0.0) * step_hz).sum();
@@ -78,7 +92,7 @@ fn lines(spectrum: &[(f64, f64)]) -> Vec<(f64, f64)> {
     }
     order::sort_by_key(&mut found, |l| -l.1);
     found.truncate(MOST);
-    found
+    (found, highest)
 }
 
 #[cfg(test)]
