@@ -82,14 +82,17 @@ impl Pairs {
         (matrix, bias, 1.0 - left / f64::max(all, f64::MIN_POSITIVE))
     }
 
-    /// Chance that one matrix fits by so much better than another: mean squares of blocks of time, Student's t.
+    /// Chance that one matrix fits by so much better than another: ratios of the squares of blocks of time, Student's t.
     fn better(&self, one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
         let biases = [one, other].map(|m| self.left(m).1);
-        let mut blocks = vec![0.0; BLOCKS];
+        let mut blocks = vec![[f64::MIN_POSITIVE; 2]; BLOCKS];
         for (k, (x, y)) in self.reference.iter().zip(&self.read).enumerate() {
-            let [one, other] = [(one, biases[0]), (other, biases[1])].map(|(m, b)| (y - m * x - b).norm_squared());
-            blocks[k * BLOCKS / self.read.len()] += other - one;
+            let block = &mut blocks[k * BLOCKS / self.read.len()];
+            block[0] += (y - one * x - biases[0]).norm_squared();
+            block[1] += (y - other * x - biases[1]).norm_squared();
         }
+        // Of ratios, so that the quickest motion does not drown the rest.
+        let blocks: Vec<f64> = blocks.iter().map(|[one, other]| (other / one).ln()).collect();
         let n = BLOCKS as f64;
         let mean = blocks.iter().sum::<f64>() / n;
         let variance = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (n - 1.0);
