@@ -7,6 +7,7 @@ override COUPLED: bool = false;
 override TAKEN: bool = false;
 override AIDED: bool = false;
 override FOLLOWS: bool = false;
+override JITTERS: bool = false;
 
 // What the members share over a tile; mirrored in `src/kernel/layout.rs`.
 struct Flight {
@@ -24,9 +25,10 @@ struct Flight {
     // Cosine and sine of the vehicle's heading at the end of the tile.
     cosine: f32,
     sine: f32,
+    // Number of the tile's first sample.
+    first_sample: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 // One sample of the truth; mirrored in `src/kernel/passage.rs`.
@@ -200,7 +202,12 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
             );
         }
         if FOLLOWS {
-            let late = given[45u * stride + i];
+            var late = given[45u * stride + i];
+            if JITTERS {
+                let sample = flight.first_sample + n;
+                let instants = gaussians(sample >> 2u, member_of(i), STREAM_JITTER, fix.seed);
+                late = fma(given[46u * stride + i], instants[sample & 3u], late);
+            }
             error += p.warmer * (followed(i, 1u) * p.body_force + followed(i, 0u)) - late * p.force_change;
             turn += p.warmer * (followed(i, 3u) * p.body_rate + followed(i, 2u)) - late * p.rate_change;
         }
@@ -277,8 +284,7 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let since_s = f32((flight.since + flight.samples) & 63u) * h;
     if AIDED && fix.present != 0u {
-        let low = fix.first_member.x + i;
-        let member = vec2<u32>(low, fix.first_member.y + select(0u, 1u, low < i));
+        let member = member_of(i);
         let speed_noise = gaussians(2u * fix.number, member, STREAM_FIX, fix.seed);
         let place_noise = gaussians(2u * fix.number + 1u, member, STREAM_FIX, fix.seed);
         let sigma = turn_total.high + (turn_part + turn_total.low);

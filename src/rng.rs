@@ -62,6 +62,8 @@ pub enum Stream {
     Start = 10,
     /// Noise of the fixes that aid a navigation.
     Fix = 11,
+    /// How early or late each reading is taken.
+    Jitter = 12,
 }
 
 /// A stream of random numbers for one member, usable wherever `rand` asks for a generator.

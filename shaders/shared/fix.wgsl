@@ -18,6 +18,12 @@ struct Fix {
 
 @group(0) @binding(10) var<uniform> fix: Fix;
 
+// The member that an invocation takes.
+fn member_of(i: u32) -> vec2<u32> {
+    let low = fix.first_member.x + i;
+    return vec2<u32>(low, fix.first_member.y + select(0u, 1u, low < i));
+}
+
 // Three of the numbers that are corrected: what they take of velocity and position.
 fn corrected(row: u32, velocity: vec3<f32>, position: vec3<f32>) -> vec3<f32> {
     let at = 6u * row;

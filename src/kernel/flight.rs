@@ -70,6 +70,8 @@ pub struct Flight {
     pub coupling: Option<Arc<dyn Fn(u64) -> Coupling + Send + Sync>>,
     /// What follows temperature and late stamps, per member; `None` where nothing does.
     pub follow: Option<Arc<dyn Fn(u64) -> Follow + Send + Sync>>,
+    /// Whether the instants of samples are drawn.
+    pub jitters: bool,
     /// True motion.
     pub course: Arc<Course>,
     /// Vertical channel.

@@ -12,15 +12,18 @@ pub struct Follow {
     pub per_kelvin: [[f64; 3]; 4],
     /// How late the stamps are, s.
     pub late_s: f64,
+    /// Standard deviation of how late a single sample is, s: drawn for each, the same for all axes.
+    pub jitter_s: f64,
 }
 
 /// Numbers of it.
-pub const FOLLOWED: usize = 13;
+pub const FOLLOWED: usize = 14;
 
 impl Follow {
-    /// Row by row, and the time.
+    /// Row by row, and the times.
     pub fn numbers(&self) -> [f64; FOLLOWED] {
-        std::array::from_fn(|i| if i < 12 { self.per_kelvin[i / 3][i % 3] } else { self.late_s })
+        let times = [self.late_s, self.jitter_s];
+        std::array::from_fn(|i| if i < 12 { self.per_kelvin[i / 3][i % 3] } else { times[i - 12] })
     }
 
     /// Mean reading errors of accelerometers and gyros that stand still with this force and rate, so much warmer than the

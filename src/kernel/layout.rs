@@ -110,7 +110,8 @@ pub struct Flight {
     pub zero: u32,
     pub cosine: f32,
     pub sine: f32,
-    pub padding: [u32; 3],
+    pub first_sample: u32,
+    pub padding: [u32; 2],
 }
 
 /// Mirror of `Fix`.

@@ -126,7 +126,9 @@ pub(crate) fn poincare(int64: bool) -> Shader {
 
 /// The navigation in six axes.
 pub(crate) fn navigate(int64: bool) -> Shader {
-    let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\nconst STREAM_FIX = {}u;\n", Stream::Fix as u32);
+    let streams = [("FIX", Stream::Fix), ("JITTER", Stream::Jitter)];
+    let streams = streams.map(|(name, stream)| format!("const STREAM_{name} = {}u;\n", stream as u32)).concat();
+    let constants = format!("const BOUND_M_S = {BOUND_M_S:?};\n{streams}");
     let own = include_str!("../../shaders/navigate.wgsl");
     with_random_numbers("navigate", &[&constants, ACCUMULATE, FIX, own].join("\n"), int64)
 }

@@ -3,7 +3,7 @@
 //! g-sensitivity is a sensor term of its own, in the same slot.
 
 use crate::units::key::Key;
-use crate::units::key::Sign::Any;
+use crate::units::key::Sign::{Any, NotNegative};
 use crate::units::{DEGREE_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY_M_S2};
 
 const MILLI: f64 = 1e-3;
@@ -44,6 +44,9 @@ pub(crate) const GYRO_SCALE_PER_K: Key =
 /// How late the stamps of all readings are: the same for the six of a member.
 pub(crate) const TIME_OFFSET: Key = Key::new(51, "sensor.time_offset_us", "time offset", "µs", MICRO, Any);
 
+/// Standard deviation of the instant at which each sample of all readings is taken, about the one that it is stamped with.
+pub(crate) const TIME_JITTER: Key = Key::new(52, "sensor.time_jitter_us", "time jitter", "µs", MICRO, NotNegative);
+
 /// What one axis takes from another one or from the other instrument.
 pub(crate) const COUPLINGS: [&Key; 4] =
     [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
@@ -52,7 +55,7 @@ pub(crate) const OVER_TEMPERATURE: [&Key; 4] =
     [&ACCELEROMETER_BIAS_PER_K, &ACCELEROMETER_SCALE_PER_K, &GYRO_BIAS_PER_K, &GYRO_SCALE_PER_K];
 
 /// All that act along a trajectory by the motion or the temperature, in the order of a sensor table.
-pub(crate) const KEYS: [&Key; 9] = [
+pub(crate) const KEYS: [&Key; 10] = [
     &ACCELEROMETER_MISALIGNMENT,
     &GYRO_SCALE_FACTOR,
     &GYRO_MISALIGNMENT,
@@ -62,11 +65,13 @@ pub(crate) const KEYS: [&Key; 9] = [
     &GYRO_BIAS_PER_K,
     &GYRO_SCALE_PER_K,
     &TIME_OFFSET,
+    &TIME_JITTER,
 ];
 
 /// Those that mean something only along a trajectory.
-pub(crate) const IN_MOTION: [&Key; 7] = [
+pub(crate) const IN_MOTION: [&Key; 8] = [
     &TIME_OFFSET,
+    &TIME_JITTER,
     &ACCELEROMETER_BIAS_PER_K,
     &ACCELEROMETER_SCALE_PER_K,
     &GYRO_SCALE_FACTOR,

@@ -152,6 +152,13 @@ pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>,
             causes.push(Carried { cause: Cause::Coupling(key), columns, families: Vec::new(), squares: [0.0; 6] });
         }
     }
+    let (mean, variance) = motion.between[0].moments(&coupling::TIME_JITTER);
+    if flight.jitters {
+        let process = Process::Jitter((mean * mean + variance) * flight.clock().sample_s());
+        let families = vec![Family::new(process, 1.0)];
+        let cause = Cause::Coupling(&coupling::TIME_JITTER);
+        causes.push(Carried { cause, columns: Vec::new(), families, squares: [0.0; 6] });
+    }
     let columns = found::alignment(flight, found);
     if !columns.is_empty() {
         causes.push(Carried { cause: Cause::Alignment, columns, families: Vec::new(), squares: [0.0; 6] });

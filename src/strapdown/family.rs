@@ -100,6 +100,8 @@ pub enum Process {
         /// Of each input.
         variance: [f64; 6],
     },
+    /// White noise of the instants at which samples are taken, of this density, s²·s: it acts by what each input changes by.
+    Jitter(f64),
     /// No input: the noise of fixes.
     Fixes,
 }
@@ -178,8 +180,12 @@ impl Family {
         self.with_process = phi * self.with_process + gamma * (self.process_process - self.process_taken.transpose());
         self.with_taken = phi * self.with_taken + gamma * (self.process_taken - self.taken_taken);
         self.errors = half * phi.transpose() + (self.with_process - self.with_taken) * gamma.transpose();
-        if let Process::White(density) = &self.process {
-            self.errors += step.white(density);
+        match &self.process {
+            Process::White(density) => self.errors += step.white(density),
+            Process::Jitter(density) => {
+                self.errors += step.white_along(&Gain::Late.inputs(step.felt(), 0.0), *density);
+            }
+            _ => {}
         }
         self.walk(0.5 * step.seconds);
     }

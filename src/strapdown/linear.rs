@@ -184,6 +184,19 @@ impl Step {
         sum
     }
 
+    /// The same for one white input that acts on all six by this much each.
+    pub fn white_along(&self, inputs: &SMatrix<f64, 6, 1>, density: f64) -> Square {
+        let driven = self.model.drive * inputs;
+        let mut power = driven * driven.transpose() * (density * self.seconds);
+        let mut sum = power;
+        for k in 2..=TERMS {
+            let half = self.model.dynamics * power * (self.seconds / f64::from(k));
+            power = half + half.transpose();
+            sum += power;
+        }
+        sum
+    }
+
     /// What the sensor feels.
     pub fn felt(&self) -> &Felt {
         &self.model.felt

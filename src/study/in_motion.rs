@@ -189,8 +189,9 @@ fn earth(name: &str, file: &File) -> Result<Earth> {
 /// How warm the sensor is on the way.
 fn temperature(name: &str, file: &File, between: &[Tolerances; 3]) -> Result<Temperature> {
     let given = |key: &&Key| between.iter().any(|axis| axis[key].is_some());
-    if between.iter().any(|axis| axis[&coupling::TIME_OFFSET] != between[0][&coupling::TIME_OFFSET]) {
-        let cause = format!("`{}` is a list of three, and all axes share one clock", coupling::TIME_OFFSET.path);
+    let clock = [&coupling::TIME_OFFSET, &coupling::TIME_JITTER];
+    if let Some(key) = clock.into_iter().find(|key| between.iter().any(|axis| axis[*key] != between[0][*key])) {
+        let cause = format!("`{}` is a list of three, and all axes share one clock", key.path);
         return Err(refuse(name, cause, "give one number"));
     }
     let key = coupling::OVER_TEMPERATURE.into_iter().find(given);
@@ -297,7 +298,8 @@ impl InMotion {
     fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
         let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
-        Follow { per_kelvin: bias_then_scale, late_s: draw(&coupling::TIME_OFFSET, 0) }
+        let [late_s, jitter_s] = [&coupling::TIME_OFFSET, &coupling::TIME_JITTER].map(|key| draw(key, 0));
+        Follow { per_kelvin: bias_then_scale, late_s, jitter_s }
     }
 
     /// The ensemble of a run, with statistics at `report_samples` after the end of the still start.
@@ -334,7 +336,8 @@ impl InMotion {
         let (seed, all) = (run.seed, self.between.clone());
         let has = |keys: &[&Key]| all.iter().any(|t| keys.iter().any(|key| t[*key].is_some_and(|n| !n.is_zero())));
         let couples = has(&coupling::COUPLINGS);
-        let follows = has(&coupling::OVER_TEMPERATURE) || has(&[&coupling::TIME_OFFSET]);
+        let jitters = has(&[&coupling::TIME_JITTER]);
+        let follows = has(&coupling::OVER_TEMPERATURE) || has(&[&coupling::TIME_OFFSET]) || jitters;
         let again = all.clone();
         let followed = move |member: u64| Self::follow(&again, seed, member);
         let draws = move |member: u64| Self::coupling(&all, seed, member);
@@ -342,6 +345,7 @@ impl InMotion {
             axes: [axis(0)?, axis(1)?, axis(2)?],
             coupling: couples.then(|| Arc::new(draws) as Arc<dyn Fn(u64) -> Coupling + Send + Sync>),
             follow: follows.then(|| Arc::new(followed) as Arc<dyn Fn(u64) -> Follow + Send + Sync>),
+            jitters,
             course: self.course.clone(),
             vertical: self.vertical,
             misalignment: self.misalignment,

@@ -17,6 +17,7 @@ pub fn tests() -> Vec<Trial> {
         test("following: a bias that warms up moves by a sixth of its rate times t³", warming_bias),
         test("following: a scale factor that warms up reads gravity wrong", warming_scale),
         test("following: late stamps leave the navigator behind by the way of their delay", late),
+        test("following: jitter is white noise by what the readings change by", jitter),
         test("following: what follows spreads as the linear covariance says", covariance),
         gpu_test("following: the GPU gives the CPU's percentiles", parity),
         test("following: keys without what they follow are refused in a sentence", refusals),
@@ -90,8 +91,31 @@ fn late() -> Result<(), Failed> {
     check(all(&answer, 2e-3).is_err() && all(&answer, -1e-3).is_err(), "any offset fits")
 }
 
+/// Samples a time τₙ late read −τₙ ḟ: a sum of independent errors, whose velocity has the variance Σ σ² |ḟₙ|² Δt² along an axis
+/// that keeps its direction.
+fn jitter() -> Result<(), Failed> {
+    let members = 4096;
+    let at = |jitter_us: f64| {
+        answered(&format!(
+            "members = {members}\nduration_s = 8.0\n[sensor]\nsample_rate_hz = 100.0\ntime_jitter_us = {jitter_us:?}\n\
+             [trajectory]\nkind = \"car\"\n[report]\ntimes_s = [8.0]\n"
+        ))
+    };
+    let answer = at(2000.0)?;
+    let samples = &answer.flight.course.truth.samples;
+    let force = |n: usize| samples[n].specific_force_m_s2.x;
+    let square = |sigma_s: f64| (0..800).map(|n| (sigma_s * (force(n + 1) - force(n))).powi(2)).sum::<f64>();
+    let heading = samples[0].attitude.euler_angles().2;
+    check(samples[..=800].iter().all(|s| (s.attitude.euler_angles().2 - heading).abs() < 1e-6), "the car turns")?;
+    let variance = |q: usize| answer.ensemble.summary(answer.report[0], Quantity::Velocity(q)).sd.powi(2);
+    let ratio = |sigma_s: f64| ((variance(0) + variance(1)) / square(sigma_s)).sqrt();
+    let four = 4.0 / (2.0 * f64::from(members)).sqrt();
+    near("velocity", ratio(2e-3), 1.0, four)?;
+    check((ratio(2.2e-3) - 1.0).abs() > four, "any jitter fits")
+}
+
 const DRIVE: &str = "members = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 50.0\n\
-    time_offset_us = { mean = 0.0, sd = 5000.0 }\n[trajectory]\nkind = \"car\"\n[earth]\nlatitude_deg = 47.4\n\
+    time_offset_us = { mean = 0.0, sd = 5000.0 }\ntime_jitter_us = 3000.0\n[trajectory]\nkind = \"car\"\n[earth]\nlatitude_deg = 47.4\n\
     [temperature]\nprofile_s_deg_c = [[0.0, 20.0], [30.0, 60.0]]\nreference_deg_c = 25.0\n\
     [report]\ntimes_s = [10.0, 30.0, 60.0]\n";
 const FOLLOWING: [&str; 2] = [

@@ -131,6 +131,7 @@ impl<'a> Carried<'a> {
             ("COUPLED", flight.coupling.is_some()),
             ("TAKEN", flight.clock().still_samples > 0 || !flight.fixes.is_empty()),
             ("FOLLOWS", flight.follow.is_some()),
+            ("JITTERS", flight.jitters),
             ("AIDED", !flight.fixes.is_empty()),
         ];
         let constants = flags.map(|(name, on)| (name, f64::from(u8::from(on))));
@@ -278,7 +279,8 @@ impl<'a> Carried<'a> {
             zero: 0,
             cosine: heading_rad.cos() as f32,
             sine: heading_rad.sin() as f32,
-            padding: [0; 3],
+            first_sample: first as u32,
+            padding: [0; 2],
         };
         let mut passages = vec![0.0_f32; 4 * layout::PASSAGES];
         if first >= clock.still_samples {

@@ -11,6 +11,8 @@ pub(super) struct Followed<'a, T> {
     /// As `Follow::numbers` has them.
     pub numbers: &'a [Lane<T>; FOLLOWED],
     pub passages: &'a [Passage<T>],
+    /// Of each sample a normal number; empty without jitter.
+    pub jitter: &'a [Lane<T>],
     pub error: [&'a mut [Lane<T>]; 3],
     pub turn: [&'a mut [Lane<T>]; 3],
 }
@@ -20,12 +22,14 @@ impl<T: Real> Kernel for Followed<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let k = self.numbers;
+        let none = Lane::splat(T::of(0.0));
         for axis in 0..3 {
             for n in 0..self.passages.len() {
                 let p = &self.passages[n];
+                let jitter = if self.jitter.is_empty() { &none } else { &self.jitter[n] };
                 let (error, turn) = (&mut self.error[axis][n], &mut self.turn[axis][n]);
                 for l in 0..LANES {
-                    let late = -k[12][l];
+                    let late = -fma::<T, FMA>(k[13][l], jitter[l], k[12][l]);
                     let force = fma::<T, FMA>(k[3 + axis][l], p.body_force[axis], k[axis][l]);
                     let rate = fma::<T, FMA>(k[9 + axis][l], p.body_rate[axis], k[6 + axis][l]);
                     let warm_force = fma::<T, FMA>(force, p.warmer, error[l]);

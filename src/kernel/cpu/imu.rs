@@ -8,7 +8,7 @@ use super::navigate::{Couple, Navigate, State, roll_pitch_heading};
 use super::noise::Drawer;
 use super::reading::TakeOff;
 use super::simulate::{Errors, Simulate, Stretch};
-use super::stretch::STRETCH;
+use super::stretch::{Numbers, STRETCH};
 use super::sums::CHUNK;
 use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
@@ -16,6 +16,7 @@ use crate::kernel::follow::FOLLOWED;
 use crate::kernel::force::Force;
 use crate::kernel::passage::Passage;
 use crate::numerics::elementary::Real;
+use crate::rng::Stream;
 
 /// Three axes, the couplings if there are any, and the errors of navigation.
 pub struct Imu<T: Real> {
@@ -91,6 +92,7 @@ impl<T: Real> Imu<T> {
         let zero = Lane::splat(T::of(0.0));
         let mut stretch = Stretch::new();
         let (mut error, mut turn) = ([[zero; STRETCH]; 3], [[zero; STRETCH]; 3]);
+        let (mut room, mut pairs) = ([zero; STRETCH], [zero; STRETCH / 2]);
         let end = tile.first + tile.count;
         let mut from = tile.first;
         let fixes = &tile.flight.fixes;
@@ -122,7 +124,10 @@ impl<T: Real> Imu<T> {
                 let [t0, t1, t2] = &mut turn;
                 let error = [&mut e0[..count], &mut e1[..count], &mut e2[..count]];
                 let turn = [&mut t0[..count], &mut t1[..count], &mut t2[..count]];
-                level.run(Followed { numbers, passages, error, turn });
+                let drawer = Drawer { seed: tile.flight.seed(), first_member: self.first_member };
+                let mut instants = Numbers { level, drawer, from, until, each: &mut room, pairs: &mut pairs };
+                let jitter = if tile.flight.jitters { instants.each(Stream::Jitter) } else { &[] };
+                level.run(Followed { numbers, passages, jitter, error, turn });
             }
             if let Some([accelerometers, gyros]) = self.found.as_deref() {
                 for axis in 0..3 {

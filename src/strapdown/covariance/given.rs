@@ -20,6 +20,10 @@ pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, fl
         let moments = motion.between[0].moments(key);
         return if moments == (0.0, 0.0) { Vec::new() } else { vec![column(Gain::Late, moments, found, flight)] };
     }
+    if *key == coupling::TIME_JITTER {
+        // It is noise: no column.
+        return Vec::new();
+    }
     match coupling::OVER_TEMPERATURE.into_iter().position(|other| other == key) {
         Some(place) => over_temperature(place, key, motion, found, flight),
         None => between_axes(key, motion, found, flight),
