@@ -98,7 +98,7 @@ fn jitter() -> Result<(), Failed> {
     let at = |jitter_us: f64| {
         answered(&format!(
             "members = {members}\nduration_s = 8.0\n[sensor]\nsample_rate_hz = 100.0\ntime_jitter_us = {jitter_us:?}\n\
-             [trajectory]\nkind = \"car\"\n[report]\ntimes_s = [8.0]\n"
+             [trajectory]\nkind = \"car\"\nstill_s = 1.0\n[report]\ntimes_s = [8.0]\n"
         ))
     };
     let answer = at(2000.0)?;
