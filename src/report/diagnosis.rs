@@ -62,7 +62,7 @@ pub(crate) fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
         out += &format!("\n{}", effects_table(&verdict.effects));
     }
     if let Some(found) = &verdict.calibration {
-        out += &format!("\n{}:\n{}", calibration::MEANING, calibration::text(found));
+        out += &format!("\n{}:\n{}", calibration::meaning(verdict.kind), calibration::text(found, verdict.kind));
     }
     if !verdict.findings.is_empty() {
         out += "\nfound in the file:\n";
@@ -92,8 +92,8 @@ pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: 
     }
     if let Some(found) = &verdict.calibration {
         page.section("The calibration, ready to paste");
-        page.paragraph(&format!("{}. The same numbers stand in verdict.json.", calibration::MEANING));
-        page.preformatted(&calibration::text(found));
+        page.paragraph(&format!("{}. The same numbers stand in verdict.json.", calibration::meaning(verdict.kind)));
+        page.preformatted(&calibration::text(found, verdict.kind));
     }
     page.section("Candidates");
     let (passed_over, tried): (Vec<&Ranked>, Vec<&Ranked>) =

@@ -1,23 +1,37 @@
 //! The calibration of an IMU as text to be pasted: valid as TOML and as Python.
 
 use crate::diagnosis::verdict::{SensorCalibration, Triads};
+use crate::physics::candidate::Kind;
 
 /// What the text says, for a heading.
-pub(crate) const MEANING: &str = "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted \
-     whether they were named or not; ± is half the width of the 95 % interval";
-
-/// Both sensors.
-pub fn text(calibration: &Triads) -> String {
-    let sensors = [("accelerometer", Some(&calibration.accelerometer)), ("gyro", calibration.gyro.as_ref())];
-    sensors.into_iter().filter_map(|(name, sensor)| Some(of(name, sensor?))).collect()
+pub fn meaning(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Trajectory => {
+            "calibrated = matrix · (reading − bias), with offsets and with scale and misalignment of the gyro fitted whether \
+             they were named or not; scale and misalignment of the accelerometer are held, its ± is what a sensor may \
+             have. Otherwise ± is half the width of the 95 % interval"
+        }
+        _ => {
+            "calibrated = matrix · (reading − bias), with offset, scale and misalignment of every axis fitted whether they \
+             were named or not; ± is half the width of the 95 % interval"
+        }
+    }
 }
 
-fn of(name: &str, sensor: &SensorCalibration) -> String {
+/// Both sensors. The readings of an IMU in motion are in the unit of what they measure, those of other kinds in counts.
+pub fn text(calibration: &Triads, kind: Kind) -> String {
+    let counts = kind != Kind::Trajectory;
+    let sensors = [("accelerometer", Some(&calibration.accelerometer)), ("gyro", calibration.gyro.as_ref())];
+    sensors.into_iter().filter_map(|(name, sensor)| Some(of(name, sensor?, counts))).collect()
+}
+
+fn of(name: &str, sensor: &SensorCalibration, counts: bool) -> String {
     let half = |ci95: [f64; 2]| 0.5 * (ci95[1] - ci95[0]);
     let unit = sensor.unit.replace("^2", "²");
     let biases: Vec<(f64, f64)> = sensor.bias.iter().zip(sensor.bias_ci95).map(|(b, c)| (*b, half(c))).collect();
-    let mut out = format!("{name}_bias = {}  # count, ± {}\n", list(&biases, fixed), halves(&biases));
-    out += &format!("{name}_matrix = [  # {unit} per count\n");
+    let (read, gain) = if counts { ("count", format!("{unit} per count")) } else { (&*unit, "1".to_owned()) };
+    let mut out = format!("{name}_bias = {}  # {read}, ± {}\n", list(&biases, fixed), halves(&biases));
+    out += &format!("{name}_matrix = [  # {gain}\n");
     for (row, intervals) in sensor.matrix.iter().zip(sensor.matrix_ci95) {
         let entries: Vec<(f64, f64)> = row.iter().zip(intervals).map(|(v, c)| (*v, half(c))).collect();
         out += &format!("  {},  # ± {}\n", list(&entries, scientific), halves(&entries));
@@ -63,11 +77,14 @@ mod tests {
             unit: "m/s^2".into(),
         };
         let both = Triads { gyro: Some(sensor.clone()), accelerometer: sensor.clone() };
-        let read: toml::Table = text(&both).parse().expect("TOML");
+        let read: toml::Table = text(&both, Kind::Tumble).parse().expect("TOML");
         for name in ["gyro", "accelerometer"] {
             let matrix = read[&format!("{name}_matrix")].clone().try_into::<[[f64; 3]; 3]>().expect("a matrix");
             assert_eq!(matrix, sensor.matrix);
             assert_eq!(read[&format!("{name}_bias")].clone().try_into::<[f64; 3]>().expect("a bias"), sensor.bias);
         }
+        assert!(
+            text(&both, Kind::Tumble).contains("m/s² per count") && !text(&both, Kind::Trajectory).contains("count")
+        );
     }
 }

@@ -63,9 +63,17 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
 
 fn series(title: &str, label: &str, series: &Series) -> Chart {
     let points = |of: &[(f64, f64)]| of.iter().map(|(t, v)| (*t, v * 1e3)).collect();
-    Chart::new(title, Axis::linear("time / s"), Axis::linear(label))
-        .with("as it was", Ink::Soft, Mark::Dots(2), points(&series.before))
-        .with("with the named physics", Ink::Red, Mark::Dots(2), points(&series.after))
+    let mut chart = Chart::new(title, Axis::linear("time / s"), Axis::linear(label)).with(
+        "as it was",
+        Ink::Soft,
+        Mark::Dots(2),
+        points(&series.before),
+    );
+    // Where nothing was named, both are the same.
+    if series.after != series.before {
+        chart.add("with the named physics", Ink::Red, Mark::Dots(2), points(&series.after));
+    }
+    chart
 }
 
 fn exhibit(part: Part, name: &str, chart: Chart, caption: &str) -> Exhibit {
