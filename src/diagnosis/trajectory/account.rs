@@ -9,6 +9,8 @@ pub struct Account {
     pub named: Vec<Told>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
+    /// Whether one of them changes what the model predicts; noise and limits of the readings do not.
+    pub is_fitted: bool,
     /// Whether there is a reference.
     pub with_reference: bool,
     /// Root mean square of the base model's whitened residual on held-out blocks, and that with the named effects.

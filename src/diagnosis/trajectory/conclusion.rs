@@ -99,7 +99,11 @@ impl Told<'_> {
     }
 
     /// The verdict beside a reference.
-    pub fn conclude(self, found: &Found<'_>) -> Answer {
+    pub fn conclude(mut self, found: &Found<'_>) -> Answer {
+        self.findings.push(
+            "scale and axes of the accelerometer are not fitted in motion: its matrix is taken as it is; a tumble recording tells them"
+                .into(),
+        );
         let (fit, selection, has_position) = (found.fit, found.selection, found.case.motion.has_position);
         let small = base(has_position);
         let active = selection.active(has_position);
@@ -169,14 +173,18 @@ impl Told<'_> {
     fn account(&self, effects: &[Effect], selection: Option<&Selection>, held_out: [f64; 2]) -> Account {
         let spoken = |effect: &Effect| {
             let term = selection.and_then(|s| s.named.iter().find(|n| n.standing.term.id() == effect.id));
-            term.map_or(effect.id.clone(), |n| n.standing.term.spoken())
+            let within = |k: &usize| effect.channels.iter().all(|c| self.names[*k].contains(c));
+            let alone = (0..SENSORS.len()).find(within);
+            let of = alone.map_or(effect.id.clone(), |k| format!("{} of the {}", effect.id, SENSORS[k].name()));
+            term.map_or(of, |n| n.standing.term.spoken())
         };
         let named = effects
             .iter()
             .map(|e| ToldEffect { id: e.id.clone(), spoken: spoken(e), rivals: e.confusable_with.clone() })
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
-        Account { named, hidden, with_reference: selection.is_some(), held_out }
+        let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
+        Account { named, is_fitted, hidden, with_reference: selection.is_some(), held_out }
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {

@@ -24,6 +24,11 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
                               of both."
                 .into()
         }
+        Outcome::Explained if !account.is_fitted => format!(
+            "The model left out {}. None of it changes what the model predicts: the error on held-out parts of the recording \
+             is {after} times the noise.",
+            names.join(", ")
+        ),
         Outcome::Explained => format!(
             "The model left out {}. With {} the error on held-out parts of the recording falls from {before} to {after} \
              times the noise.",
