@@ -9,7 +9,7 @@ pub struct Account {
     pub named: Vec<Told>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
-    /// Whether one of them changes what the model predicts; noise and limits of the readings do not.
+    /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings are none.
     pub is_fitted: bool,
     /// Whether there is a reference.
     pub with_reference: bool,

@@ -25,9 +25,10 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
                 .into()
         }
         Outcome::Explained if !account.is_fitted => format!(
-            "The model left out {}. None of it changes what the model predicts: the error on held-out parts of the recording \
-             is {after} times the noise.",
-            names.join(", ")
+            "The model left out {}. Beside {} the base model holds: the error on held-out parts of the recording is {after} \
+             times the noise.",
+            names.join(", "),
+            if names.len() == 1 { "it" } else { "them" }
         ),
         Outcome::Explained => format!(
             "The model left out {}. With {} the error on held-out parts of the recording falls from {before} to {after} \
