@@ -91,7 +91,7 @@ fn fix_noise() -> Result<(), Failed> {
     let four = 4.0 / (2.0 * f64::from(members)).sqrt();
     for (axis, (position, velocity)) in [(2.0f64, 0.1), (3.0, 0.2), (4.0, 0.3)].into_iter().enumerate() {
         let got = series(&answer, Quantity::Position(axis), |s| s.sd);
-        near(&format!("axis {axis} at its begin"), got[0] / position, 1.0, four)?;
+        near(&format!("axis {axis} at its start"), got[0] / position, 1.0, four)?;
         let expected = position.hypot(30.0 * velocity);
         near(&format!("axis {axis} at its end"), got[1] / expected, 1.0, four)?;
         check((got[1] / position.hypot(31.0 * velocity * 1.1) - 1.0).abs() > four, "any velocity fits")?;

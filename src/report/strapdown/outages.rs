@@ -26,7 +26,7 @@ pub(super) fn section(page: &mut Page, study: &Study, answer: &Answer) {
     }
     page.figure(
         &growth(answer).draw(),
-        "Horizontal distance from the truth that 95 of 100 navigators stay within, from the begin of each outage.",
+        "Horizontal distance from the truth that 95 of 100 navigators stay within, from the start of each outage.",
     );
     page.table(&table(answer));
 }
@@ -55,11 +55,11 @@ pub(super) fn worst(answer: &Answer) -> Option<(&Outage, usize)> {
     all.max_by(|a, b| size(a.1).total_cmp(&size(b.1)))
 }
 
-/// Errors at the begin and the end of each outage.
+/// Errors at the start and the end of each outage.
 pub(super) fn table(answer: &Answer) -> Table {
     let mut table = Table::new(&[
         "GNSS outage / s",
-        "CEP95 at its begin / m",
+        "CEP95 at its start / m",
         "north sd / m",
         "east sd / m",
         "down sd / m",
