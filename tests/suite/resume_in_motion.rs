@@ -1,7 +1,7 @@
 //! A study in motion that was stopped or killed goes on with `--resume` and ends with the bits of one that was not.
 
 use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use libtest_mimic::{Failed, Trial};
@@ -18,14 +18,17 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-/// Several batches of a few tenths of a second each.
+/// Numbers of members, in several batches each: the first that is long enough to be stopped on this machine is taken.
+const MEMBERS: [u64; 4] = [20_000, 60_000, 180_000, 540_000];
+
+/// A folder with a study.
 struct World(tempfile::TempDir);
 
 impl World {
-    fn new() -> Result<Self, Failed> {
+    fn new(members: u64) -> Result<Self, Failed> {
         let folder = tempfile::tempdir()?;
         let text = format!(
-            "members = 20000\nduration_s = 20.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n\
+            "members = {members}\nduration_s = 20.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n\
              [earth]\nlatitude_deg = 47.4\n[report]\ntimes_s = [10.0, 20.0]\n{NOISE}[alignment]\nkind = \"still\"\n\
              still_s = 2.0\n"
         );
@@ -45,17 +48,31 @@ impl World {
         command
     }
 
-    /// A run that has kept something.
-    fn begun(&self, more: &[&str]) -> Result<Child, Failed> {
-        let mut child = self.command(more).spawn()?;
-        for _ in 0..12_000 {
-            if self.state().exists() {
-                return Ok(child);
-            }
-            check(child.try_wait()?.is_none(), "it ended before anything was kept")?;
+    /// What a run says that is sent a signal once it has kept something; `None` of one that ended before.
+    fn stopped(&self, signal: &str) -> Result<Option<Output>, Failed> {
+        let mut child = self.command(&[]).spawn()?;
+        while !self.state().exists() && child.try_wait()?.is_none() {
             std::thread::sleep(Duration::from_millis(5));
         }
-        Err("nothing was kept for a minute".into())
+        Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).stderr(Stdio::null()).status()?;
+        let output = child.wait_with_output()?;
+        // A kill may meet a run that is done and has not ended yet.
+        Ok((!output.status.success() && self.state().exists()).then_some(output))
+    }
+
+    /// A run that was stopped, of the smallest number of members that allows it.
+    fn interrupted(signal: &str) -> Result<(Self, u64, Output), Failed> {
+        for members in MEMBERS {
+            let world = Self::new(members)?;
+            let Some(output) = world.stopped(signal)? else { continue };
+            let state: Value = serde_json::from_slice(&std::fs::read(world.state())?)?;
+            let done = state["next_member"].as_u64().unwrap_or(0);
+            check(done > 0, "nothing is kept")?;
+            if done < members {
+                return Ok((world, members, output));
+            }
+        }
+        Err("no run was long enough to be stopped".into())
     }
 }
 
@@ -67,45 +84,35 @@ fn ended(output: &Output) -> Result<Value, Failed> {
 }
 
 fn same_bits() -> Result<(), Failed> {
-    let world = World::new()?;
-    let whole = ended(&world.command(&[]).output()?)?;
-    check(!world.state().exists(), "a finished run leaves its state behind")?;
     for signal in ["INT", "KILL"] {
-        let world = World::new()?;
-        let child = world.begun(&[])?;
-        let sent = Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).status()?;
-        check(sent.success(), "kill failed")?;
-        let output = child.wait_with_output()?;
-        check(!output.status.success(), "it ended before it was stopped")?;
+        let (world, members, output) = World::interrupted(signal)?;
         if signal == "INT" {
             check(output.status.code() == Some(130), format!("exit {:?}", output.status.code()))?;
             let message = String::from_utf8_lossy(&output.stderr);
             check(message.contains("--resume"), format!("it does not say how to go on: {message}"))?;
         }
-        let state: Value = serde_json::from_slice(&std::fs::read(world.state())?)?;
-        let done = state["next_member"].as_u64().unwrap_or(0);
-        check(done > 0 && done < 20_000, format!("{done} members are kept"))?;
-        check(ended(&world.command(&["--resume"]).output()?)? == whole, "resumed and undisturbed answers differ")?;
+        let resumed = ended(&world.command(&["--resume"]).output()?)?;
         check(!world.state().exists(), "a resumed run leaves its state behind")?;
+        let whole = ended(&World::new(members)?.command(&[]).output()?)?;
+        check(resumed == whole, "resumed and undisturbed answers differ")?;
+        // Control: another seed has other bits.
+        let other = ended(&World::new(members)?.command(&["--set", "seed=2"]).output()?)?;
+        check(other["position_error_ned_m"] != whole["position_error_ned_m"], "any run gives these bits")?;
     }
-    // Control: another seed has other bits.
-    let other = ended(&World::new()?.command(&["--set", "seed=2"]).output()?)?;
-    check(other["position_error_ned_m"] != whole["position_error_ned_m"], "any run gives these bits")
+    Ok(())
 }
 
 fn another() -> Result<(), Failed> {
-    let world = World::new()?;
-    let refused = |output: &Output, words: &str| {
+    let refused = |world: &World, more: &[&str], words: &str| {
+        let output = world.command(&[&["--resume"], more].concat()).output()?;
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         check(!output.status.success() && message.contains(words), format!("no {words:?} in: {message}"))
     };
-    refused(&world.command(&["--resume"]).output()?, "no interrupted run")?;
-    let mut child = world.begun(&[])?;
-    child.kill()?;
-    child.wait()?;
-    refused(&world.command(&["--resume", "--set", "seed=2"]).output()?, "another run")?;
+    refused(&World::new(MEMBERS[0])?, &[], "no interrupted run")?;
+    let (world, ..) = World::interrupted("KILL")?;
+    refused(&world, &["--set", "seed=2"], "another run")?;
     let bytes = std::fs::read(world.state())?;
     let damaged = String::from_utf8_lossy(&bytes).replacen("\"failed\":0", "\"failed\":7", 1);
     std::fs::write(world.state(), damaged)?;
-    refused(&world.command(&["--resume"]).output()?, "damaged")
+    refused(&world, &[], "damaged")
 }
