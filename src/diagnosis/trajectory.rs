@@ -52,7 +52,7 @@ use log::Log;
 use parameters::{EARTH_RATE, FORCE_BIAS, GYRO_BIAS, OFFSET, PARAMETERS};
 use selection::{Allowed, Selection};
 
-/// What is left unforetold over that of the simpler rule, below which the finer one is clearly better.
+/// Whitened residual over that of the simpler rule, below which the finer one is clearly better.
 const CLEARLY: f64 = 0.8;
 
 /// Diagnoses a recording of an IMU in motion.
@@ -94,7 +94,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let straight = Fit::new(&case, &point, &everything, control).map_err(stopped)?;
     let smooth = Case { rule: Rule::Cubic, ..case };
     let cubic = Fit::new(&smooth, &point, &everything, control).map_err(stopped)?;
-    let clearly = cubic.unforetold() < CLEARLY * straight.unforetold();
+    let clearly = cubic.innovation_rad_s() < CLEARLY * straight.innovation_rad_s();
     let (case, fit) = if clearly { (smooth, cubic) } else { (case, straight) };
     if fit.linear.point.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(

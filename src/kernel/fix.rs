@@ -9,7 +9,7 @@ pub const SEEN: usize = 6;
 /// accelerometers and of the gyros in body axes.
 pub const CORRECTED: usize = 15;
 
-/// One fix.
+/// One measurement of position, velocity or both, and the gains it is applied with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fix {
     /// Samples after the end of the still start, those of the fix included.

@@ -131,7 +131,7 @@ impl Flight {
         self.begin(member, Some(mean))
     }
 
-    /// Heading of the vehicle so many samples after the end of the still start, rad.
+    /// Heading of the vehicle at a sample, counted from the end of the still start, rad.
     pub fn heading_rad(&self, sample: u64) -> f64 {
         self.course.heading_rad(sample)
     }

@@ -91,7 +91,7 @@ pub enum Process {
     White([f64; 6]),
     /// Random walks with these K², unit²/s.
     Walk([f64; 6]),
-    /// Held for so many steps, beginning at a phase, then renewed: e⁻¹ is kept; with these variances.
+    /// Held for `every` steps from a phase on, then renewed with e⁻¹ of the old value; with these variances.
     Held {
         /// Steps between renewals.
         every: u64,

@@ -29,7 +29,7 @@ pub struct Model {
 /// What a sensor feels in body axes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Felt {
-    /// Specific force, m/s².
+    /// Specific force that is felt, m/s².
     pub force: Vector3<f64>,
     /// Angular rate, rad/s.
     pub rate: Vector3<f64>,
@@ -42,7 +42,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Before the motion.
+    /// Of the body at rest, before the motion.
     pub fn standing(course: &Course) -> Self {
         let [force, rate] = course.standing();
         Self { force, rate, warmer_k: course.standing_warmer_k(), ..Self::default() }
@@ -174,20 +174,17 @@ impl Step {
     pub fn white(&self, density: &[f64; 6]) -> Square {
         let mut scaled = self.model.drive;
         (0..6).for_each(|i| scaled.column_mut(i).scale_mut(density[i]));
-        let mut power = scaled * self.model.drive.transpose() * self.seconds;
-        let mut sum = power;
-        for k in 2..=TERMS {
-            let half = self.model.dynamics * power * (self.seconds / f64::from(k));
-            power = half + half.transpose();
-            sum += power;
-        }
-        sum
+        self.accumulated(scaled * self.model.drive.transpose() * self.seconds)
     }
 
     /// The same for one white input that acts on all six by this much each.
     pub fn white_along(&self, inputs: &SMatrix<f64, 6, 1>, density: f64) -> Square {
         let driven = self.model.drive * inputs;
-        let mut power = driven * driven.transpose() * (density * self.seconds);
+        self.accumulated(driven * driven.transpose() * (density * self.seconds))
+    }
+
+    /// What white inputs of this first term add up to over the step, carried on by the dynamics.
+    fn accumulated(&self, mut power: Square) -> Square {
         let mut sum = power;
         for k in 2..=TERMS {
             let half = self.model.dynamics * power * (self.seconds / f64::from(k));

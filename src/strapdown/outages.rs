@@ -6,7 +6,7 @@ use crate::study::aiding::Aiding;
 /// Points of the curves of an outage.
 const POINTS: u64 = 12;
 
-/// One outage.
+/// One outage of GNSS and the places of its reports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outage {
     /// When it begins, s: fixes at that time are the last.

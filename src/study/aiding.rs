@@ -12,7 +12,7 @@ use crate::motion::Truth;
 
 /// Most fixes of a run.
 const MOST_FIXES: usize = 100_000;
-/// Most outages.
+/// Most outages of one study.
 const MOST_OUTAGES: usize = 64;
 /// A body that is slower stands still, m/s.
 const STILL_M_S: f64 = 0.01;

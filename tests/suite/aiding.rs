@@ -11,14 +11,14 @@ use proofmass::strapdown::backends::run_on;
 use proofmass::strapdown::kept::Kept;
 use proofmass::strapdown::run;
 
-use super::strapdown::{NOISE, answered, json, parsed, series};
+use super::strapdown::{NOISE, answered, json, parsed, percentiles_apart, series};
 use super::world::{check, gpu_test, near, test};
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
         test("aiding: with zero-velocity updates a bias moves by half b T² in each interval", zero_velocity),
-        test("aiding: in an outage a bias moves by half b T² from its begin", outage),
+        test("aiding: in an outage a bias moves by half b T² from its start", outage),
         test("aiding: in an outage the fix's own errors grow as a start with them would", fix_noise),
         test("aiding: a filter finds a bias from exact fixes", filter_finds),
         test("aiding: filtered errors spread as the linear covariance says", covariance),
@@ -72,7 +72,7 @@ fn outage() -> Result<(), Failed> {
         answered(&format!("{REST}[report]\ntimes_s = [20.0, 30.0, 50.0]\n[aiding]\nmethod = \"reset\"\n{GNSS}"))?;
     let law = |begin: f64| move |t: f64| 0.5 * BIAS_M_S2 * (t - begin) * (t - begin);
     follows(&answer, law(20.0))?;
-    check(follows(&answer, law(19.0)).is_err(), "any begin fits")?;
+    check(follows(&answer, law(19.0)).is_err(), "any start fits")?;
     // The first fix after the outage ends it.
     let after = answered(&format!("{REST}[report]\ntimes_s = [51.0]\n[aiding]\nmethod = \"reset\"\n{GNSS}"))?;
     near("after the outage", series(&after, Quantity::Position(0), |s| s.mean)[0], 0.0, 1e-5)?;
@@ -167,12 +167,10 @@ fn tiles() -> Result<(), Failed> {
 
 /// Percentiles differ by rounding alone: by what `strapdown` allows without fixes.
 fn parity() -> Result<(), Failed> {
-    for (method, start) in [("filter", ""), ("reset", "ideal")] {
+    let still = "kind = \"still\"\nstill_s = 10.0\nheading_sd_deg = 0.5\n";
+    for (method, start) in [("filter", still), ("reset", "kind = \"ideal\"\n")] {
         let text = format!("{DRIVE}{NOISE}[aiding]\nmethod = \"{method}\"\n{AIDED}").replace("4096", "1024");
-        let text = match start {
-            "" => text,
-            _ => text.replace("kind = \"still\"\nstill_s = 10.0\nheading_sd_deg = 0.5\n", "kind = \"ideal\"\n"),
-        };
+        let text = text.replace(still, start);
         let flight = |text: &str| -> Result<_, Failed> {
             let study = parsed(text)?;
             Ok(aiding::flight(&study, study.in_motion.as_ref().ok_or("no trajectory")?, vec![7, 2000, 3500, 4500])?)
@@ -181,14 +179,7 @@ fn parity() -> Result<(), Failed> {
         let aided = flight(&text)?;
         let (cpu, gpu) = (on(ensemble::Choice::Cpu, &aided)?, on(ensemble::Choice::Gpu, &aided)?);
         let other = on(ensemble::Choice::Cpu, &flight(&text.replacen("members", "seed = 2\nmembers", 1))?)?;
-        let apart = |to: &run::Ensemble| {
-            let one = |k: usize, q: Quantity| {
-                let (a, b) = (cpu.summary(k, q), to.summary(k, q));
-                let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                worst / a.sd
-            };
-            (0..4).flat_map(|k| LINEAR.map(|q| one(k, q))).fold(0.0, f64::max)
-        };
+        let apart = |to: &run::Ensemble| percentiles_apart(&cpu, to, 4);
         check(gpu.machine.kind == "gpu", "the GPU's run was not on a GPU")?;
         check(apart(&gpu) < 5e-3, format!("{method}: percentiles {} sd apart", apart(&gpu)))?;
         check(apart(&other) > 5e-3, "another seed gave the same percentiles: the comparison is blind")?;

@@ -26,6 +26,7 @@ pub fn tests() -> Vec<Trial> {
         data_test("trajectory: a lever arm of 5 cm is found to 5 mm", lever_arm),
         test("trajectory: made-up flights without effects name none", without),
         test("trajectory: each effect planted in a made-up flight is named alone", planted),
+        test("trajectory: a reference that errs is said to, by what its means err by, and no sensor is blamed", noisy),
         test("trajectory: bad input is refused by name", bad_input),
     ]
 }
@@ -49,6 +50,7 @@ fn gyro_bias(data: &Path) -> Result<(), Failed> {
 fn named_alone(what: &str, touched: &Answer, untouched: &Answer, id: &str) -> Result<(), Failed> {
     let (all, known): (BTreeSet<String>, BTreeSet<String>) = (ids(touched), ids(untouched));
     check(all.contains(id), format!("{what}: {id} is not among {all:?}"))?;
+    check(!known.contains(id), format!("{what}: the untouched flight has {id} as well: nothing is shown"))?;
     let more: Vec<&String> = all.iter().filter(|i| *i != id && !known.contains(*i)).collect();
     check(more.is_empty(), format!("{what}: also named: {more:?}; untouched {known:?}"))
 }
@@ -101,11 +103,11 @@ fn clipped(data: &Path) -> Result<(), Failed> {
         let answer = flight.with_rate(|w| std::array::from_fn(|i| w[i].clamp(-limit[i], limit[i]))).diagnosed()?;
         named_alone(name, &answer, &untouched, "readout-saturation")?;
         let found = effect(&answer, "readout-saturation")?;
+        check(found.parameters.len() >= 2, format!("{name}: of three clipped axes only {:?}", found.channels))?;
         for p in &found.parameters {
             let axis = ["gyro_x", "gyro_y", "gyro_z"].iter().position(|n| *n == p.name).unwrap_or(9);
             near(&format!("{name} {}", p.name), p.value, limit[axis], 1e-9)?;
         }
-        check(!ids(&untouched).contains("readout-saturation"), "the untouched flight is clipped")?;
     }
     Ok(())
 }
@@ -168,6 +170,25 @@ fn planted() -> Result<(), Failed> {
     for (id, plant) in plants {
         let all = ids(&plant(&flight).diagnosed()?);
         check(all.len() == 1 && all.contains(id), format!("{id} planted: {all:?}"))?;
+    }
+    Ok(())
+}
+
+/// White errors of 2 mrad and 3 mm of each pose: means over 0.05 s and 0.1 s at 100 poses per second err by 1/√5 and 1/√10 of
+/// them. 85 s hold 1700 and 850 means, 3 axes each: 1/√(2n) of the deviation is 1.0 % and 1.4 %, held to five of them, and to
+/// half as much again for what the largest of six spans is above their mean.
+fn noisy() -> Result<(), Failed> {
+    for seed in [1, 6] {
+        let answer = made_up(seed)?.with_erring_reference(2e-3, 3e-3).diagnosed()?;
+        let names = ids(&answer);
+        check(names.len() == 1 && names.contains("reference-noise"), format!("seed {seed}: {names:?}"))?;
+        let found = effect(&answer, "reference-noise")?;
+        check(found.equation.contains("attitude over 0.0500 s, position over 0.100 s"), found.equation.clone())?;
+        for (p, (each, poses)) in found.parameters.iter().zip([(2.0, 5.0f64), (3.0, 10.0)]) {
+            let expected = each / poses.sqrt();
+            near(&format!("seed {seed} {}", p.name), p.value, expected, 0.1 * expected)?;
+            check((p.value - each).abs() > 0.1 * expected, "the error of a single pose would pass")?;
+        }
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use proofmass::strapdown::answer::{Answer, LINEAR};
 use proofmass::strapdown::backends::run_on;
 use proofmass::strapdown::run::Ensemble;
 
-use super::strapdown::{NOISE, answered, parsed, series};
+use super::strapdown::{NOISE, answered, parsed, percentiles_apart, series};
 use super::world::{check, gpu_test, near, test};
 
 /// Tests of this module.
@@ -154,14 +154,7 @@ fn parity() -> Result<(), Failed> {
     };
     let (cpu, gpu) = (on(ensemble::Choice::Cpu, &text)?, on(ensemble::Choice::Gpu, &text)?);
     let other = on(ensemble::Choice::Cpu, &text.replace("sd = 30.0", "sd = 33.0"))?;
-    let apart = |to: &Ensemble| {
-        let one = |k: usize, q: Quantity| {
-            let (a, b) = (cpu.summary(k, q), to.summary(k, q));
-            let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            worst / a.sd
-        };
-        (0..3).flat_map(|k| LINEAR.map(|q| one(k, q))).fold(0.0, f64::max)
-    };
+    let apart = |to: &Ensemble| percentiles_apart(&cpu, to, 3);
     check(gpu.machine.kind == "gpu", "the GPU's run was not on a GPU")?;
     check(apart(&gpu) < 5e-3, format!("percentiles {} sd apart", apart(&gpu)))?;
     check(apart(&other) > 5e-3, "a tenth more over temperature is not seen: the comparison is blind")

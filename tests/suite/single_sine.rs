@@ -63,9 +63,12 @@ fn found() -> Result<(), Failed> {
     for (seed, case) in CASES.into_iter().enumerate() {
         let said = verdict(case, 0.0, 11 + seed as u64)?;
         let of = |name: &str| said["base"].as_array().and_then(|b| b.iter().find(|p| p["name"] == name)).cloned();
-        let hz = of("omega0").and_then(|p| p["value"].as_f64()).unwrap_or(f64::NAN) / TAU;
-        let what = format!("{case:?}: {} {}, {hz} Hz", said["verdict"], said["sentence"]);
-        check(said["verdict"] == "adequate" && (hz - 5.0).abs() < 0.01, what)?;
+        let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN) / TAU;
+        let omega = of("omega0").unwrap_or_default();
+        let (hz, half_hz) = (number(&omega["value"]), 0.5 * (number(&omega["ci95"][1]) - number(&omega["ci95"][0])));
+        let what = format!("{case:?}: {} {}, {hz} ± {half_hz} Hz", said["verdict"], said["sentence"]);
+        // Twice the half-width: about four standard errors.
+        check(said["verdict"] == "adequate" && (hz - 5.0).abs() < 2.0 * half_hz && half_hz < 0.1, what)?;
     }
     Ok(())
 }

@@ -273,6 +273,16 @@ fn tiles() -> Result<(), Failed> {
     check(other.seed != study.seed, "the control has the same seed")
 }
 
+/// Furthest apart of the percentiles of two ensembles at the first `reports` reports, over the standard deviation.
+pub(super) fn percentiles_apart(one: &run::Ensemble, other: &run::Ensemble, reports: usize) -> f64 {
+    let at = |k: usize, q: Quantity| {
+        let (a, b) = (one.summary(k, q), other.summary(k, q));
+        let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        worst / a.sd
+    };
+    (0..reports).flat_map(|k| LINEAR.map(|q| at(k, q))).fold(0.0, f64::max)
+}
+
 /// Every source on, couplings included. Percentiles differ by rounding alone: by what `parity` allows for one axis.
 fn parity() -> Result<(), Failed> {
     let couplings =
@@ -290,14 +300,7 @@ fn parity() -> Result<(), Failed> {
         let other = parsed(&text(start).replace("members", "seed = 2\nmembers"))?;
         let other = other.flight(other.in_motion.as_ref().ok_or("no trajectory")?, vec![7, 500, 3000])?;
         let other = on(ensemble::Choice::Cpu, &other)?;
-        let apart = |to: &run::Ensemble| {
-            let one = |k: usize, q: Quantity| {
-                let (a, b) = (cpu.summary(k, q), to.summary(k, q));
-                let worst = a.percentiles.iter().zip(&b.percentiles).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                worst / a.sd
-            };
-            (0..3).flat_map(|k| LINEAR.map(|q| one(k, q))).fold(0.0, f64::max)
-        };
+        let apart = |to: &run::Ensemble| percentiles_apart(&cpu, to, 3);
         check(gpu.machine.kind == "gpu", "the GPU's run was not on a GPU")?;
         check(apart(&gpu) < 5e-3, format!("percentiles {} sd apart", apart(&gpu)))?;
         check(apart(&other) > 5e-3, "another seed gave the same percentiles: the comparison is blind")?;

@@ -35,13 +35,13 @@ pub struct Driven {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DrivenColumns {
-    /// Time in s.
+    /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
     pub time: Option<String>,
     /// Force; absent for a free ring-down.
     pub input: Option<String>,
-    /// Reading.
+    /// What the sensor reads, in its own unit.
     pub output: String,
-    /// Offered to candidates.
+    /// Recorded surroundings (temperature …) that a candidate may depend on.
     #[serde(default)]
     pub environment: Vec<String>,
 }
@@ -51,8 +51,8 @@ pub struct DrivenColumns {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Start {
-    /// ω₀/2π.
+    /// Resonance ω₀/2π, Hz: a place to begin, not a bound.
     pub resonance_hz: Option<f64>,
-    /// ζ.
+    /// Damping ratio ζ, 1: a place to begin.
     pub damping_ratio: Option<f64>,
 }

@@ -39,9 +39,9 @@ pub struct Static {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct StaticColumns {
-    /// Time in s.
+    /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
     pub time: Option<String>,
-    /// Readings.
+    /// What is judged, one by one, in `unit`.
     pub channels: Vec<String>,
     /// Temperature and the like.
     #[serde(default)]
@@ -53,12 +53,12 @@ pub struct StaticColumns {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
-    /// One-sided, unit/√Hz.
+    /// White noise, one-sided density, unit/√Hz.
     pub density: f64,
-    /// B, unit.
+    /// Bias instability B, unit (IEEE 952).
     #[serde(default)]
     pub bias_instability: f64,
-    /// K, unit/√s.
+    /// Random walk K, unit/√s (IEEE 952).
     #[serde(default)]
     pub random_walk: f64,
 }

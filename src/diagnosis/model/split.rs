@@ -14,10 +14,10 @@ pub type Ranges = Vec<[usize; 2]>;
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Split {
-    /// Fitted.
+    /// Ranges that are fitted, half-open, samples.
     #[serde(default)]
     pub train: Ranges,
-    /// Held out.
+    /// Ranges that are held out and validate, half-open, samples.
     #[serde(default)]
     pub test: Ranges,
 }
@@ -30,10 +30,10 @@ impl Split {
         (hull.start < hull.end).then_some(hull)
     }
 
-    /// Whether the ranges lie in so many samples, and no sample is to be fitted and to judge.
+    /// Whether the ranges lie within `samples` samples and none is both fitted and held out.
     ///
     /// # Errors
-    /// Cause and hint.
+    /// What is wrong with them, and what to write.
     pub fn check(&self, samples: usize) -> Result<(), (String, &'static str)> {
         if let Some([from, to]) = self.train.iter().chain(&self.test).find(|r| r[0] >= r[1] || r[1] > samples) {
             return Err((

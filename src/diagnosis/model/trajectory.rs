@@ -41,7 +41,7 @@ pub struct Trajectory {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryColumns {
-    /// The clock.
+    /// Stamps, in the unit of the heading.
     pub time: Option<String>,
     /// Three rates, rad/s unless the heading says another unit.
     pub gyro: Option<[String; 3]>,

@@ -36,11 +36,11 @@ pub struct Tumble {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TumbleColumns {
-    /// Time in s.
+    /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
     pub time: Option<String>,
     /// Three rates; absent: the accelerometer alone.
     pub gyro: Option<[String; 3]>,
-    /// Three specific forces.
+    /// Specific force along x, y, z, in counts.
     pub accelerometer: [String; 3],
     /// Temperature and the like.
     #[serde(default)]

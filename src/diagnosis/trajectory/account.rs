@@ -17,10 +17,10 @@ pub struct Account {
     pub held_out: [f64; 2],
 }
 
-/// A named effect.
+/// An effect as a sentence names it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
-    /// Library id.
+    /// Its id in the library of candidates.
     pub id: String,
     /// "misalignment of the gyro".
     pub spoken: String,
@@ -31,7 +31,7 @@ pub struct Told {
 /// What was not determined: sizes below which it could not have been seen, in the term's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hidden {
-    /// Which.
+    /// The candidate that the motion does not show.
     pub term: &'static Term,
     /// Its widest interval, half, in its unit.
     pub half_width: f64,
@@ -48,6 +48,6 @@ pub enum Manoeuvre {
     SixPositions,
     /// Figures of eight, with accelerations to all sides.
     FigureEight,
-    /// A longer recording.
+    /// A recording that lasts longer.
     Longer,
 }

@@ -16,7 +16,7 @@ pub struct Sums {
     matrix: DMatrix<f64>,
     vector: DVector<f64>,
     square: f64,
-    /// Numbers in it.
+    /// How many whitened residuals were summed.
     pub count: usize,
 }
 
@@ -56,8 +56,8 @@ impl Blocks {
         let mut all = vec![Sums::empty(); BLOCKS];
         for k in 0..rows.len() {
             let Some((residual, slope)) = whitening.white(rows, k) else { continue };
-            let share = (rows[k].time_s - from_s) / (to_s - from_s);
-            let block = ((share * BLOCKS as f64).max(0.0) as usize).min(BLOCKS - 1);
+            let fraction = (rows[k].time_s - from_s) / (to_s - from_s);
+            let block = ((fraction * BLOCKS as f64).max(0.0) as usize).min(BLOCKS - 1);
             let sums = &mut all[block];
             let active: Vec<usize> = (0..PARAMETERS).filter(|p| slope[*p] != nalgebra::Vector3::zeros()).collect();
             for (n, p) in active.iter().enumerate() {
@@ -89,7 +89,7 @@ pub struct Linear {
 /// Parameters of a subset, the others being zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solved {
-    /// All parameters.
+    /// All parameters, SI; those that were not fitted as they were.
     pub point: Point,
     /// Covariance of the active ones under white noise, in their order.
     pub covariance: DMatrix<f64>,

@@ -12,7 +12,7 @@ const BELOW: f64 = 0.02;
 /// A limit of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// Axis.
+    /// Which axis, 0 to 2.
     pub axis: usize,
     /// Its size, unit of the reading.
     pub value: f64,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 /// Stretches of time, and into how many parts they are dealt.
 const STRETCHES: usize = 20;
 const FOLDS: usize = 5;
-/// Added to the diagonal, as a share of it: noise without a break in its spectrum has a finite order only nearly.
+/// Added to the diagonal, as a fraction of it: noise without a break in its spectrum has a finite order only nearly.
 const RIDGE: f64 = 1e-6;
 
 /// Products of a residual with itself at every two lags, by stretch of time and by axis.
@@ -15,7 +15,7 @@ pub struct Lags {
 }
 
 impl Lags {
-    /// Of a residual, up to so many rows back; rows that do not hold are left out, with all that look back on them.
+    /// Of a residual, at lags up to `most`; rows that do not hold are not used, nor those whose lags reach one.
     pub fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
         let most = most.min(residual.len() / 20);
         let empty = || std::array::from_fn(|_| DMatrix::zeros(most + 1, most + 1));
@@ -49,7 +49,7 @@ impl Lags {
         sum
     }
 
-    /// Coefficients, nearest row first, and variance of what they do not foretell.
+    /// Coefficients, nearest row first, and variance of what they do not predict.
     ///
     /// The order is the one that makes held-out stretches most likely.
     pub fn fitted(&self) -> (Vec<f64>, Vector3<f64>) {
@@ -69,7 +69,7 @@ impl Lags {
             let (coefficients, variance) = regression(&products, count, order);
             for stretch in (0..STRETCHES).filter(|s| s % FOLDS == fold && self.count[*s] > 0.0) {
                 let axis = |axis: usize| {
-                    let square = left(&self.products[stretch][axis], &coefficients);
+                    let square = unpredicted(&self.products[stretch][axis], &coefficients);
                     -0.5 * (self.count[stretch] * variance[axis].ln() + square / variance[axis])
                 };
                 scores.push((0..3).map(axis).sum());
@@ -89,13 +89,13 @@ fn regression(products: &[DMatrix<f64>; 3], count: f64, order: usize) -> (Vec<f6
     let vector = DVector::from_fn(order, |i, _| sum(i + 1, 0));
     let coefficients = matrix.cholesky().map_or(vec![0.0; order], |c| c.solve(&vector).as_slice().to_vec());
     let variance = Vector3::from_fn(|axis, _| {
-        (left(&products[axis], &coefficients) / f64::max(count, 1.0)).max(f64::MIN_POSITIVE)
+        (unpredicted(&products[axis], &coefficients) / f64::max(count, 1.0)).max(f64::MIN_POSITIVE)
     });
     (coefficients, variance)
 }
 
-/// Sum of squares that coefficients do not foretell.
-fn left(products: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
+/// Sum of squares of what coefficients do not predict.
+fn unpredicted(products: &DMatrix<f64>, coefficients: &[f64]) -> f64 {
     let weight = |i: usize| if i == 0 { 1.0 } else { -coefficients[i - 1] };
     let n = coefficients.len();
     (0..=n).map(|i| (0..=n).map(|j| weight(i) * weight(j) * products[(i, j)]).sum::<f64>()).sum::<f64>().max(0.0)

@@ -25,7 +25,7 @@ use crate::diagnosis::model::{InertialNoise, Noise, Trajectory};
 use crate::diagnosis::remainder::{Remainder, Size, Test};
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Evidence, Fit as FitScore, RecordingInfo, Score};
+use crate::diagnosis::verdict::{Effect, Estimate, Evidence, Fit as FitScore, Outcome, RecordingInfo, Score};
 use crate::numerics::special::normal_cdf;
 use crate::recording::Recording;
 use crate::sensor::Sense;
@@ -33,7 +33,7 @@ use crate::sensor::Sense;
 /// Points of a figure.
 const DRAWN: usize = 2000;
 /// Held-out mean square over that of the noise which is tolerated, and from which on something is missing.
-const LEFT: [f64; 2] = [1.5, 3.0];
+const TOLERATED: [f64; 2] = [1.5, 3.0];
 /// Half an interval over the smallest size that matters, beyond which the motion tells nothing of it.
 const WIDE: f64 = 10.0;
 
@@ -41,23 +41,23 @@ const WIDE: f64 = 10.0;
 pub struct Found<'a> {
     /// Readings on their axes.
     pub log: &'a Log,
-    /// What was fitted.
+    /// The log, its reference and what is held in the fit.
     pub case: &'a Case<'a>,
-    /// Where it began.
+    /// Clocks, axes and biases that the fit began with.
     pub start: &'a Start,
-    /// Everything at once.
+    /// The linearised model with every parameter of the library.
     pub fit: &'a Fit,
-    /// What was named.
+    /// Candidates, named and not.
     pub selection: &'a Selection,
 }
 
 /// What the readings told by themselves.
 pub struct Told<'a> {
-    /// As read.
+    /// The IMU's file as it was read.
     pub recording: &'a Recording,
     /// Columns of gyro and accelerometer.
     pub names: Names,
-    /// So far.
+    /// What intake found in the files, in sentences.
     pub findings: Vec<String>,
     /// Limits of gyro and accelerometer.
     pub limits: [Vec<Limit>; 2],
@@ -95,7 +95,7 @@ impl Told<'_> {
             one_step_rmse: None,
         };
         let detail = self.detail(log, None, account);
-        self.answer(outcome, effects, fit, Remainder::of([]), Vec::new(), Vec::new(), detail)
+        self.answer(outcome, effects, fit, Remainder::of([]), Vec::new(), detail)
     }
 
     /// The verdict beside a reference.
@@ -120,15 +120,16 @@ impl Told<'_> {
             Evidence { held_out_gain: found.start.explained.max(0.0), p_value: found.start.chance_exchanged };
         effects.splice(0..0, self.of_readings([clipped; 2], swap, exchanged));
         let seated = Fitted::of(&fit.linear, &published::seated(&active));
-        let left: Vec<Vec<(Vector3<f64>, bool)>> = fit.residuals.iter().map(|r| left(fit, r, &seated.point)).collect();
+        let residuals: Vec<Vec<(Vector3<f64>, bool)>> =
+            fit.residuals.iter().map(|r| residuals_at(fit, r, &seated.point)).collect();
         let rate_hz = 1.0 / found.log.interval_s;
         // N² is half the one-sided density: the one stated, else the floor of the readings.
         let walk = |stated: Option<Noise>, readings: &[Vector3<f64>]| {
             0.5 * stated.map_or_else(|| scatter::floor(readings, rate_hz), |noise| noise.density * noise.density)
         };
         let own = [walk(self.stated.gyro, &found.log.rate), walk(self.stated.accelerometer, &found.log.force)];
-        let attitude = scatter::excess(&left[0], fit.residuals[0].width_s, own[0]);
-        let position = left.get(1).and_then(|l| scatter::position(l, fit.residuals[1].width_s, own[1]));
+        let attitude = scatter::excess(&residuals[0], fit.residuals[0].width_s, own[0]);
+        let position = residuals.get(1).and_then(|l| scatter::position(l, fit.residuals[1].width_s, own[1]));
         effects.extend(effects::reference(attitude, position));
         let remainder = remainder(fit, &chosen.point, held.rms()[1]);
         let named = effects.len();
@@ -143,8 +144,7 @@ impl Told<'_> {
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
         detail.published = published::calibration(&wide, swap);
         let scores = scores(found, [&before, &chosen.point], &held, named > 0);
-        let mut answer =
-            self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), Vec::new(), detail);
+        let mut answer = self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), detail);
         answer.ranking = ranking(&answer.effects, selection);
         answer
     }
@@ -214,15 +214,13 @@ impl Told<'_> {
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one call each for two ways to a verdict")]
     fn answer(
         self,
-        outcome: crate::diagnosis::verdict::Outcome,
+        outcome: Outcome,
         effects: Vec<Effect>,
         fit: FitScore,
         remainder: Remainder,
-        base: Vec<crate::diagnosis::verdict::Estimate>,
-        ranking: Vec<Ranked>,
+        base: Vec<Estimate>,
         detail: Detail,
     ) -> Answer {
         Answer {
@@ -235,7 +233,7 @@ impl Told<'_> {
             fit,
             residual_after: remainder.whiteness(),
             findings: self.findings,
-            ranking,
+            ranking: Vec::new(),
             repair: None,
             detail: answer::Detail::Trajectory(Box::new(detail)),
         }
@@ -243,7 +241,7 @@ impl Told<'_> {
 }
 
 /// Residuals of rows at a point, and whether they hold.
-fn left(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(Vector3<f64>, bool)> {
+fn residuals_at(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(Vector3<f64>, bool)> {
     residuals.rows.iter().map(|row| (row.at(&fit.linear.point, point), row.holds)).collect()
 }
 
@@ -253,7 +251,7 @@ fn lengths(fit: &Fit, residuals: &Residuals, point: &Point) -> Vec<(f64, f64)> {
     drawn.map(|row| (row.time_s, row.at(&fit.linear.point, point).norm())).collect()
 }
 
-/// Share of the error of all rows that lies in those which do not hold.
+/// Fraction of the error of all rows that lies in those which do not hold.
 fn lies_in_clipped(residuals: &Residuals, from: &Point, to: &Point) -> f64 {
     let mean = |wanted: &dyn Fn(bool) -> bool| {
         let squares = residuals.rows.iter().filter(|r| wanted(r.holds)).map(|r| r.at(from, to).norm_squared());
@@ -266,8 +264,10 @@ fn lies_in_clipped(residuals: &Residuals, from: &Point, to: &Point) -> f64 {
 /// What the chosen model leaves: more than everything together would, or a colour that was not seen.
 fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
     let square = held_out_rms * held_out_rms;
-    let mut tests =
-        vec![Test { p_value: if square > LEFT[0] { 0.0 } else { 1.0 }, size: Size::of(square, LEFT[0], LEFT[1]) }];
+    let mut tests = vec![Test {
+        p_value: if square > TOLERATED[0] { 0.0 } else { 1.0 },
+        size: Size::of(square, TOLERATED[0], TOLERATED[1]),
+    }];
     for residuals in &fit.residuals {
         let step: Vec<f64> = chosen.iter().zip(&fit.linear.point).map(|(a, b)| a - b).collect();
         let white = |k: usize| {

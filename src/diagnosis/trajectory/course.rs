@@ -12,9 +12,9 @@ use super::parameters::{
 /// What is fitted: readings, reference, and the rotation that the search starts from.
 #[derive(Debug, Clone, Copy)]
 pub struct Case<'a> {
-    /// Readings.
+    /// The IMU's readings.
     pub log: &'a Log,
-    /// Reference.
+    /// The poses of the reference.
     pub motion: &'a Motion,
     /// C₀, from the IMU's axes to the reference's body axes.
     pub turned: UnitQuaternion<f64>,
@@ -40,7 +40,7 @@ impl Case<'_> {
 
     /// cos(nπu), n = 1, 2, at a time.
     pub fn cosines(&self, time_s: f64) -> [f64; COSINES] {
-        let u = self.log.share(time_s);
+        let u = self.log.fraction(time_s);
         std::array::from_fn(|n| (std::f64::consts::PI * (n + 1) as f64 * u).cos())
     }
 }
@@ -59,7 +59,7 @@ pub fn gyro_matrix(point: &Point) -> Matrix3<f64> {
     matrix
 }
 
-/// K.
+/// Sensitivity K of the gyro to specific force, (rad/s)/(m/s²).
 pub fn g_sensitivity(point: &Point) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
 }
@@ -78,7 +78,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// At a point.
+    /// Reckoned with the parameters of a point.
     pub fn of(case: &Case<'_>, point: &Point) -> Self {
         let gyro = gyro_matrix(point).try_inverse().unwrap_or_else(Matrix3::identity);
         let k = g_sensitivity(point);

@@ -14,7 +14,7 @@ pub struct Detail {
     pub drift: Vec<(f64, f64)>,
     /// Spectra of gyro and accelerometer in motion: Hz, unit/√Hz, mean of the axes.
     pub spectra: [Vec<(f64, f64)>; 2],
-    /// Stated one-sided densities.
+    /// One-sided densities that the model states, unit/√Hz: gyro, accelerometer.
     pub stated: [Option<f64>; 2],
     /// Biases and matrices with their intervals.
     pub published: Option<Triads>,
@@ -25,7 +25,7 @@ pub struct Detail {
 /// Lengths of a residual over time, thinned for plotting: s, SI.
 #[derive(Debug, Clone, Default)]
 pub struct Series {
-    /// Base model.
+    /// With the base model: time, s, and size.
     pub before: Vec<(f64, f64)>,
     /// With the named effects.
     pub after: Vec<(f64, f64)>,

@@ -13,6 +13,7 @@ use super::start::Start;
 use super::vibration::Vibration;
 use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::verdict::{Effect, Estimate, Evidence};
+use crate::number::short;
 use crate::sensor::Sense;
 use crate::units::DEGREE;
 
@@ -40,7 +41,7 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
     }
 }
 
-/// A fitted term.
+/// A fitted term, with its parameters in the library's units.
 pub fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
     let Standing { term, gain, p_value, .. } = &named.standing;
     let parameters = term.parameters.clone().zip(term.names);
@@ -74,7 +75,7 @@ pub fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2
     effects.insert(0, effect(&MOUNTING, parameters.collect(), names.concat(), evidence));
 }
 
-/// Readings at a limit; `gain` is the share of the error that lies in the time when they stand there.
+/// Readings at a limit; `gain` is the fraction of the error that lies in the time when they stand there.
 pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
     let parameters: Vec<Estimate> = limits
         .iter()
@@ -92,7 +93,7 @@ pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f6
     (!limits.is_empty()).then(|| effect(&SATURATION, parameters, channels, evidence))
 }
 
-/// Exchanged columns.
+/// Exchanged columns of one sensor; none where each reads its own axis.
 pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], evidence: Evidence) -> Option<Effect> {
     (swap != Permutation::NONE).then(|| {
         let mut effect = effect(&AXIS_SWAP, Vec::new(), names.to_vec(), evidence);
@@ -116,8 +117,8 @@ pub fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effec
         parameters.push(estimate("frequency", *hz, "Hz", found.step_hz));
         parameters.push(estimate("amplitude", *amplitude, unit(sensor), 0.5 * amplitude));
     }
-    let share = found.stated.map_or(0.0, |stated| 1.0 - (stated / found.density).powi(2));
-    let evidence = Evidence { held_out_gain: share.max(0.0), p_value: found.p_value };
+    let excess = found.stated.map_or(0.0, |stated| 1.0 - (stated / found.density).powi(2));
+    let evidence = Evidence { held_out_gain: excess.max(0.0), p_value: found.p_value };
     effect(&VIBRATION, parameters, names.to_vec(), evidence)
 }
 
@@ -136,7 +137,15 @@ pub fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option
         .collect();
     let times = [attitude, position_m].into_iter().flatten().map(|e| e.times).fold(1.0, f64::max);
     let least = [attitude, position_m].into_iter().flatten().map(|e| e.p_value).fold(1.0, f64::min);
+    let means: Vec<String> = [(attitude, "attitude"), (position_m, "position")]
+        .into_iter()
+        .filter_map(|(found, what)| Some(format!("{what} over {} s", short(found?.mean_s))))
+        .collect();
     // Of attitude and position.
     let evidence = Evidence { held_out_gain: 1.0 - 1.0 / times, p_value: (2.0 * least).min(1.0) };
-    (!parameters.is_empty()).then(|| effect(&REFERENCE_NOISE, parameters, vec!["reference".into()], evidence))
+    (!parameters.is_empty()).then(|| {
+        let mut effect = effect(&REFERENCE_NOISE, parameters, vec!["reference".into()], evidence);
+        effect.equation += &format!("; standard deviations of means: {}", means.join(", "));
+        effect
+    })
 }

@@ -12,7 +12,7 @@ use super::whitening::Whitening;
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
 
-/// Rounds at most, and the share of a standard error below which none is needed any more.
+/// Rounds at most, and the fraction of a standard error below which none is needed any more.
 const ROUNDS: usize = 5;
 const SETTLED: f64 = 0.1;
 /// Width of a bin of attitude and of position, s, and in poses at least.
@@ -28,7 +28,7 @@ pub struct Residuals {
     pub rows: Vec<Row>,
     /// From one to the next, s.
     pub width_s: f64,
-    /// Their colour.
+    /// What makes them white.
     pub whitening: Whitening,
 }
 
@@ -84,8 +84,8 @@ impl Fit {
         }
     }
 
-    /// Root mean square of what the attitude's rows leave unforetold, rad/s.
-    pub fn unforetold(&self) -> f64 {
+    /// Root mean square of the whitened residual of the attitude's rows, rad/s.
+    pub fn innovation_rad_s(&self) -> f64 {
         self.residuals.first().map_or(f64::INFINITY, |r| r.whitening.deviation.norm())
     }
 
@@ -97,7 +97,7 @@ impl Fit {
     }
 }
 
-/// Rows that lie so many times the usual residual apart are left out.
+/// Rows whose residual is larger than this, in medians of all, are outliers and not fitted.
 const APART: f64 = 8.0;
 
 fn leave_out(rows: &mut [Row], from: &Point, to: &Point) {
@@ -117,7 +117,7 @@ fn whitened(point: &Point, all: Vec<(Vec<Row>, f64)>, active: &[usize], ends: [f
     coloured(point, residuals, active, ends)
 }
 
-/// The same from a colour that is nearly right, twice with that of what was left.
+/// The same from a colour that is nearly right, twice with that of the residual.
 fn coloured(
     point: &Point,
     mut residuals: Vec<Residuals>,
@@ -131,8 +131,8 @@ fn coloured(
     for _ in 0..2 {
         let solved = linear(&residuals).solve(active, |_| true).point;
         for (sensor, r) in residuals.iter_mut().enumerate() {
-            let left: Vec<_> = r.rows.iter().map(|row| row.at(point, &solved)).collect();
-            r.whitening = Whitening::of(&r.rows, &left, MOST[sensor]);
+            let residual: Vec<_> = r.rows.iter().map(|row| row.at(point, &solved)).collect();
+            r.whitening = Whitening::of(&r.rows, &residual, MOST[sensor]);
         }
     }
     (linear(&residuals), residuals)

@@ -145,7 +145,7 @@ pub fn motion(
     Ok(Motion { time_s, position, attitude, interval_s, has_position: true })
 }
 
-/// Whether both move alike, in units that they share.
+/// Whether both move alike, in the same units.
 pub fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<()> {
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     if turning > TURNS && start.explained < ALIKE {

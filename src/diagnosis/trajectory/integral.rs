@@ -30,11 +30,11 @@ pub fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) -> Vec<Ve
     all
 }
 
-/// Where an instant lies among samples: the one before it and the share of the interval; at the ends, those of the ends.
+/// Where an instant lies among samples: the one before it and the fraction of the interval; at the ends, those of the ends.
 pub fn place(time_s: &[f64], at_s: f64) -> (usize, f64) {
     let after = time_s.partition_point(|t| *t <= at_s).clamp(1, time_s.len() - 1);
-    let share = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);
-    (after - 1, share)
+    let fraction = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);
+    (after - 1, fraction)
 }
 
 /// An integral between samples, from itself and its integrand: Hermite's cubic.

@@ -18,9 +18,9 @@ const FOLDS: usize = 5;
 /// What one term does to a model.
 #[derive(Debug, Clone)]
 pub struct Standing {
-    /// Which.
+    /// The candidate that was judged.
     pub term: &'static Term,
-    /// Share of the held-out mean square beyond the noise that it removes.
+    /// Fraction of the held-out mean square beyond the noise that it removes.
     pub gain: f64,
     /// 95 % interval of the gain.
     pub ci95: [f64; 2],
@@ -57,19 +57,19 @@ pub fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) 
 
 /// What is asked of a candidate.
 pub struct Question<'a> {
-    /// The linearised model.
+    /// The linearised model, summed by block.
     pub linear: &'a Linear,
-    /// Parameters without it.
+    /// Indices of the parameters without the candidate.
     pub smaller: &'a [usize],
-    /// Parameters with it.
+    /// Indices of the parameters with it.
     pub larger: &'a [usize],
-    /// Which.
+    /// The candidate that is judged.
     pub term: &'static Term,
     /// Below which angle times gravity nothing is blamed on the accelerometer, rad.
     pub tilt_rad: f64,
 }
 
-/// Judges a candidate, one of so many.
+/// Judges one candidate of `tried`, by which its p-value is corrected.
 pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let Question { linear, smaller, larger, term, tilt_rad } = *question;
     let solved = linear.solve(larger, |_| true);
@@ -97,7 +97,7 @@ pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
         p_value: (p_value * tried as f64).min(1.0),
         fall,
         least_fall,
-        plausible: value.iter().zip(&half_widths).all(|(v, half)| v.abs() - half <= term.largest),
+        plausible: value.iter().zip(&half_widths).all(|(v, half)| v.abs() - half <= term.largest()),
         matters: value.iter().any(|v| v.abs() >= term.smallest.max(term.per_tilt * tilt_rad)),
         half_widths,
     }
@@ -137,7 +137,7 @@ pub struct HeldOut {
 }
 
 impl HeldOut {
-    /// Of two models.
+    /// Of two models, each fitted on the other four fifths of the blocks.
     pub fn of(linear: &Linear, smaller: &[usize], larger: &[usize]) -> Self {
         let mut blocks = Vec::new();
         for fold in 0..FOLDS {

@@ -21,8 +21,8 @@ impl Log {
         self.time_s.last().copied().unwrap_or_default() - self.time_s.first().copied().unwrap_or_default()
     }
 
-    /// Share of the recording that has passed.
-    pub fn share(&self, time_s: f64) -> f64 {
+    /// Fraction of the recording that has passed at a time.
+    pub fn fraction(&self, time_s: f64) -> f64 {
         (time_s - self.time_s[0]) / self.duration_s().max(f64::MIN_POSITIVE)
     }
 }
@@ -32,7 +32,7 @@ impl Log {
 pub struct Motion {
     /// On the clock of the IMU as both are stamped, s.
     pub time_s: Vec<f64>,
-    /// m.
+    /// Of the point that the reference follows, m.
     pub position: Vec<Vector3<f64>>,
     /// From body axes to north-east-down.
     pub attitude: Vec<UnitQuaternion<f64>>,

@@ -20,9 +20,9 @@ pub const FORCE_BIAS: Range<usize> = 3..6;
 pub const TILT: Range<usize> = 6..8;
 /// τ, s; positive where the IMU stamps late.
 pub const OFFSET: usize = 8;
-/// d, s/s.
+/// Rate d of the IMU's clock against the reference's, s/s.
 pub const DRIFT: usize = 9;
-/// c, rad.
+/// Rotation c from IMU to body beyond the one taken, rad.
 pub const MOUNTING: Range<usize> = 10..13;
 /// Diagonal of the gyro's S.
 pub const GYRO_SCALE: Range<usize> = 13..16;

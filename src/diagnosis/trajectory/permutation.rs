@@ -29,7 +29,7 @@ impl Permutation {
     }
 }
 
-/// All of them.
+/// All 48: six orders of the axes, eight choices of sign.
 pub static SIGNED: [Permutation; 48] = signed();
 
 const fn signed() -> [Permutation; 48] {

@@ -19,14 +19,14 @@ const HELD: f64 = 0.2;
 /// A fitted subset with what its intervals are made of.
 pub struct Fitted {
     active: Vec<usize>,
-    /// All parameters.
+    /// All parameters, SI.
     pub point: Point,
     replicates: Vec<Point>,
     white: Vec<f64>,
 }
 
 impl Fitted {
-    /// On all blocks.
+    /// A subset of the parameters fitted on all blocks.
     pub fn of(linear: &Linear, active: &[usize]) -> Self {
         let solved = linear.solve(active, |_| true);
         let white = (0..active.len()).map(|i| solved.covariance[(i, i)].max(0.0).sqrt()).collect();
@@ -68,8 +68,8 @@ pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
 
 /// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes are free, so is its mounting.
 pub fn seated(active: &[usize]) -> Vec<usize> {
-    let askew = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
-    let mounting = MOUNTING.filter(|_| !askew);
+    let misaligned = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
+    let mounting = MOUNTING.filter(|_| !misaligned);
     let more = [OFFSET, DRIFT].into_iter().chain(mounting).filter(|p| !active.contains(p));
     active.iter().copied().chain(more).collect()
 }

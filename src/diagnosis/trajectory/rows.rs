@@ -28,7 +28,7 @@ pub struct Bins {
     pub width_s: f64,
     /// Bin of each pose.
     pub of: Vec<usize>,
-    /// Poses in each.
+    /// Number of poses in each bin.
     pub count: Vec<usize>,
     /// Begin of the first, s.
     pub start_s: f64,

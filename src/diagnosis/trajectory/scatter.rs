@@ -16,18 +16,18 @@ use crate::numerics::spectrum::welch;
 const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Variance over that of the sensor's noise from which the rest is the reference's.
 const BEYOND: f64 = 2.0;
-/// Where readings show their noise alone, as shares of the sampling rate, and which share of the lines is the floor.
+/// Where readings show their noise alone, as fractions of the sampling rate, and the quantile of the lines that is the floor.
 const FLOOR: ([f64; 2], f64) = ([0.15, 0.45], 0.25);
 
 /// Noise that a reference has beyond the sensor's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excess {
-    /// Standard deviation per axis, in the unit of the errors.
+    /// Standard deviation per axis of the reference's means over `mean_s`, in the unit of the errors.
     pub deviation: f64,
     /// Its 95 % interval.
     pub ci95: [f64; 2],
-    /// Over this time, s.
-    pub span_s: f64,
+    /// Time of which errors were averaged: single poses err by more, s.
+    pub mean_s: f64,
     /// Variance over the sensor's.
     pub times: f64,
     /// Chance that so much is seen where there is no such excess, corrected for the times that were compared.
@@ -39,7 +39,7 @@ pub fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
     let axis = |i: usize| {
         let values: Vec<f64> = readings.iter().map(|r| r[i]).collect();
         let density = welch(&values, rate_hz, 512.min(values.len()));
-        let [from, to] = FLOOR.0.map(|share| share * rate_hz);
+        let [from, to] = FLOOR.0.map(|fraction| fraction * rate_hz);
         let mut inside: Vec<f64> = density
             .frequency_hz
             .iter()
@@ -89,13 +89,13 @@ fn over(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64, span: 
     (least > BEYOND * own).then(|| Excess {
         deviation: size(all),
         ci95: [size(all - half), size(all + half)],
-        span_s: width_s * span as f64,
+        mean_s: width_s,
         times: all / own.max(f64::MIN_POSITIVE),
         p_value: (SPANS.len() as f64 * beyond(all - BEYOND * own, deviation, n)).min(1.0),
     })
 }
 
-/// Chance of a mean of so many blocks that lies so far above zero: Student's t.
+/// Probability of a mean this far above zero by chance, where it is one of `blocks` values: Student's t.
 pub fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
     let t = mean / deviation.max(f64::MIN_POSITIVE);
     let tail = 0.5 * f_survival(t * t, 1.0, blocks - 1.0);
@@ -135,7 +135,7 @@ pub fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64
     (least > BEYOND * own && follows < ALTERNATES).then(|| Excess {
         deviation: size(variance),
         ci95: [size(variance - half), size(variance + half)],
-        span_s: width_s,
+        mean_s: width_s,
         times: variance / own.max(f64::MIN_POSITIVE),
         p_value: beyond(variance - BEYOND * own, deviation, n),
     })

@@ -26,7 +26,7 @@ pub struct Selection {
 /// A term of the chosen model.
 #[derive(Debug, Clone)]
 pub struct Named {
-    /// Its evidence.
+    /// Its evidence, against the model without it.
     pub standing: Standing,
     /// Others that would do as well in its place.
     pub rivals: Vec<&'static Term>,
@@ -59,7 +59,7 @@ pub struct Allowed {
     pub tilt_rad: f64,
 }
 
-/// Searches a library.
+/// Searches a library for the candidates that held-out blocks and the jackknife bear out.
 ///
 /// # Errors
 /// When stopped.
@@ -112,11 +112,11 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What may be added. Where the gyro's axes are free it says nothing of a mounting, and the accelerometer alone cannot tell
-    /// one from axes of its own that are askew.
+    /// What may be added. Where the gyro's misalignment is free it says nothing of a mounting, and the accelerometer alone
+    /// cannot tell a mounting from its own misalignment.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
-        let askew = named.iter().any(|t| t.id() == MISALIGNMENT.id);
-        let closed = |t: &Term| askew && t.id() == MOUNTING.id;
+        let misaligned = named.iter().any(|t| t.id() == MISALIGNMENT.id);
+        let closed = |t: &Term| misaligned && t.id() == MOUNTING.id;
         self.library.iter().copied().filter(|t| !named.contains(t) && !closed(t)).collect()
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Rates over short windows, of the reference by its attitudes and of the gyro by its integral, are regressed on each other
 //! for every shift of the clocks: the shift that explains most is the one, whatever the mounting. What is then left is a
-//! matrix: a rotation where the IMU is mounted askew, a mirrored one where axes were exchanged.
+//! matrix: a rotation where the IMU is mounted at an angle, a mirrored one where axes were exchanged.
 
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Rotation3, UnitQuaternion, Vector3, Vector4};
 
@@ -17,7 +17,7 @@ use crate::numerics::order;
 /// Window over which rates are compared, s, and the shifts that are tried, s: up to, in steps of.
 const WINDOW_S: f64 = 0.1;
 const SHIFTS_S: (f64, f64) = (2.0, 0.02);
-/// Windows at most.
+/// Most windows of rates that are compared.
 const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
@@ -60,7 +60,7 @@ struct Pairs {
 }
 
 impl Pairs {
-    /// read = M reference + b in least squares, with the share of the variance of `read` that this explains.
+    /// read = M reference + b in least squares, with the fraction of the variance of `read` that this explains.
     fn regression(&self) -> (Matrix3<f64>, Vector3<f64>, f64) {
         let count = self.read.len().max(1) as f64;
         let mean = self.read.iter().sum::<Vector3<f64>>() / count;
@@ -74,17 +74,17 @@ impl Pairs {
         let Some(inverse) = (normal + ridge).try_inverse() else { return (Matrix3::identity(), mean, 0.0) };
         let both = cross * inverse;
         let (matrix, bias) = (both.fixed_view::<3, 3>(0, 0).into_owned(), both.column(3).into_owned());
-        let (mut left, mut all) = (0.0, 0.0);
+        let (mut unexplained, mut all) = (0.0, 0.0);
         for (x, y) in self.reference.iter().zip(&self.read) {
-            left += (y - matrix * x - bias).norm_squared();
+            unexplained += (y - matrix * x - bias).norm_squared();
             all += (y - mean).norm_squared();
         }
-        (matrix, bias, 1.0 - left / f64::max(all, f64::MIN_POSITIVE))
+        (matrix, bias, 1.0 - unexplained / f64::max(all, f64::MIN_POSITIVE))
     }
 
     /// Chance that one matrix fits by so much better than another: ratios of the squares of blocks of time, Student's t.
     fn better(&self, one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
-        let biases = [one, other].map(|m| self.left(m).1);
+        let biases = [one, other].map(|m| self.residual(m).1);
         let mut blocks = vec![[f64::MIN_POSITIVE; 2]; BLOCKS];
         for (k, (x, y)) in self.reference.iter().zip(&self.read).enumerate() {
             let block = &mut blocks[k * BLOCKS / self.read.len()];
@@ -100,7 +100,7 @@ impl Pairs {
     }
 
     /// Mean square that a fixed matrix leaves, with the best bias, and that bias.
-    fn left(&self, matrix: &Matrix3<f64>) -> (f64, Vector3<f64>) {
+    fn residual(&self, matrix: &Matrix3<f64>) -> (f64, Vector3<f64>) {
         let count = self.read.len().max(1) as f64;
         let differences: Vec<Vector3<f64>> =
             self.reference.iter().zip(&self.read).map(|(x, y)| y - matrix * x).collect();
@@ -173,8 +173,8 @@ pub fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
     let chance_turned = chance(&found, &(found.0, found.1, UnitQuaternion::identity()));
     let matrices = expected(&found);
     let (gyro, accelerometer, turned) = found;
-    let gyro_bias = gyro.matrix().transpose() * pairs.left(&matrices[0]).1;
-    let force_bias = accelerometer.matrix().transpose() * forces.left(&matrices[1]).1;
+    let gyro_bias = gyro.matrix().transpose() * pairs.residual(&matrices[0]).1;
+    let force_bias = accelerometer.matrix().transpose() * forces.residual(&matrices[1]).1;
     Start {
         offset_s,
         explained,
@@ -243,10 +243,11 @@ fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> Axes {
         (best, rotation(&(best.matrix().transpose() * matrix)))
     };
     // The accelerometer with that mounting: as it is, or exchanged.
-    let left = |p: &Permutation, turned: &Matrix3<f64>| forces.left(&(p.matrix() * turned.transpose())).0;
+    let square = |p: &Permutation, turned: &Matrix3<f64>| forces.residual(&(p.matrix() * turned.transpose())).0;
     let best_of = |turned: &Matrix3<f64>| {
-        let best = SIGNED.iter().copied().min_by(|a, b| left(a, turned).total_cmp(&left(b, turned))).unwrap_or(none);
-        if left(&best, turned) < BETTER * left(&none, turned) { best } else { none }
+        let best =
+            SIGNED.iter().copied().min_by(|a, b| square(a, turned).total_cmp(&square(b, turned))).unwrap_or(none);
+        if square(&best, turned) < BETTER * square(&none, turned) { best } else { none }
     };
     let accelerometer = best_of(&turned);
     // Both exchanged alike is a mounting; a gyro turned by right angles that the accelerometer denies is an exchange.

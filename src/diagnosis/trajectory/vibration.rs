@@ -10,7 +10,7 @@ use crate::numerics::spectrum::welch;
 const MOVES_HZ: f64 = 10.0;
 /// Spectral density over that of the static figure from which the difference is one.
 const BEYOND: f64 = 4.0;
-/// A line stands this far above the median of its neighbours, on so many of them to each side.
+/// Density of a line over the median of its neighbours, and number of neighbours on each side.
 const LINE: (f64, usize) = (12.0, 12);
 /// Lines that are told.
 const MOST: usize = 3;

@@ -6,7 +6,7 @@ use super::colour::Lags;
 use super::parameters::PARAMETERS;
 use super::rows::Row;
 
-/// An autoregression, the same along each axis, and the deviations of what it cannot foretell.
+/// An autoregression, the same along each axis, and the standard deviations of what it does not predict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whitening {
     coefficients: Vec<f64>,
@@ -15,7 +15,7 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// From residuals at the rows, looking back so many of them at most.
+    /// From residuals at the rows, with an order of at most `most`.
     pub fn of(rows: &[Row], residual: &[Vector3<f64>], most: usize) -> Self {
         let holds: Vec<bool> = rows.iter().map(|r| r.holds).collect();
         let (coefficients, variance) = Lags::of(residual, &holds, most).fitted();
@@ -23,8 +23,8 @@ impl Whitening {
     }
 
     fn filtered(&self, k: usize, of: impl Fn(usize) -> Vector3<f64>) -> Vector3<f64> {
-        let foretold = self.coefficients.iter().enumerate().map(|(i, a)| of(k - 1 - i) * *a);
-        of(k) - foretold.sum::<Vector3<f64>>()
+        let predicted = self.coefficients.iter().enumerate().map(|(i, a)| of(k - 1 - i) * *a);
+        of(k) - predicted.sum::<Vector3<f64>>()
     }
 
     /// A row made white and in units of its deviation; none where something that it needs is missing.

@@ -122,6 +122,16 @@ impl Flight {
         Self { poses: moved.collect(), ..self.clone() }
     }
 
+    /// Every pose errs by itself: attitude, rad, and position, m, about and along each axis.
+    pub fn with_erring_reference(&self, attitude_rad: f64, position_m: f64) -> Self {
+        let mut random = Philox::new(3, 9, Stream::Host);
+        let mut three = |size: f64| Vector3::from_fn(|_, _| size * random.normal());
+        let poses = self.poses.iter().map(|(stamp, p, q)| {
+            (*stamp, p + three(position_m), q * UnitQuaternion::from_scaled_axis(three(attitude_rad)))
+        });
+        Self { poses: poses.collect(), ..self.clone() }
+    }
+
     fn imu(&self) -> String {
         let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
                         a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"

@@ -7,7 +7,7 @@ pub const REFERENCE_NOISE: Candidate = Candidate {
     id: "reference-noise",
     kind: Kind::Trajectory,
     statement: "The reference errs by more than the sensor does over short times.",
-    equation: "R_reference = exp(n) R",
+    equation: "R_reference = exp(n) R, p_reference = p + m",
     parameters: &[
         Parameter { name: "attitude", unit: "mrad", range: (0.0, 1e6) },
         Parameter { name: "position", unit: "mm", range: (0.0, 1e6) },

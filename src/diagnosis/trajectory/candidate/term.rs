@@ -8,7 +8,7 @@ use crate::sensor::Sense;
 /// A unit that parameters are stated in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// As written.
+    /// As it is written in the document.
     pub name: &'static str,
     /// How many of them are one SI unit.
     pub per_si: f64,
@@ -21,14 +21,12 @@ pub struct Term {
     pub candidate: &'static Candidate,
     /// The sensor it acts in; none: both.
     pub sensor: Option<Sense>,
-    /// Parameters it frees.
+    /// Indices of the parameters that it frees.
     pub parameters: Range<usize>,
     /// Their names, in order.
     pub names: &'static [&'static str],
     /// What they are stated in.
     pub unit: Unit,
-    /// The largest size that such a sensor or mounting has, SI.
-    pub largest: f64,
     /// Sizes below which it costs nothing, SI.
     pub smallest: f64,
     /// What looks the same in the readings as an attitude of the reference that errs by one radian, SI; zero where nothing.
@@ -38,9 +36,14 @@ pub struct Term {
 }
 
 impl Term {
-    /// Library id.
+    /// Its id in the library of candidates.
     pub fn id(&self) -> &'static str {
         self.candidate.id
+    }
+
+    /// The largest size that such a sensor or mounting has, as the library states it, SI.
+    pub fn largest(&self) -> f64 {
+        self.candidate.parameters.iter().map(|p| p.range.1).fold(0.0, f64::max) / self.unit.per_si
     }
 
     /// "misalignment of the gyro".
