@@ -24,7 +24,7 @@ pub(crate) enum Format {
 
 impl Format {
     /// That of a file name's ending, in any case.
-    pub fn of(ending: &str) -> Option<Self> {
+    pub(crate) fn of(ending: &str) -> Option<Self> {
         match ending.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
             "parquet" => Some(Self::Parquet),
@@ -34,7 +34,7 @@ impl Format {
     }
 
     /// The whole file.
-    pub fn bytes(self, table: &Columns) -> Vec<u8> {
+    pub(crate) fn bytes(self, table: &Columns) -> Vec<u8> {
         match self {
             Self::Csv => csv::text(table).into_bytes(),
             Self::Parquet => parquet::bytes(table),

@@ -49,6 +49,8 @@
 //! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
 //! can name; *null*, a recording without any.
 
+// Here and not in Cargo.toml: tests and benches are binaries, where nothing is reached from outside.
+#![warn(unreachable_pub)]
 // What only the missing feature uses is left over.
 #![cfg_attr(
     not(all(feature = "cli", feature = "formats", feature = "gpu", feature = "plots")),

@@ -19,7 +19,7 @@ pub(crate) enum Signal {
 
 impl Signal {
     /// The exit code of a process that this signal has stopped: 128 + its number, as shells have it.
-    pub fn exit_code(self) -> u8 {
+    pub(crate) fn exit_code(self) -> u8 {
         match self {
             Self::Interrupt => 130,
             Self::Terminate => 143,
@@ -28,7 +28,7 @@ impl Signal {
     }
 
     /// How a person knows it.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Interrupt => "Ctrl-C",
             Self::Terminate => "SIGTERM",

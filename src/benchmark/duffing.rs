@@ -31,7 +31,7 @@ struct Block<T> {
 
 impl<T: Real> Problem<T> {
     /// The parameters are functions of the oscillator's number alone.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let tau = std::f64::consts::TAU;
         let block = |b: usize| {
             let zero = Lane::splat(T::of(0.0));
@@ -55,7 +55,7 @@ impl<T: Real> Problem<T> {
     }
 
     /// One run of the work unit; displacement of oscillator 0 at its end, m.
-    pub fn run(&self, noise: bool, level: Level) -> f64 {
+    pub(super) fn run(&self, noise: bool, level: Level) -> f64 {
         let one = |block: &Block<T>| {
             let force = &self.force;
             if noise { Noisy { block, force }.run(level) } else { level.run(Quiet { block, force }) }

@@ -11,7 +11,7 @@ pub(crate) struct Ticks {
 
 impl Ticks {
     /// As they stand now.
-    pub fn now() -> Option<Self> {
+    pub(crate) fn now() -> Option<Self> {
         let machine = std::fs::read_to_string("/proc/stat").ok()?;
         let own = std::fs::read_to_string("/proc/self/stat").ok()?;
         Self::parse(&machine, &own)
@@ -30,7 +30,7 @@ impl Ticks {
     }
 
     /// Share of the processors that other programs used since then, 0 to 1.
-    pub fn others_since(&self, begun: &Self) -> f64 {
+    pub(crate) fn others_since(&self, begun: &Self) -> f64 {
         let busy = self.busy.saturating_sub(begun.busy);
         let others = busy.saturating_sub(self.own.saturating_sub(begun.own));
         others as f64 / self.all.saturating_sub(begun.all).max(1) as f64

@@ -8,7 +8,7 @@ use crate::report::html::Page;
 const PARQUET: &str = "numbers/*.parquet";
 
 /// What is announced beside the page itself.
-pub fn files(parquet: bool) -> impl Iterator<Item = String> {
+pub(super) fn files(parquet: bool) -> impl Iterator<Item = String> {
     ["numbers/*.csv", PARQUET].into_iter().take(if parquet { 2 } else { 1 }).map(str::to_owned)
 }
 
@@ -16,7 +16,7 @@ pub fn files(parquet: bool) -> impl Iterator<Item = String> {
 ///
 /// # Errors
 /// The folder cannot be written.
-pub fn write(folder: &mut Folder, name: &str, page: Page) -> Result<()> {
+pub(super) fn write(folder: &mut Folder, name: &str, page: Page) -> Result<()> {
     let parquet = folder.announces(PARQUET);
     for numbers in page.numbers() {
         folder.write(&format!("numbers/{}.csv", numbers.name), &Format::Csv.bytes(&numbers.columns))?;

@@ -13,7 +13,7 @@ use crate::progress;
 use crate::study::Study;
 
 /// What is asked for.
-pub struct Request<'a> {
+pub(super) struct Request<'a> {
     /// `N FILE`, or nothing.
     pub samples: &'a [OsString],
     /// Where the study was read from.
@@ -26,7 +26,7 @@ pub struct Request<'a> {
 ///
 /// # Errors
 /// No number of members, an ending that is not known, too many numbers; FILE is the user's or cannot be written.
-pub fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
+pub(super) fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
     let [count, file] = asked.samples else { return Ok(()) };
     let fail = |cause: String, hint: &str| Err(Error::new("could not write samples", cause, hint));
     let Some(members) = count.to_str().and_then(|n| n.parse::<u64>().ok()) else {

@@ -7,7 +7,7 @@ use super::table::{Columns, Values};
 use crate::escape::line;
 
 /// The whole table.
-pub fn text(table: &Columns) -> String {
+pub(super) fn text(table: &Columns) -> String {
     let mut out = String::new();
     let headings: Vec<Cow<'_, str>> = table.all().iter().map(|c| cell(&c.name)).collect();
     out += &headings.join(",");

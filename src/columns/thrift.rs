@@ -2,7 +2,7 @@
 
 /// A value of a field.
 #[derive(Debug, Clone)]
-pub enum Value {
+pub(super) enum Value {
     /// A whole number of 32 bits.
     Int(i32),
     /// A whole number of 64 bits.
@@ -28,7 +28,7 @@ impl Value {
     }
 
     /// Appends the value's bytes.
-    pub fn write(&self, out: &mut Vec<u8>) {
+    pub(super) fn write(&self, out: &mut Vec<u8>) {
         match self {
             Self::Int(value) => zigzag(out, i64::from(*value)),
             Self::Long(value) => zigzag(out, *value),

@@ -193,7 +193,7 @@ impl Between<'_> {
     ///
     /// # Errors
     /// As [`answer`].
-    pub fn crossing(self, below: bool, control: &Control) -> Result<Crossed> {
+    pub(super) fn crossing(self, below: bool, control: &Control) -> Result<Crossed> {
         let [low, high] = self.ends;
         // The search is among positive factors.
         let sign = if high <= 0.0 { -1.0 } else { 1.0 };

@@ -68,7 +68,7 @@ impl Divided {
     ///
     /// # Errors
     /// As [`jobs`].
-    pub fn of(study: &Study, input: Option<&Path>) -> Result<Self> {
+    pub(crate) fn of(study: &Study, input: Option<&Path>) -> Result<Self> {
         let jobs = jobs(study)?;
         let carried = Carried {
             source: input.map_or_else(|| "the default study".into(), |path| path.display().to_string()),
@@ -83,13 +83,13 @@ impl Divided {
     }
 
     /// The head of a shard's file before anything is done.
-    pub fn header(&self, shard: Shard) -> Header {
+    pub(crate) fn header(&self, shard: Shard) -> Header {
         self.with(shard, shard.pieces(&parts(&self.jobs)))
     }
 
     /// The same of a shard that takes its share of what is left of a run.
     #[cfg_attr(not(feature = "mpi"), allow(dead_code, reason = "ranks take what is left of a run"))]
-    pub fn rest(&self, shard: Shard, gaps: &[(usize, Range<u64>)]) -> Header {
+    pub(crate) fn rest(&self, shard: Shard, gaps: &[(usize, Range<u64>)]) -> Header {
         self.with(shard, rest(shard, &parts(&self.jobs), gaps))
     }
 

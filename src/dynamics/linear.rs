@@ -30,13 +30,13 @@ pub(crate) struct Rectangle {
 
 impl Rectangle {
     /// The force at a time; the edges belong to the step that begins there.
-    pub fn at_n(&self, time_s: f64) -> f64 {
+    pub(crate) fn at_n(&self, time_s: f64) -> f64 {
         let inside = time_s >= self.start_s && time_s < self.start_s + self.length_s;
         if inside { self.force_n } else { 0.0 }
     }
 
     /// What an ideal sensor of unit mass would report: reading, speed and distance.
-    pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
+    pub(crate) fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
         let inside = (time_s - self.start_s).clamp(0.0, self.length_s);
         let after = (time_s - self.start_s - self.length_s).max(0.0);
         let a = self.force_n;

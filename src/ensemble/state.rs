@@ -13,7 +13,7 @@ use crate::statistics::{Bins, Fold, Histogram, Machine, Origin};
 
 /// Sums at one report time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Report {
+pub(super) struct Report {
     /// Of the blocks summed.
     pub moments: Fold,
     /// Histograms, one per quantity.
@@ -24,7 +24,7 @@ pub struct Report {
 
 /// Sums of a part of a run: of the members from the first of `members` up to `next_member`.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct State {
+pub(super) struct State {
     pub(super) schema: String,
     /// SHA-256 of this document with this field empty.
     pub(super) sha256: String,
@@ -49,7 +49,7 @@ pub struct State {
 pub(super) const SCHEMA: &str = "proofmass.state/3";
 
 /// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be mixed, and say so.
-pub struct Run<'a> {
+pub(super) struct Run<'a> {
     /// Digest of the study.
     pub identity: &'a str,
     /// Number of the part, from 1 on.
@@ -75,7 +75,7 @@ impl Run<'_> {
 
 impl State {
     /// Nothing summed yet of these members.
-    pub fn new(run: &Run<'_>, members: Range<u64>) -> Self {
+    pub(super) fn new(run: &Run<'_>, members: Range<u64>) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
             sha256: String::new(),
@@ -91,7 +91,7 @@ impl State {
     }
 
     /// Sets the bins; nothing may have been summed.
-    pub fn set_bins(&mut self, bins: Vec<[Bins; 4]>) {
+    pub(super) fn set_bins(&mut self, bins: Vec<[Bins; 4]>) {
         let report = |b: &[Bins; 4]| Report {
             moments: Fold::default(),
             histograms: b.iter().map(|b| Histogram::new(*b)).collect(),
@@ -102,12 +102,12 @@ impl State {
     }
 
     /// Whether all of its members are summed.
-    pub fn is_done(&self) -> bool {
+    pub(super) fn is_done(&self) -> bool {
         self.next_member >= self.members.end
     }
 
     /// Adds the next members, as many as the partials are of.
-    pub fn add(&mut self, partials: &[Partial], machine: &Machine, reason: Option<&str>) {
+    pub(super) fn add(&mut self, partials: &[Partial], machine: &Machine, reason: Option<&str>) {
         let first = self.next_member / BLOCK;
         for (report, partial) in self.reports.iter_mut().zip(partials) {
             (first..).zip(&partial.blocks).for_each(|(block, moments)| report.moments.add_block(block, moments));
@@ -129,18 +129,18 @@ impl State {
     }
 
     /// The machine that has integrated most members.
-    pub fn machine(&self) -> Machine {
+    pub(super) fn machine(&self) -> Machine {
         let most = self.origins.iter().max_by_key(|o| o.members.end - o.members.start);
         most.map_or_else(Machine::default, |o| o.machine.clone())
     }
 
     /// The batch that was stopped on such a machine; nothing of it can be used on another.
-    pub fn under_way(&self, machine: &Machine) -> Option<&Unfinished> {
+    pub(super) fn under_way(&self, machine: &Machine) -> Option<&Unfinished> {
         self.under_way.as_ref().filter(|(on, _)| on.same_bits(machine)).map(|(_, unfinished)| unfinished)
     }
 
     /// Notes a batch that was stopped, or that none is.
-    pub fn set_under_way(&mut self, batch: Option<(Machine, Unfinished)>) {
+    pub(super) fn set_under_way(&mut self, batch: Option<(Machine, Unfinished)>) {
         self.under_way = batch;
     }
 }

@@ -41,7 +41,7 @@ pub(crate) struct Multisine {
 
 impl Multisine {
     /// `lines` sines from `from_hz` to `to_hz` inclusive whose sum has the root mean square `rms_m_s2`.
-    pub fn new(rms_m_s2: f64, from_hz: f64, to_hz: f64, lines: u32, seed: u64) -> Self {
+    pub(crate) fn new(rms_m_s2: f64, from_hz: f64, to_hz: f64, lines: u32, seed: u64) -> Self {
         let mut rng = Philox::new(seed, 0, Stream::Excitation);
         let spacing_hz = if lines > 1 { (to_hz - from_hz) / f64::from(lines - 1) } else { 0.0 };
         let line = |k| (TAU * (from_hz + spacing_hz * f64::from(k)), TAU * rng.random::<f64>());

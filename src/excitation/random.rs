@@ -59,14 +59,14 @@ pub(crate) struct Spectrum {
 
 impl Spectrum {
     /// Whether it has two points or more, increasing and positive.
-    pub fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self) -> bool {
         let increasing = self.points.windows(2).all(|w| w[0].0 < w[1].0);
         let positive = self.points.iter().all(|(f, p)| *f > 0.0 && *p > 0.0 && f.is_finite() && p.is_finite());
         self.points.len() >= 2 && increasing && positive
     }
 
     /// Density at a frequency, g²/Hz.
-    pub fn density_g2_hz(&self, frequency_hz: f64) -> f64 {
+    pub(crate) fn density_g2_hz(&self, frequency_hz: f64) -> f64 {
         let segment = self.points.windows(2).find(|w| frequency_hz >= w[0].0 && frequency_hz <= w[1].0);
         segment.map_or(0.0, |w| {
             let slope = (w[1].1 / w[0].1).ln() / (w[1].0 / w[0].0).ln();
@@ -75,7 +75,7 @@ impl Spectrum {
     }
 
     /// Root of the area under the table, g.
-    pub fn grms(&self) -> f64 {
+    pub(crate) fn grms(&self) -> f64 {
         let area = |w: &[(f64, f64)]| {
             let ((f0, p0), (f1, p1)) = (w[0], w[1]);
             let slope = (p1 / p0).ln() / (f1 / f0).ln();
@@ -97,7 +97,7 @@ pub(crate) struct RandomVibration {
 
 impl RandomVibration {
     /// A realisation for a run of `length_s`.
-    pub fn new(spectrum: &Spectrum, length_s: f64, seed: u64) -> Self {
+    pub(crate) fn new(spectrum: &Spectrum, length_s: f64, seed: u64) -> Self {
         let highest_hz = spectrum.points.last().map_or(1.0, |p| p.0);
         let lowest_hz = spectrum.points.first().map_or(1.0, |p| p.0);
         let rate_hz = OVERSAMPLING * highest_hz;

@@ -65,7 +65,7 @@ struct Replay {
 
 impl Replay {
     /// Time of the last sample, s.
-    pub fn length_s(&self) -> f64 {
+    pub(crate) fn length_s(&self) -> f64 {
         self.samples_m_s2.len().saturating_sub(1) as f64 / self.rate_hz
     }
 }

@@ -36,7 +36,7 @@ const FLAT: f64 = 0.664_28;
 const PEAK: (f64, f64) = (1.892, 0.4365);
 
 /// The nearest to the sensor's random walk and bias instability.
-pub fn process(errors: &Errors, form: Form) -> Process {
+pub(super) fn process(errors: &Errors, form: Form) -> Process {
     let (walk, floor) = (errors.walk.mean, FLAT * errors.flicker.mean);
     let (drive, correlation_s) = match form {
         Form::None => (0.0, WALK_S),

@@ -33,13 +33,13 @@ pub(crate) struct Field<'a> {
 }
 
 /// Continuous-time white noise as N.
-pub const WHITE: &str = "continuous noise density as sigma: the two-sided random-walk coefficient N \
+pub(super) const WHITE: &str = "continuous noise density as sigma: the two-sided random-walk coefficient N \
                          (one-sided datasheet density / sqrt 2), not per sample";
 /// Continuous-time random walk as K.
-pub const WALK: &str = "continuous random walk K of the bias as sigma (IEEE 952), not per sample";
+pub(super) const WALK: &str = "continuous random walk K of the bias as sigma (IEEE 952), not per sample";
 
 /// A number in nine digits, in a form that every target reads: YAML wants a point and a signed exponent.
-pub fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0.0".into();
     }
@@ -63,7 +63,7 @@ pub(super) struct Sheet {
 
 impl Sheet {
     /// An empty one for a tool, which represents the terms `keeps` beside noise.
-    pub fn new(syntax: Syntax, about: &str, keeps: &[SensorTerm], imu: &Imu) -> Self {
+    pub(super) fn new(syntax: Syntax, about: &str, keeps: &[SensorTerm], imu: &Imu) -> Self {
         let source = std::path::Path::new(&imu.source).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut head = vec![format!(
             "{}: from {} by proofmass {}, for {} readings per second",
@@ -107,7 +107,7 @@ impl Sheet {
     }
 
     /// Writes what is to be said of the whole, and where the tool documents its numbers.
-    pub fn head(&mut self, documented: &'static str) {
+    pub(super) fn head(&mut self, documented: &'static str) {
         self.documented = documented;
         for note in std::mem::take(&mut self.head) {
             self.note(&note);
@@ -115,11 +115,11 @@ impl Sheet {
     }
 
     /// What follows is indented by this many spaces.
-    pub fn indent(&mut self, spaces: usize) {
+    pub(super) fn indent(&mut self, spaces: usize) {
         self.indent = spaces;
     }
 
-    pub fn note(&mut self, note: &str) {
+    pub(super) fn note(&mut self, note: &str) {
         self.notes += 1;
         let line = match self.syntax {
             Syntax::Yaml | Syntax::Python | Syntax::Parm => format!("# {note}"),
@@ -132,12 +132,12 @@ impl Sheet {
     }
 
     /// A line as it is.
-    pub fn line(&mut self, line: &str) {
+    pub(super) fn line(&mut self, line: &str) {
         self.text += &format!("{:1$}{line}\n", "", self.indent);
     }
 
     /// A number, with its unit, its convention and its source in a comment above.
-    pub fn field(&mut self, field: Field<'_>) {
+    pub(super) fn field(&mut self, field: Field<'_>) {
         let Field { key, value, unit, means } = field;
         self.note(&format!("{key}: {unit}; {means}; documented in {}", self.documented));
         let value = number(value);
@@ -153,7 +153,7 @@ impl Sheet {
     }
 
     /// What is to be said of the processes that stand for the accelerometer's and the gyro's moving bias.
-    pub fn remarks(&mut self, accelerometer: &Process, gyro: &Process) {
+    pub(super) fn remarks(&mut self, accelerometer: &Process, gyro: &Process) {
         for (name, process) in [("accelerometer", accelerometer), ("gyro", gyro)] {
             if !process.remark.is_empty() {
                 self.note(&format!("{name}: {}", process.remark));
@@ -161,7 +161,7 @@ impl Sheet {
         }
     }
 
-    pub fn finish(self) -> String {
+    pub(super) fn finish(self) -> String {
         self.text
     }
 }

@@ -43,7 +43,7 @@ impl Bifurcation {
 ///
 /// # Errors
 /// Stopped.
-pub fn compute(document: &Document, d: &Diagram, control: &Control, progress: &Progress) -> Result<Bifurcation> {
+pub(super) fn compute(document: &Document, d: &Diagram, control: &Control, progress: &Progress) -> Result<Bifurcation> {
     let up = Sweep {
         from_n: d.from_n,
         to_n: d.to_n,

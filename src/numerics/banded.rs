@@ -17,16 +17,16 @@ pub(crate) struct Factor(Banded);
 
 impl Banded {
     /// Zeros, of this size, with this many bands, the diagonal included.
-    pub fn zeros(size: usize, bands: usize) -> Self {
+    pub(crate) fn zeros(size: usize, bands: usize) -> Self {
         Self { bands, entries: vec![0.0; size * bands] }
     }
 
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.entries.len() / self.bands
     }
 
     /// Adds to the entry of a row and a column to the left of the diagonal, or on it.
-    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
         let place = self.place(row, column);
         self.entries[place] += value;
     }
@@ -45,7 +45,7 @@ impl Banded {
     }
 
     /// Its factor; none where it is not positive definite.
-    pub fn factor(mut self) -> Option<Factor> {
+    pub(crate) fn factor(mut self) -> Option<Factor> {
         for row in 0..self.size() {
             for column in self.first(row)..=row {
                 let from = self.first(row).max(self.first(column));
@@ -65,7 +65,7 @@ impl Banded {
 
 impl Factor {
     /// Solves for one right-hand side, in its place.
-    pub fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         let lower = &self.0;
         for row in 0..lower.size() {
             let sum: f64 = (lower.first(row)..row).map(|k| lower.get(row, k) * x[k]).sum();

@@ -52,12 +52,12 @@ pub(crate) struct Welch {
 
 impl Welch {
     /// With segments of this many samples; `None` for fewer than four.
-    pub fn new(length: usize) -> Option<Self> {
+    pub(crate) fn new(length: usize) -> Option<Self> {
         let (segment, sum) = (Vec::with_capacity(length), vec![0.0; length / 2 + 1]);
         Some(Self { hann: Windowed::new(length)?, segment, length, sum, count: 0 })
     }
 
-    pub fn push(&mut self, value: f64) {
+    pub(crate) fn push(&mut self, value: f64) {
         self.segment.push(value);
         if self.segment.len() == self.length {
             for (s, bin) in self.sum.iter_mut().zip(self.hann.transform(&self.segment)) {
@@ -69,12 +69,12 @@ impl Welch {
     }
 
     /// The recording breaks off here: no segment reaches across.
-    pub fn interrupt(&mut self) {
+    pub(crate) fn interrupt(&mut self) {
         self.segment.clear();
     }
 
     /// What was averaged so far; empty before the first whole segment.
-    pub fn density(&self, rate_hz: f64) -> Density {
+    pub(crate) fn density(&self, rate_hz: f64) -> Density {
         if self.count == 0 {
             return Density::empty();
         }

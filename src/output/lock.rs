@@ -20,7 +20,7 @@ impl Lock {
     ///
     /// # Errors
     /// Another run holds it, or the folder cannot be written.
-    pub fn take(folder: &Path) -> Result<Self> {
+    pub(crate) fn take(folder: &Path) -> Result<Self> {
         Self::locked(folder, NAME, || busy(folder))
     }
 
@@ -28,7 +28,7 @@ impl Lock {
     ///
     /// # Errors
     /// As [`take`](Self::take).
-    pub fn take_for(folder: &Path, file: &str) -> Result<Self> {
+    pub(crate) fn take_for(folder: &Path, file: &str) -> Result<Self> {
         Self::locked(folder, &format!(".{file}.lock"), || busy(&folder.join(file)))
     }
 

@@ -11,7 +11,7 @@ const NAMED: usize = 6;
 
 /// Why a file must not be replaced.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Reason {
+pub(super) enum Reason {
     /// The run reads it.
     Input,
     /// A folder stands there.
@@ -28,7 +28,7 @@ pub enum Reason {
 
 impl Reason {
     /// Whether it holds for a run that is forced too.
-    pub fn stands_against_force(&self) -> bool {
+    pub(super) fn stands_against_force(&self) -> bool {
         matches!(self, Self::Input | Self::Folder | Self::File)
     }
 

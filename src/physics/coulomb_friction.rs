@@ -168,7 +168,7 @@ pub(crate) struct Sliding<'a> {
 impl Sliding<'_> {
     /// Puts the event where it belongs in the lanes that had one: those that changed direction, and those that were held.
     #[inline(always)]
-    pub fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
+    pub(crate) fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
         let [x, v] = end;
         // No early end: the whole of it is vector code.
         let happens = |any, (side, v): (&f64, &f64)| any | (*side == 0.0) | (side * v < 0.0);

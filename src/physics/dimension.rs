@@ -28,7 +28,7 @@ pub struct Units {
 impl Dimension {
     /// Of a unit as the library writes it, e.g. `1/(y^2 s^2)`. Radians and numbers count nothing, Hz is 1/s. Not for roots of
     /// units, which only noise has.
-    pub const fn of(unit: &str) -> Self {
+    pub(crate) const fn of(unit: &str) -> Self {
         let text = unit.as_bytes();
         let mut d = Self { y: 0, u: 0, s: 0 };
         let (mut i, mut sign) = (0, 1);
@@ -58,7 +58,7 @@ impl Dimension {
     }
 
     /// What a value of this dimension is multiplied by.
-    pub fn factor(self, units: &Units) -> f64 {
+    pub(crate) fn factor(self, units: &Units) -> f64 {
         units.y.powi(self.y) * units.u.powi(self.u) * units.s.powi(self.s)
     }
 }

@@ -14,7 +14,7 @@ pub(super) struct Mass {
 
 impl Mass {
     /// Displacement and velocity after `time_s` in so many steps, from `begin` on, under `law` and an input.
-    pub fn moved<L: Law>(
+    pub(super) fn moved<L: Law>(
         &self,
         law: &L,
         p: &[f64],

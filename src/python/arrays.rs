@@ -13,7 +13,7 @@ use crate::recording::memory::{Memory, Numbers};
 
 /// A recording as the package hands it over.
 #[derive(FromPyObject)]
-pub enum Given<'py> {
+pub(super) enum Given<'py> {
     /// A name for messages, and arrays with the names of their columns (none: 1, 2, …).
     Arrays(String, Vec<(Vec<String>, Bound<'py, PyUntypedArray>)>),
     /// A file.
@@ -21,7 +21,7 @@ pub enum Given<'py> {
 }
 
 /// A recording that needs no lock of Python's.
-pub struct Recorded {
+pub(super) struct Recorded {
     /// The file, or a name for messages.
     pub path: PathBuf,
     /// What is read in place of a file.
@@ -33,7 +33,7 @@ impl Given<'_> {
     ///
     /// # Errors
     /// Numbers of a kind that is not read, or no table.
-    pub fn recorded(self) -> Result<Recorded> {
+    pub(super) fn recorded(self) -> Result<Recorded> {
         match self {
             Self::Path(path) => Ok(Recorded { path, memory: None }),
             Self::Arrays(name, arrays) => {

@@ -31,14 +31,14 @@ use crate::study::{self as studies, Overrides, Preset, Study};
 
 /// The command, from its words to its exit code. A defect that panics ends it as it ends the binary, with 101.
 #[pyfunction]
-pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+pub(super) fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| std::panic::catch_unwind(|| cli::main(words)).unwrap_or(101))
 }
 
 /// What changes a study.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Changes<'py> {
+pub(super) struct Changes<'py> {
     members: Option<u64>,
     seed: Option<u64>,
     preset: Option<String>,
@@ -93,7 +93,12 @@ fn choice(backend: &str) -> Result<Choice> {
 
 /// `proofmass study`.
 #[pyfunction]
-pub fn study(py: Python<'_>, given: Option<Document<'_>>, changes: Changes<'_>, backend: &str) -> PyResult<Answer> {
+pub(super) fn study(
+    py: Python<'_>,
+    given: Option<Document<'_>>,
+    changes: Changes<'_>,
+    backend: &str,
+) -> PyResult<Answer> {
     let prepared = read_study(given, &changes).and_then(|study| Ok((study, choice(backend)?)));
     let (study, backend) = prepared.map_err(|error| raised(py, error))?;
     detached(py, move |control| {
@@ -115,7 +120,7 @@ pub fn study(py: Python<'_>, given: Option<Document<'_>>, changes: Changes<'_>, 
 
 /// `proofmass allan`.
 #[pyfunction]
-pub fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> PyResult<Answer> {
+pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> PyResult<Answer> {
     let Recorded { path, memory } = given.recorded().map_err(|error| raised(py, error))?;
     detached(py, move |_| {
         let request = Request { memory, ..request.into() };
@@ -165,7 +170,7 @@ impl From<Units> for Scales {
 
 /// `proofmass diagnose`.
 #[pyfunction]
-pub fn diagnose(
+pub(super) fn diagnose(
     py: Python<'_>,
     train: Vec<Given<'_>>,
     test: Vec<Given<'_>>,
@@ -186,7 +191,7 @@ pub fn diagnose(
 /// Which part of each recording is diagnosed.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Part {
+pub(super) struct Part {
     topic: Option<String>,
     from_s: Option<f64>,
     to_s: Option<f64>,
@@ -225,7 +230,7 @@ fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Contr
 
 /// `proofmass study --samples`: names and values of columns, the clock first.
 #[pyfunction]
-pub fn simulate<'py>(
+pub(super) fn simulate<'py>(
     py: Python<'py>,
     given: Option<Document<'py>>,
     changes: Changes<'py>,

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 
 /// A document: the path of a file, or a dictionary.
 #[derive(FromPyObject)]
-pub enum Document<'py> {
+pub(super) enum Document<'py> {
     /// A dictionary.
     Table(Bound<'py, PyDict>),
     /// A file.
@@ -21,7 +21,7 @@ pub enum Document<'py> {
 ///
 /// # Errors
 /// A value that TOML has no word for, with its key.
-pub fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Table> {
+pub(super) fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Table> {
     let mut table = Table::new();
     for (key, value) in dictionary.iter().filter(|(_, value)| !value.is_none()) {
         let key: String = key.extract().map_err(|_| refused(within, &format!("the key {key} is not a word")))?;
@@ -35,7 +35,7 @@ pub fn table(dictionary: &Bound<'_, PyDict>, within: &str) -> Result<Table> {
 ///
 /// # Errors
 /// As [`table`].
-pub fn one(value: &Bound<'_, PyAny>, key: &str) -> Result<Value> {
+pub(super) fn one(value: &Bound<'_, PyAny>, key: &str) -> Result<Value> {
     if let Ok(dictionary) = value.cast::<PyDict>() {
         return Ok(Value::Table(table(dictionary, key)?));
     }

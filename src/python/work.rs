@@ -52,7 +52,7 @@ impl Watcher for Held {
 ///
 /// # Errors
 /// What the work says, as `proofmass.Error`; `KeyboardInterrupt` and whatever else a handler of Python raises meanwhile.
-pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> Result<T> + Send) -> PyResult<T> {
+pub(super) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> Result<T> + Send) -> PyResult<T> {
     let watch = Arc::new(Watch::default());
     let control = Control::new(Held(watch.clone()));
     let (send, receive) = mpsc::channel();
@@ -89,7 +89,7 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> Result<T
 }
 
 /// An error as Python's: `proofmass.Error`, or `KeyboardInterrupt`.
-pub fn raised(py: Python<'_>, error: Error) -> PyErr {
+pub(super) fn raised(py: Python<'_>, error: Error) -> PyErr {
     if error.kind == Kind::Interrupted {
         return PyKeyboardInterrupt::new_err(error.to_string());
     }

@@ -107,7 +107,7 @@ pub struct Shape {
 impl Array {
     /// An array of one kind of number: its columns are `name`, or `name.1`, `name.2`, …, or 1, 2, … without a name. One that
     /// lies on its side is turned. `None` where it is no table: without rows or columns, or with rows of more than 16 MiB.
-    pub fn plain(name: &str, element: Element, shape: Shape, place: Place) -> Option<Self> {
+    pub(crate) fn plain(name: &str, element: Element, shape: Shape, place: Place) -> Option<Self> {
         let Shape { mut rows, mut columns, mut in_columns } = shape;
         if rows > 0 && columns / rows >= LYING || (rows == 1 && columns > 1) {
             (rows, columns, in_columns) = (columns, rows, !in_columns);
@@ -133,7 +133,7 @@ impl Array {
     }
 
     /// All bytes of its numbers.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let columns = || self.fields.iter().map(|f| f.element.bytes as u64 * self.rows).sum();
         self.row_bytes.map_or_else(columns, |b| b.saturating_mul(self.rows))
     }
@@ -151,7 +151,7 @@ pub(crate) struct Arrays {
 
 impl Arrays {
     /// Those of a file.
-    pub fn new(input: &Input, arrays: Vec<Array>) -> Self {
+    pub(crate) fn new(input: &Input, arrays: Vec<Array>) -> Self {
         let mut lengths: Vec<u64> = Vec::new();
         arrays.iter().for_each(|a| {
             if !lengths.contains(&a.rows) {

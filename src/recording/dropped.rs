@@ -71,7 +71,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub fn add(&mut self, reason: Reason, row: usize) {
+    pub(super) fn add(&mut self, reason: Reason, row: usize) {
         match self.all.iter_mut().find(|d| d.reason == reason) {
             Some(dropped) => {
                 dropped.rows += 1;
@@ -82,7 +82,7 @@ impl Tally {
     }
 
     /// A stretch of rows.
-    pub fn add_all(&mut self, reason: Reason, rows: std::ops::Range<usize>) {
+    pub(super) fn add_all(&mut self, reason: Reason, rows: std::ops::Range<usize>) {
         if rows.is_empty() {
             return;
         }
@@ -93,12 +93,12 @@ impl Tally {
     }
 
     /// Rows that were dropped elsewhere.
-    pub fn join(&mut self, others: &[Dropped]) {
+    pub(super) fn join(&mut self, others: &[Dropped]) {
         self.all.extend_from_slice(others);
     }
 
     /// Every reason once, in the order first met.
-    pub fn all(self) -> Vec<Dropped> {
+    pub(super) fn all(self) -> Vec<Dropped> {
         self.all
     }
 }

@@ -26,7 +26,7 @@ pub(super) struct Glitch {
 }
 
 impl Glitch {
-    pub fn push(&mut self, value: f64) {
+    pub(super) fn push(&mut self, value: f64) {
         if let Some(before) = self.before {
             self.count += 1;
             let change = (value - before).abs();
@@ -45,12 +45,12 @@ impl Glitch {
     }
 
     /// The next reading does not follow the one before.
-    pub fn interrupt(&mut self) {
+    pub(super) fn interrupt(&mut self) {
         self.before = None;
     }
 
     /// What a person should know, if there is such a reading.
-    pub fn finding(&self, name: &str) -> Option<Finding> {
+    pub(super) fn finding(&self, name: &str) -> Option<Finding> {
         if self.count < LEAST {
             return None;
         }

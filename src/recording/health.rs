@@ -58,7 +58,7 @@ impl Rail {
 }
 
 impl Watch {
-    pub fn new(name: &str) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         Self {
             name: name.into(),
             count: 0,
@@ -76,13 +76,13 @@ impl Watch {
     }
 
     /// All of a column.
-    pub fn of(name: &str, values: &[f64]) -> Self {
+    pub(crate) fn of(name: &str, values: &[f64]) -> Self {
         let mut watch = Self::new(name);
         values.iter().for_each(|v| watch.push(*v));
         watch
     }
 
-    pub fn push(&mut self, value: f64) {
+    pub(crate) fn push(&mut self, value: f64) {
         self.high.push(value);
         self.low.push(-value);
         if self.levels.len() <= 8 && !self.levels.contains(&value) {
@@ -114,18 +114,18 @@ impl Watch {
 
     /// The step that all values since it was first seen are whole multiples of, if values repeat so often that it is no
     /// accident of printing.
-    pub fn step(&self) -> Option<f64> {
+    pub(crate) fn step(&self) -> Option<f64> {
         let span = (self.high.value + self.low.value) / self.step;
         (self.step.is_finite() && self.off_grid < ON_GRID && 20.0 * span < self.count as f64).then_some(self.step)
     }
 
     /// Whether all values are the same.
-    pub fn constant(&self) -> bool {
+    pub(crate) fn constant(&self) -> bool {
         self.levels.len() < 2
     }
 
     /// What a person should know of the column.
-    pub fn findings(&self) -> Vec<Finding> {
+    pub(crate) fn findings(&self) -> Vec<Finding> {
         let column = || self.name.clone();
         if self.constant() {
             return vec![Finding::Constant { column: column(), value: self.before }];

@@ -115,7 +115,7 @@ pub(crate) fn layout(kind: &str) -> Option<&'static Layout> {
 
 impl Layout {
     /// Its columns: the clock, then the numbers.
-    pub fn columns(&self) -> Vec<Heading> {
+    pub(crate) fn columns(&self) -> Vec<Heading> {
         let numbers = self.items.iter().filter_map(|item| match item {
             Column(name, unit) => Some(Heading::in_unit(*name, unit)),
             _ => None,

@@ -64,7 +64,7 @@ impl Unpacked {
     ///
     /// # Errors
     /// A kind of packing that this build was made without.
-    pub fn new(input: &Input, pack: Pack) -> Result<Self> {
+    pub(super) fn new(input: &Input, pack: Pack) -> Result<Self> {
         let taken = Arc::new(AtomicU64::new(0));
         let source = Counted { cursor: input.at(0), taken: Arc::clone(&taken) };
         let reader: Box<dyn Read + Send> = match pack {
@@ -85,7 +85,7 @@ impl Unpacked {
     }
 
     /// Bytes of the file itself that were read.
-    pub fn bytes_taken(&self) -> u64 {
+    pub(super) fn bytes_taken(&self) -> u64 {
         self.taken.load(Ordering::Relaxed)
     }
 }

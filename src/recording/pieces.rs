@@ -40,18 +40,18 @@ pub(super) struct Pieces {
 
 impl Pieces {
     /// Of a reader; a piece without a line's end grows up to `longest` bytes.
-    pub fn new(reader: Unpacked, longest: usize) -> Self {
+    pub(super) fn new(reader: Unpacked, longest: usize) -> Self {
         let (rest, parsed) = (Vec::new(), VecDeque::new());
         Self { reader, rest, ended: false, longest, parsers: None, parsed, failed: None }
     }
 
     /// From here on rows have this layout, and are parsed beforehand.
-    pub fn parse(&mut self, layout: Layout) {
+    pub(super) fn parse(&mut self, layout: Layout) {
         self.parsers = Parsers::start(layout);
     }
 
     /// Bytes of the file itself that were read.
-    pub fn bytes_taken(&self) -> u64 {
+    pub(super) fn bytes_taken(&self) -> u64 {
         self.reader.bytes_taken()
     }
 
@@ -59,7 +59,7 @@ impl Pieces {
     ///
     /// # Errors
     /// As the reader's, once the pieces before are given.
-    pub fn take(&mut self) -> io::Result<Option<Piece>> {
+    pub(super) fn take(&mut self) -> io::Result<Option<Piece>> {
         while self.failed.is_none()
             && let Some(parsers) = &self.parsers
             && self.parsed.len() < AHEAD * parsers.threads

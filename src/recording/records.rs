@@ -60,7 +60,7 @@ pub(super) struct Strays {
 }
 
 impl Strays {
-    pub fn add(&mut self, at: u64, bytes: u64) {
+    pub(super) fn add(&mut self, at: u64, bytes: u64) {
         if self.bytes == 0 {
             self.first = at;
         }
@@ -68,7 +68,7 @@ impl Strays {
     }
 
     /// What is to be said of them.
-    pub fn finding(&self) -> Option<Finding> {
+    pub(super) fn finding(&self) -> Option<Finding> {
         (self.bytes > 0).then_some(Finding::SkippedBytes { bytes: self.bytes, first: self.first })
     }
 }

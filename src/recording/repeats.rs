@@ -50,7 +50,7 @@ pub(super) struct Repeats {
 
 impl Repeats {
     /// The next row. Whether it repeats the one before in every column.
-    pub fn push(&mut self, row: &[f64]) -> bool {
+    pub(super) fn push(&mut self, row: &[f64]) -> bool {
         let mut all = false;
         if let Some(before) = self.last.last() {
             self.repeats.resize(row.len(), 0);
@@ -92,7 +92,7 @@ impl Repeats {
     }
 
     /// What the repeating rows stand for; `None` where there are none, or too many for them to say anything.
-    pub fn judge(&self) -> Option<Repeated> {
+    pub(super) fn judge(&self) -> Option<Repeated> {
         let seldom = self.repeats.iter().all(|count| *count as f64 <= SELDOM * self.rows as f64);
         (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then_some(Repeated {
             meaning: if self.twice <= self.lost { Meaning::WrittenTwice } else { Meaning::Lost },

@@ -42,7 +42,7 @@ pub(crate) struct Series {
 
 impl Series {
     /// Empty.
-    pub fn new(name: &str, keep: &Keep) -> Self {
+    pub(crate) fn new(name: &str, keep: &Keep) -> Self {
         Self {
             keep: keep.clone(),
             values: Vec::with_capacity(keep.expected),
@@ -62,7 +62,7 @@ impl Series {
     }
 
     /// The next reading; NaN where it is missing.
-    pub fn push(&mut self, value: f64) {
+    pub(crate) fn push(&mut self, value: f64) {
         self.readings += 1;
         if value.is_nan() {
             self.missing += 1;
@@ -80,7 +80,7 @@ impl Series {
     }
 
     /// A sample that has no row.
-    pub fn push_hole(&mut self) {
+    pub(crate) fn push_hole(&mut self) {
         self.pending += 1;
     }
 
@@ -115,17 +115,17 @@ impl Series {
     }
 
     /// Samples that become one.
-    pub fn together(&self) -> usize {
+    pub(crate) fn together(&self) -> usize {
         self.keep.together
     }
 
     /// Samples that passed.
-    pub fn total(&self) -> usize {
+    pub(crate) fn total(&self) -> usize {
         self.samples
     }
 
     /// Samples kept, before any were averaged.
-    pub fn kept(&self) -> usize {
+    pub(crate) fn kept(&self) -> usize {
         self.samples.min(self.keep.window.end).saturating_sub(self.keep.window.start)
     }
 
@@ -133,7 +133,7 @@ impl Series {
     ///
     /// # Errors
     /// When more than 5 % of the readings are missing.
-    pub fn finish(&mut self, path: &Path) -> Result<Option<Finding>> {
+    pub(crate) fn finish(&mut self, path: &Path) -> Result<Option<Finding>> {
         if self.pending > 0 {
             self.fill(None);
         }

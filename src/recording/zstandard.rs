@@ -17,7 +17,7 @@ impl<R: Read> Frame<R> {
     ///
     /// # Errors
     /// Something else than a frame, one that is damaged, or one that looks back by more than 128 MiB.
-    pub fn next(mut source: R) -> io::Result<Option<Self>> {
+    pub(crate) fn next(mut source: R) -> io::Result<Option<Self>> {
         loop {
             let mut first = [0; 1];
             if source.read(&mut first)? == 0 {
@@ -72,7 +72,7 @@ enum State<R> {
 
 impl<R: Read> Frames<R> {
     /// From the first one on.
-    pub fn new(source: R) -> Self {
+    pub(super) fn new(source: R) -> Self {
         Self { state: State::Between(Some(source)) }
     }
 }

@@ -3,7 +3,7 @@
 /// For a process of unit variance that is held for `every` steps, with `first` steps left to its next renewal at the end of the
 /// still start (none: a whole time), over the `steps` before it: the variance of its mean, and the mean's covariance with
 /// the value at the end.
-pub fn mean_and_end(every: u64, first: u64, steps: f64) -> [f64; 2] {
+pub(super) fn mean_and_end(every: u64, first: u64, steps: f64) -> [f64; 2] {
     let left = if first.is_multiple_of(every) { every } else { first % every };
     // Pieces of constant value, the last one first, each e⁻¹ of correlation from the one after.
     let mut pieces = Vec::new();

@@ -11,9 +11,9 @@ use crate::kernel::flight::Vertical;
 use crate::kernel::passage::{Course, Passage};
 
 /// Attitude, velocity, position.
-pub type Square = SMatrix<f64, 9, 9>;
+pub(super) type Square = SMatrix<f64, 9, 9>;
 /// What accelerometers (first three) and gyros do to them.
-pub type Drive = SMatrix<f64, 9, 6>;
+pub(super) type Drive = SMatrix<f64, 9, 6>;
 
 /// The model over some time: x′ = F x + B u.
 #[derive(Debug, Clone, Copy)]

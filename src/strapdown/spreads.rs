@@ -53,13 +53,13 @@ pub(super) struct At<'a> {
 
 impl At<'_> {
     /// One quantity.
-    pub fn distribution(&self, quantity: Quantity) -> Distribution {
+    pub(super) fn distribution(&self, quantity: Quantity) -> Distribution {
         let at = |place: &usize| self.answer.ensemble.summary(*place, quantity);
         Distribution::of(&self.places.iter().map(at).collect::<Vec<_>>())
     }
 
     /// One along each axis.
-    pub fn north_east_down(&self, quantity: fn(usize) -> Quantity) -> NorthEastDown {
+    pub(super) fn north_east_down(&self, quantity: fn(usize) -> Quantity) -> NorthEastDown {
         NorthEastDown {
             north: self.distribution(quantity(0)),
             east: self.distribution(quantity(1)),
@@ -72,17 +72,17 @@ impl At<'_> {
     }
 
     /// Horizontal distance from the truth.
-    pub fn circular(&self) -> Circular {
+    pub(super) fn circular(&self) -> Circular {
         Circular { cep50: self.percentile(Quantity::Horizontal, 2), cep95: self.percentile(Quantity::Horizontal, 3) }
     }
 
     /// Distance from the truth.
-    pub fn spherical(&self) -> Spherical {
+    pub(super) fn spherical(&self) -> Spherical {
         Spherical { sep50: self.percentile(Quantity::Spherical, 2), sep95: self.percentile(Quantity::Spherical, 3) }
     }
 
     /// What the linear model says of one of its nine.
-    pub fn linear(&self, place: usize) -> Spread {
+    pub(super) fn linear(&self, place: usize) -> Spread {
         let covariance = &self.answer.covariance;
         Spread {
             mean: self.places.iter().map(|k| covariance.mean(*k, place)).collect(),
@@ -91,7 +91,7 @@ impl At<'_> {
     }
 
     /// What it says of three.
-    pub fn linear_axes(&self, first: usize) -> Axes {
+    pub(super) fn linear_axes(&self, first: usize) -> Axes {
         Axes { north: self.linear(first), east: self.linear(first + 1), down: self.linear(first + 2) }
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Totals {
 
 impl Totals {
     /// Nothing summed yet, on the bins that a pilot has set.
-    pub fn new(pilot: &[Sums]) -> Self {
+    pub(super) fn new(pilot: &[Sums]) -> Self {
         let report = |sums: &Sums| Report {
             moments: Default::default(),
             histograms: moments(sums).map(|m| Histogram::new(Bins::around(&m))).into(),
@@ -37,23 +37,23 @@ impl Totals {
     }
 
     /// Whether no pilot has run.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.reports.is_empty()
     }
 
     /// Whether they can be those of a flight.
-    pub fn fit(&self, flight: &Flight) -> bool {
+    pub(super) fn fit(&self, flight: &Flight) -> bool {
         self.reports.len() == flight.clock().report_samples.len()
             && self.reports.iter().all(|report| report.histograms.len() == QUANTITIES)
     }
 
     /// The bins per report time.
-    pub fn bins(&self) -> Vec<[Bins; QUANTITIES]> {
+    pub(super) fn bins(&self) -> Vec<[Bins; QUANTITIES]> {
         self.reports.iter().map(|report| std::array::from_fn(|q| report.histograms[q].bins)).collect()
     }
 
     /// Adds a batch that begins with a member.
-    pub fn add(&mut self, first_member: u64, batch: &[Sums]) {
+    pub(super) fn add(&mut self, first_member: u64, batch: &[Sums]) {
         for (report, sums) in self.reports.iter_mut().zip(batch) {
             for (block, moments) in (first_member / BLOCK as u64..).zip(&sums.blocks) {
                 for (g, fold) in report.moments.iter_mut().enumerate() {
@@ -66,12 +66,12 @@ impl Totals {
     }
 
     /// Members that had failed by the last report.
-    pub fn failed(&self) -> u64 {
+    pub(super) fn failed(&self) -> u64 {
         self.reports.last().map_or(0, |report| report.failed)
     }
 
     /// The summaries per report time.
-    pub fn summed(&self) -> Vec<[Summary; QUANTITIES]> {
+    pub(super) fn summed(&self) -> Vec<[Summary; QUANTITIES]> {
         let report = |report: &Report| {
             let totals: Vec<[Moments; 4]> = report.moments.iter().map(Fold::total).collect();
             std::array::from_fn(|q| Summary::of(&totals[q / 4][q % 4], report.histograms[q].clone()))

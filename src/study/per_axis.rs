@@ -9,7 +9,7 @@ use crate::units::number::Number;
 
 /// A number for each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PerAxis {
+pub(super) enum PerAxis {
     /// The same for all three; where it is drawn, it is drawn for each apart.
     All(Number),
     /// One for each.
@@ -18,7 +18,7 @@ pub enum PerAxis {
 
 impl PerAxis {
     /// That of an axis: 0, 1, 2.
-    pub fn of(self, axis: usize) -> Number {
+    pub(super) fn of(self, axis: usize) -> Number {
         match self {
             Self::All(number) => number,
             Self::Each(numbers) => numbers[axis],

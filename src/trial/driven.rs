@@ -183,7 +183,7 @@ impl Driven {
 
 impl<'a> Scene<'a> {
     /// Tabulates the inputs of a case.
-    pub fn new(case: &'a Driven, substeps: usize) -> Self {
+    pub(super) fn new(case: &'a Driven, substeps: usize) -> Self {
         let lead = match case.excitation {
             Excitation::None | Excitation::Recorded { .. } => 0,
             _ => RUN_IN,
@@ -200,7 +200,7 @@ impl<'a> Scene<'a> {
         Self { case, lead, substeps, input, environment }
     }
 
-    pub fn coarse(case: &'a Driven) -> Self {
+    pub(super) fn coarse(case: &'a Driven) -> Self {
         Self::new(case, if case.is_abrupt() { SUBSTEPS } else { SUBSTEPS / 2 })
     }
 
@@ -226,7 +226,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The output column with these effects and this noise.
-    pub fn output(&self, terms: &[Term], noise: f64) -> Vec<f64> {
+    pub(super) fn output(&self, terms: &[Term], noise: f64) -> Vec<f64> {
         let motion = self.motion(terms);
         let input = self.input_at_samples();
         let tap = Tap {
@@ -241,7 +241,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Visible and raw size of one effect, relative to the rms output; infinite where the motion diverges.
-    pub fn size_of(&self, term: Term, undisturbed: &[f64]) -> [f64; 2] {
+    pub(super) fn size_of(&self, term: Term, undisturbed: &[f64]) -> [f64; 2] {
         let output = self.output(&[term], 0.0);
         if output.iter().any(|y| !y.is_finite()) {
             return [f64::INFINITY; 2];

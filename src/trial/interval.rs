@@ -82,19 +82,19 @@ impl Curve {
     }
 
     /// Size found with this power.
-    pub fn size_at(&self, power: f64) -> f64 {
+    pub(crate) fn size_at(&self, power: f64) -> f64 {
         (self.middle + (power / (1.0 - power)).ln() / self.slope).exp()
     }
 
     /// Power at a size.
-    pub fn power_at(&self, size: f64) -> f64 {
+    pub(crate) fn power_at(&self, size: f64) -> f64 {
         1.0 / (1.0 + (-self.slope * (size.ln() - self.middle)).exp())
     }
 }
 
 impl Power {
     /// Fits curves on a grid. None when nothing, or everything, was noticed: there is no limit in range.
-    pub fn fit(cases: &[(f64, bool)]) -> Option<Self> {
+    pub(crate) fn fit(cases: &[(f64, bool)]) -> Option<Self> {
         let noticed = cases.iter().filter(|c| c.1).count();
         if noticed == 0 || noticed == cases.len() {
             return None;
@@ -117,12 +117,12 @@ impl Power {
     }
 
     /// 95 % interval of the size found with this power.
-    pub fn size_ci95(&self, power: f64) -> [f64; 2] {
+    pub(crate) fn size_ci95(&self, power: f64) -> [f64; 2] {
         self.range(|curve| curve.size_at(power))
     }
 
     /// 95 % interval of the power at a size.
-    pub fn power_ci95(&self, size: f64) -> [f64; 2] {
+    pub(crate) fn power_ci95(&self, size: f64) -> [f64; 2] {
         self.range(|curve| curve.power_at(size))
     }
 }

@@ -140,7 +140,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Members drawn and sent; `traced`: every reading's errors are written as well.
-    pub fn new(gpu: &Gpu, batch: &Batch<'_>, traced: bool) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, batch: &Batch<'_>, traced: bool) -> Result<Self> {
         let job = batch.job;
         let members = batch.members.end - batch.members.start;
         let stride = members.next_multiple_of(u64::from(BLOCK));
@@ -307,7 +307,12 @@ pub(super) struct Shape {
 
 impl Shape {
     /// Reads what it has written to partials and counts.
-    pub fn partials(&self, gpu: &Gpu, [partials, counts]: [&Buffer; 2], bins: &[[Bins; 4]]) -> Result<Vec<Partial>> {
+    pub(super) fn partials(
+        &self,
+        gpu: &Gpu,
+        [partials, counts]: [&Buffer; 2],
+        bins: &[[Bins; 4]],
+    ) -> Result<Vec<Partial>> {
         let Self { reports, blocks, members } = *self;
         let bytes = gpu.read(partials, (reports * blocks * 4 * size_of::<layout::Partial>()) as u64)?;
         let moments: Vec<layout::Partial> = bytemuck::pod_collect_to_vec(&bytes);

@@ -35,7 +35,7 @@ impl ValueEnum for Target {
 }
 
 /// What the script is to run.
-pub struct Request<'a> {
+pub(super) struct Request<'a> {
     /// For whom.
     pub target: Target,
     /// How many shards.
@@ -58,7 +58,7 @@ pub struct Request<'a> {
 ///
 /// # Errors
 /// When it cannot be written.
-pub fn run(study: &Study, request: &Request<'_>) -> Result<()> {
+pub(super) fn run(study: &Study, request: &Request<'_>) -> Result<()> {
     let name = object_name(&study.name);
     let (file, text) = match request.target {
         Target::Slurm => (format!("{name}.slurm.sh"), slurm(&name, request)),

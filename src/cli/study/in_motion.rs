@@ -19,7 +19,7 @@ const REPORT: &str = "report.html";
 const INFLATED: &str = "inflated.toml";
 
 /// What the command line asks for.
-pub struct Asked<'a> {
+pub(super) struct Asked<'a> {
     /// The run, as its outputs are listed for a study of one axis.
     pub request: output::Request,
     /// Whether to go on with one that was stopped.
@@ -34,7 +34,7 @@ pub struct Asked<'a> {
 ///
 /// # Errors
 /// As `study`; there is no stopped run to resume.
-pub fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
+pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
     let Asked { request, resume, backend, path } = asked;
     let mut kept = match resume {
         true => Kept::resume(path, &study.identity)?,

@@ -24,7 +24,7 @@ use crate::shard::gather::{Found, are_whole, belong_together, find, missing};
 use crate::study::Study;
 
 /// What is asked of the ranks.
-pub struct Request<'a> {
+pub(super) struct Request<'a> {
     /// Reads the study; with it, where its results go and what will be written there.
     pub read: &'a dyn Fn() -> Result<Asked>,
     /// The study's file, where it has one.
@@ -38,7 +38,7 @@ pub struct Request<'a> {
 }
 
 /// A study, and where its results go.
-pub struct Asked {
+pub(super) struct Asked {
     /// The study.
     pub study: Study,
     /// The folder that all ranks share.
@@ -106,7 +106,7 @@ const SILENT: &str = "told by rank 0";
 ///
 /// # Errors
 /// As `study` and `merge`; told by rank 0 for all.
-pub fn run(request: &Request<'_>, json: bool) -> Result<()> {
+pub(super) fn run(request: &Request<'_>, json: bool) -> Result<()> {
     let Some(universe) = mpi::initialize() else {
         return Err(Error::new("could not start MPI", "it was started before", "report this as a defect"));
     };

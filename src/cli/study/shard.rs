@@ -13,7 +13,7 @@ use crate::shard::file::Place;
 use crate::study::Study;
 
 /// What is asked of a shard.
-pub struct Request<'a> {
+pub(super) struct Request<'a> {
     /// Which.
     pub shard: Shard,
     /// The study's file, where it has one.
@@ -32,7 +32,7 @@ pub struct Request<'a> {
 ///
 /// # Errors
 /// A backend that is not there, a folder that cannot be written, a state of another run, Ctrl-C.
-pub fn run(study: &Study, request: &Request<'_>, json: bool) -> Result<()> {
+pub(super) fn run(study: &Study, request: &Request<'_>, json: bool) -> Result<()> {
     let divided = Divided::of(study, request.input)?;
     let header = divided.header(request.shard);
     let place = Place::take(request.out, &header, request.force)?;

@@ -13,12 +13,12 @@ use crate::trial::plan::Plan;
 use crate::trial::real::Found;
 
 /// The sealed truth, and a line for each verdict: what a stopped trial goes on from.
-pub const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
+pub(super) const STATES: [&str; 2] = ["truth.json", "verdicts.jsonl"];
 /// Every file that the outcome is written as.
-pub const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "limits.svg", "trial.json"];
+pub(super) const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "limits.svg", "trial.json"];
 
 /// Everything that a report is made from.
-pub struct Run<'a> {
+pub(super) struct Run<'a> {
     /// How it was drawn.
     pub plan: &'a Plan,
     /// What it showed.
@@ -35,7 +35,13 @@ pub struct Run<'a> {
 ///
 /// # Errors
 /// When stdout or the folder cannot be written.
-pub fn give(run: &Run<'_>, command: &str, folder: Option<Folder>, more: &[(&str, Vec<u8>)], json: bool) -> Result<()> {
+pub(super) fn give(
+    run: &Run<'_>,
+    command: &str,
+    folder: Option<Folder>,
+    more: &[(&str, Vec<u8>)],
+    json: bool,
+) -> Result<()> {
     let Run { outcome, real, .. } = run;
     let document = to_json(outcome)?;
     let page = folder.as_ref().map(|folder| folder.path().join(FILES[0]));

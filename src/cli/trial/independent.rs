@@ -23,7 +23,7 @@ const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
 
 /// What `trial` was asked for, as far as it concerns the second generator.
 #[derive(Debug, Clone)]
-pub struct Request {
+pub(super) struct Request {
     /// Where to write.
     pub out: Option<PathBuf>,
     /// Replace what is not ours.
@@ -69,7 +69,7 @@ fn command(request: &Request) -> String {
 ///
 /// # Errors
 /// When the folder cannot be written, on Ctrl-C, or when the sealed truth was changed.
-pub fn run(request: &Request, json: bool, control: &Control) -> Result<()> {
+pub(super) fn run(request: &Request, json: bool, control: &Control) -> Result<()> {
     let plan = plan(request)?;
     if let (Some(number), Some(path)) = (request.case, &request.out) {
         return one(plan, number, path, request.force, json, control);

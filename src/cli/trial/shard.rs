@@ -21,7 +21,7 @@ use crate::trial::outcome::Outcome;
 use crate::trial::plan::Plan;
 
 /// What is asked of a shard.
-pub struct Request<'a> {
+pub(crate) struct Request<'a> {
     /// The whole trial.
     pub plan: Plan,
     /// Which shard of it.
@@ -38,7 +38,7 @@ pub struct Request<'a> {
 ///
 /// # Errors
 /// When the folder cannot be written, when what is there belongs to another trial, or on Ctrl-C.
-pub fn run(request: &Request<'_>, subject: &Subject<'_>, control: &Control, json: bool) -> Result<()> {
+pub(crate) fn run(request: &Request<'_>, subject: &Subject<'_>, control: &Control, json: bool) -> Result<()> {
     let mut header = divided::header(request.plan, request.shard)?;
     let place = Place::take(request.out, &header, request.force)?;
     let path = place.path().to_path_buf();

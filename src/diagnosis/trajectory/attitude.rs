@@ -15,7 +15,7 @@ use super::rows::{Bins, Row, rows};
 use crate::parallel;
 
 /// Rotation vector E at each pose, rad.
-pub fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vector3<f64>> {
+pub(super) fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vector3<f64>> {
     let mounting = case.mounting(point);
     let at = |pose: usize| {
         let reckoned = course.attitude_at(case.log, case.stamp_s(point, pose));
@@ -25,7 +25,7 @@ pub fn error(case: &Case<'_>, course: &Course, point: &Point) -> Vec<Vector3<f64
 }
 
 /// Rows of the attitude: changes of E from bin to bin, rad/s.
-pub fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {
+pub(super) fn attitude_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins) -> Vec<Row> {
     let residual = error(case, course, point);
     let poses = case.motion.time_s.len();
     let places: Vec<(usize, f64)> = (0..poses).map(|pose| place(&case.log.time_s, case.stamp_s(point, pose))).collect();

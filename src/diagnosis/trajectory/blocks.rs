@@ -8,11 +8,11 @@ use super::rows::Row;
 use super::whitening::Whitening;
 
 /// Blocks of time that are left out one by one.
-pub const BLOCKS: usize = 20;
+pub(super) const BLOCKS: usize = 20;
 
 /// Sums over some rows: XᵀX, Xᵀr, rᵀr.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sums {
+pub(super) struct Sums {
     matrix: DMatrix<f64>,
     vector: DVector<f64>,
     square: f64,
@@ -38,21 +38,21 @@ impl Sums {
     }
 
     /// Sum of squares at a step from where it was linearised.
-    pub fn squares(&self, step: &DVector<f64>) -> f64 {
+    pub(super) fn squares(&self, step: &DVector<f64>) -> f64 {
         (self.square + 2.0 * self.vector.dot(step) + (&self.matrix * step).dot(step)).max(0.0)
     }
 }
 
 /// The sums of one sensor, block by block.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Blocks {
+pub(super) struct Blocks {
     /// In order of time.
     pub all: Vec<Sums>,
 }
 
 impl Blocks {
     /// Of rows, made white, between two times.
-    pub fn of(rows: &[Row], whitening: &Whitening, [from_s, to_s]: [f64; 2]) -> Self {
+    pub(super) fn of(rows: &[Row], whitening: &Whitening, [from_s, to_s]: [f64; 2]) -> Self {
         let mut all = vec![Sums::empty(); BLOCKS];
         for k in 0..rows.len() {
             let Some((residual, slope)) = whitening.white(rows, k) else { continue };
@@ -79,7 +79,7 @@ impl Blocks {
 
 /// A linearised model: the point about which it is one, and the sums of each sensor.
 #[derive(Debug, Clone)]
-pub struct Linear {
+pub(super) struct Linear {
     /// Where it was linearised.
     pub point: Point,
     /// By sensor: attitude, and position where there is one.
@@ -88,7 +88,7 @@ pub struct Linear {
 
 /// Parameters of a subset, the others being zero.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
+pub(super) struct Solved {
     /// All parameters, SI; those that were not fitted as they were.
     pub point: Point,
     /// Covariance of the active ones under white noise, in their order.
@@ -108,7 +108,7 @@ impl Linear {
     }
 
     /// Best parameters of a subset on the blocks wanted.
-    pub fn solve(&self, active: &[usize], wanted: impl Fn(usize) -> bool) -> Solved {
+    pub(super) fn solve(&self, active: &[usize], wanted: impl Fn(usize) -> bool) -> Solved {
         self.solve_sums(&self.total(wanted), active)
     }
 
@@ -144,7 +144,7 @@ impl Linear {
     }
 
     /// The same with each block left out in turn.
-    pub fn replicates(&self, active: &[usize]) -> Vec<Point> {
+    pub(super) fn replicates(&self, active: &[usize]) -> Vec<Point> {
         let total = self.total(|_| true);
         let without = |block: usize| {
             let mut sums = total.clone();
@@ -155,7 +155,7 @@ impl Linear {
     }
 
     /// Sum of squares and how many numbers, of a sensor's block at a point.
-    pub fn squares(&self, sensor: usize, block: usize, point: &Point) -> (f64, usize) {
+    pub(super) fn squares(&self, sensor: usize, block: usize, point: &Point) -> (f64, usize) {
         let step = DVector::from_fn(PARAMETERS, |p, _| point[p] - self.point[p]);
         let sums = &self.sensors[sensor].all[block];
         (sums.squares(&step), sums.count)

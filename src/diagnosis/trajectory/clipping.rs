@@ -11,7 +11,7 @@ const BELOW: f64 = 0.02;
 
 /// A limit of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limit {
+pub(super) struct Limit {
     /// Which axis, 0 to 2.
     pub axis: usize,
     /// Its size, unit of the reading.
@@ -25,7 +25,7 @@ pub struct Limit {
 }
 
 /// Limits of three axes; every reading that stands at one is marked.
-pub fn limits(readings: &[Vector3<f64>], spoilt: &mut [bool]) -> Vec<Limit> {
+pub(super) fn limits(readings: &[Vector3<f64>], spoilt: &mut [bool]) -> Vec<Limit> {
     (0..3).filter_map(|axis| limit(readings, axis, spoilt)).collect()
 }
 

@@ -9,14 +9,14 @@ const FOLDS: usize = 5;
 const RIDGE: f64 = 1e-6;
 
 /// Products of a residual with itself at every two lags, by stretch of time and by axis.
-pub struct Lags {
+pub(super) struct Lags {
     products: Vec<[DMatrix<f64>; 3]>,
     count: Vec<f64>,
 }
 
 impl Lags {
     /// Of a residual, at lags up to `most`; rows that do not hold are not used, nor those whose lags reach one.
-    pub fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
+    pub(super) fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
         let most = most.min(residual.len() / 20);
         let empty = || std::array::from_fn(|_| DMatrix::zeros(most + 1, most + 1));
         let (mut products, mut count): (Vec<[DMatrix<f64>; 3]>, _) =
@@ -52,7 +52,7 @@ impl Lags {
     /// Coefficients, nearest row first, and variance of what they do not predict.
     ///
     /// The order is the one that makes held-out stretches most likely.
-    pub fn fitted(&self) -> (Vec<f64>, Vector3<f64>) {
+    pub(super) fn fitted(&self) -> (Vec<f64>, Vector3<f64>) {
         let most = self.products[0][0].nrows() - 1;
         let scores: Vec<Vec<f64>> = (0..=most).map(|order| self.held_out(order)).collect();
         let total = |order: &usize| scores[*order].iter().sum::<f64>();

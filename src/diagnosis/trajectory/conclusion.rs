@@ -38,7 +38,7 @@ const TOLERATED: [f64; 2] = [1.5, 3.0];
 const WIDE: f64 = 10.0;
 
 /// What a search found.
-pub struct Found<'a> {
+pub(super) struct Found<'a> {
     /// Readings on their axes.
     pub log: &'a Log,
     /// The log, its reference and what is held in the fit.
@@ -52,7 +52,7 @@ pub struct Found<'a> {
 }
 
 /// What the readings told by themselves.
-pub struct Told<'a> {
+pub(super) struct Told<'a> {
     /// The IMU's file as it was read.
     pub recording: &'a Recording,
     /// Columns of gyro and accelerometer.
@@ -70,7 +70,7 @@ pub struct Told<'a> {
 const SENSORS: [Sense; 2] = [Sense::Gyro, Sense::Accelerometer];
 
 /// Vibration of both sensors, beside what the model states.
-pub fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
+pub(super) fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
     let stated = [model.noise.gyro, model.noise.accelerometer].map(|noise| noise.map(|n| n.density));
     let rate_hz = 1.0 / log.interval_s;
     [vibration::vibration(&log.rate, rate_hz, stated[0]), vibration::vibration(&log.force, rate_hz, stated[1])]
@@ -78,7 +78,7 @@ pub fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2] {
 
 impl Told<'_> {
     /// The verdict without a reference: limits and vibration alone.
-    pub fn without_reference(self, log: &Log) -> Answer {
+    pub(super) fn without_reference(self, log: &Log) -> Answer {
         let none = Evidence { held_out_gain: 0.0, p_value: 1.0 };
         let effects = self.of_readings([0.0; 2], [Permutation::NONE; 2], none);
         let account = self.account(&effects, None, [0.0; 2]);
@@ -99,7 +99,7 @@ impl Told<'_> {
     }
 
     /// The verdict beside a reference.
-    pub fn conclude(mut self, found: &Found<'_>) -> Answer {
+    pub(super) fn conclude(mut self, found: &Found<'_>) -> Answer {
         self.findings.push(
             "scale and axes of the accelerometer are not fitted in motion: its matrix is taken as it is; a tumble recording tells them"
                 .into(),

@@ -11,7 +11,7 @@ use super::parameters::{
 
 /// What is fitted: readings, reference, and the rotation that the search starts from.
 #[derive(Debug, Clone, Copy)]
-pub struct Case<'a> {
+pub(super) struct Case<'a> {
     /// The IMU's readings.
     pub log: &'a Log,
     /// The poses of the reference.
@@ -28,30 +28,30 @@ pub struct Case<'a> {
 
 impl Case<'_> {
     /// The IMU's stamp of a pose.
-    pub fn stamp_s(&self, point: &Point, pose: usize) -> f64 {
+    pub(super) fn stamp_s(&self, point: &Point, pose: usize) -> f64 {
         let t = self.motion.time_s[pose];
         t + point[OFFSET] + point[DRIFT] * (t - self.motion.middle_s())
     }
 
     /// C at a point.
-    pub fn mounting(&self, point: &Point) -> UnitQuaternion<f64> {
+    pub(super) fn mounting(&self, point: &Point) -> UnitQuaternion<f64> {
         self.turned * UnitQuaternion::from_scaled_axis(vector(point, MOUNTING.start))
     }
 
     /// cos(nπu), n = 1, 2, at a time.
-    pub fn cosines(&self, time_s: f64) -> [f64; COSINES] {
+    pub(super) fn cosines(&self, time_s: f64) -> [f64; COSINES] {
         let u = self.log.fraction(time_s);
         std::array::from_fn(|n| (std::f64::consts::PI * (n + 1) as f64 * u).cos())
     }
 }
 
 /// Three numbers in a row.
-pub fn vector(point: &Point, start: usize) -> Vector3<f64> {
+pub(super) fn vector(point: &Point, start: usize) -> Vector3<f64> {
     Vector3::new(point[start], point[start + 1], point[start + 2])
 }
 
 /// I + S of the gyro.
-pub fn gyro_matrix(point: &Point) -> Matrix3<f64> {
+pub(super) fn gyro_matrix(point: &Point) -> Matrix3<f64> {
     let mut matrix = Matrix3::from_diagonal(&(vector(point, GYRO_SCALE.start).add_scalar(1.0)));
     for (n, at) in GYRO_OFF_DIAGONAL.into_iter().enumerate() {
         matrix[at] = point[GYRO_MISALIGNMENT.start + n];
@@ -60,13 +60,13 @@ pub fn gyro_matrix(point: &Point) -> Matrix3<f64> {
 }
 
 /// Sensitivity K of the gyro to specific force, (rad/s)/(m/s²).
-pub fn g_sensitivity(point: &Point) -> Matrix3<f64> {
+pub(super) fn g_sensitivity(point: &Point) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| point[G_SENSITIVITY.start + 3 * i + j])
 }
 
 /// What the sensors felt, and the attitude that their gyro leads to.
 #[derive(Debug, Clone)]
-pub struct Course {
+pub(super) struct Course {
     /// Rate in the IMU's axes, rad/s.
     pub rate: Vec<Vector3<f64>>,
     /// Specific force in the IMU's axes, m/s².
@@ -79,7 +79,7 @@ pub struct Course {
 
 impl Course {
     /// Reckoned with the parameters of a point.
-    pub fn of(case: &Case<'_>, point: &Point) -> Self {
+    pub(super) fn of(case: &Case<'_>, point: &Point) -> Self {
         let gyro = gyro_matrix(point).try_inverse().unwrap_or_else(Matrix3::identity);
         let k = g_sensitivity(point);
         let wander = |start: usize, time_s: f64| {
@@ -105,7 +105,7 @@ impl Course {
     }
 
     /// The attitude at an IMU's stamp, which may lie between samples.
-    pub fn attitude_at(&self, log: &Log, stamp_s: f64) -> UnitQuaternion<f64> {
+    pub(super) fn attitude_at(&self, log: &Log, stamp_s: f64) -> UnitQuaternion<f64> {
         let (k, u) = place(&log.time_s, stamp_s);
         let step = log.time_s[k + 1] - log.time_s[k];
         // The integral of a rate that changes evenly, from the sample on.

@@ -21,7 +21,7 @@ use crate::units::DEGREE;
 const SMALL_DEG: f64 = 0.1;
 
 /// Unit of a sensor's readings.
-pub fn unit(sensor: Sense) -> &'static str {
+pub(super) fn unit(sensor: Sense) -> &'static str {
     match sensor {
         Sense::Gyro => "rad/s",
         Sense::Accelerometer => "m/s^2",
@@ -42,7 +42,7 @@ fn effect(candidate: &Candidate, parameters: Vec<Estimate>, channels: Vec<String
 }
 
 /// A fitted term, with its parameters in the library's units.
-pub fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
+pub(super) fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
     let Standing { term, gain, p_value, .. } = &named.standing;
     let parameters = term.parameters.clone().zip(term.names);
     let parameters = parameters.map(|(p, name)| fit.estimate(p, name, term.unit.name, term.unit.per_si)).collect();
@@ -53,7 +53,7 @@ pub fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effect {
 }
 
 /// A mounting by large angles, which the start found: the effect is there, and its numbers are those of the whole rotation.
-pub fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2]) {
+pub(super) fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2]) {
     let turned = start.turned;
     if turned.angle() == 0.0 {
         return;
@@ -76,7 +76,7 @@ pub fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2
 }
 
 /// Readings at a limit; `gain` is the fraction of the error that lies in the time when they stand there.
-pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
+pub(super) fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
     let parameters: Vec<Estimate> = limits
         .iter()
         .map(|limit| Estimate {
@@ -94,7 +94,7 @@ pub fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f6
 }
 
 /// Exchanged columns of one sensor; none where each reads its own axis.
-pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], evidence: Evidence) -> Option<Effect> {
+pub(super) fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], evidence: Evidence) -> Option<Effect> {
     (swap != Permutation::NONE).then(|| {
         let mut effect = effect(&AXIS_SWAP, Vec::new(), names.to_vec(), evidence);
         effect.equation = format!("columns of the {} read {}", sensor.name(), swap.map());
@@ -103,7 +103,7 @@ pub fn swapped(swap: Permutation, sensor: Sense, names: &[String; 3], evidence: 
 }
 
 /// Vibration of a sensor.
-pub fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effect {
+pub(super) fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effect {
     let density_unit = format!("{}/√Hz", unit(sensor));
     let mut parameters =
         vec![Estimate { name: "density".into(), value: found.density, unit: density_unit, ci95: found.ci95 }];
@@ -123,7 +123,7 @@ pub fn vibration(found: &Vibration, sensor: Sense, names: &[String; 3]) -> Effec
 }
 
 /// What the reference errs by.
-pub fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option<Effect> {
+pub(super) fn reference(attitude: Option<Excess>, position_m: Option<Excess>) -> Option<Effect> {
     let estimate = |name: &str, excess: Excess, unit: &str, per_si: f64| Estimate {
         name: name.into(),
         value: excess.deviation * per_si,

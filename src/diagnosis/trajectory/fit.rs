@@ -23,7 +23,7 @@ const MOST: [usize; 2] = [3, 10];
 
 /// Rows at the last point, with what makes them white.
 #[derive(Debug, Clone)]
-pub struct Residuals {
+pub(super) struct Residuals {
     /// In order of time.
     pub rows: Vec<Row>,
     /// From one to the next, s.
@@ -34,7 +34,7 @@ pub struct Residuals {
 
 /// A fit of everything.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub(super) struct Fit {
     /// The linearised model about the last point.
     pub linear: Linear,
     /// Rows of attitude, and of position where the reference has it.
@@ -48,7 +48,7 @@ impl Fit {
     ///
     /// # Errors
     /// When stopped.
-    pub fn new(case: &Case<'_>, start: &Point, active: &[usize], control: &Control) -> Result<Self, Stopped> {
+    pub(super) fn new(case: &Case<'_>, start: &Point, active: &[usize], control: &Control) -> Result<Self, Stopped> {
         let mut point = *start;
         let motion = case.motion;
         let bins = WIDTH.map(|(width_s, poses)| Bins::over(&motion.time_s, width_s.max(poses * motion.interval_s)));
@@ -85,12 +85,12 @@ impl Fit {
     }
 
     /// Root mean square of the whitened residual of the attitude's rows, rad/s.
-    pub fn innovation_rad_s(&self) -> f64 {
+    pub(super) fn innovation_rad_s(&self) -> f64 {
         self.residuals.first().map_or(f64::INFINITY, |r| r.whitening.deviation.norm())
     }
 
     /// By how much the reference's attitude and the gyro's differ, root mean square of an axis about the mean, rad.
-    pub fn tilt_rad(&self) -> f64 {
+    pub(super) fn tilt_rad(&self) -> f64 {
         let count = self.error.len().max(1) as f64;
         let mean = self.error.iter().sum::<Vector3<f64>>() / count;
         (self.error.iter().map(|e| (e - mean).norm_squared()).sum::<f64>() / (3.0 * count)).sqrt()
@@ -140,7 +140,7 @@ fn coloured(
 
 impl Row {
     /// Its residual at another point than the one it was taken at.
-    pub fn at(&self, from: &Point, to: &Point) -> Vector3<f64> {
+    pub(super) fn at(&self, from: &Point, to: &Point) -> Vector3<f64> {
         (0..PARAMETERS).filter(|p| to[*p] != from[*p]).fold(self.residual, |r, p| r + self.slope[p] * (to[p] - from[p]))
     }
 }

@@ -27,10 +27,10 @@ fn fail(recording: &Recording, cause: String, hint: &str) -> Error {
 }
 
 /// Names of the columns of gyro and accelerometer.
-pub type Names = [[String; 3]; 2];
+pub(super) type Names = [[String; 3]; 2];
 
 /// Which columns are which: as the model says, else as their headings do.
-pub fn names(recording: &Recording, model: &Trajectory) -> Result<Names> {
+pub(super) fn names(recording: &Recording, model: &Trajectory) -> Result<Names> {
     let headings: Vec<String> = recording.columns.iter().map(|c| c.name.clone()).collect();
     let found = roles::of(&headings);
     let of = |given: &Option<[String; 3]>, found: Option<[usize; 3]>, what: &str| {
@@ -46,7 +46,7 @@ pub fn names(recording: &Recording, model: &Trajectory) -> Result<Names> {
 }
 
 /// Readings, and when the first of the file was.
-pub fn log(recording: &Recording, names: &Names, findings: &mut Vec<String>) -> Result<(Log, Option<Instant>)> {
+pub(super) fn log(recording: &Recording, names: &Names, findings: &mut Vec<String>) -> Result<(Log, Option<Instant>)> {
     if recording.path.exists() {
         let read = inertial::read(&recording.path)?;
         let first = read.row.partition_point(|row| *row < recording.first_row);
@@ -75,7 +75,7 @@ pub fn log(recording: &Recording, names: &Names, findings: &mut Vec<String>) -> 
 }
 
 /// Whether specific force is in m/s², with gravity in it.
-pub fn units(recording: &Recording, log: &Log) -> Result<()> {
+pub(super) fn units(recording: &Recording, log: &Log) -> Result<()> {
     let usual = order::median(log.force.iter().map(Vector3::norm).collect()).unwrap_or_default();
     if usual > 4.0 && usual < 25.0 {
         return Ok(());
@@ -93,7 +93,7 @@ pub fn units(recording: &Recording, log: &Log) -> Result<()> {
 }
 
 /// The reference on the clock of the IMU, over the time that both cover.
-pub fn motion(
+pub(super) fn motion(
     recording: &Recording,
     reference: &Reference,
     log: &Log,
@@ -146,7 +146,7 @@ pub fn motion(
 }
 
 /// Whether both move alike, in the same units.
-pub fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<()> {
+pub(super) fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<()> {
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     if turning > TURNS && start.explained < ALIKE {
         let cause = format!(

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 /// What is taken to happen between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Rule {
+pub(super) enum Rule {
     /// A straight line: what vibrates about as fast as it is sampled is made smaller.
     #[default]
     Straight,
@@ -13,7 +13,7 @@ pub enum Rule {
 }
 
 /// The integral from the first sample to each; the straight line also where too few samples stand or the stamps are uneven.
-pub fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) -> Vec<Vector3<f64>> {
+pub(super) fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) -> Vec<Vector3<f64>> {
     let mut sum = Vector3::zeros();
     let mut all = Vec::with_capacity(values.len());
     all.push(sum);
@@ -31,14 +31,14 @@ pub fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) -> Vec<Ve
 }
 
 /// Where an instant lies among samples: the one before it and the fraction of the interval; at the ends, those of the ends.
-pub fn place(time_s: &[f64], at_s: f64) -> (usize, f64) {
+pub(super) fn place(time_s: &[f64], at_s: f64) -> (usize, f64) {
     let after = time_s.partition_point(|t| *t <= at_s).clamp(1, time_s.len() - 1);
     let fraction = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);
     (after - 1, fraction)
 }
 
 /// An integral between samples, from itself and its integrand: Hermite's cubic.
-pub fn between(
+pub(super) fn between(
     time_s: &[f64],
     integral: &[Vector3<f64>],
     integrand: &[Vector3<f64>],

@@ -11,13 +11,13 @@ use crate::diagnosis::remainder::REAL;
 use crate::numerics::special::{f_survival, t_quantile};
 
 /// Chance of a false name that is accepted, over all candidates together: what every kind calls real.
-pub const FALSE_NAME: f64 = REAL;
+pub(super) const FALSE_NAME: f64 = REAL;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;
 
 /// What one term does to a model.
 #[derive(Debug, Clone)]
-pub struct Standing {
+pub(super) struct Standing {
     /// The candidate that was judged.
     pub term: &'static Term,
     /// Fraction of the held-out mean square beyond the noise that it removes.
@@ -40,14 +40,14 @@ pub struct Standing {
 
 impl Standing {
     /// Whether it may be named.
-    pub fn counts(&self) -> bool {
+    pub(super) fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.least_fall > 0.0 && self.plausible && self.matters
     }
 }
 
 /// Half the width of the 95 % interval of a number that is made of parameters: delete-one-block jackknife, and no less than
 /// white noise would give.
-pub fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) -> f64 {
+pub(super) fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) -> f64 {
     let n = replicates.len() as f64;
     let values: Vec<f64> = replicates.iter().map(of).collect();
     let mean = values.iter().sum::<f64>() / n;
@@ -56,7 +56,7 @@ pub fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) 
 }
 
 /// What is asked of a candidate.
-pub struct Question<'a> {
+pub(super) struct Question<'a> {
     /// The linearised model, summed by block.
     pub linear: &'a Linear,
     /// Indices of the parameters without the candidate.
@@ -70,7 +70,7 @@ pub struct Question<'a> {
 }
 
 /// Judges one candidate of `tried`, by which its p-value is corrected.
-pub fn judge(question: &Question<'_>, tried: usize) -> Standing {
+pub(super) fn judge(question: &Question<'_>, tried: usize) -> Standing {
     let Question { linear, smaller, larger, term, tilt_rad } = *question;
     let solved = linear.solve(larger, |_| true);
     let replicates = linear.replicates(larger);
@@ -132,13 +132,13 @@ fn chance(value: &DVector<f64>, covariance: &DMatrix<f64>, blocks: usize) -> f64
 
 /// Sums of squares of blocks that were held out, before and after, in units of the noise.
 #[derive(Debug, Clone)]
-pub struct HeldOut {
+pub(super) struct HeldOut {
     blocks: Vec<(f64, f64, f64)>,
 }
 
 impl HeldOut {
     /// Of two models, each fitted on the other four fifths of the blocks.
-    pub fn of(linear: &Linear, smaller: &[usize], larger: &[usize]) -> Self {
+    pub(super) fn of(linear: &Linear, smaller: &[usize], larger: &[usize]) -> Self {
         let mut blocks = Vec::new();
         for fold in 0..FOLDS {
             let fitted = |active: &[usize]| linear.solve(active, |b| b % FOLDS != fold).point;
@@ -169,7 +169,7 @@ impl HeldOut {
     }
 
     /// Root mean squares before and after.
-    pub fn rms(&self) -> [f64; 2] {
+    pub(super) fn rms(&self) -> [f64; 2] {
         let (before, after, n) = self.sums(usize::MAX);
         [before, after].map(|s| (s / n.max(1.0)).sqrt())
     }
@@ -186,7 +186,7 @@ impl HeldOut {
     }
 
     /// 95 % interval of the ratio of root mean squares.
-    pub fn ratio(&self) -> [f64; 2] {
+    pub(super) fn ratio(&self) -> [f64; 2] {
         let log = |(before, after, _): (f64, f64, f64)| 0.5 * (after / before.max(f64::MIN_POSITIVE)).ln();
         self.interval(log).1.map(f64::exp)
     }

@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 /// Readings in order of time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Log {
+pub(super) struct Log {
     /// Since the IMU's first stamp, s.
     pub time_s: Vec<f64>,
     /// Rates as read, rad/s.
@@ -17,19 +17,19 @@ pub struct Log {
 
 impl Log {
     /// How long it lasts, s.
-    pub fn duration_s(&self) -> f64 {
+    pub(super) fn duration_s(&self) -> f64 {
         self.time_s.last().copied().unwrap_or_default() - self.time_s.first().copied().unwrap_or_default()
     }
 
     /// Fraction of the recording that has passed at a time.
-    pub fn fraction(&self, time_s: f64) -> f64 {
+    pub(super) fn fraction(&self, time_s: f64) -> f64 {
         (time_s - self.time_s[0]) / self.duration_s().max(f64::MIN_POSITIVE)
     }
 }
 
 /// Reference poses, north-east-down, in order of time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub(super) struct Motion {
     /// On the clock of the IMU as both are stamped, s.
     pub time_s: Vec<f64>,
     /// Of the point that the reference follows, m.
@@ -44,7 +44,7 @@ pub struct Motion {
 
 impl Motion {
     /// The middle of the time that it covers, s.
-    pub fn middle_s(&self) -> f64 {
+    pub(super) fn middle_s(&self) -> f64 {
         0.5 * (self.time_s.first().copied().unwrap_or_default() + self.time_s.last().copied().unwrap_or_default())
     }
 }

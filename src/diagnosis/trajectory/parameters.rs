@@ -8,44 +8,44 @@
 use std::ops::Range;
 
 /// Number of parameters, fitted or not.
-pub const PARAMETERS: usize = 49;
+pub(super) const PARAMETERS: usize = 49;
 /// A point in the space of all parameters, SI units.
-pub type Point = [f64; PARAMETERS];
+pub(super) type Point = [f64; PARAMETERS];
 
 /// b of the gyro, rad/s.
-pub const GYRO_BIAS: Range<usize> = 0..3;
+pub(super) const GYRO_BIAS: Range<usize> = 0..3;
 /// b of the accelerometer, m/s².
-pub const FORCE_BIAS: Range<usize> = 3..6;
+pub(super) const FORCE_BIAS: Range<usize> = 3..6;
 /// Gravity's components along the reference's north and east, m/s².
-pub const TILT: Range<usize> = 6..8;
+pub(super) const TILT: Range<usize> = 6..8;
 /// τ, s; positive where the IMU stamps late.
-pub const OFFSET: usize = 8;
+pub(super) const OFFSET: usize = 8;
 /// Rate d of the IMU's clock against the reference's, s/s.
-pub const DRIFT: usize = 9;
+pub(super) const DRIFT: usize = 9;
 /// Rotation c from IMU to body beyond the one taken, rad.
-pub const MOUNTING: Range<usize> = 10..13;
+pub(super) const MOUNTING: Range<usize> = 10..13;
 /// Diagonal of the gyro's S.
-pub const GYRO_SCALE: Range<usize> = 13..16;
+pub(super) const GYRO_SCALE: Range<usize> = 13..16;
 /// The gyro's S off its diagonal: xy, xz, yx, yz, zx, zy.
-pub const GYRO_MISALIGNMENT: Range<usize> = 16..22;
+pub(super) const GYRO_MISALIGNMENT: Range<usize> = 16..22;
 /// K by rows, rad/s per m/s².
-pub const G_SENSITIVITY: Range<usize> = 22..31;
+pub(super) const G_SENSITIVITY: Range<usize> = 22..31;
 /// From the reference's origin to the accelerometer, body axes, m.
-pub const LEVER_ARM: Range<usize> = 31..34;
+pub(super) const LEVER_ARM: Range<usize> = 31..34;
 /// Slow wander of b of the gyro: two cosines over the recording, of x, then of y and z, rad/s.
-pub const GYRO_WANDER: Range<usize> = 34..40;
+pub(super) const GYRO_WANDER: Range<usize> = 34..40;
 /// The same of the accelerometer, m/s².
-pub const FORCE_WANDER: Range<usize> = 40..46;
+pub(super) const FORCE_WANDER: Range<usize> = 40..46;
 /// Rate of the reference's north-east-down against inertial space, rad/s.
-pub const EARTH_RATE: Range<usize> = 46..49;
+pub(super) const EARTH_RATE: Range<usize> = 46..49;
 
 /// Places of the gyro's off-diagonal numbers.
-pub const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+pub(super) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 /// Cosines that a slow wander is made of.
-pub const COSINES: usize = 2;
+pub(super) const COSINES: usize = 2;
 
 /// How large each number may be at the very most: the standard deviation of a prior that holds fast what nothing shows.
-pub fn widths() -> Point {
+pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
     let rows: [(Range<usize>, f64); 13] = [
         (GYRO_BIAS, 1.0),

@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 /// Which axis each column reads, and whether turned round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Permutation {
+pub(super) struct Permutation {
     /// Axis of each column.
     pub axis: [usize; 3],
     /// Whether it is turned round.
@@ -13,16 +13,16 @@ pub struct Permutation {
 
 impl Permutation {
     /// Every column reads its own axis.
-    pub const NONE: Self = Self { axis: [0, 1, 2], turned: [false; 3] };
+    pub(super) const NONE: Self = Self { axis: [0, 1, 2], turned: [false; 3] };
 
     /// Columns read = P · axes.
-    pub fn matrix(&self) -> Matrix3<f64> {
+    pub(super) fn matrix(&self) -> Matrix3<f64> {
         let sign = |row: usize| if self.turned[row] { -1.0 } else { 1.0 };
         Matrix3::from_fn(|row, column| if self.axis[row] == column { sign(row) } else { 0.0 })
     }
 
     /// As "y x −z".
-    pub fn map(&self) -> String {
+    pub(super) fn map(&self) -> String {
         let one =
             |row: usize| format!("{}{}", if self.turned[row] { "-" } else { "" }, ["x", "y", "z"][self.axis[row]]);
         [0, 1, 2].map(one).join(" ")
@@ -30,7 +30,7 @@ impl Permutation {
 }
 
 /// All 48: six orders of the axes, eight choices of sign.
-pub static SIGNED: [Permutation; 48] = signed();
+pub(super) static SIGNED: [Permutation; 48] = signed();
 
 const fn signed() -> [Permutation; 48] {
     const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];

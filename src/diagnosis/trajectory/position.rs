@@ -12,7 +12,7 @@ use super::rows::{Bins, Row, rows};
 use crate::parallel;
 
 /// Rows of the position: changes of velocity from bin to bin, m/s².
-pub fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {
+pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bins: &Bins, error: &Steady) -> Vec<Row> {
     let log = case.log;
     let attitude: Vec<UnitQuaternion<f64>> =
         (0..log.time_s.len()).map(|k| error.at(log.time_s[k]) * course.attitude[k]).collect();
@@ -85,7 +85,7 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64
 
 /// The error of the reckoned attitude without the reference's noise: means over half a second, joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Steady {
+pub(super) struct Steady {
     start_s: f64,
     step_s: f64,
     values: Vec<Vector3<f64>>,
@@ -96,7 +96,7 @@ const STEADY_S: f64 = 0.25;
 
 impl Steady {
     /// From E at the poses, whose times are the IMU's stamps of them.
-    pub fn of(stamps_s: &[f64], error: &[Vector3<f64>]) -> Self {
+    pub(super) fn of(stamps_s: &[f64], error: &[Vector3<f64>]) -> Self {
         let bins = Bins::over(stamps_s, STEADY_S);
         let mut values = bins.means(error);
         for k in 1..values.len() {

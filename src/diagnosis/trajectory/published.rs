@@ -17,7 +17,7 @@ use crate::units::DEGREE;
 const HELD: f64 = 0.2;
 
 /// A fitted subset with what its intervals are made of.
-pub struct Fitted {
+pub(super) struct Fitted {
     active: Vec<usize>,
     /// All parameters, SI.
     pub point: Point,
@@ -27,19 +27,19 @@ pub struct Fitted {
 
 impl Fitted {
     /// A subset of the parameters fitted on all blocks.
-    pub fn of(linear: &Linear, active: &[usize]) -> Self {
+    pub(super) fn of(linear: &Linear, active: &[usize]) -> Self {
         let solved = linear.solve(active, |_| true);
         let white = (0..active.len()).map(|i| solved.covariance[(i, i)].max(0.0).sqrt()).collect();
         Self { active: active.to_vec(), point: solved.point, replicates: linear.replicates(active), white }
     }
 
     /// Whether a parameter is in it.
-    pub fn has(&self, p: usize) -> bool {
+    pub(super) fn has(&self, p: usize) -> bool {
         self.active.contains(&p)
     }
 
     /// A parameter in a unit of which `per_si` are one SI unit.
-    pub fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
+    pub(super) fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
         let white = self.active.iter().position(|q| *q == p).map_or(0.0, |i| self.white[i]);
         let (value, half) = (self.point[p], half_width(&|point| point[p], &self.replicates, white));
         let ci95 = [(value - half) * per_si, (value + half) * per_si];
@@ -54,7 +54,7 @@ impl Fitted {
 }
 
 /// What nearly every unit has, beside a model.
-pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
+pub(super) fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     let gyro = [OFFSET..OFFSET + 1, DRIFT..DRIFT + 1, GYRO_SCALE, GYRO_MISALIGNMENT];
     let more = gyro.into_iter().chain([LEVER_ARM].into_iter().filter(|_| has_position)).flatten();
     let mut all = active.to_vec();
@@ -67,7 +67,7 @@ pub fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
 }
 
 /// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes are free, so is its mounting.
-pub fn seated(active: &[usize]) -> Vec<usize> {
+pub(super) fn seated(active: &[usize]) -> Vec<usize> {
     let misaligned = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
     let mounting = MOUNTING.filter(|_| !misaligned);
     let more = [OFFSET, DRIFT].into_iter().chain(mounting).filter(|p| !active.contains(p));
@@ -75,7 +75,7 @@ pub fn seated(active: &[usize]) -> Vec<usize> {
 }
 
 /// Numbers of the base model, and clock, mounting and lever arm of the wide one.
-pub fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
+pub(super) fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
     let rows = [
         (chosen, GYRO_BIAS, ["gyro_bias_x", "gyro_bias_y", "gyro_bias_z"], "rad/s", 1.0),
         (chosen, FORCE_BIAS, ["accelerometer_bias_x", "accelerometer_bias_y", "accelerometer_bias_z"], "m/s^2", 1.0),
@@ -97,7 +97,7 @@ pub fn base(chosen: &Fitted, wide: &Fitted) -> Vec<Estimate> {
 }
 
 /// calibrated = matrix · (reading − bias), in the axes that the columns ought to read.
-pub fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
+pub(super) fn calibration(wide: &Fitted, swapped: [Permutation; 2]) -> Option<Triads> {
     let sensor = |entries: [[(f64, [f64; 2]); 3]; 3], bias_at: usize, swap: Permutation, unit: &str| {
         let bias = move |p: &Point| -> Vector3<f64> { swap.matrix() * vector(p, bias_at) };
         let biases: [(f64, [f64; 2]); 3] = std::array::from_fn(|i| wide.number(&|p: &Point| bias(p)[i]));

@@ -10,7 +10,7 @@ use super::parameters::PARAMETERS;
 
 /// One vector of the residual, and its slopes.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub(super) struct Row {
     /// Time of its middle on the reference's clock, s.
     pub time_s: f64,
     /// Residual; its three components are north, east and down.
@@ -23,7 +23,7 @@ pub struct Row {
 
 /// How poses are gathered into bins.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bins {
+pub(super) struct Bins {
     /// From one to the next, s.
     pub width_s: f64,
     /// Bin of each pose.
@@ -39,7 +39,7 @@ const FULL: f64 = 0.5;
 
 impl Bins {
     /// Over poses at these times, about as wide as wanted.
-    pub fn over(time_s: &[f64], width_s: f64) -> Self {
+    pub(super) fn over(time_s: &[f64], width_s: f64) -> Self {
         let start_s = time_s.first().copied().unwrap_or_default();
         let of: Vec<usize> = time_s.iter().map(|t| ((t - start_s) / width_s + 1e-6).max(0.0) as usize).collect();
         // The last bin is cut short.
@@ -50,7 +50,7 @@ impl Bins {
     }
 
     /// Means of values that stand at the poses.
-    pub fn means(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    pub(super) fn means(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let mut sums = vec![Vector3::zeros(); self.count.len()];
         for (bin, value) in self.of.iter().zip(values) {
             if let Some(sum) = sums.get_mut(*bin) {
@@ -77,7 +77,7 @@ impl Bins {
 }
 
 /// Differences of bin means, `order` times, over the width of a bin to that power.
-pub fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) -> Vec<Vector3<f64>> {
+pub(super) fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) -> Vec<Vector3<f64>> {
     let mut values = means.to_vec();
     for _ in 0..order {
         values = values.windows(2).map(|v| (v[1] - v[0]) / width_s).collect();
@@ -86,7 +86,7 @@ pub fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) -> Vec<Ve
 }
 
 /// Rows out of a residual and its slopes, each given at the poses.
-pub fn rows(
+pub(super) fn rows(
     (log, spoilt): (&Log, &[bool]),
     bins: &Bins,
     order: usize,

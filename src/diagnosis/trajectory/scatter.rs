@@ -21,7 +21,7 @@ const FLOOR: ([f64; 2], f64) = ([0.15, 0.45], 0.25);
 
 /// Noise that a reference has beyond the sensor's.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excess {
+pub(super) struct Excess {
     /// Standard deviation per axis of the reference's means over `mean_s`, in the unit of the errors.
     pub deviation: f64,
     /// Its 95 % interval.
@@ -35,7 +35,7 @@ pub struct Excess {
 }
 
 /// Variance per Hz of the floor of readings, one-sided, unit²/Hz: mean of the axes.
-pub fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
+pub(super) fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
     let axis = |i: usize| {
         let values: Vec<f64> = readings.iter().map(|r| r[i]).collect();
         let density = welch(&values, rate_hz, 512.min(values.len()));
@@ -54,7 +54,7 @@ pub fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
 }
 
 /// What errors, given as changes per second from bin to bin, show beyond the sensor's white noise; `random_walk` is its N².
-pub fn excess(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
+pub(super) fn excess(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
     let found = SPANS.into_iter().filter_map(|span| over(changes, width_s, random_walk, span));
     found.max_by(|a, b| a.deviation.total_cmp(&b.deviation))
 }
@@ -96,7 +96,7 @@ fn over(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64, span: 
 }
 
 /// Probability of a mean this far above zero by chance, where it is one of `blocks` values: Student's t.
-pub fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
+pub(super) fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
     let t = mean / deviation.max(f64::MIN_POSITIVE);
     let tail = 0.5 * f_survival(t * t, 1.0, blocks - 1.0);
     if t > 0.0 { tail.max(f64::MIN_POSITIVE) } else { 1.0 - tail }
@@ -105,7 +105,7 @@ pub fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
 /// Position errors that are white from bin to bin: σ of a bin's mean out of second differences, whose variance is
 /// 6σ²/W⁴ and which follow each other with a correlation of −2/3. None where the sensor's noise alone makes as much, or
 /// where they do not follow each other like that.
-pub fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
+pub(super) fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
     /// Correlation half way between that of the sensor's noise (1/4 for means over two bins) and −2/3.
     const ALTERNATES: f64 = -0.2;
     let mut blocks = vec![(0.0, 0.0, 0.0); BLOCKS];

@@ -16,7 +16,7 @@ const PER_PARAMETER: f64 = 2.0;
 
 /// The outcome of a search.
 #[derive(Debug, Clone)]
-pub struct Selection {
+pub(super) struct Selection {
     /// Named, strongest first, each judged against the model without it.
     pub named: Vec<Named>,
     /// The rest, judged as additions.
@@ -25,7 +25,7 @@ pub struct Selection {
 
 /// A term of the chosen model.
 #[derive(Debug, Clone)]
-pub struct Named {
+pub(super) struct Named {
     /// Its evidence, against the model without it.
     pub standing: Standing,
     /// Others that would do as well in its place.
@@ -34,24 +34,24 @@ pub struct Named {
 
 impl Selection {
     /// The chosen model's parameters.
-    pub fn active(&self, has_position: bool) -> Vec<usize> {
+    pub(super) fn active(&self, has_position: bool) -> Vec<usize> {
         with(&base(has_position), self.named.iter().map(|n| n.standing.term))
     }
 }
 
 /// Parameters of the base model.
-pub fn base(has_position: bool) -> Vec<usize> {
+pub(super) fn base(has_position: bool) -> Vec<usize> {
     if has_position { GYRO_BIAS.chain(FORCE_BIAS).chain(TILT).collect() } else { GYRO_BIAS.collect() }
 }
 
 /// A model and more terms.
-pub fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Term>) -> Vec<usize> {
+pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Term>) -> Vec<usize> {
     active.iter().copied().chain(terms.into_iter().flat_map(|t| t.parameters.clone())).collect()
 }
 
 /// What the reference allows to be told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Allowed {
+pub(super) struct Allowed {
     /// Whether it has positions.
     pub has_position: bool,
     /// By how much its attitude and the gyro's differ, root mean square: what is smaller in the accelerometer may be
@@ -63,7 +63,7 @@ pub struct Allowed {
 ///
 /// # Errors
 /// When stopped.
-pub fn select(
+pub(super) fn select(
     linear: &Linear,
     library: &[&'static Term],
     allowed: &Allowed,

@@ -27,7 +27,7 @@ const SMALL_RAD: f64 = 0.2;
 
 /// Where the search starts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Start {
+pub(super) struct Start {
     /// By how much the IMU stamps late, s.
     pub offset_s: f64,
     /// Share of the gyro's variance that the reference explains at that shift.
@@ -119,7 +119,7 @@ fn windows(motion: &Motion) -> Vec<(usize, usize)> {
 }
 
 /// Lays one on the other.
-pub fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
+pub(super) fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
     let windows = windows(motion);
     let integral = cumulative(&log.time_s, &log.rate, Rule::Straight);
     let rates: Vec<(f64, f64, Vector3<f64>)> = windows

@@ -8,7 +8,7 @@ use super::rows::Row;
 
 /// An autoregression, the same along each axis, and the standard deviations of what it does not predict.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Whitening {
+pub(super) struct Whitening {
     coefficients: Vec<f64>,
     /// Of each axis, in the unit of the rows.
     pub deviation: Vector3<f64>,
@@ -16,7 +16,7 @@ pub struct Whitening {
 
 impl Whitening {
     /// From residuals at the rows, with an order of at most `most`.
-    pub fn of(rows: &[Row], residual: &[Vector3<f64>], most: usize) -> Self {
+    pub(super) fn of(rows: &[Row], residual: &[Vector3<f64>], most: usize) -> Self {
         let holds: Vec<bool> = rows.iter().map(|r| r.holds).collect();
         let (coefficients, variance) = Lags::of(residual, &holds, most).fitted();
         Self { coefficients, deviation: variance.map(|v| v.sqrt().max(f64::MIN_POSITIVE)) }
@@ -28,7 +28,7 @@ impl Whitening {
     }
 
     /// A row made white and in units of its deviation; none where something that it needs is missing.
-    pub fn white(&self, rows: &[Row], k: usize) -> Option<(Vector3<f64>, [Vector3<f64>; PARAMETERS])> {
+    pub(super) fn white(&self, rows: &[Row], k: usize) -> Option<(Vector3<f64>, [Vector3<f64>; PARAMETERS])> {
         let order = self.coefficients.len();
         (k >= order && rows[k - order..=k].iter().all(|r| r.holds)).then(|| {
             let weigh = |v: Vector3<f64>| v.component_div(&self.deviation);

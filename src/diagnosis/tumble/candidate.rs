@@ -13,7 +13,7 @@ mod slow_drift;
 mod temperature_sensitivity;
 mod term;
 
-pub use term::{Role, Seen, Stated, Term};
+pub(super) use term::{Role, Seen, Stated, Term};
 
 /// The library of this kind.
 pub const CANDIDATES: &[Candidate] = &[

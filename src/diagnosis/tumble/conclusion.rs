@@ -28,7 +28,7 @@ use crate::sensor::Sense;
 use crate::units::DEGREE;
 
 /// What a search found.
-pub struct Found {
+pub(super) struct Found {
     /// Base model, chosen model and what stands in it.
     pub selection: Selection,
     /// Poses that were left out.
@@ -38,7 +38,7 @@ pub struct Found {
 }
 
 /// What a conclusion is drawn about.
-pub struct Case<'a> {
+pub(super) struct Case<'a> {
     /// Recording as read.
     pub recording: &'a Recording,
     /// Model as given.
@@ -55,7 +55,7 @@ pub struct Case<'a> {
 
 impl Case<'_> {
     /// The diagnosis.
-    pub fn conclude(mut self, found: Found) -> Answer {
+    pub(super) fn conclude(mut self, found: Found) -> Answer {
         let selection = &found.selection;
         if !selection.base.determined {
             self.findings.push("the poses do not span all directions: the base model itself is not determined".into());

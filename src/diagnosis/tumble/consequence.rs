@@ -16,7 +16,7 @@ use crate::units::{DEGREE_PER_HOUR, STANDARD_GRAVITY_M_S2};
 
 impl Case<'_> {
     /// Sensor before and after, and the cost by sensor.
-    pub fn repair(&self, selection: &Selection, detail: &Detail) -> Repair {
+    pub(super) fn repair(&self, selection: &Selection, detail: &Detail) -> Repair {
         let noise = |of: &[super::noise::AxisNoise; 3], scale: f64| {
             let mean = |f: &dyn Fn(&super::noise::AxisNoise) -> f64| of.iter().map(f).sum::<f64>() / 3.0 / scale;
             (mean(&|n| n.random_walk), mean(&|n| n.bias_instability))

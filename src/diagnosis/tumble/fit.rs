@@ -9,7 +9,7 @@ use super::rows::Rows;
 
 /// A fitted set of parameters.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub(super) struct Fit {
     /// All parameters; those not active are as they were at the start.
     pub point: Point,
     /// Indices of those fitted.
@@ -88,7 +88,7 @@ fn factor(mut matrix: DMatrix<f64>, damping: f64) -> Option<Cholesky<f64, Dyn>> 
 
 impl Fit {
     /// Fits `active` from `start`, each group weighed by its noise times its inflation.
-    pub fn new(observed: &Observed<'_>, start: &Point, active: &[usize], inflation: &Inflation) -> Self {
+    pub(super) fn new(observed: &Observed<'_>, start: &Point, active: &[usize], inflation: &Inflation) -> Self {
         let mut point = *start;
         let mut rows = observed.rows(&point, active);
         let (mut design, mut target) = weighed(&rows, &point, active, inflation);
@@ -128,7 +128,7 @@ impl Fit {
     }
 
     /// The same with each group weighed by its own misfit, where that is more than its noise.
-    pub fn balanced(observed: &Observed<'_>, start: &Point, active: &[usize]) -> Self {
+    pub(super) fn balanced(observed: &Observed<'_>, start: &Point, active: &[usize]) -> Self {
         let mut fit = Self::new(observed, start, active, &AS_MEASURED);
         for _ in 0..3 {
             let misfit = GROUPS.map(|g| Some(fit.reduced(g)).filter(|m| *m > TOLERATED).unwrap_or(1.0));
@@ -142,7 +142,7 @@ impl Fit {
 
     /// The parameters as they would be without the rows for which `left_out` holds (to first order), and the residuals
     /// of all rows at that point, over their noise. A new fit differs only by the square of the small change.
-    pub fn without(&self, left_out: impl Fn(usize) -> bool) -> (Point, DVector<f64>) {
+    pub(super) fn without(&self, left_out: impl Fn(usize) -> bool) -> (Point, DVector<f64>) {
         let Normal { mut matrix, unit } = normal(&self.design);
         let columns = self.active.len();
         let mut gradient = DVector::zeros(columns);
@@ -163,12 +163,12 @@ impl Fit {
     }
 
     /// Delete-one-pose replicates of the parameters, for the jackknife.
-    pub fn replicates(&self, poses: usize) -> Vec<Point> {
+    pub(super) fn replicates(&self, poses: usize) -> Vec<Point> {
         (0..poses).map(|k| self.without(|r| self.rows.pose[r] == k).0).collect()
     }
 
     /// Standard deviation of each active parameter if the noise is as it was weighed, and nothing else errs.
-    pub fn deviations(&self) -> Vec<f64> {
+    pub(super) fn deviations(&self) -> Vec<f64> {
         let Normal { matrix, unit } = normal(&self.design);
         match factor(matrix, RIDGE) {
             Some(factored) => {
@@ -180,7 +180,7 @@ impl Fit {
     }
 
     /// Residuals of every row when its pose's fold is held out; rows of poses without a fold stay as fitted.
-    pub fn held_out(&self, folds: &[Option<usize>]) -> DVector<f64> {
+    pub(super) fn held_out(&self, folds: &[Option<usize>]) -> DVector<f64> {
         let mut out = self.rows.residual.clone();
         let count = folds.iter().flatten().max().map_or(0, |m| m + 1);
         for fold in 0..count {
@@ -194,14 +194,14 @@ impl Fit {
     }
 
     /// Mean square residual of a group over its noise, corrected for the parameters spent on it.
-    pub fn reduced(&self, group: Group) -> f64 {
+    pub(super) fn reduced(&self, group: Group) -> f64 {
         let (sum, n) = self.rows.chi_square(group);
         let spent = self.leverage(group);
         sum / (n as f64 - spent).max(1.0)
     }
 
     /// Degrees of freedom that the parameters take from a group: the trace of its part of the hat matrix.
-    pub fn leverage(&self, group: Group) -> f64 {
+    pub(super) fn leverage(&self, group: Group) -> f64 {
         let Normal { matrix, unit } = normal(&self.design);
         let Some(factored) = factor(matrix, RIDGE) else { return 0.0 };
         let mut part = DMatrix::zeros(unit.len(), unit.len());

@@ -14,7 +14,7 @@ pub(crate) fn half_width(of: &dyn Fn(&Point) -> f64, fit: &Fit, replicates: &[Po
 }
 
 /// Standard deviation of an estimate from its delete-one replicates.
-pub fn deviation(each: &[f64]) -> f64 {
+pub(super) fn deviation(each: &[f64]) -> f64 {
     let n = each.len().max(1) as f64;
     let mean = each.iter().sum::<f64>() / n;
     ((n - 1.0) / n * each.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt()

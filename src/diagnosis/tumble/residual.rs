@@ -26,7 +26,7 @@ pub(crate) struct Residual {
 }
 
 impl Residual {
-    pub fn of(fit: &Fit) -> Self {
+    pub(super) fn of(fit: &Fit) -> Self {
         let mut tests: Vec<Test> = Vec::new();
         let mut above: Vec<(Group, f64)> = Vec::new();
         for group in GROUPS.into_iter().filter(|g| fit.rows.chi_square(*g).1 > 0) {

@@ -57,12 +57,12 @@ pub(crate) struct Standing {
 
 impl Standing {
     /// Whether it may be named.
-    pub fn counts(&self) -> bool {
+    pub(super) fn counts(&self) -> bool {
         self.p_value < FALSE_NAME && self.ci95[0] > 0.0 && self.criterion > 0.0 && self.determined && self.plausible
     }
 
     /// Whether it carries most of what it is judged by, with values outside the range that the library allows.
-    pub fn would_but_for_its_size(&self) -> bool {
+    pub(super) fn would_but_for_its_size(&self) -> bool {
         !self.plausible && self.p_value < FALSE_NAME && self.ci95[0] > 0.5 && self.criterion > 0.0 && self.determined
     }
 }
@@ -84,7 +84,7 @@ pub(crate) struct Selection {
 
 impl Selection {
     /// The terms named, strongest first.
-    pub fn named_terms(&self) -> impl Iterator<Item = &'static Term> {
+    pub(super) fn named_terms(&self) -> impl Iterator<Item = &'static Term> {
         self.named.iter().map(|n| n.standing.term)
     }
 }

@@ -8,7 +8,7 @@ use super::imu::Observed;
 use crate::numerics::order::median;
 
 /// Parameters of the base model: per axis an offset, per sensor one common scale, and how the gyro's filter shapes a turn.
-pub fn base(with_gyro: bool) -> Vec<usize> {
+pub(super) fn base(with_gyro: bool) -> Vec<usize> {
     let gyro = gyro::OFFSET.chain(gyro::SCALE).chain(gyro::CONING);
     accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro.filter(|_| with_gyro)).collect()
 }

@@ -20,7 +20,7 @@ pub(crate) struct Flicker<T> {
 
 impl<T: Real> Flicker<T> {
     /// All terms zero, as they are before they are started.
-    pub fn new(terms: usize) -> Self {
+    pub(crate) fn new(terms: usize) -> Self {
         let zero = Lane::splat(T::of(0.0));
         Self { terms: vec![zero; terms], slowest: zero }
     }

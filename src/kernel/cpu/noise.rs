@@ -58,7 +58,7 @@ impl Drawer {
 
     /// Gaussian numbers of consecutive counters from `counter` on: the first `each` (2 or 4) of every counter's four.
     #[inline(always)]
-    pub fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
+    pub(crate) fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
         let mut words = [Lane::splat(0_u32); 4];
         for (i, numbers) in out.chunks_exact_mut(each).enumerate() {
             self.words(counter.wrapping_add(i as u32), stream, &mut words);

@@ -29,13 +29,13 @@ pub(super) struct State<T> {
 
 impl<T: Real> State<T> {
     /// At the beginning, without any flicker terms.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let zero = Lane::splat(T::of(0.0));
         Self { walks: [zero; state::WALK_COUNT], flickers: std::array::from_fn(|_| Flicker::new(0)) }
     }
 
     /// All that changes from sample to sample.
-    pub fn lanes(&mut self) -> impl Iterator<Item = &mut Lane<T>> {
+    pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut Lane<T>> {
         let Self { walks, flickers } = self;
         walks.iter_mut().chain(flickers.iter_mut().flat_map(Flicker::lanes))
     }

@@ -71,7 +71,7 @@ pub(super) struct Errors<'a, T> {
 
 impl<T: Real> Simulate<'_, T> {
     /// Does the work with an instruction set.
-    pub fn run(mut self, level: Level) {
+    pub(crate) fn run(mut self, level: Level) {
         let zero = Lane::splat(T::of(0.0));
         let (mut stretch, mut error, mut turn) = (Stretch::new(), [zero; STRETCH], [zero; STRETCH]);
         if self.first == self.shared.still_samples && self.first > 0 {

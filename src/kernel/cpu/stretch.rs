@@ -26,7 +26,7 @@ pub(crate) struct Numbers<'a, T> {
 
 impl<T: Real> Numbers<'_, T> {
     /// Draws one number a sample and says where in `each` they are.
-    pub fn renew(&mut self, purpose: Stream) -> Range<usize> {
+    pub(crate) fn renew(&mut self, purpose: Stream) -> Range<usize> {
         let (first, last) = (self.from >> 2, (self.until - 1) >> 2);
         let counters = (last - first + 1) as usize;
         let out = &mut self.each[..4 * counters];
@@ -36,13 +36,13 @@ impl<T: Real> Numbers<'_, T> {
     }
 
     /// Draws one number a sample.
-    pub fn each(&mut self, purpose: Stream) -> &[Lane<T>] {
+    pub(crate) fn each(&mut self, purpose: Stream) -> &[Lane<T>] {
         let range = self.renew(purpose);
         &self.each[range]
     }
 
     /// Draws two numbers for each of `counters` counters from `counter` on, into `pairs`.
-    pub fn pairs(&mut self, purpose: Stream, term: usize, counter: u64, counters: usize) {
+    pub(crate) fn pairs(&mut self, purpose: Stream, term: usize, counter: u64, counters: usize) {
         let out = &mut self.pairs[..2 * counters];
         let stream = stream(purpose, term);
         self.level.run(Draw { drawer: self.drawer, stream, counter: counter as u32, each: 2, out });

@@ -27,7 +27,7 @@ pub(super) struct Sums<T> {
 
 impl<T: Real> Sums<T> {
     /// Nothing summed yet.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let (zero, none) = (Lane::splat(T::of(0.0)), Lane::splat(0.0));
         Self {
             velocity: zero,

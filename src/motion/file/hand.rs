@@ -95,7 +95,7 @@ fn is_better(said: [Option<f64>; 2], other: [Option<f64>; 2]) -> bool {
 ///
 /// # Errors
 /// Quaternions that make a regular motion only in the other order, or as those of a left-handed system.
-pub fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<(), Refusal> {
+pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<(), Refusal> {
     let span = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
     let stride = ((STRIDE_S * poses.len() as f64 / span.max(STRIDE_S)) as usize).max(1);
     let wanders = |reading: Reading| {

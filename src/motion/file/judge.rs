@@ -29,7 +29,7 @@ const CHOOSE: &str = "choose a stretch without it: trajectory.from_s, and a shor
 ///
 /// # Errors
 /// Fewer than ten poses, a wide jump, a long hole, turns too wide to follow.
-pub fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refusal> {
+pub(super) fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refusal> {
     if poses.len() < 10 {
         let cause = format!("{} poses lie in the stretch that is used: need 10 at least", poses.len());
         return Err(refusal(cause, "choose a longer stretch (trajectory.from_s, duration_s)"));

@@ -8,7 +8,7 @@ use crate::units::DEGREE;
 
 /// How a row says its attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rotation {
+pub(super) enum Rotation {
     /// Four numbers, given here with the scalar first; and where it stands in the file.
     Quaternion(Order),
     /// Roll, pitch and yaw; what one unit is in rad, where the headings say it.
@@ -19,7 +19,7 @@ pub enum Rotation {
 
 /// The axes of the positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axes {
+pub(super) enum Axes {
     /// x, y, z.
     Xyz,
     /// North, east, down.
@@ -30,7 +30,7 @@ pub enum Axes {
 
 /// Where everything stands.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
+pub(super) struct Layout {
     /// What the file is.
     pub format: Format,
     /// Heading of the stamps, and their unit where it is known.
@@ -51,7 +51,7 @@ impl Layout {
     ///
     /// # Errors
     /// Columns that are not there.
-    pub fn of(headings: &Headings, insisted: Option<Format>) -> Result<Self, Refusal> {
+    pub(super) fn of(headings: &Headings, insisted: Option<Format>) -> Result<Self, Refusal> {
         let names = &headings.names;
         let counted = (1..).zip(names).all(|(k, name): (usize, _)| *name == k.to_string());
         let matrix = names.iter().any(|n| n == "r11");

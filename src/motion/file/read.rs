@@ -16,7 +16,7 @@ use crate::recording::time_unit::TimeUnit;
 
 /// What a row says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub(super) struct Row {
     /// Its number, counted from zero after the header.
     pub row: usize,
     /// Since the file's first pose, s.
@@ -29,7 +29,7 @@ pub struct Row {
 
 /// Which part of a file is wanted, s after its first pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub(super) struct Stretch {
     /// Begin.
     pub from_s: f64,
     /// End.
@@ -38,7 +38,7 @@ pub struct Stretch {
 
 /// Rows of a stretch, and what was found about them.
 #[derive(Debug, Clone)]
-pub struct Read {
+pub(super) struct Read {
     /// In order of time.
     pub rows: Vec<Row>,
     /// When the file's first pose was, where its stamps say it.
@@ -51,7 +51,7 @@ pub struct Read {
 ///
 /// # Errors
 /// A file that cannot be read, stamps that run backwards, no times.
-pub fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch) -> Result<Read> {
+pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch) -> Result<Read> {
     let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
     let times = match (&layout.time, times) {
         (Some(_), None) => None,

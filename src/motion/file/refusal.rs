@@ -2,7 +2,7 @@
 
 /// Cause and hint.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refusal {
+pub(super) struct Refusal {
     /// What is wrong.
     pub cause: String,
     /// What to do.
@@ -10,6 +10,6 @@ pub struct Refusal {
 }
 
 /// One of them.
-pub fn refusal(cause: impl Into<String>, hint: impl Into<String>) -> Refusal {
+pub(super) fn refusal(cause: impl Into<String>, hint: impl Into<String>) -> Refusal {
     Refusal { cause: cause.into(), hint: hint.into() }
 }

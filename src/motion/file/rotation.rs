@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-2;
 ///
 /// # Errors
 /// Degrees where radians are expected, left-handed matrices, quaternions that are not of length one.
-pub fn attitudes(kind: Rotation, rows: &[Vec<f64>]) -> Result<Vec<Option<UnitQuaternion<f64>>>, Refusal> {
+pub(super) fn attitudes(kind: Rotation, rows: &[Vec<f64>]) -> Result<Vec<Option<UnitQuaternion<f64>>>, Refusal> {
     let all: Vec<Option<UnitQuaternion<f64>>> = match kind {
         Rotation::Quaternion(_) => rows.iter().map(|row| quaternion(row)).collect(),
         Rotation::Euler(unit) => {

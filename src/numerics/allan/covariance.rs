@@ -26,7 +26,7 @@ pub(crate) struct Covariance {
 
 impl Covariance {
     /// For points at these averaging factors, each measured over this many samples.
-    pub fn new(factors: &[usize], samples: &[usize], rate_hz: f64) -> Self {
+    pub(crate) fn new(factors: &[usize], samples: &[usize], rate_hz: f64) -> Self {
         let count = factors.len();
         let mut products = vec![[[0.0; 4]; 4]; count * count];
         let mut sums = vec![[0.0; 4]; count * count];
@@ -48,7 +48,7 @@ impl Covariance {
     }
 
     /// Covariance of points `i` and `j` for these squared coefficients (order of [`TERMS`]).
-    pub fn at(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
+    pub(crate) fn at(&self, i: usize, j: usize, squares: &[f64; 5]) -> f64 {
         let pair = i * self.count + j;
         let mut out = 0.0;
         for (p, row) in self.products[pair].iter().enumerate() {
@@ -61,7 +61,7 @@ impl Covariance {
     }
 
     /// Equivalent degrees of freedom of point `i`: twice its squared expectation over its variance.
-    pub fn degrees_of_freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
+    pub(crate) fn degrees_of_freedom(&self, i: usize, squares: &[f64; 5]) -> f64 {
         2.0 * super::law::variance(squares, self.taus_s[i]).powi(2) / self.at(i, i, squares)
     }
 }

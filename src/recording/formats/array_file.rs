@@ -125,7 +125,7 @@ impl Header {
     ///
     /// # Errors
     /// Numbers of a kind that is not read; more than two dimensions.
-    pub fn array(&self, name: &str, place: Place) -> Result<Array, String> {
+    pub(crate) fn array(&self, name: &str, place: Place) -> Result<Array, String> {
         if self.descr.starts_with('[') {
             return self.records(place);
         }

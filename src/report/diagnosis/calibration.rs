@@ -4,7 +4,7 @@ use crate::diagnosis::verdict::{SensorCalibration, Triads};
 use crate::physics::candidate::Kind;
 
 /// What the text says, for a heading.
-pub fn meaning(kind: Kind) -> &'static str {
+pub(super) fn meaning(kind: Kind) -> &'static str {
     match kind {
         Kind::Trajectory => {
             "calibrated = matrix · (reading − bias), with offsets and with scale and misalignment of the gyro fitted whether \
@@ -19,7 +19,7 @@ pub fn meaning(kind: Kind) -> &'static str {
 }
 
 /// Both sensors. The readings of an IMU in motion are in the unit of what they measure, those of other kinds in counts.
-pub fn text(calibration: &Triads, kind: Kind) -> String {
+pub(super) fn text(calibration: &Triads, kind: Kind) -> String {
     let counts = kind != Kind::Trajectory;
     let sensors = [("accelerometer", Some(&calibration.accelerometer)), ("gyro", calibration.gyro.as_ref())];
     sensors.into_iter().filter_map(|(name, sensor)| Some(of(name, sensor?, counts))).collect()

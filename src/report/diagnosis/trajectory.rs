@@ -6,7 +6,7 @@ use super::exhibit::{Exhibit, Part};
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Its figures; one of them is the opening.
-pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
+pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
     let mut out = Vec::new();
     if !detail.attitude.before.is_empty() {
         out.push(exhibit(

@@ -10,8 +10,8 @@ use crate::diagnosis::repair::Repair;
 use crate::diagnosis::standing::Ranked;
 use crate::diagnosis::verdict::{SCHEMA, Verdict, Where};
 
-pub use driven::form;
-pub use tumble::residual;
+pub(super) use driven::form;
+pub(super) use tumble::residual;
 
 /// A diagnosis in words and numbers.
 #[derive(Debug, Clone)]

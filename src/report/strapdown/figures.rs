@@ -70,7 +70,7 @@ fn ellipse(answer: &Answer, report: usize) -> Vec<(f64, f64)> {
 }
 
 /// The track from above with the errors' ellipses at the report times, and what they are magnified by.
-pub fn map(answer: &Answer) -> (Chart, f64) {
+pub(super) fn map(answer: &Answer) -> (Chart, f64) {
     let truth = &answer.flight.course.truth;
     let last = answer.flight.clock().samples - answer.flight.clock().still_samples;
     let samples = &truth.samples[..truth.samples.len().min(last as usize + 1)];

@@ -28,7 +28,7 @@ const SHOWN: [(&str, &str, f64); 9] = [
 const _: () = assert!(SHOWN.len() == AXES.len());
 
 /// The section of the page.
-pub fn section(page: &mut Page, compared: &Compared) {
+pub(super) fn section(page: &mut Page, compared: &Compared) {
     page.section("Predicted and recorded flight");
     page.paragraph(&format!(
         "The recorded IMU ({} s beside the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
@@ -76,7 +76,7 @@ pub fn section(page: &mut Page, compared: &Compared) {
 }
 
 /// One sentence per sensor and length of window.
-pub fn sentences(compared: &Compared) -> Vec<String> {
+pub(super) fn sentences(compared: &Compared) -> Vec<String> {
     let mut all = Vec::new();
     for length in &compared.lengths {
         let errors = length.errors();
@@ -152,7 +152,7 @@ const CAUSES: [(&str, &str, f64); 5] = [
 ];
 
 /// The stated sensor with the justified figures, as a file that a study and `export` take; none where nothing was fitted.
-pub fn inflated_toml(study: &Study, compared: &Compared) -> Option<String> {
+pub(super) fn inflated_toml(study: &Study, compared: &Compared) -> Option<String> {
     let inflation = compared.inflation.as_ref()?;
     let line = |place: usize, key: &str| {
         let (_, unit, size) = CAUSES[place];

@@ -11,7 +11,7 @@ const BARS: usize = 50;
 const SHOWN_TIMES: usize = 4;
 
 /// Rows of figures, each with the words that introduce it.
-pub fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
+pub(super) fn rows(drift: &Drift) -> Vec<(Vec<Chart>, &'static str)> {
     let times_s = drift.report_times_s();
     let count = times_s.len();
     let shown = (0..SHOWN_TIMES.min(count)).map(|k| match SHOWN_TIMES.min(count) {

@@ -14,7 +14,7 @@ pub(super) const CONVENTION: &str = "Noise densities n are one-sided, as datashe
      0.664. A number with ± is drawn per sensor (mean ± standard deviation), one with … uniformly between its ends.";
 
 /// What the study says of the sensor, in datasheet units.
-pub fn table(study: &Study) -> Table {
+pub(super) fn table(study: &Study) -> Table {
     let mut table = Table::new(&["parameter", "value", "unit", "also"]);
     table.row(["sampling rate", &format!("{}", rounded(1.0 / study.sample_s(), 4)), "Hz", ""]);
     for key in keys() {

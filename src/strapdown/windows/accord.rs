@@ -21,7 +21,7 @@ const SIZE: f64 = 0.15;
 
 /// Readings beside the reference.
 #[derive(Clone, Copy)]
-pub struct Beside<'a> {
+pub(super) struct Beside<'a> {
     /// The reference's motion.
     pub trajectory: &'a Trajectory,
     /// Stamps on its clock, s.
@@ -47,7 +47,11 @@ struct Sums {
 ///
 /// # Errors
 /// Cause and hint: degrees, rates of another motion, gravity of the wrong sign, size or direction.
-pub fn check(recorded: Beside<'_>, flown: &Flown, motion: &InMotion) -> Result<Vec<Finding>, (String, &'static str)> {
+pub(super) fn check(
+    recorded: Beside<'_>,
+    flown: &Flown,
+    motion: &InMotion,
+) -> Result<Vec<Finding>, (String, &'static str)> {
     let mounting = motion.course.mounting();
     let mut sums = Sums::default();
     let stride = (recorded.time_s.len() / LOOKED_AT).max(1);

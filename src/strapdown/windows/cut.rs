@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Windows of `steps` intervals in stretches of readings, each given by its first reading: as many as fit, with equal gaps
 /// before, between and after them. Two neighbours may share the reading between them.
-pub fn windows(pieces: &[Range<usize>], steps: usize) -> Vec<usize> {
+pub(super) fn windows(pieces: &[Range<usize>], steps: usize) -> Vec<usize> {
     let mut all = Vec::new();
     for piece in pieces {
         let intervals = piece.len().saturating_sub(1);
@@ -16,7 +16,7 @@ pub fn windows(pieces: &[Range<usize>], steps: usize) -> Vec<usize> {
 }
 
 /// The stretches without one that is taken for something else.
-pub fn without(pieces: &[Range<usize>], taken: &Range<usize>) -> Vec<Range<usize>> {
+pub(super) fn without(pieces: &[Range<usize>], taken: &Range<usize>) -> Vec<Range<usize>> {
     let parts = |piece: &Range<usize>| {
         [piece.start..taken.start.clamp(piece.start, piece.end), taken.end.clamp(piece.start, piece.end)..piece.end]
     };

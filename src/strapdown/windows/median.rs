@@ -4,7 +4,7 @@ use crate::numerics::order;
 
 /// The median of values with weights: half of the weight lies on either side, by straight lines between the middles of the
 /// values' weights. NaN for none.
-pub fn weighted(values: &[f64], weights: &[f64]) -> f64 {
+pub(super) fn weighted(values: &[f64], weights: &[f64]) -> f64 {
     let ranked = order::ranked(values);
     let total: f64 = weights.iter().sum();
     let mut before: Option<(f64, f64)> = None;
@@ -25,7 +25,7 @@ pub fn weighted(values: &[f64], weights: &[f64]) -> f64 {
 
 /// Variance of the median of `count` normal values over that of their mean: π/2 for many; for few the formula that is 1 for
 /// one and for two and meets the exact values (David & Nagaraja, *Order statistics*, 3rd ed., §4.6) within 3 %.
-pub fn excess(count: usize) -> f64 {
+pub(super) fn excess(count: usize) -> f64 {
     let (n, half_pi) = (count.max(1) as f64, std::f64::consts::FRAC_PI_2);
     let few = if count.is_multiple_of(2) { 2.0 * half_pi - 2.0 } else { half_pi - 1.0 };
     half_pi * n / (n + few)

@@ -24,7 +24,7 @@ pub(crate) enum Piece {
 
 impl Piece {
     /// Puts it on.
-    pub fn put(&self, driven: &mut Driven) {
+    pub(crate) fn put(&self, driven: &mut Driven) {
         let o = &mut driven.oscillator;
         match self {
             Self::Law(law) => o.laws.push(law.clone()),

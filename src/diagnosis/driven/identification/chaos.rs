@@ -92,7 +92,7 @@ pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
 
 impl Chaos {
     /// The recording in windows: each begun from a state of its own, every third one judging where nothing else is said.
-    pub fn in_windows(&self, data: &mut Data, own_test: bool) {
+    pub(crate) fn in_windows(&self, data: &mut Data, own_test: bool) {
         let length = ((self.window_s * data.rate_hz) as usize).max(FEWEST);
         if !own_test {
             let known = merged({

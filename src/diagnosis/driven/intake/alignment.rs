@@ -45,17 +45,17 @@ pub(crate) struct Alignment {
 
 impl Alignment {
     /// Whether the lag explains more than the columns as they stand, by far.
-    pub fn is_clear(&self) -> bool {
+    pub(crate) fn is_clear(&self) -> bool {
         self.lag != 0 && self.residual < 0.5 * self.residual_unshifted
     }
 
     /// Whether the two have nothing to do with each other: what little is explained would be at any other lag too.
-    pub fn is_chance(&self) -> bool {
+    pub(crate) fn is_chance(&self) -> bool {
         self.residual > 0.7 && 1.0 - self.residual < 2.0 * self.chance
     }
 
     /// Whether the columns are out of step by more than a late readout explains.
-    pub fn is_misaligned(&self) -> bool {
+    pub(crate) fn is_misaligned(&self) -> bool {
         self.is_clear() && (self.lag >= LATE || self.lag <= EARLY)
     }
 }

@@ -76,7 +76,7 @@ pub(crate) struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     /// All of a recording that is fitted.
-    pub fn of(data: &'a Data) -> Self {
+    pub(crate) fn of(data: &'a Data) -> Self {
         Self {
             reading: &data.reading,
             input: data.input.as_ref().map(Input::samples),

@@ -23,7 +23,7 @@ pub(crate) struct MassMotion<'a> {
 
 impl MassMotion<'_> {
     /// √(x² + (v/ω)²) about the mean displacement.
-    pub fn amplitude(&self) -> Vec<f64> {
+    pub(crate) fn amplitude(&self) -> Vec<f64> {
         let mean = self.x.iter().sum::<f64>() / self.x.len().max(1) as f64;
         self.x.iter().zip(self.v).map(|(x, v)| (x - mean).hypot(v / self.omega_rad_s)).collect()
     }

@@ -42,7 +42,7 @@ impl Look<'_> {
     ///
     /// # Errors
     /// Stopped.
-    pub fn one_for_two(&mut self, chosen: &Judged) -> Result<Option<Judged>, Stopped> {
+    pub(super) fn one_for_two(&mut self, chosen: &Judged) -> Result<Option<Judged>, Stopped> {
         let terms = &chosen.fit.structure.terms;
         let pairs = (0..terms.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
         let mut found = Vec::new();
@@ -72,7 +72,7 @@ impl Look<'_> {
     ///
     /// # Errors
     /// Stopped.
-    pub fn settle(&mut self, selection: &mut Selection) -> Result<(), Stopped> {
+    pub(super) fn settle(&mut self, selection: &mut Selection) -> Result<(), Stopped> {
         for attempt in 0..=SWAPS {
             let stand_ins = self.stand_ins(selection)?;
             let score = selection.chosen.score();

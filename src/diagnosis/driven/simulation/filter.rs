@@ -78,7 +78,7 @@ impl Keep for States {
 
 impl Pass<'_> {
     /// Innovations (reading less expectation), one row of lanes per sample of the run.
-    pub fn innovations<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
+    pub(super) fn innovations<K: Keep>(&self, keep: &mut K) -> Vec<Lanes> {
         #[cfg(target_arch = "x86_64")]
         {
             if std::arch::is_x86_feature_detected!("avx512f") {

@@ -18,7 +18,7 @@ pub(super) struct Transition {
 
 impl Transition {
     /// Of an oscillator's ω and ζ, after a time `t`.
-    pub fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
+    pub(super) fn new(oscillator: &[Lanes; 2], t: f64) -> Self {
         let mut m = Self { xx: [0.0; LANES], xv: [0.0; LANES], vx: [0.0; LANES], vv: [0.0; LANES] };
         for l in 0..LANES {
             [m.xx[l], m.xv[l], m.vx[l], m.vv[l]] = transition(oscillator[0][l], oscillator[1][l], t);
@@ -28,7 +28,7 @@ impl Transition {
 
     /// Displacement and velocity afterwards.
     #[inline(always)]
-    pub fn apply(&self, x: &Lanes, v: &Lanes) -> (Lanes, Lanes) {
+    pub(super) fn apply(&self, x: &Lanes, v: &Lanes) -> (Lanes, Lanes) {
         let (mut nx, mut nv) = ([0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
             nx[l] = self.xx[l] * x[l] + self.xv[l] * v[l];
@@ -47,7 +47,7 @@ pub(super) struct Shift {
 
 impl Shift {
     /// Of a delay, on a grid of this spacing.
-    pub fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
+    pub(super) fn new(delay_s: &Lanes, spacing_s: f64) -> Self {
         let whole = (delay_s[0] / spacing_s).ceil();
         let mut weights = [[0.0; LANES]; 4];
         for l in 0..LANES {

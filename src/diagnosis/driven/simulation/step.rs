@@ -44,7 +44,7 @@ pub(crate) struct Parts<'a> {
 }
 
 /// What a pass works out before its first step.
-pub struct Plan<'a> {
+pub(super) struct Plan<'a> {
     parts: &'a Parts<'a>,
     /// Length of a step.
     pub step_s: f64,
@@ -72,7 +72,7 @@ pub struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// For steps of these parts.
-    pub fn of(parts: &'a Parts<'a>) -> Self {
+    pub(super) fn of(parts: &'a Parts<'a>) -> Self {
         let Parts { terms, first, parameters, .. } = *parts;
         let step_s = parts.interval_s / parts.steps as f64;
         let placed = |kept: fn(&Term) -> bool| -> Vec<Mover<'a>> {
@@ -117,7 +117,7 @@ impl<'a> Plan<'a> {
 
     /// One step under nothing but the input: exact but for the course of the input, which is a parabola.
     #[inline(always)]
-    pub fn swing(&self, u: [Lanes; 3], motion: &mut StepState) -> Stride {
+    pub(super) fn swing(&self, u: [Lanes; 3], motion: &mut StepState) -> Stride {
         let Self { parts, half, full, .. } = self;
         let (h, x, v) = (self.step_s, motion.x, motion.v);
         let mut a = [[0.0; LANES]; 3];
@@ -137,7 +137,7 @@ impl<'a> Plan<'a> {
 
     /// One step under forces that depend on the motion; `at` stands at its beginning.
     #[inline(always)]
-    pub fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut StepState) -> Stride {
+    pub(super) fn pushed(&self, at: &mut Instants<'_, f64, LANES>, u: [Lanes; 3], motion: &mut StepState) -> Stride {
         let Self { parts, half, full, .. } = self;
         let (h, from, staged, friction) = (self.step_s, at.time, self.staged, self.friction.as_ref());
         let (mut x, mut v, own) = (motion.x, motion.v, &mut motion.own);
@@ -228,7 +228,7 @@ impl<'a> Plan<'a> {
 
     /// Carries the terms that follow the mass over one step of it.
     #[inline(always)]
-    pub fn follow(&self, stride: Stride, own: &mut [Lanes; MOST_STATES]) {
+    pub(super) fn follow(&self, stride: Stride, own: &mut [Lanes; MOST_STATES]) {
         let modes = &self.modes;
         let (x0, v0) =
             if modes.is_empty() { (stride.x0, stride.v0) } else { together(modes, own, [&stride.x0, &stride.v0]) };

@@ -56,7 +56,7 @@ struct Signature {
 }
 
 /// Limits of detection around a base model that leaves noise.
-pub fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], channels: &Channels) -> Limits {
+pub(super) fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Term], channels: &Channels) -> Limits {
     let (rows, judging) =
         (base.linear.residual.len() as f64, data.validation.iter().map(|r| r.len()).sum::<usize>() as f64);
     let noise = base.variance.sqrt();

@@ -17,7 +17,7 @@ use crate::units::key::Sign;
 
 /// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an input, one unit of
 /// output as 1 m.
-pub fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>) -> Repair {
+pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>) -> Repair {
     let mut not_expressible = Vec::new();
     let repaired = sensor(data, after, Some(&mut not_expressible));
     let vibration = match &data.input {

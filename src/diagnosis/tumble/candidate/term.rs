@@ -8,7 +8,7 @@ use crate::sensor::Sense;
 
 /// A candidate in one of the two sensors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Term {
+pub(crate) struct Term {
     /// What the library says of it.
     pub candidate: &'static Candidate,
     /// Sensor on which it acts.
@@ -27,7 +27,7 @@ pub struct Term {
 
 /// What a candidate is to a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
+pub(crate) enum Role {
     /// An effect that nearly every unit has: the search begins with it.
     EveryUnit,
     /// An effect that some have.
@@ -40,7 +40,7 @@ pub enum Role {
 
 /// From which strength on a candidate with several parameters would have been seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Seen {
+pub(crate) enum Seen {
     /// From where its least visible parameter would have been.
     InEveryParameter,
     /// From where its most visible parameter would have been: a known rate, of which one direction looks like something
@@ -50,7 +50,7 @@ pub enum Seen {
 
 /// How fitted parameters become the numbers that a verdict states.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stated {
+pub(crate) enum Stated {
     /// Each in its public unit.
     AsFitted,
     /// The scale of each axis, from the common scale and the other two axes' ratios to the first: where these stand, and
@@ -67,17 +67,17 @@ pub enum Stated {
 
 impl Term {
     /// Indices of the parameters it frees.
-    pub fn active(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn active(&self) -> impl Iterator<Item = usize> {
         self.parameters.iter().cloned().flatten()
     }
 
     /// Library id.
-    pub fn id(&self) -> &'static str {
+    pub(crate) fn id(&self) -> &'static str {
         self.candidate.id
     }
 
     /// "misalignment of the gyro".
-    pub fn spoken(&self) -> String {
+    pub(crate) fn spoken(&self) -> String {
         format!("{} of the {}", self.id(), self.sensor.name())
     }
 }

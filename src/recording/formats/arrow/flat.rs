@@ -2,7 +2,7 @@
 
 /// A table within a buffer.
 #[derive(Debug, Clone, Copy)]
-pub struct Table<'a> {
+pub(super) struct Table<'a> {
     bytes: &'a [u8],
     at: usize,
 }
@@ -21,7 +21,7 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
 
 impl<'a> Table<'a> {
     /// The root of a buffer.
-    pub fn root(bytes: &'a [u8]) -> Option<Self> {
+    pub(super) fn root(bytes: &'a [u8]) -> Option<Self> {
         Some(Self { bytes, at: u32_at(bytes, 0)? })
     }
 
@@ -44,46 +44,46 @@ impl<'a> Table<'a> {
     }
 
     /// A byte; `or` where the field is left out.
-    pub fn u8(&self, index: usize, or: u8) -> u8 {
+    pub(super) fn u8(&self, index: usize, or: u8) -> u8 {
         self.field(index).and_then(|at| self.bytes.get(at).copied()).unwrap_or(or)
     }
 
     /// A number of 16 bits.
-    pub fn i16(&self, index: usize) -> i16 {
+    pub(super) fn i16(&self, index: usize) -> i16 {
         self.field(index).and_then(|at| array(self.bytes, at)).map_or(0, i16::from_le_bytes)
     }
 
     /// A number of 32 bits.
-    pub fn i32(&self, index: usize) -> i32 {
+    pub(super) fn i32(&self, index: usize) -> i32 {
         self.field(index).and_then(|at| array(self.bytes, at)).map_or(0, i32::from_le_bytes)
     }
 
     /// A number of 64 bits.
-    pub fn i64(&self, index: usize) -> i64 {
+    pub(super) fn i64(&self, index: usize) -> i64 {
         self.field(index).and_then(|at| array(self.bytes, at)).map_or(0, i64::from_le_bytes)
     }
 
     /// A table within.
-    pub fn table(&self, index: usize) -> Option<Self> {
+    pub(super) fn table(&self, index: usize) -> Option<Self> {
         self.target(index).map(|at| Self { bytes: self.bytes, at })
     }
 
     /// Text.
-    pub fn text(&self, index: usize) -> Option<String> {
+    pub(super) fn text(&self, index: usize) -> Option<String> {
         let at = self.target(index)?;
         let bytes = self.bytes.get(at + 4..)?.get(..u32_at(self.bytes, at)?)?;
         Some(String::from_utf8_lossy(bytes).into_owned())
     }
 
     /// Structures of so many bytes, one after the other.
-    pub fn structures(&self, index: usize, bytes: usize) -> Option<std::slice::ChunksExact<'a, u8>> {
+    pub(super) fn structures(&self, index: usize, bytes: usize) -> Option<std::slice::ChunksExact<'a, u8>> {
         let at = self.target(index)?;
         let count = u32_at(self.bytes, at)?;
         Some(self.bytes.get(at + 4..)?.get(..count.checked_mul(bytes)?)?.chunks_exact(bytes))
     }
 
     /// Tables in a list; none where there is no list.
-    pub fn tables(&self, index: usize) -> Vec<Table<'a>> {
+    pub(super) fn tables(&self, index: usize) -> Vec<Table<'a>> {
         let places = || -> Option<Vec<Table<'a>>> {
             let begin = self.target(index)?.checked_add(4)?;
             let each = self.structures(index, 4)?;

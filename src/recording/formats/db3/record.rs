@@ -27,7 +27,7 @@ pub(crate) struct Record<'a> {
 
 impl<'a> Record<'a> {
     /// Takes a record apart; what is damaged ends it.
-    pub fn new(payload: &'a [u8], row: i64) -> Self {
+    pub(super) fn new(payload: &'a [u8], row: i64) -> Self {
         let mut values = Vec::new();
         let mut head = Bytes::new(payload);
         let size = varint(&mut head).map_or(0, |s| usize::try_from(s).unwrap_or(usize::MAX));
@@ -48,7 +48,7 @@ impl<'a> Record<'a> {
     }
 
     /// A whole number; the row's own where the column stands for it.
-    pub fn integer(&self, column: usize) -> Option<i64> {
+    pub(super) fn integer(&self, column: usize) -> Option<i64> {
         let (kind, bytes) = self.values.get(column)?;
         match kind {
             0 => Some(self.row),
@@ -62,11 +62,11 @@ impl<'a> Record<'a> {
         }
     }
 
-    pub fn bytes(&self, column: usize) -> Option<&'a [u8]> {
+    pub(super) fn bytes(&self, column: usize) -> Option<&'a [u8]> {
         self.values.get(column).filter(|v| v.0 >= 12).map(|v| v.1)
     }
 
-    pub fn text(&self, column: usize) -> Option<String> {
+    pub(super) fn text(&self, column: usize) -> Option<String> {
         self.bytes(column).map(|b| String::from_utf8_lossy(b).into_owned())
     }
 }

@@ -34,7 +34,7 @@ pub(super) struct Chunk {
 
 /// One column on its way.
 #[derive(Debug)]
-pub struct Column {
+pub(super) struct Column {
     physical: Physical,
     levels: u32,
     /// Where its numbers go; `None` are time stamps.
@@ -54,7 +54,7 @@ pub struct Column {
 
 impl Column {
     /// At its first row.
-    pub fn new(physical: Physical, levels: u32, target: Option<usize>, mut chunks: Vec<Chunk>) -> Self {
+    pub(super) fn new(physical: Physical, levels: u32, target: Option<usize>, mut chunks: Vec<Chunk>) -> Self {
         chunks.reverse();
         Self {
             physical,
@@ -316,7 +316,7 @@ impl PageHeader {
 
 /// Columns side by side.
 #[derive(Debug)]
-pub struct Columns {
+pub(super) struct Columns {
     input: Input,
     columns: Vec<Column>,
     bytes_read: u64,
@@ -324,7 +324,7 @@ pub struct Columns {
 
 impl Columns {
     /// At their first row.
-    pub fn new(input: Input, columns: Vec<Column>) -> Self {
+    pub(super) fn new(input: Input, columns: Vec<Column>) -> Self {
         Self { input, columns, bytes_read: 0 }
     }
 }

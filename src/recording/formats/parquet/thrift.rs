@@ -7,7 +7,7 @@ const DEEPEST: usize = 16;
 
 /// A value of a field.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value<'a> {
+pub(super) enum Value<'a> {
     /// True or false.
     Bool(bool),
     /// A whole number of any width.
@@ -24,7 +24,7 @@ pub enum Value<'a> {
 
 impl<'a> Value<'a> {
     /// A field of a structure.
-    pub fn field(&self, id: i16) -> Option<&Value<'a>> {
+    pub(super) fn field(&self, id: i16) -> Option<&Value<'a>> {
         match self {
             Self::Struct(fields) => fields.iter().find(|f| f.0 == id).map(|f| &f.1),
             _ => None,
@@ -32,7 +32,7 @@ impl<'a> Value<'a> {
     }
 
     /// A whole number in a field.
-    pub fn integer(&self, id: i16) -> Option<i64> {
+    pub(super) fn integer(&self, id: i16) -> Option<i64> {
         match self.field(id)? {
             Self::Integer(value) => Some(*value),
             _ => None,
@@ -40,17 +40,17 @@ impl<'a> Value<'a> {
     }
 
     /// One that is not negative.
-    pub fn size(&self, id: i16) -> Option<u64> {
+    pub(super) fn size(&self, id: i16) -> Option<u64> {
         self.integer(id).and_then(|n| u64::try_from(n).ok())
     }
 
     /// Text in a field.
-    pub fn text(&self, id: i16) -> Option<String> {
+    pub(super) fn text(&self, id: i16) -> Option<String> {
         self.field(id)?.plain_text()
     }
 
     /// This as text.
-    pub fn plain_text(&self) -> Option<String> {
+    pub(super) fn plain_text(&self) -> Option<String> {
         match self {
             Self::Binary(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
             _ => None,
@@ -58,7 +58,7 @@ impl<'a> Value<'a> {
     }
 
     /// A list in a field; empty where there is none.
-    pub fn list(&self, id: i16) -> &[Value<'a>] {
+    pub(super) fn list(&self, id: i16) -> &[Value<'a>] {
         match self.field(id) {
             Some(Self::List(values)) => values,
             _ => &[],
@@ -67,7 +67,7 @@ impl<'a> Value<'a> {
 }
 
 /// Reads a structure; `None` where it is damaged.
-pub fn structure<'a>(bytes: &mut Bytes<'a>) -> Option<Value<'a>> {
+pub(super) fn structure<'a>(bytes: &mut Bytes<'a>) -> Option<Value<'a>> {
     nested(bytes, 0)
 }
 

@@ -114,7 +114,7 @@ fn departs(effect: &Effect) -> bool {
 }
 
 /// How far an effect's law departs from its stated form, as a clause.
-pub fn form(effect: &Effect) -> Option<String> {
+pub(crate) fn form(effect: &Effect) -> Option<String> {
     let form = effect.form.as_ref()?;
     let percent = |v: f64| short(100.0 * v);
     let stated = form.stated.replace("^2", "²").replace("^3", "³");

@@ -6,7 +6,7 @@ use crate::diagnosis::rest::detail::{Departure, Detail, Hops, Knocked, Location,
 use crate::diagnosis::verdict::{Effect, Outcome, named};
 use crate::number::{duration, short};
 
-pub use statement::statements;
+pub(super) use statement::statements;
 
 /// The verdict in a sentence; `place` says where the mismatch lives.
 pub(crate) fn sentence(outcome: Outcome, effects: &[Effect], place: &str, detail: &Detail) -> String {

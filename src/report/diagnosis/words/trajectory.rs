@@ -6,7 +6,7 @@ use crate::diagnosis::verdict::Outcome;
 use crate::number::short;
 
 /// One or two sentences for the first screen.
-pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
+pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
     let account = &detail.account;
     let names: Vec<&str> = account.named.iter().map(|n| n.spoken.as_str()).collect();
     let [before, after] = account.held_out.map(short);
@@ -55,7 +55,7 @@ pub fn sentence(outcome: Outcome, detail: &Detail) -> String {
 }
 
 /// Where the mismatch lives.
-pub fn place(detail: &Detail) -> String {
+pub(super) fn place(detail: &Detail) -> String {
     let rms =
         |series: &[(f64, f64)]| (series.iter().map(|p| p.1 * p.1).sum::<f64>() / series.len().max(1) as f64).sqrt();
     if detail.attitude.before.is_empty() {
@@ -74,7 +74,7 @@ pub fn place(detail: &Detail) -> String {
 }
 
 /// What the motion could not tell, in sentences.
-pub fn findings(account: &Account) -> Vec<String> {
+pub(super) fn findings(account: &Account) -> Vec<String> {
     let one = |h: &Hidden| {
         format!(
             "this motion does not tell {}: it is known to ±{} {} only; {} would show it",
@@ -97,7 +97,7 @@ fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
 }
 
 /// What would decide or confirm.
-pub fn next_experiment(outcome: Outcome, account: &Account) -> String {
+pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
     if !account.with_reference {
         return "Record a reference of the motion beside it (motion capture, GNSS/INS, another IMU), and name it under \
                 [reference]."

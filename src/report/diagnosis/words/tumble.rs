@@ -135,7 +135,7 @@ pub(crate) fn place(detail: &Detail) -> String {
 }
 
 /// A kind of residual.
-pub fn residual(group: Group) -> &'static str {
+pub(crate) fn residual(group: Group) -> &'static str {
     match group {
         Group::Gravity => "magnitude of gravity",
         Group::Still => "gyro at rest",

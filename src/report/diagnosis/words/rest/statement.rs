@@ -6,7 +6,7 @@ use crate::diagnosis::rest::statement::{Earth, Filter, Statement};
 use crate::number::{duration, short, significant};
 
 /// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are told together.
-pub fn statements(all: &[Statement], unit: &str) -> Vec<String> {
+pub(crate) fn statements(all: &[Statement], unit: &str) -> Vec<String> {
     let mut out = Vec::new();
     let mut rest = all;
     while let Some(first) = rest.first() {
