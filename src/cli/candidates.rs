@@ -9,7 +9,7 @@ use crate::error::Result;
 /// Arguments of `candidates`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Of one kind of recording alone: driven, static, tumble or trajectory
+    /// Only those of one kind of recording: driven, static, tumble or trajectory
     #[arg(long, value_name = "KIND", value_parser = kind)]
     kind: Option<Kind>,
 }

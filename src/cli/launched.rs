@@ -19,7 +19,7 @@ pub(super) fn refuse_ranks(command: &str) -> Result<()> {
     let Some(ranks) = ranks() else { return Ok(()) };
     let built = match cfg!(feature = "mpi") {
         true => format!("ranks share the work of `study` only, not of `{command}`"),
-        false => "this proofmass was built without MPI: each of them would do the whole work".to_owned(),
+        false => "this proofmass was built without MPI: each rank would do all of the work".to_owned(),
     };
     Err(Error::new(
         format!("could not run `{command}` on {ranks} ranks"),

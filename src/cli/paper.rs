@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         return Err(Error::new(
             "could not use the recordings",
             format!("{} is not a folder", folder.display()),
-            "leave --data and PROOFMASS_DATA away to simulate figures 5 to 12",
+            "omit --data and unset PROOFMASS_DATA to simulate figures 5 to 12",
         ));
     }
     let request = output::Request {

@@ -54,7 +54,7 @@ fn painted(text: &str) -> String {
 
 /// What is said when stdout cannot be written.
 pub fn not_printed(cause: &std::io::Error) -> Error {
-    Error::new("could not print the result", cause.to_string(), "make room where it goes to, or give --out DIR")
+    Error::new("could not print the result", cause.to_string(), "free space where the output goes, or give --out DIR")
 }
 
 /// Like `println!`, with an error to pass on.

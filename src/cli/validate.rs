@@ -41,9 +41,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     match failed.first() {
         None => Ok(()),
         Some(first) => Err(Error::new(
-            format!("{} of {} checks do not hold", failed.len(), rows.len()),
+            format!("{} of {} checks failed", failed.len(), rows.len()),
             format!("{}: got {:e}, expected {:e} ± {:e}", first.what, first.got, first.expected, first.tolerance),
-            "do not trust results of this build on this machine; please report the table above",
+            "do not trust results of this build on this machine, and please report the table above",
         )),
     }
 }

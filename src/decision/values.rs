@@ -61,7 +61,7 @@ impl Place {
         let samples = (time_s / study.sample_s()).round();
         if samples < 1.0 || samples > study.clock.samples as f64 {
             return Err(Error::new(
-                format!("could not look at {time_s} s"),
+                format!("could not evaluate at {time_s} s"),
                 format!("{time_s} s lies outside the run of {} s", study.duration_s()),
                 "give a time within the run, or a longer duration_s (--set duration_s=…)",
             ));

@@ -94,7 +94,7 @@ impl Watched {
     pub fn check(self, study: &Study) -> Result<()> {
         match self {
             Self::OneAxis(_) if study.in_motion.is_some() => Err(Error::new(
-                format!("could not look at `{self}`"),
+                format!("could not evaluate `{self}`"),
                 format!("{} follows a trajectory, and `{self}` is an error along one axis", study.name),
                 "e.g. cep95(horizontal_error_m, 60) or p95(position_error_ned_m.north, 60)",
             )),
@@ -110,7 +110,7 @@ impl Watched {
     pub(super) fn motion(self, study: &Study) -> Result<&InMotion> {
         study.in_motion.as_ref().ok_or_else(|| {
             Error::new(
-                format!("could not look at `{self}`"),
+                format!("could not evaluate `{self}`"),
                 format!("{} runs along one axis, and `{self}` needs a [trajectory]", study.name),
                 "e.g. p95(position_error_m, 60); or add a [trajectory], e.g. kind = \"rest\"",
             )

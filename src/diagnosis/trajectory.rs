@@ -73,7 +73,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let mut told = told;
     let motion = intake::motion(recording, reference, &log, began, &mut told.findings)?;
     let gravity_m_s2 = gravity(model);
-    let work = control.stage("laying the clocks on each other", 0);
+    let work = control.stage("aligning the clocks", 0);
     let start = start::start(&log, &motion, gravity_m_s2);
     intake::alike(recording, &log, &start)?;
     unswap(&mut log, &start);
@@ -99,8 +99,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     if fit.linear.point.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(
             format!("could not diagnose {}", recording.path.display()),
-            "no IMU near the one given fits the reference",
-            "are reference and recording of one run, and are the reference's quaternions body to world?",
+            "the fit diverged: no IMU with plausible errors fits the reference",
+            "are reference and recording from the same run, and are the reference's quaternions body to world?",
         ));
     }
     // Weighed for everything first, so that no effect counts as noise; then about what was named, so that no noise of the

@@ -19,7 +19,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::None));
     sheet.remarks(&a, &g);
     sheet.note("SITL's rate is its own, 1000 Hz, and RND acts with the motors on, at full throttle as written here");
-    sheet.note("recent versions use SIM_ACC1_RND for vibration alone (SIM_VIB_FREQ): their accelerometer noise is the fixed one");
+    sheet.note("recent versions use SIM_ACC1_RND only for vibration (SIM_VIB_FREQ): their accelerometer noise is the fixed one");
     let amplitude = |white: f64| white * (3.0 * RATE_HZ).sqrt();
     let (accelerometer, gyro) = (amplitude(imu.accelerometer.white.mean), amplitude(imu.gyro.white.mean) / DEGREE);
     for (name, wanted, floor, unit) in

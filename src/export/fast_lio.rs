@@ -8,7 +8,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.head("FAST-LIO, config yaml, mapping, and IMU_Processing.hpp, covariance propagation");
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::Walk));
     sheet.remarks(&a, &g);
-    sheet.note(&format!("these hold for {} Hz alone", imu.rate_hz));
+    sheet.note(&format!("these hold only for {} Hz", imu.rate_hz));
     sheet.line("mapping:");
     sheet.indent(2);
     let white = "variance, not sigma, per sample: N^2 rate";

@@ -11,7 +11,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     sheet.indent(2);
     sheet.head("SDFormat, element <noise>, and gz-sensors, class GaussianNoiseModel");
     sheet.note("Gazebo picks the sign of bias_mean at random, each with probability 1/2");
-    sheet.note("update_rate: Hz; stddev holds for this rate alone");
+    sheet.note("update_rate: Hz; stddev holds only for this rate");
     sheet.line(&format!("<update_rate>{:?}</update_rate>", imu.rate_hz));
     sheet.line("<imu>");
     for (element, sense, unit) in [("angular_velocity", 1, "rad/s"), ("linear_acceleration", 0, "m/s^2")] {

@@ -9,7 +9,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::None));
     sheet.remarks(&a, &g);
     sheet.note(&format!(
-        "std holds for an update every {:?} s alone: noise is per sample, whatever the rate",
+        "std holds only for an update every {:?} s: noise is per sample, whatever the rate",
         1.0 / imu.rate_hz
     ));
     sheet.line("from isaaclab.utils.noise import GaussianNoiseCfg, NoiseModelWithAdditiveBiasCfg\n");

@@ -13,7 +13,7 @@ pub(super) fn write(imu: &Imu, sheet: &mut Sheet) {
     let [a, g] = [&imu.accelerometer, &imu.gyro].map(|errors| drift::process(errors, Form::Walk));
     sheet.remarks(&a, &g);
     sheet.note(&format!(
-        "acc_n and gyr_n hold for {} Hz alone: covariance per step = 0.5 acc_n^2 dt^2; acc_n = N sqrt(2 rate)",
+        "acc_n and gyr_n hold only for {} Hz: covariance per step = 0.5 acc_n^2 dt^2; acc_n = N sqrt(2 rate)",
         imu.rate_hz
     ));
     let white = "per sample as sigma: N sqrt(2 rate), sqrt(2) above the sample's own, since the midpoint rule \

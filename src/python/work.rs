@@ -74,7 +74,7 @@ pub(super) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> R
                 Err(RecvTimeoutError::Disconnected) => match worker.join() {
                     Err(panic) => std::panic::resume_unwind(panic),
                     Ok(_) => {
-                        return Err(raised(py, Error::new("could not go on", "the work ended early", "try again")));
+                        return Err(raised(py, Error::new("could not continue", "the work ended early", "try again")));
                     }
                 },
             }

@@ -59,9 +59,9 @@ pub fn page(paper: &Paper) -> Page {
     let mut page = Page::new("Why an inertial sensor drifts, in twenty figures", &lede);
     page.paragraph(
         "The figures follow the paper \"MEMS Modelling in the Context of Inertial Navigation\" in its order and numbering. \
-         Captions say what is computed, from what, and with which equation. Under each figure stand its checks: a number \
-         expected, the number got, how far apart they may lie, and where the expected number comes from. Where the paper's \
-         claim is not what comes out, the text says so.",
+         Captions say what is computed, from what, and with which equation. The checks follow each figure: the expected \
+         number, the computed one, the tolerance, and the source of the expectation. Where a claim of the paper does not \
+         hold, the text says so.",
     );
     page.paragraph(
         "Eq. 1 is the whole idea: distance is the double integral of acceleration, d(t) = ∬ a dt². Eq. 2 is the whole \

@@ -158,7 +158,7 @@ fn one(plan: Plan, number: usize, path: &Path, force: bool, json: bool, control:
     sayln!("case {number}: {}, {}, {}", line.kind, line.family, line.sub)?;
     for effect in &case.truth.effects {
         let name = effect.right.join(" or ");
-        sayln!("there: {name}, {:.3} × noise, evidence {:.3e}", effect.over_noise, effect.evidence)?;
+        sayln!("present: {name}, {:.3} × noise, evidence {:.3e}", effect.over_noise, effect.evidence)?;
     }
     sayln!("evidence of a mismatch: {:.3e}", case.truth.evidence)?;
     sayln!("files: {} and {}", path.join(names[0]).display(), path.join(names[1]).display())?;

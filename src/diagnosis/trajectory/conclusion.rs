@@ -101,7 +101,8 @@ impl Told<'_> {
     /// The verdict beside a reference.
     pub(super) fn conclude(mut self, found: &Found<'_>) -> Answer {
         self.findings.push(
-            "scale and axes of the accelerometer are not fitted in motion: its matrix is taken as it is; a tumble recording tells them"
+            "scale factors and axes of the accelerometer are not fitted in motion: its matrix is left as it is; a tumble \
+             recording determines them"
                 .into(),
         );
         let (fit, selection, has_position) = (found.fit, found.selection, found.case.motion.has_position);

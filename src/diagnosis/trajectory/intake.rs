@@ -36,7 +36,7 @@ pub(super) fn names(recording: &Recording, model: &Trajectory) -> Result<Names> 
     let of = |given: &Option<[String; 3]>, found: Option<[usize; 3]>, what: &str| {
         given.clone().or_else(|| found.map(|places| places.map(|k| headings[k].clone()))).ok_or_else(|| {
             let hint = "name the columns under [columns]: gyro = [\"gx\", \"gy\", \"gz\"], and accelerometer";
-            fail(recording, format!("no three columns are its {what}"), hint)
+            fail(recording, format!("no three columns are recognised as its {what}"), hint)
         })
     };
     Ok([
@@ -54,7 +54,7 @@ pub(super) fn log(recording: &Recording, names: &Names, findings: &mut Vec<Strin
             + (recording.samples() as f64 - 0.5) / recording.rate_hz;
         let last = read.time_s.partition_point(|t| *t <= until).max(first);
         if !read.units_stated {
-            findings.push("no unit is stated: the readings are taken for rad/s and m/s²".into());
+            findings.push("no unit is stated: the readings are taken as rad/s and m/s²".into());
         }
         let of = |values: &[[f64; 3]]| values[first..last].iter().map(|v| Vector3::from(*v)).collect();
         let log = Log {
@@ -82,12 +82,12 @@ pub(super) fn units(recording: &Recording, log: &Log) -> Result<()> {
     }
     let size = rounded(usual, 3);
     let (cause, hint) = if (0.8..1.25).contains(&usual) {
-        (format!("specific force is {size} as a rule: in g?"), "head its columns with their unit, e.g. ax_g")
+        (format!("specific force is typically {size}: in g?"), "head its columns with their unit, e.g. ax_g")
     } else if usual < 4.0 {
-        let cause = format!("specific force is {size} m/s² as a rule: gravity has been taken out");
+        let cause = format!("specific force is typically {size} m/s²: gravity has been removed");
         (cause, "record specific force as the sensor reads it, 9.8 m/s² at rest")
     } else {
-        (format!("specific force is {size} m/s² as a rule"), "head its columns with their unit, e.g. ax_mg or ax_m_s2")
+        (format!("specific force is typically {size} m/s²"), "head its columns with their unit, e.g. ax_mg or ax_m_s2")
     };
     Err(fail(recording, cause, hint))
 }
@@ -150,7 +150,7 @@ pub(super) fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<(
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     if turning > TURNS && start.explained < ALIKE {
         let cause = format!(
-            "reference and gyro do not turn alike: the one explains {} % of the other, whatever the shift of their clocks",
+            "reference and gyro do not turn alike: one explains {} % of the other at the best shift of their clocks",
             rounded(100.0 * start.explained.max(0.0), 2)
         );
         return Err(fail(recording, cause, "are they of one run? are the reference's quaternions body to world?"));

@@ -8,7 +8,7 @@ use crate::report::table::Table;
 
 pub(super) const TABLE_NOTE: &str = "Values with their 95 % interval; “<” is an upper limit (95 %) of a term that the data \
     do not support. σ(1 s) is the Allan deviation at 1 s in \
-    units of N: which many tools print as N whatever the slope there. N itself is the two-sided coefficient of IEEE \
+    units of N, which many tools print as N whatever the slope there. N itself is the two-sided coefficient of IEEE \
     952; a datasheet's one-sided density is √2 times it, and both are \
     shown. B by minimum is the lowest Allan deviation over 0.664, as datasheets state it; it bounds the flicker from above. A \
     star marks a curve that the five terms do not describe.";

@@ -27,12 +27,12 @@ pub(crate) fn note(note: &Note) -> String {
 
 fn fated(fate: &Fate) -> String {
     match fate {
-        Fate::Named => ", beside the others named".into(),
+        Fate::Named => ", together with the other named effects".into(),
         Fate::Withdrawn => "; it helps, but the residual stays above the noise".into(),
         Fate::Undetermined => "; not determined by these poses".into(),
         Fate::Implausible => "; fitted outside its plausible range".into(),
         Fate::Absent { beside_named, seen_from } => {
-            let beside = if *beside_named { ", beside those named" } else { "" };
+            let beside = if *beside_named { ", together with the named effects" } else { "" };
             let seen = match seen_from {
                 None => String::new(),
                 Some(SeenFrom::Strength { value, unit }) => {

@@ -13,7 +13,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             Part::Opening,
             "attitude-error",
             series("Attitude against the reference", "error of the rate / (mrad/s)", &detail.attitude),
-            "Change of the angle between the reference's attitude and the one that the gyro leads to, over each short \
+            "Change of the angle between the reference's attitude and that integrated from the gyro, over each short \
              window.",
         ));
         out.push(exhibit(
@@ -34,8 +34,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             Part::Improvement,
             "acceleration-error",
             series("Position against the reference", "error of acceleration / (mm/s²)", &detail.position),
-            "Second difference of the distance between the reference's position and the one that specific force leads \
-             to.",
+            "Second difference of the distance between the reference's position and that integrated from specific force.",
         ));
     }
     let sensors = [("gyro", "(mrad/s)/√Hz"), ("accelerometer", "(mm/s²)/√Hz")];
@@ -55,7 +54,7 @@ pub(super) fn exhibits(detail: &Detail) -> Vec<Exhibit> {
             if k == 0 && detail.attitude.before.is_empty() { Part::Opening } else { Part::Isolation },
             &format!("spectrum-{name}"),
             chart,
-            "Mean of the three axes. Above the frequencies of the motion what stands over the static figure is vibration.",
+            "Mean of the three axes. Above the frequencies of the motion, anything over the stated noise is vibration.",
         ));
     }
     out

@@ -114,7 +114,7 @@ fn still(page: &mut Page, pitch: &Pitch) {
     };
     let walk = Chart::new("The walk and its law", Axis::linear("time / s"), Axis::linear("pitch / °"))
         .with("accelerometer", Ink::Red, Mark::Line, degrees(&pitch.still_force, 800))
-        .with("gyro, mean rate off", Ink::Black, Mark::Line, degrees(&pitch.still_walk, 800))
+        .with("gyro, mean rate removed", Ink::Black, Mark::Line, degrees(&pitch.still_walk, 800))
         .with("one standard deviation", Ink::Soft, Mark::Dashed, arch(1.0))
         .with("", Ink::Soft, Mark::Dashed, arch(-1.0))
         .draw();
@@ -128,8 +128,8 @@ fn still(page: &mut Page, pitch: &Pitch) {
     .with("N/√τ", Ink::Black, Mark::Dashed, law)
     .draw();
     page.figure_row(&[
-        (&walk, "The gyro's angle with its own mean rate taken off, so that it is tied to zero at both ends; the dashed arch \
-                 is the standard deviation N√(t(T − t)/T) of such a walk."),
+        (&walk, "The gyro's angle without its own mean rate, so that it is tied to zero at both ends; the dashed arch is the \
+                 standard deviation N√(t(T − t)/T) of such a walk."),
         (&allan, "Slope −½ is white noise of the rate; its height at 1 s is N. Beyond ten seconds few independent \
         averages remain."),
     ]);
@@ -172,7 +172,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
         Axis::linear("density / (1/°)"),
     )
     .with("accelerometer", Ink::Red, Mark::Bars(width), histogram(&pitch.still_force))
-    .with("gyro, mean rate off", Ink::Black, Mark::Bars(width), histogram(&pitch.still_walk))
+    .with("gyro, mean rate removed", Ink::Black, Mark::Bars(width), histogram(&pitch.still_walk))
     .draw();
     // What makes the teeth is known for the recording alone; the simulation does not round.
     let teeth = match ten.source {

@@ -32,9 +32,9 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
     page.section("Predicted and recorded flight");
     page.paragraph(&format!(
         "The recorded IMU ({} s beside the reference, SHA-256 {}…) is dead-reckoned in windows that do not overlap. Each \
-         begins with the reference's position, velocity and attitude; biases that other readings gave are taken off. The band \
-         is that of the study's sensor in the same window, by the linear error model, and includes what the biases taken off \
-         are uncertain by. Nothing in it was fitted to these windows.",
+         begins with the reference's position, velocity and attitude; biases estimated from other readings are subtracted. \
+         The band is that of the study's sensor in the same window, by the linear error model, and includes the uncertainty \
+         of the subtracted biases. Nothing in it was fitted to these windows.",
         rounded(compared.seconds, 4),
         &compared.sha256[..compared.sha256.len().min(12)],
     ));
@@ -59,14 +59,14 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
     page.table(&table(compared));
     page.paragraph(
         "Fractions of the windows inside the central 50, 90 and 99 % of the prediction, in brackets exact 95 % intervals \
-         (Clopper and Pearson). The last column is the mean of the normalised errors squared: 1 where errors are as large as \
-         predicted; in brackets what it stays within in 95 of 100 cases if they are.",
+         (Clopper and Pearson). The last column is the mean normalised squared error: 1 where errors are as large as \
+         predicted; in brackets the range that then holds it in 95 of 100 cases.",
     );
     page.table(&joint(compared));
     if let Some(inflation) = &compared.inflation {
         page.paragraph(&format!(
-            "The inflation that this motion justifies: what each cause would have to be for {} windows of {} s to be \
-             consistent, found together by maximum likelihood, with 95 % intervals of the profile likelihood. \
+            "The inflation that this motion justifies: the size of each error source at which {} windows of {} s are \
+             consistent, all estimated together by maximum likelihood, with 95 % intervals of the profile likelihood. \
              inflated.toml is the stated sensor with these figures, for a study or `proofmass export`.",
             inflation.windows, compared.lengths[0].seconds,
         ));
@@ -114,7 +114,7 @@ pub(super) fn sentences(compared: &Compared) -> Vec<String> {
         }
     }
     if let Some(inflation) = &compared.inflation {
-        all.push(format!("consistent with {} windows would be:", inflation.windows));
+        all.push(format!("{} windows would be consistent with:", inflation.windows));
         for row in inflated(compared, inflation).rows {
             let factor =
                 if row[4].is_empty() { String::new() } else { format!(", {} × the stated {}", row[4], row[3]) };

@@ -66,7 +66,7 @@ impl Notes {
             [only] => format!("the reading jumps in row {only}"),
             places @ [first, ..] => format!("the reading jumps {} times, first in row {first}", places.len()),
         };
-        let more = ", which neither its past, the input nor the model predicts: samples lost or written twice, or a \
+        let more = ", which neither its own past nor the input nor the model predicts: lost or repeated samples, or a \
                     knock? A time column would tell";
         self.doubt(clause, more);
     }

@@ -19,13 +19,13 @@ pub const SATURATION: Candidate = Candidate {
 pub const AXIS_SWAP: Candidate = Candidate {
     id: "axis-swap",
     kind: Kind::Trajectory,
-    statement: "Columns of the sensor are exchanged, or a sign is turned round.",
+    statement: "Columns of the sensor are exchanged, or one has the wrong sign.",
     equation: "y = P v, P a signed permutation that is no rotation of both sensors",
     parameters: &[],
     acts: "readout",
     signature: "each column follows another axis of the reference",
     confusable_with: &["mounting"],
-    reference: "Umeyama, IEEE PAMI 13, 1991: rotations and reflections that lay one set of vectors on another",
+    reference: "Umeyama, IEEE PAMI 13, 1991: rotations and reflections that map one set of vectors onto another",
 };
 
 /// `vibration`.

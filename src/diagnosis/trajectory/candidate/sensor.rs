@@ -9,11 +9,11 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 pub(super) const SCALE_FACTOR: Candidate = Candidate {
     id: "scale-factor",
     kind: Kind::Trajectory,
-    statement: "The gyro's scale factors are not what they were taken for.",
+    statement: "The gyro's scale factors differ from the assumed ones.",
     equation: "y_i = (1 + s_i) v_i + b_i",
     parameters: &[Parameter { name: "gyro_x, gyro_y, gyro_z", unit: "ppm", range: (-2e5, 2e5) }],
     acts: "readout",
-    signature: "turns come out too long or too short in proportion",
+    signature: "measured turns are too large or too small, in proportion to the turn",
     confusable_with: &["readout-saturation"],
     reference: "IEEE 952, IEEE 1293",
 };
@@ -22,7 +22,7 @@ pub(super) const SCALE_FACTOR: Candidate = Candidate {
 pub const MISALIGNMENT: Candidate = Candidate {
     id: "misalignment",
     kind: Kind::Trajectory,
-    statement: "The gyro's axes are not at right angles, or do not stand along the accelerometer's.",
+    statement: "The gyro's axes are not orthogonal, or not aligned with the accelerometer's.",
     equation: "y = (I + S) v + b, S off its diagonal",
     parameters: &[Parameter { name: "gyro_xy … gyro_zy", unit: "mrad", range: (-200.0, 200.0) }],
     acts: "readout",
@@ -70,11 +70,11 @@ pub(super) const ACCELEROMETER_BIAS: Candidate = Candidate {
 pub(super) const EARTH_RATE: Candidate = Candidate {
     id: "earth-rate",
     kind: Kind::Trajectory,
-    statement: "The gyro also reads the rotation of the Earth, which was taken to stand still.",
+    statement: "The gyro also reads the Earth's rotation, which the model takes as zero.",
     equation: "y = ω + Rᵀ ω_ie + b",
     parameters: &[Parameter { name: "north, east, down", unit: "deg/h", range: (-15.1, 15.1) }],
     acts: "readout",
-    signature: "a constant rate in the axes of the reference, of 15 °/h; within what consumer gyros wander",
+    signature: "a constant rate in the axes of the reference, of 15 °/h; less than the bias of a consumer gyro wanders",
     confusable_with: &["gyro-bias"],
     reference: "Groves, Principles of GNSS, inertial and multisensor navigation, §5.2",
 };

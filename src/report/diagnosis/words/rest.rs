@@ -117,7 +117,7 @@ pub(crate) fn place(detail: &Detail) -> String {
     let mut spoken: Vec<String> = Vec::new();
     for jump in &location.jumps {
         spoken.push(format!(
-            "{}: the bias jumps, by most at {}; no noise or drift law in the library does that.",
+            "{}: the bias jumps, most strongly at {}; no noise or drift law in the library does that.",
             jump.channels.join(", "),
             duration(jump.time_s)
         ));

@@ -25,8 +25,8 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
                 .into()
         }
         Outcome::Explained if !account.is_fitted => format!(
-            "The model left out {}. Beside {} the base model holds: the error on held-out parts of the recording is {after} \
-             times the noise.",
+            "The model left out {}. Apart from {} the base model holds: the error on held-out parts of the recording is \
+             {after} times the noise.",
             names.join(", "),
             if names.len() == 1 { "it" } else { "them" }
         ),
@@ -59,7 +59,7 @@ pub(super) fn place(detail: &Detail) -> String {
     let rms =
         |series: &[(f64, f64)]| (series.iter().map(|p| p.1 * p.1).sum::<f64>() / series.len().max(1) as f64).sqrt();
     if detail.attitude.before.is_empty() {
-        return "in the readings alone: no reference was given".into();
+        return "only in the readings: no reference was given".into();
     }
     let mut parts = Vec::new();
     for (what, series, unit, per) in
@@ -77,7 +77,7 @@ pub(super) fn place(detail: &Detail) -> String {
 pub(super) fn findings(account: &Account) -> Vec<String> {
     let one = |h: &Hidden| {
         format!(
-            "this motion does not tell {}: it is known to ±{} {} only; {} would show it",
+            "this motion does not determine {}: it is known only to ±{} {}; {} would determine it",
             h.term.spoken(),
             short(h.half_width),
             h.term.unit.name,
@@ -89,8 +89,8 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
 
 fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
     match manoeuvre {
-        Manoeuvre::TurnEveryAxis => "turns about every axis, to and fro",
-        Manoeuvre::SixPositions => "holding each of the six faces up for some seconds",
+        Manoeuvre::TurnEveryAxis => "turns about every axis, back and forth",
+        Manoeuvre::SixPositions => "holding each of the six faces up for a few seconds",
         Manoeuvre::FigureEight => "figures of eight with quick turns",
         Manoeuvre::Longer => "a longer recording",
     }
@@ -105,14 +105,14 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
     }
     let hidden = account.hidden.first().map(|h| manoeuvre(h.manoeuvre));
     match (outcome, hidden) {
-        (Outcome::Undecidable, Some(way)) => format!("Record {way}: what is tied here comes apart there."),
+        (Outcome::Undecidable, Some(way)) => format!("Record {way}: it separates the candidates that are tied here."),
         (Outcome::Unexplained, _) => {
-            "Record the same motion again with another reference: what stays is the sensor's.".into()
+            "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()
         }
-        (_, Some(way)) => format!("What this motion does not tell would come out by {way}."),
+        (_, Some(way)) => format!("To determine what this motion does not: {way}."),
         (Outcome::Explained, None) => {
-            "Diagnose another flight of the same sensor: what is the sensor's comes out alike.".into()
+            "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
         }
-        _ => "None is needed for what this motion could show.".into(),
+        _ => "None is needed: this motion could show no more.".into(),
     }
 }
