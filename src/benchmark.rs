@@ -62,7 +62,7 @@ fn timed<O>(
 }
 
 /// Fills in the shares of the peak measured at the same place in the same precision.
-fn share(rows: &mut [Row]) {
+fn fill_shares_of_peak(rows: &mut [Row]) {
     let peaks: Vec<Row> = rows.iter().filter(|r| r.work == PEAK).cloned().collect();
     for r in rows {
         let peak = peaks.iter().find(|p| p.place == r.place && p.precision == r.precision);
@@ -170,7 +170,7 @@ pub fn cpu(control: &Control, progress: &Progress) -> Result<Vec<Row>> {
         let name = format!("{}: {samples} steps", work::SCALED);
         rows.push(ensemble(control, &name, "cpu", &mut cpu, &work::long(8192, samples))?);
     }
-    share(&mut rows);
+    fill_shares_of_peak(&mut rows);
     Ok(rows)
 }
 
@@ -202,6 +202,6 @@ pub fn gpu(device: &Gpu, backend: &mut dyn Backend, control: &Control, progress:
         progress.rename(&format!("{members} members"));
         rows.push(ensemble(control, work::SIZED, name, backend, &work::full(members))?);
     }
-    share(&mut rows);
+    fill_shares_of_peak(&mut rows);
     Ok(rows)
 }

@@ -140,8 +140,9 @@ fn growth(statistics: &Statistics, expected: &Expected) -> Growth {
     // What a still start leaves of a source is a constant bias, and grows as one; the rest of it by its own power.
     let bias_share = |source: ErrorSource| {
         let (integrations, factor) = if source.is_gyro() { (3, STANDARD_GRAVITY_M_S2.powi(2)) } else { (2, 1.0) };
-        let left = expected.bias_left.iter().find(|(other, _)| *other == source).map_or(0.0, |(_, left)| *left);
-        factor * left * Process::Constant(1.0).variance(integrations, expected.time_s[last])
+        let coefficient =
+            expected.bias_left.iter().find(|(other, _)| *other == source).map_or(0.0, |(_, coefficient)| *coefficient);
+        factor * coefficient * Process::Constant(1.0).variance(integrations, expected.time_s[last])
     };
     let from_sources = power_law::EXPONENTS.map(|exponent| {
         let part = |(source, rows): &(ErrorSource, Vec<[Moment; 4]>)| {

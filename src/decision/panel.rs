@@ -87,8 +87,8 @@ impl Panel {
         }
         // The last stretch is straight.
         let (at_low, at_high) = (f(low) - limit, f(high) - limit);
-        let share = if at_high == at_low { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.0, 1.0) };
-        Some(low + share * (high - low))
+        let fraction = if at_high == at_low { 0.5 } else { (at_low / (at_low - at_high)).clamp(0.0, 1.0) };
+        Some(low + fraction * (high - low))
     }
 }
 

@@ -261,7 +261,8 @@ pub(crate) fn drifted(
             seconds: cut.seconds,
             recorded: ranges.iter().map(end).collect(),
             sd_predicted: summary.sd,
-            bands: BANDS.map(|share| [quantile(summary, 0.5 - 0.5 * share), quantile(summary, 0.5 + 0.5 * share)]),
+            bands: BANDS
+                .map(|fraction| [quantile(summary, 0.5 - 0.5 * fraction), quantile(summary, 0.5 + 0.5 * fraction)]),
         });
         if cut.length == longest {
             let runs: Vec<Vec<f64>> = ranges

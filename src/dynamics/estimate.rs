@@ -35,8 +35,8 @@ pub(crate) fn slope(points: &[(f64, f64)]) -> Estimate {
     let sxx: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
     let sxy: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
     let value = sxy / sxx;
-    let left: f64 = points.iter().map(|p| (p.1 - my - value * (p.0 - mx)).powi(2)).sum();
-    Estimate { value, standard_error: (left / (n - 2.0).max(1.0) / sxx).sqrt() }
+    let residual: f64 = points.iter().map(|p| (p.1 - my - value * (p.0 - mx)).powi(2)).sum();
+    Estimate { value, standard_error: (residual / (n - 2.0).max(1.0) / sxx).sqrt() }
 }
 
 #[cfg(test)]

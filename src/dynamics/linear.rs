@@ -84,8 +84,8 @@ pub(crate) fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], forc
     let [r1, r2] = roots;
     let level = force_n / k;
     let (c1, c2) = (r2 / (r1 - r2) * level, -r1 / (r1 - r2) * level);
-    let left = |c: Complex<f64>, r: Complex<f64>| c * (r * r * m + r * d + k) * (r * time_s).exp();
-    (left(c1, r1) + left(c2, r2)).re
+    let residual = |c: Complex<f64>, r: Complex<f64>| c * (r * r * m + r * d + k) * (r * time_s).exp();
+    (residual(c1, r1) + residual(c2, r2)).re
 }
 
 /// The exact response from rest to a rectangle: a step up and, later, a step down.

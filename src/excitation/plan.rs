@@ -86,7 +86,7 @@ impl Plan {
     pub fn resolved(mut self, source: &str, step_s: f64) -> Result<Self> {
         let half_hz = 0.5 / step_s;
         let folds = |highest_hz: f64| highest_hz >= half_hz * (1.0 - 1e-9);
-        let step = |share: f64, highest_hz: f64| (share / highest_hz * 1e9).floor() / 1e9;
+        let step = |fraction: f64, highest_hz: f64| (fraction / highest_hz * 1e9).floor() / 1e9;
         match self.spectrum {
             Spectrum::Line(highest_hz) if folds(highest_hz) => Err(Error::new(
                 format!("could not use {source}"),

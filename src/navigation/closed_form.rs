@@ -104,14 +104,14 @@ impl Held {
         let power = |t: f64| t.powi(integrations as i32) / factorial(integrations);
         let (end, whole) = (still_s + time_s, power(time_s));
         // What is still to come after a time, and of the mean before it. Without integration, the value held at the end.
-        let left = |at: f64| match integrations {
+        let remaining = |at: f64| match integrations {
             0 => f64::from(u8::from(at < end * (1.0 - 1e-12))),
             _ => power((end - at.max(still_s)).max(0.0)),
         };
         let before = |at: f64| if still_s > 0.0 { at.min(still_s) / still_s } else { 0.0 };
         let (mut sum, mut carried, mut from, mut until) = (0.0, 0.0, 0.0, self.first_s);
         while from < end {
-            let weight = left(from) - left(until) - whole * (before(until) - before(from));
+            let weight = remaining(from) - remaining(until) - whole * (before(until) - before(from));
             sum += weight * (weight + 2.0 * carried);
             carried = (carried + weight) * (-1.0f64).exp();
             (from, until) = (until, until + self.hold_s);

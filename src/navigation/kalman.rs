@@ -138,8 +138,8 @@ impl Filter {
         let gain = self.covariance * h.transpose() / variance;
         self.state += gain * innovation;
         // Joseph's form keeps the covariance symmetric and positive.
-        let left = Matrix2::identity() - gain * h;
-        self.covariance = left * self.covariance * left.transpose() + gain * gain.transpose() * tilt_variance_rad2;
+        let factor = Matrix2::identity() - gain * h;
+        self.covariance = factor * self.covariance * factor.transpose() + gain * gain.transpose() * tilt_variance_rad2;
         let nis = innovation * innovation / variance;
         Update { state: self.state, covariance: self.covariance, gain, nis, tilt_variance_rad2 }
     }
@@ -163,10 +163,10 @@ impl Filter {
         }
         // The scatter of the innovations about their mean: a steady innovation is the filter's own error and must be
         // followed, a scattered one is motion. Twelve effective samples scatter by chance up to 4 R.
-        let share = 1.0 - (-self.model.step_s / MEMORY_S).exp();
+        let weight = 1.0 - (-self.model.step_s / MEMORY_S).exp();
         let (mean, variance) = self.innovations;
         let away = innovation - mean;
-        self.innovations = (mean + share * away, (1.0 - share) * (variance + share * away * away));
+        self.innovations = (mean + weight * away, (1.0 - weight) * (variance + weight * away * away));
         let seen = self.innovations.1;
         if seen > 4.0 * rest { moved.max(seen) } else { moved }
     }

@@ -35,7 +35,7 @@ pub fn fit(envelope: &[(f64, f64)]) -> [f64; 4] {
         }
         let scaled = DMatrix::from_fn(design.nrows(), design.ncols(), |r, c| design[(r, c)] / lengths[c]);
         let Ok(solution) = scaled.clone().svd(true, true).solve(&ones, 1e-12) else { continue };
-        if solution.iter().any(|share| *share < 0.0 || !share.is_finite()) {
+        if solution.iter().any(|coefficient| *coefficient < 0.0 || !coefficient.is_finite()) {
             continue;
         }
         let misfit = (&scaled * &solution - &ones).norm_squared();

@@ -39,9 +39,9 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
 }
 
 /// The value below which a share of `sorted` lies, interpolated between ranks; NaN of nothing.
-pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], fraction: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let rank = share * last as f64;
+    let rank = fraction * last as f64;
     let below = (rank as usize).min(last);
     let above = (below + 1).min(last);
     sorted[below] + (rank - below as f64) * (sorted[above] - sorted[below])

@@ -121,11 +121,11 @@ pub(crate) fn response(input: &[f64], output: &[f64], rate_hz: f64, segment: usi
         }
         count += 1;
     }
-    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+    let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     Response {
         frequency_hz: frequencies(segment, rate_hz),
         gain: (1..bins).map(|b| if xx[b] > 0.0 { xy[b] / xx[b] } else { Complex64::default() }).collect(),
-        coherence: (1..bins).map(|b| share(xy[b].norm_sqr(), xx[b] * yy[b])).collect(),
+        coherence: (1..bins).map(|b| ratio(xy[b].norm_sqr(), xx[b] * yy[b])).collect(),
         averages: averages(count),
     }
 }

@@ -58,7 +58,7 @@ fn deviation(values: &[f64], sensors: f64) -> Deviation {
     let covariance = Covariance::new(&column(|p| p.factor), &column(|p| p.samples), RATE_HZ);
     let squares = squares(sensors);
     let degrees_of_freedom: Vec<f64> = (0..points.len()).map(|i| covariance.degrees_of_freedom(i, &squares)).collect();
-    let edge = |p: &Point, f: f64, share: f64| (p.variance * f / chi_squared_quantile(share, f)).sqrt();
+    let edge = |p: &Point, f: f64, fraction: f64| (p.variance * f / chi_squared_quantile(fraction, f)).sqrt();
     Deviation {
         curve: points.iter().map(|p| (p.tau_s, p.variance.sqrt())).collect(),
         band: points.iter().zip(&degrees_of_freedom).map(|(p, f)| (edge(p, *f, 0.975), edge(p, *f, 0.025))).collect(),
@@ -111,7 +111,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
         ),
         Check::near(
             "single over array at about 30 min",
-            "from the laws of the planted noise, nearly 1: what the sensors share does not average out; four standard errors \
+            "from the laws of the planted noise, nearly 1: what the sensors fraction does not average out; four standard errors \
              of one curve, since both hold the same walk",
             beyond,
             ratio(long).0,

@@ -196,12 +196,13 @@ fn in_motion(model: &Model) -> InMotion {
         let members: Vec<(f64, f64, [f64; 3])> = parallel::map_members(0..MEMBERS, |m| {
             let (moved, quiet) = (run(model, weighting, m, true), run(model, weighting, m, false));
             // What the motion did, against what the filter itself holds possible at that time.
-            let left: Vec<f64> = moved.tilt_rad.iter().zip(&quiet.tilt_rad).map(|(a, b)| (a - b).abs()).collect();
-            let visible = |i: &usize| left[*i] > moved.believed_rad[*i];
-            let back = (0..left.len()).rev().find(visible).map_or(0, |i| i + 1);
+            let differences: Vec<f64> =
+                moved.tilt_rad.iter().zip(&quiet.tilt_rad).map(|(a, b)| (a - b).abs()).collect();
+            let visible = |i: &usize| differences[*i] > moved.believed_rad[*i];
+            let back = (0..differences.len()).rev().find(visible).map_or(0, |i| i + 1);
             let mean = |r: std::ops::Range<usize>| moved.nis[r.clone()].iter().sum::<f64>() / r.len() as f64;
             let recovery_s = back.saturating_sub(end) as f64 * STEP_S;
-            let peak = left.iter().copied().fold(0.0, f64::max);
+            let peak = differences.iter().copied().fold(0.0, f64::max);
             (recovery_s, peak, [mean(0..begin), mean(begin..end), mean(end..end + 50)])
         });
         let sorted = |pick: fn(&(f64, f64, [f64; 3])) -> f64| {

@@ -59,8 +59,8 @@ pub fn compute() -> Linear {
     let residuals: Vec<(f64, f64, f64)> = (0..=800)
         .map(|i| f64::from(i) * 0.05)
         .map(|t| {
-            let left = |r| residual_n(&oscillator, r, RECTANGLE.force_n, t);
-            (t, left(printed_roots(&oscillator)), left(roots(&oscillator)))
+            let residual = |r| residual_n(&oscillator, r, RECTANGLE.force_n, t);
+            (t, residual(printed_roots(&oscillator)), residual(roots(&oscillator)))
         })
         .collect();
     // Long after the rectangle, when the ringing has died: the displacement error that stays.

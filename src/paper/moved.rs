@@ -83,15 +83,15 @@ struct Run {
 
 /// The filters from two seconds before a move to the end of the pose after it; `None` where it gets too steep.
 fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
-    let (left, reached) = (imu.poses[k].end, imu.poses[k + 1].start);
+    let (departed, reached) = (imu.poses[k].end, imu.poses[k + 1].start);
     let lead = ((2.0 / imu.step_s) as usize).min(imu.poses[k].len());
-    let samples = left - lead..imu.poses[k + 1].end.min(reached + (4.0 / imu.step_s) as usize);
+    let samples = departed - lead..imu.poses[k + 1].end.min(reached + (4.0 / imu.step_s) as usize);
     let (from, to) = (pitch_rad(up(imu, k)), pitch_rad(up(imu, k + 1)));
     let mut direction = up(imu, k);
     let (mut reference, mut rates) = (Vec::new(), Vec::new());
     for i in samples.clone() {
         rates.push(pitch_rate_rad_s(direction, imu.rate_rad_s[i]));
-        if i >= left {
+        if i >= departed {
             direction = turn(direction, imu.rate_rad_s[i], imu.step_s);
         }
         reference.push(pitch_rad(direction));
@@ -99,8 +99,8 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
     let miss = reference[reached - samples.start] - to;
     for (j, value) in reference.iter_mut().enumerate() {
         let i = samples.start + j;
-        let part = (i.clamp(left, reached) - left) as f64 / (reached - left) as f64;
-        *value = if i < left {
+        let part = (i.clamp(departed, reached) - departed) as f64 / (reached - departed) as f64;
+        *value = if i < departed {
             from
         } else if i >= reached {
             to
@@ -114,7 +114,7 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
     // The motion ends where the turning rate or the force last leave what the still poses show.
     let restless =
         |i: usize| norm(imu.rate_rad_s[i]) > 5.0 * DEGREE || (norm(imu.force_m_s2[i]) - model.gravity_m_s2).abs() > 0.2;
-    let stopped = (left..reached).rev().find(|i| restless(*i)).unwrap_or(left) + 1;
+    let stopped = (departed..reached).rev().find(|i| restless(*i)).unwrap_or(departed) + 1;
     let mut run = Run { peak_rad: [0.0; 3], recovery_s: [0.0; 3], nis_still: [0.0; 3], lines: vec![] };
     let mut tilts: Vec<[f64; 3]> = vec![[0.0; 3]; samples.len()];
     for (w, weighting) in WEIGHTINGS.into_iter().enumerate() {
@@ -129,7 +129,7 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
             tilts[j][w] = update.state[0];
             let error = (update.state[0] - reference[j]).abs();
             run.peak_rad[w] = run.peak_rad[w].max(error);
-            if i < left {
+            if i < departed {
                 run.nis_still[w] += update.nis / lead as f64;
             }
             if i >= stopped && error > BACK_RAD {
@@ -140,7 +140,7 @@ fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
     }
     let line = |j: usize| {
         let i = samples.start + j;
-        let seconds = (i as f64 - left as f64) * imu.step_s;
+        let seconds = (i as f64 - departed as f64) * imu.step_s;
         (seconds, reference[j], pitch_rad(imu.force_m_s2[i]), tilts[j])
     };
     run.lines = (0..samples.len()).map(line).collect();

@@ -12,8 +12,8 @@ use crate::number::significant;
 const LEAD: &str =
     "Units per second, fastest of repeated runs in one process. Compare rows within one run, not between runs.";
 
-fn percent(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 3))
+fn percent(fraction: f64) -> String {
+    format!("{} %", significant(100.0 * fraction, 3))
 }
 
 fn millions(per_second: f64) -> String {
@@ -73,13 +73,13 @@ fn predicted() -> Table {
 /// Words on how quiet the machine was; `others` is the share of it that other programs used.
 pub(crate) fn busy(others: Option<f64>) -> String {
     match others {
-        Some(share) if share < 0.06 => {
-            format!("Other programs used {} of the processors during the run.", percent(share))
+        Some(fraction) if fraction < 0.06 => {
+            format!("Other programs used {} of the processors during the run.", percent(fraction))
         }
-        Some(share) => format!(
+        Some(fraction) => format!(
             "Other programs used {} of the processors during the run: these rates are too low, and even their ratios \
             are uncertain.",
-            percent(share)
+            percent(fraction)
         ),
         None => "The load from other programs is unknown on this system.".to_owned(),
     }
@@ -182,7 +182,7 @@ fn parts(rows: &[Row]) -> Option<String> {
 }
 
 const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to millions, \
-including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
+including parameter draws and statistics. Sixty-four members fraction a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
 pub(crate) fn page(rows: &[Row], others: Option<f64>) -> Page {

@@ -56,8 +56,8 @@ pub(crate) fn families(outcome: &Outcome) -> Table {
         Table::new(&["how it is concealed", "cases", "right", "silent", "detected, not named", "false name"]);
     for row in &outcome.families {
         // Counts: a share of four cases has no decimals.
-        let shares = [1.0, row.named_correctly, row.silent, row.unnamed, row.confidently_wrong];
-        let counts = shares.map(|s| format!("{:.0}", s * row.cases as f64));
+        let rates = [1.0, row.named_correctly, row.silent, row.unnamed, row.confidently_wrong];
+        let counts = rates.map(|s| format!("{:.0}", s * row.cases as f64));
         table.row(std::iter::once(row.name.clone()).chain(counts));
     }
     table

@@ -18,7 +18,7 @@ pub enum Campaign {
 impl Campaign {
     /// Cases of a family in a trial of full size. Enough nulls that silence in all of them proves fewer than 1 % false
     /// alarms (1 − 0.025^(1/368) = 1 %); single effects in multiples of the library's length.
-    pub fn share(self, family: Family) -> usize {
+    pub fn cases_of(self, family: Family) -> usize {
         match (self, family) {
             (_, Family::Null) => 300,
             (Self::Concealed, Family::ForceNoiseOnly) => 20,
@@ -46,7 +46,7 @@ impl Campaign {
 
     /// Cases of a trial of full size.
     pub fn size(self) -> usize {
-        Family::ALL.iter().map(|family| self.share(*family)).sum()
+        Family::ALL.iter().map(|family| self.cases_of(*family)).sum()
     }
 
     /// Rows per driven recording and per log at rest in a trial of full size.

@@ -64,9 +64,9 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
     };
     // The readout's noise is what remains at the highest frequencies of the residual, where no resonator reaches: its fourth
     // difference, whose gain on white noise is √(1 + 16 + 36 + 16 + 1).
-    let fourth: Vec<f64> =
+    let fourth_difference: Vec<f64> =
         fit.residual.windows(5).map(|r| r[0] - 4.0 * r[1] + 6.0 * r[2] - 4.0 * r[3] + r[4]).collect();
-    let noise = spread(&fourth) / 70f64.sqrt();
+    let noise = spread(&fourth_difference) / 70f64.sqrt();
     let oscillator = Oscillator { omega_rad_s: fit.omega_rad_s, zeta: fit.zeta, gain: fit.gain, start: fit.start };
     let mut case = Driven::linear(oscillator, excitation, data.rate_hz, samples, seed);
     case.offset = fit.offset;
@@ -81,9 +81,9 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
         case.output_rms
     );
     if rest > noise {
-        let share = rest / case.output_rms;
+        let fraction = rest / case.output_rms;
         let term = Term { physics: Physics::ForceNoise, amplitude: rest / case.scales.x, shape: [0.0; 2] };
-        case.planted.push(Planted { term, visible: share, raw: share });
+        case.planted.push(Planted { term, visible: fraction, raw: fraction });
         base += &format!(" and force noise that moves it by {rest:.3e} rms");
     }
     Some((case, base))

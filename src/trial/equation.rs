@@ -201,8 +201,8 @@ impl<'a> Machine<'a> {
 
     /// One step of length `h` from the fraction `from` of a step on.
     fn advance(&self, s: &State, window: &Window<'_>, from: f64, h: f64, contact: Contact) -> State {
-        let share = h / window.step_s;
-        let instants = [from, from + share / 2.0, from + share].map(|f| window.instant(f));
+        let fraction = h / window.step_s;
+        let instants = [from, from + fraction / 2.0, from + fraction].map(|f| window.instant(f));
         let along = |d: &State, by: f64| {
             let mut moved = *s;
             moved.iter_mut().zip(d).take(self.states).for_each(|(m, d)| *m += by * d);

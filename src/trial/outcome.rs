@@ -223,7 +223,7 @@ fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
         .into_iter()
         .filter_map(|family| {
             let of: Vec<&Judged<'_>> = judged.iter().filter(|j| j.case.family == family).collect();
-            let share = |right: &dyn Fn(&Judged<'_>) -> bool| Share::over(of.iter().map(|j| right(j))).value;
+            let proportion = |right: &dyn Fn(&Judged<'_>) -> bool| Share::over(of.iter().map(|j| right(j))).value;
             let right = |j: &Judged<'_>| match (j.library, j.case.planted().is_empty()) {
                 (_, true) => j.mark == Mark::Silent,
                 (true, _) => j.mark.is_named(),
@@ -232,10 +232,10 @@ fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
             (!of.is_empty()).then(|| Row {
                 name: family.name().into(),
                 cases: of.len(),
-                named_correctly: share(&right),
-                confidently_wrong: share(&|j| j.mark.is_confidently_wrong()),
-                silent: share(&|j| j.mark == Mark::Silent),
-                unnamed: share(&|j| matches!(j.mark, Mark::Unexplained | Mark::Undecided)),
+                named_correctly: proportion(&right),
+                confidently_wrong: proportion(&|j| j.mark.is_confidently_wrong()),
+                silent: proportion(&|j| j.mark == Mark::Silent),
+                unnamed: proportion(&|j| matches!(j.mark, Mark::Unexplained | Mark::Undecided)),
             })
         })
         .collect()

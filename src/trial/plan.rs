@@ -80,8 +80,8 @@ impl Plan {
     pub fn families(&self) -> Vec<(Family, usize)> {
         let mut all: Vec<(f64, Family, usize)> = Vec::new();
         for family in Family::ALL {
-            let share = self.campaign.share(family);
-            let count = (share * self.cases).div_ceil(self.campaign.size().max(1));
+            let full = self.campaign.cases_of(family);
+            let count = (full * self.cases).div_ceil(self.campaign.size().max(1));
             all.extend((0..count).map(|k| ((k as f64 + 0.5) / count as f64, family, k)));
         }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -205,8 +205,8 @@ impl Plan {
             Family::AmplitudesNotRecorded => {
                 let physics = AMPLITUDE_DEPENDENT[nth % AMPLITUDE_DEPENDENT.len()];
                 let good = add(&mut case, rng, physics, Size::Visible(0.05));
-                let share = uniform(rng, 0.08, 0.3);
-                plant::quieten(&mut case, share, NOISE);
+                let ratio = uniform(rng, 0.08, 0.3);
+                plant::quieten(&mut case, ratio, NOISE);
                 good
             }
             Family::LookAlikes => {

@@ -81,8 +81,8 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
         QuadraticStiffness | DriveNonlinearity | Feedthrough | BiasDrift => [sign(rng), 0.0],
         // Half of them with β = γ, the usual choice; the rest anywhere up to γ = 0.
         Hysteresis => {
-            let share = if rng.random::<bool>() { 0.5 } else { uniform(rng, 0.5, 1.0) };
-            [uniform(rng, 0.3, 1.0), share]
+            let ratio = if rng.random::<bool>() { 0.5 } else { uniform(rng, 0.5, 1.0) };
+            [uniform(rng, 0.3, 1.0), ratio]
         }
         StiffnessDrift => [sign(rng), if rng.random::<f64>() < 0.3 { 1.0 } else { 0.0 }],
         ParasiticMode => {
@@ -162,9 +162,9 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], size: Size) -
     }
 }
 
-/// Takes the loud part away: the same physics, driven at `share` of the amplitude, with noise relative to what is left.
-pub(super) fn quieten(case: &mut Driven, share: f64, noise: f64) {
-    case.excitation.scale(share);
+/// Takes the loud part away: the same physics, driven at `ratio` times the amplitude, with noise relative to the new output.
+pub(super) fn quieten(case: &mut Driven, ratio: f64, noise: f64) {
+    case.excitation.scale(ratio);
     case.output_rms = case.measure_scales().x;
     case.noise = noise * case.output_rms;
     remeasure(case);

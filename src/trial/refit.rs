@@ -139,18 +139,18 @@ pub(super) fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usiz
             columns.push(&parts[0]);
         }
         let step = solve(&columns, &best.residual)?;
-        let mut share = 1.0;
+        let mut step_scale = 1.0;
         let before = best.rms();
         loop {
-            let o = omega * (share * step[0]).clamp(-0.5, 0.5).exp();
-            let z = zeta * (share * step[1]).clamp(-1.0, 1.0).exp();
+            let o = omega * (step_scale * step[0]).clamp(-0.5, 0.5).exp();
+            let z = zeta * (step_scale * step[1]).clamp(-1.0, 1.0).exp();
             match evaluate(o, z) {
                 Some((fit, next)) if fit.rms() <= before => {
                     (omega, zeta, best, parts) = (o, z, fit, next);
                     break;
                 }
-                _ if share < 0.05 => return Some(best),
-                _ => share *= 0.4,
+                _ if step_scale < 0.05 => return Some(best),
+                _ => step_scale *= 0.4,
             }
         }
         if best.rms() > before * (1.0 - 1e-4) {

@@ -243,8 +243,8 @@ impl Turned {
         centre(&mut sensed);
         let dot = |a: &[Vector3<f64>], b: &[Vector3<f64>]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
         let common = dot(&added, &sensed) / dot(&sensed, &sensed);
-        let left: f64 = added.iter().zip(&sensed).map(|(a, s)| (a - s * common).norm_squared()).sum();
-        (left / (3 * added.len()) as f64).sqrt() / self.noise[sensor]
+        let residual: f64 = added.iter().zip(&sensed).map(|(a, s)| (a - s * common).norm_squared()).sum();
+        (residual / (3 * added.len()) as f64).sqrt() / self.noise[sensor]
     }
 
     /// Makes the recording, rounded to counts.

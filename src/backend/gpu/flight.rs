@@ -201,8 +201,8 @@ impl<'a> Carried<'a> {
         let bytes = gpu.read(&plan.state, 4 * u64::from(self.stride) * state::TERMS as u64)?;
         let numbers: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
         let at = |place: usize, i: usize| numbers[place * stride + i];
-        let share = self.batch.flight.clock().still_share() as f32;
-        let mean = |total: usize, part: usize, i: usize| share * (at(total, i) + (at(part, i) + at(total + 1, i)));
+        let fraction = self.batch.flight.clock().still_share() as f32;
+        let mean = |total: usize, part: usize, i: usize| fraction * (at(total, i) + (at(part, i) + at(total + 1, i)));
         let of = |i: usize| (mean(state::VELOCITY_TOTAL, state::VELOCITY, i), mean(state::RATE_TOTAL, state::RATE, i));
         Ok((0..self.members as usize).map(of).collect())
     }

@@ -21,8 +21,8 @@ pub(super) struct Follower {
     /// With the leader's slow part in it.
     pub(super) fitted: Fitted,
     pub(super) p_value: f64,
-    /// Share of its slow variance that the leader's slow part explains.
-    pub(super) share: f64,
+    /// Fraction of its slow variance that the leader's slow part explains.
+    pub(super) r_squared: f64,
 }
 
 /// The channel whose slow part others follow, and those that do.
@@ -78,17 +78,17 @@ pub(super) fn find(channels: &[Channel], selected: &[Selection]) -> Option<Commo
                 let fitted = following(i, &slow[leader]);
                 let gain = 2.0 * (fitted.log_likelihood() - own[i].log_likelihood());
                 let p_value = (chi_squared_survival(gain.max(0.0), 1.0) * correction).min(1.0);
-                let share = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
-                (p_value < ALPHA && share > 0.5).then_some(Follower { channel: i, fitted, p_value, share })
+                let r_squared = 1.0 - slow_power(&fitted) / slow_power(&own[i]).max(f64::MIN_POSITIVE);
+                (p_value < ALPHA && r_squared > 0.5).then_some(Follower { channel: i, fitted, p_value, r_squared })
             })
             .collect()
     };
     // Who leads is arbitrary: the one whom most follow, and most closely.
     let led = (0..drifting.len()).map(|l| (l, followers(l)));
-    let closeness = |f: &[Follower]| f.iter().map(|f| f.share).sum::<f64>();
+    let closeness = |f: &[Follower]| f.iter().map(|f| f.r_squared).sum::<f64>();
     let (leader, followers) = led.max_by(|a, b| closeness(&a.1).total_cmp(&closeness(&b.1)))?;
     // The leader in turn is described by the channel that follows it best.
-    let best = followers.iter().max_by(|a, b| a.share.total_cmp(&b.share))?.channel;
+    let best = followers.iter().max_by(|a, b| a.r_squared.total_cmp(&b.r_squared))?.channel;
     let best = drifting.iter().position(|i| *i == best)?;
     let leader_fit = following(drifting[leader], &slow[best]);
     Some(Common { leader: drifting[leader], leader_fit, followers })
@@ -104,7 +104,7 @@ fn slow_power(fitted: &Fitted) -> f64 {
     fitted.bins.iter().zip(&fitted.variances).map(of).sum()
 }
 
-/// The slow part in time: every coefficient weighted by the share that is not white (Wiener's filter).
+/// The slow part in time: every coefficient weighted by the fraction of its power that is not white (Wiener's filter).
 pub(super) fn slow_part(fitted: &Fitted) -> Vec<f64> {
     let white = fitted.white().0;
     let mut coefficients = vec![0.0; fitted.residual.len()];

@@ -85,8 +85,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Whether a channel takes part in what channels share.
-    fn shares(&self, i: usize) -> bool {
+    /// Whether a channel takes part in the common drift.
+    fn is_common(&self, i: usize) -> bool {
         self.common.as_ref().is_some_and(|c| c.leader == i || c.followers.iter().any(|f| f.channel == i))
     }
 
@@ -97,7 +97,7 @@ impl<'a> Draft<'a> {
         }
         let noise = self.model.noise.as_ref();
         for (i, channel) in self.channels.iter().enumerate() {
-            let own = effects::of_terms(i, channel, &self.selected[i], self.shares(i), self.unit);
+            let own = effects::of_terms(i, channel, &self.selected[i], self.is_common(i), self.unit);
             self.effects.extend(own);
             self.effects.extend(effects::of_level(i, channel, &self.finals[i], noise, self.unit));
             self.findings.extend(plausible::level(channel, &self.finals[i], noise));
@@ -121,7 +121,7 @@ impl<'a> Draft<'a> {
             self.residuals[i].jump = self.residuals[i].jump.or(at);
         }
         // What channels share is a common cause, whatever its course.
-        let alone: Vec<usize> = (0..self.channels.len()).filter(|i| !self.shares(*i)).collect();
+        let alone: Vec<usize> = (0..self.channels.len()).filter(|i| !self.is_common(*i)).collect();
         let hops = parallel::map(&alone, |i| (*i, telegraph::hops(&self.channels[*i], &self.selected[*i].chosen)));
         for (i, found) in hops {
             let Some(hops) = found.filter(|t| t.hops > 1 && t.p_value * count < REAL) else { continue };

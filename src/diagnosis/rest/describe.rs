@@ -32,8 +32,8 @@ fn allan_variance(bins: &[Bin], variances: &[f64], count: usize, factor: usize) 
     let each = |(b, v): (&Bin, &f64)| {
         let width = (b.to - b.from) as f64;
         let ripples = m * width * std::f64::consts::PI / (2 * count) as f64;
-        let fourth = if ripples > 1.0 { 0.375 } else { (m * b.theta).sin().powi(4) };
-        v * width * fourth / (m * b.theta.sin()).powi(2)
+        let sine_factor = if ripples > 1.0 { 0.375 } else { (m * b.theta).sin().powi(4) };
+        v * width * sine_factor / (m * b.theta.sin()).powi(2)
     };
     2.0 / count as f64 * bins.iter().zip(variances).map(each).sum::<f64>()
 }

@@ -115,14 +115,14 @@ fn holds_where_it_rules(cause: Cause, fitted: &Fitted, residual: &Residual) -> b
 pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fitted]) -> Found {
     finals[common.leader] = common.leader_fit.clone();
     let mut places = vec![common.leader];
-    let (mut p_value, mut share) = (0.0f64, f64::INFINITY);
+    let (mut p_value, mut r_squared) = (0.0f64, f64::INFINITY);
     let mut parameters = Vec::new();
     let leader = &channels[common.leader];
     for follower in &common.followers {
         let (channel, fitted) = (&channels[follower.channel], &follower.fitted);
         places.push(follower.channel);
         p_value = p_value.max(follower.p_value);
-        share = share.min(follower.share);
+        r_squared = r_squared.min(follower.r_squared);
         let last = Placed { channel, fitted, index: fitted.terms.len() - 1, unit: "" };
         let slope = (row(Cause::TemperatureSensitivity).parameters)(&last);
         parameters.extend(slope.into_iter().map(|e| Estimate {
@@ -137,7 +137,7 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
         cause: Cause::TemperatureSensitivity,
         channels: places,
         parameters,
-        evidence: Evidence { held_out_gain: share, p_value },
+        evidence: Evidence { held_out_gain: r_squared, p_value },
         rivals: Vec::new(),
         basis: Basis::Witness,
     }
@@ -161,8 +161,8 @@ pub(super) fn of_level(
     let mut out = Vec::new();
     let (white, error) = fitted.white();
     let rounding = channel.rounding();
-    let share = rounding / white.max(rounding);
-    let coarse = channel.step.filter(|_| share > COARSE);
+    let fraction = rounding / white.max(rounding);
+    let coarse = channel.step.filter(|_| fraction > COARSE);
     let of = |cause, parameter, evidence| Found {
         cause,
         channels: vec![place],
@@ -177,7 +177,7 @@ pub(super) fn of_level(
         out.push(of(
             Cause::QuantisationNoise,
             parameter,
-            Evidence { held_out_gain: share, p_value: f64::MIN_POSITIVE },
+            Evidence { held_out_gain: fraction, p_value: f64::MIN_POSITIVE },
         ));
     }
     let Some(noise) = noise else { return out };

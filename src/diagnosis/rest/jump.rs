@@ -63,8 +63,8 @@ fn sizes(channel: &Channel, fitted: &Fitted) -> Vec<f64> {
     let mut out = Vec::with_capacity(count - 2 * margin);
     for (span, ends) in places.windows(2).zip(known.windows(2)) {
         for (n, gone) in weighted[span[0]..span[1]].iter().enumerate() {
-            let share = n as f64 / (span[1] - span[0]) as f64;
-            let information = ends[0] + share * (ends[1] - ends[0]);
+            let fraction = n as f64 / (span[1] - span[0]) as f64;
+            let information = ends[0] + fraction * (ends[1] - ends[0]);
             out.push(after / information.max(f64::MIN_POSITIVE).sqrt());
             after -= gone;
         }

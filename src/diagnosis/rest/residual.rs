@@ -77,7 +77,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
     let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < REAL).map(|(c, _)| *c).collect();
-    let least = slowest.iter().filter(|s| s.share < 1.0).min_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    let least = slowest.iter().filter(|s| s.power_ratio < 1.0).min_by(|a, b| a.p_value.total_cmp(&b.p_value));
     let fading = least.filter(|s| s.p_value * tests < REAL);
     let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < REAL).count();
     Residual {
@@ -85,7 +85,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         p_value_in_time: in_time.min(1.0),
         jump: jump.filter(|_| p_jump < REAL).map(|j| j.at as f64 / channel.rate_hz),
         telegraph: None,
-        fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.share]),
+        fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.power_ratio]),
         creep: (p_creep < REAL).then_some(creeping.0),
         only_there: failing.is_empty() && p_jump.min(p_creep) >= REAL && 4 * amiss <= of_time.len(),
         failing,
@@ -176,7 +176,7 @@ struct FromBelow {
     below: f64,
     p_value: f64,
     /// Power over that modelled.
-    share: f64,
+    power_ratio: f64,
 }
 
 /// From the slowest coefficient up to every octave: what a law has too much of, or too little, over decades shows in none
@@ -190,7 +190,7 @@ fn from_below(fitted: &Fitted, tolerance: f64) -> Vec<FromBelow> {
         if count >= next {
             // The middle of a bin lies half its width below its end.
             let below = bin.theta * bin.to as f64 / (0.5 * (bin.from + bin.to - 1) as f64);
-            out.push(FromBelow { below, p_value: off(sum / count, count, tolerance), share: sum / count });
+            out.push(FromBelow { below, p_value: off(sum / count, count, tolerance), power_ratio: sum / count });
             next = 2.0 * count;
         }
     }

@@ -42,12 +42,12 @@ impl Counts {
                 .map(|(level, count)| {
                     // Beyond a side's tail the difference is taken there, where it does not cancel.
                     let (low, high) = (level - 0.5, level + 0.5);
-                    let share = if low > place {
+                    let probability = if low > place {
                         normal_cdf((place - low) / sigma) - normal_cdf((place - high) / sigma)
                     } else {
                         edge(high) - edge(low)
                     };
-                    count * share.max(1e-300).ln()
+                    count * probability.max(1e-300).ln()
                 })
                 .sum()
         };

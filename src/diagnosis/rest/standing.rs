@@ -47,7 +47,7 @@ impl HeldOut {
         match self {
             Self::LogLikelihood(gain) if possible > 0.0 => (gain / possible).clamp(-1.0, 1.0),
             Self::LogLikelihood(_) => 0.0,
-            Self::MeanSquare(share) => share,
+            Self::MeanSquare(fraction) => fraction,
         }
     }
 }

@@ -64,8 +64,8 @@ fn by_component(base: &Fit, forces: &[Vector3<f64>]) -> (&'static str, Vec<Stret
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let mut sums = [(0.0, 0.0); BINS];
         for r in 0..base.rows.pose.len() {
-            let share = forces[base.rows.pose[r]][axis] / g;
-            let bin = (((share + 1.0) / 2.0 * BINS as f64).max(0.0) as usize).min(BINS - 1);
+            let fraction = forces[base.rows.pose[r]][axis] / g;
+            let bin = (((fraction + 1.0) / 2.0 * BINS as f64).max(0.0) as usize).min(BINS - 1);
             sums[bin].0 += base.rows.residual[r].powi(2);
             sums[bin].1 += 1.0;
         }

@@ -234,17 +234,18 @@ impl<'a> Curve<'a> {
         for i in 0..count {
             let mean = law::variance(squares, self.points[i].tau_s);
             let spread = self.covariance(i, i, squares).sqrt();
-            let share = (spread / mean).powi(2) / 9.0;
+            let cube_root_variance = (spread / mean).powi(2) / 9.0;
             for value in curves.row_mut(i).iter_mut() {
-                *value = mean * (1.0 - share + *value / spread * share.sqrt()).max(0.0).powi(3);
+                *value =
+                    mean * (1.0 - cube_root_variance + *value / spread * cube_root_variance.sqrt()).max(0.0).powi(3);
             }
         }
         curves
     }
 
-    /// Shares of simulated estimates of coefficient `p` at or above, and at or below, the one measured, if its square
+    /// Fractions of simulated estimates of coefficient `p` at or above, and at or below, the one measured, if its square
     /// were `value`.
-    fn shares(&self, p: usize, value: f64, best: &[f64; 5]) -> (f64, f64) {
+    fn tail_probabilities(&self, p: usize, value: f64, best: &[f64; 5]) -> (f64, f64) {
         let mut free = [true; 5];
         free[p] = false;
         let rest = &self.measured - self.laws.column(p) * value;
@@ -259,26 +260,27 @@ impl<'a> Curve<'a> {
             above += usize::from(simulated[p] >= best[p]);
             below += usize::from(simulated[p] <= best[p]);
         }
-        let share = |count: usize| (count + 1) as f64 / (DRAWS + 1) as f64;
-        (share(above), share(below))
+        let probability = |count: usize| (count + 1) as f64 / (DRAWS + 1) as f64;
+        (probability(above), probability(below))
     }
 
     fn interval(&self, p: usize, best: &[f64; 5]) -> Coefficient {
         const TAIL: f64 = 0.025;
-        let p_value = if best[p] > 0.0 { self.shares(p, 0.0, best).0 } else { 1.0 };
-        let low = if p_value > TAIL { 0.0 } else { crossing(0.0, best[p], |v| self.shares(p, v, best).0 > TAIL) };
+        let p_value = if best[p] > 0.0 { self.tail_probabilities(p, 0.0, best).0 } else { 1.0 };
+        let low =
+            if p_value > TAIL { 0.0 } else { crossing(0.0, best[p], |v| self.tail_probabilities(p, v, best).0 > TAIL) };
         // The first step up: as large as the term could be at its best point.
         let ceiling =
             (0..self.points.len()).map(|i| self.measured[i] / self.laws[(i, p)]).fold(f64::INFINITY, f64::min);
         let mut beyond = best[p].max(1e-6 * ceiling);
         let mut inside = best[p];
         for _ in 0..60 {
-            if self.shares(p, beyond, best).1 <= TAIL {
+            if self.tail_probabilities(p, beyond, best).1 <= TAIL {
                 break;
             }
             (inside, beyond) = (beyond, beyond * 2.0);
         }
-        let high = crossing(inside, beyond, |v| self.shares(p, v, best).1 <= TAIL);
+        let high = crossing(inside, beyond, |v| self.tail_probabilities(p, v, best).1 <= TAIL);
         Coefficient { value: best[p].sqrt(), ci95: [low.sqrt(), high.sqrt()], p_value }
     }
 }

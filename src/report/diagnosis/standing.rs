@@ -66,16 +66,17 @@ pub(crate) fn meaning_of_gains(kind: Kind) -> &'static str {
 
 /// A gain in a table, with its interval where it has one; in-sample ones are marked.
 pub(crate) fn gain(gain: Gain) -> [String; 2] {
-    let interval = gain.ci95().map_or("–".to_owned(), |[low, high]| format!("{} to {}", share(low), share(high)));
+    let interval =
+        gain.ci95().map_or("–".to_owned(), |[low, high]| format!("{} to {}", fraction(low), fraction(high)));
     let value = match gain {
-        Gain::HeldOut { value, .. } => share(value),
-        Gain::InSample { value } => format!("{} (fitted data)", share(value)),
+        Gain::HeldOut { value, .. } => fraction(value),
+        Gain::InSample { value } => format!("{} (fitted data)", fraction(value)),
     };
     [value, interval]
 }
 
 /// A share of one: three decimals at most, for its interval is wider than a fourth.
-fn share(value: f64) -> String {
+fn fraction(value: f64) -> String {
     if value.abs() < 5e-4 { "0".into() } else { format!("{value:.3}").replacen('-', "−", 1) }
 }
 

@@ -47,7 +47,7 @@ fn scan(title: &str, scan: &Scan) -> Figure {
 fn seventeen(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[0]);
     let (radian, hertz) = (&attractor.radian, &attractor.hertz);
-    let (share, fading) = hertz.early_and_fading();
+    let (fraction, fading) = hertz.early_and_fading();
     let newton = |v: Option<f64>| v.map_or("none".to_owned(), |v| format!("{} N", significant(v, 3)));
     page.paragraph(
         "Drive the same proof mass with a periodic force F₀ cos ωt, and for some F₀ its motion never repeats. \
@@ -65,7 +65,7 @@ fn seventeen(page: &mut Page, attractor: &Attractor) {
         newton(radian.first_n()),
         newton(radian.band_n()),
         newton(hertz.first_n()),
-        significant(100.0 * share, 2),
+        significant(100.0 * fraction, 2),
         significant(100.0 * fading, 2),
         significant(attractor.drive.amplitude_n, 4),
     ));

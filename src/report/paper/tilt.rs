@@ -234,7 +234,7 @@ fn figure_11(page: &mut Page, fusion: &Fusion) {
 }
 
 fn spread(values: &[f64], unit: f64, digits: usize) -> String {
-    let at = |share| significant(quantile(values, share) / unit, digits);
+    let at = |fraction| significant(quantile(values, fraction) / unit, digits);
     format!("{} ({} to {})", at(0.5), at(0.05), at(0.95))
 }
 

@@ -192,8 +192,8 @@ fn words(sensor: &Sensor) -> String {
 fn chart(compared: &Compared, place: usize) -> Chart {
     let (name, unit, size) = SHOWN[place];
     let mut chart = Chart::new(name, Axis::linear("length of the window / s"), Axis::linear(&labelled("error", unit)));
-    for (share, name, ink) in [(BANDS[1], "predicted, 90 %", Ink::Sky), (BANDS[0], "50 %", Ink::Blue)] {
-        let most = normal_quantile(0.5 + 0.5 * share);
+    for (fraction, name, ink) in [(BANDS[1], "predicted, 90 %", Ink::Sky), (BANDS[0], "50 %", Ink::Blue)] {
+        let most = normal_quantile(0.5 + 0.5 * fraction);
         let edge =
             |length: &Length| most * score::axis(&length.errors(), &length.expected[0], place).sd_predicted / size;
         let edges: Vec<(f64, f64)> = compared.lengths.iter().map(|l| (l.seconds, edge(l))).collect();
@@ -217,7 +217,7 @@ fn table(compared: &Compared) -> Table {
         for (sensor, expected) in compared.sensors.iter().zip(&length.expected) {
             for (place, (name, unit, size)) in SHOWN.into_iter().enumerate() {
                 let axis = score::axis(&errors, expected, place);
-                let percent = |share: f64| format!("{:.0}", 100.0 * share);
+                let percent = |fraction: f64| format!("{:.0}", 100.0 * fraction);
                 let fraction = |k: usize| {
                     let [low, high] = axis.interval[k].map(percent);
                     format!("{} % ({low}–{high})", percent(axis.inside[k] as f64 / axis.windows.max(1) as f64))

@@ -152,7 +152,7 @@ fn table(axes: &[Drifted], undisturbed: bool) -> Table {
             let count = w.errors(undisturbed).len();
             let fraction = |hits: usize| {
                 let [low, high] = exact_interval(hits as u64, count as u64, 0.95);
-                let percent = |share: f64| format!("{:.1}", 100.0 * share);
+                let percent = |fraction: f64| format!("{:.1}", 100.0 * fraction);
                 format!("{} % ({}–{})", percent(hits as f64 / count.max(1) as f64), percent(low), percent(high))
             };
             let sd = w.sd_recorded(undisturbed);

@@ -30,12 +30,12 @@ pub(crate) fn power(outcome: &Outcome) -> Figure {
         }
         let (mut middles, mut lows, mut highs) = (Vec::new(), Vec::new(), Vec::new());
         for edge in EDGES.windows(2) {
-            let share = Share::over(pairs.iter().filter(|c| (edge[0]..edge[1]).contains(&c.0)).map(|c| c.1));
-            if share.cases > 0 {
+            let proportion = Share::over(pairs.iter().filter(|c| (edge[0]..edge[1]).contains(&c.0)).map(|c| c.1));
+            if proportion.cases > 0 {
                 let at = (edge[0] * edge[1]).sqrt() * beside;
-                middles.push((at, share.value));
-                lows.push((at, share.ci95[0]));
-                highs.push(share.ci95[1]);
+                middles.push((at, proportion.value));
+                lows.push((at, proportion.ci95[0]));
+                highs.push(proportion.ci95[1]);
             }
         }
         chart.add("", ink, Mark::Whiskers(highs), lows);

@@ -9,12 +9,12 @@ use crate::trial::independent::score::{Row, Score};
 use crate::trial::independent::truth::{Family, SEEN};
 use crate::trial::interval::Share;
 
-fn words(share: &Share) -> String {
-    if share.cases == 0 {
+fn words(proportion: &Share) -> String {
+    if proportion.cases == 0 {
         return "–".into();
     }
-    let [low, high] = share.ci95.map(|p| format!("{:.1}", 100.0 * p));
-    format!("{:.1} % ({low}–{high} %, {} of {})", 100.0 * share.value, share.hits, share.cases)
+    let [low, high] = proportion.ci95.map(|p| format!("{:.1}", 100.0 * p));
+    format!("{:.1} % ({low}–{high} %, {} of {})", 100.0 * proportion.value, proportion.hits, proportion.cases)
 }
 
 /// The figures with what is to be reached.

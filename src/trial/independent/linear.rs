@@ -105,17 +105,17 @@ pub(super) fn left_by(columns: &[&[f64]], y: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let a = columns.iter().map(|c| columns.iter().map(|d| dot(c, d)).collect()).collect();
     let weights = solve(a, columns.iter().map(|c| dot(c, y)).collect());
-    let mut left = y.to_vec();
+    let mut residual = y.to_vec();
     for (column, weight) in columns.iter().zip(weights) {
-        left.iter_mut().zip(*column).for_each(|(l, c)| *l -= weight * c);
+        residual.iter_mut().zip(*column).for_each(|(l, c)| *l -= weight * c);
     }
-    left
+    residual
 }
 
 /// Residual of the best linear oscillator, and its ω and ζ.
 pub(crate) fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 2]) -> (Vec<f64>, [f64; 2]) {
     let ones = vec![1.0; y.len()];
-    let left = |theta: [f64; 2]| {
+    let residual_of = |theta: [f64; 2]| {
         let [forced, x, v] = responses(theta[0].exp(), theta[1].exp(), input, rate_hz, y.len());
         let mut columns: Vec<&[f64]> = vec![&x, &v, &ones];
         if input.is_some() {
@@ -125,7 +125,7 @@ pub(crate) fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 
     };
     let power = |r: &[f64]| r.iter().map(|v| v * v).sum::<f64>();
     let mut theta = start.map(f64::ln);
-    let mut residual = left(theta);
+    let mut residual = residual_of(theta);
     let mut best = power(&residual);
     let mut damping = 1e-3;
     for _ in 0..25 {
@@ -135,7 +135,7 @@ pub(crate) fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 
             .map(|i| {
                 let mut there = theta;
                 there[i] += steps[i];
-                left(there).iter().zip(&residual).map(|(a, b)| (a - b) / steps[i]).collect()
+                residual_of(there).iter().zip(&residual).map(|(a, b)| (a - b) / steps[i]).collect()
             })
             .collect();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -149,7 +149,7 @@ pub(crate) fn refit(y: &[f64], input: Option<&Fine>, rate_hz: f64, start: [f64; 
             let change = solve(a, (0..2).map(|i| -dot(&slopes[i], &residual)).collect());
             let there =
                 [theta[0] + change[0].clamp(-0.3, 0.3), (theta[1] + change[1].clamp(-1.0, 1.0)).clamp(-14.0, 3.0)];
-            let trial = left(there);
+            let trial = residual_of(there);
             let value = power(&trial);
             if value < best {
                 improved = value < best * (1.0 - 1e-4);

@@ -123,9 +123,9 @@ pub(crate) fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar wavelet variances).
-pub(super) fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
+pub(super) fn coloured_evidence(residual: &[f64], sigma: f64) -> f64 {
     let octaves: Vec<(f64, f64)> =
-        octaves(left).into_iter().map(|(count, level)| (count, level / (sigma * sigma) + 1.0)).collect();
+        octaves(residual).into_iter().map(|(count, level)| (count, level / (sigma * sigma) + 1.0)).collect();
     let total: f64 = octaves.iter().map(|o| o.0).sum();
     let mean = octaves.iter().map(|o| o.0 * o.1).sum::<f64>() / total.max(1.0);
     octaves.iter().map(|(n, level)| n * (mean / level).ln()).sum::<f64>().max(0.0)
@@ -135,25 +135,25 @@ pub(super) fn coloured_evidence(left: &[f64], sigma: f64) -> f64 {
 fn evidence(driven: &Driven, random: bool) -> Option<[f64; 2]> {
     let o = &driven.oscillator;
     let readings = driven.readings(o.rows, false)?;
-    let mut left = driven.left_by_base(&readings.reading);
+    let mut residual = driven.left_by_base(&readings.reading);
     if o.input_noise > 0.0 {
         // Noise of the measured input is force noise of the model: its displacement, at resonance.
-        let share = o.input_noise * (o.omega / (o.rate_hz * 4.0 * o.zeta)).sqrt();
-        let size = (share * rms(&readings.input) * o.gain / (o.omega * o.omega)) / driven.sigma;
+        let fraction = o.input_noise * (o.omega / (o.rate_hz * 4.0 * o.zeta)).sqrt();
+        let size = (fraction * rms(&readings.input) * o.gain / (o.omega * o.omega)) / driven.sigma;
         return Some([o.rows as f64 * size.powi(4) / (1.0 + size * size), size]);
     }
-    let over_noise = rms(&left) / driven.sigma;
+    let over_noise = rms(&residual) / driven.sigma;
     let steps: f64 = o
         .readout
         .iter()
         .map(|r| if let Readout::Round { step } = r { (step / driven.sigma).powi(4) / 144.0 } else { 0.0 })
         .sum();
     let found = if random {
-        coloured_evidence(&left, driven.sigma)
+        coloured_evidence(&residual, driven.sigma)
     } else {
         // Beyond 10 σ nothing is gained.
-        left.iter_mut().for_each(|l| *l = (*l / driven.sigma).clamp(-10.0, 10.0));
-        left.iter().map(|l| l * l).sum()
+        residual.iter_mut().for_each(|l| *l = (*l / driven.sigma).clamp(-10.0, 10.0));
+        residual.iter().map(|l| l * l).sum()
     };
     Some([found + steps * o.rows as f64, over_noise.max(steps.sqrt())])
 }

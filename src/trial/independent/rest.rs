@@ -252,10 +252,10 @@ fn departure(still: &Still) -> Option<f64> {
         }
         _ => return None,
     };
-    let left = |channel: usize, course: &[f64]| -> f64 {
+    let residual_sum = |channel: usize, course: &[f64]| -> f64 {
         left_by(&[&ones, course], &still.effect(0, channel)).iter().map(|v| v * v).sum()
     };
-    let of = |channel: usize| courses.iter().map(|c| left(channel, c)).fold(f64::INFINITY, f64::min);
+    let of = |channel: usize| courses.iter().map(|c| residual_sum(channel, c)).fold(f64::INFINITY, f64::min);
     Some((0..still.sigma.len()).map(of).sum())
 }
 

@@ -46,8 +46,8 @@ impl Profile {
         let lowest = self.points.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?.0;
         let crossing = |outward: Vec<(f64, f64)>| {
             let pair = outward.windows(2).find(|w| w[0].1 < FALL && w[1].1 >= FALL)?;
-            let share = (FALL - pair[0].1) / (pair[1].1 - pair[0].1);
-            Some(pair[0].0 + share * (pair[1].0 - pair[0].0))
+            let fraction = (FALL - pair[0].1) / (pair[1].1 - pair[0].1);
+            Some(pair[0].0 + fraction * (pair[1].0 - pair[0].0))
         };
         let up = crossing(self.points[lowest..].to_vec())?;
         let down = crossing(self.points[..=lowest].iter().rev().copied().collect())?;

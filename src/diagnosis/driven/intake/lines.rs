@@ -44,15 +44,15 @@ pub(crate) fn power(u: &[f64]) -> Vec<f64> {
 /// Whether a few lines carry all of an input's power: any response follows from it at those, and it follows from any
 /// response that holds them, so that nothing shows which is the cause and by how much it comes early.
 pub(super) fn are_all(u: &[f64]) -> bool {
-    let mut left = power(u);
-    left.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
-    let total: f64 = left.iter().sum();
+    let mut remaining = power(u);
+    remaining.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
+    let total: f64 = remaining.iter().sum();
     for _ in 0..FEW {
-        let Some((bin, _)) = left.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        let end = (bin + HALF_WIDTH + 1).min(left.len());
-        left[bin.saturating_sub(HALF_WIDTH)..end].fill(0.0);
+        let Some((bin, _)) = remaining.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let end = (bin + HALF_WIDTH + 1).min(remaining.len());
+        remaining[bin.saturating_sub(HALF_WIDTH)..end].fill(0.0);
     }
-    total > 0.0 && left.iter().sum::<f64>() < NOTHING * total
+    total > 0.0 && remaining.iter().sum::<f64>() < NOTHING * total
 }
 
 #[cfg(test)]

@@ -41,15 +41,15 @@ pub(crate) fn merged(sorted: Vec<Range<usize>>) -> Vec<Range<usize>> {
 
 /// What of `from` lies outside `take`.
 pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<usize>> {
-    let mut left = from.to_vec();
+    let mut remaining = from.to_vec();
     for t in take {
-        left = left
+        remaining = remaining
             .into_iter()
             .flat_map(|r| [r.start..r.end.min(t.start.max(r.start)), r.start.max(t.end.min(r.end))..r.end])
             .filter(|r| r.start < r.end)
             .collect();
     }
-    left
+    remaining
 }
 
 /// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to everything afterwards.

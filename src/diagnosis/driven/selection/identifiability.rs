@@ -91,24 +91,24 @@ fn lines(data: &Data, base: &Fit) -> Vec<f64> {
         let w = TAU * bin as f64 / n * data.rate_hz;
         gain * gain / ((omega * omega - w * w).powi(2) + (2.0 * zeta * omega * w).powi(2))
     };
-    let mut left: Vec<f64> = power.iter().enumerate().map(|(bin, p)| p * answer(bin)).collect();
+    let mut remaining: Vec<f64> = power.iter().enumerate().map(|(bin, p)| p * answer(bin)).collect();
     // The mean of the input is in the offset.
-    left.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
+    remaining.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
     // What the base model leaves may be far more than noise.
     let measured = reading_noise(&Sample::of(data)).map_or(f64::INFINITY, |n| n.deviation.powi(2));
     let noise = base.variance.min(measured).max(1e-300);
     let mut strongest: f64 = 0.0;
     let mut found = Vec::new();
     while found.len() <= MANY {
-        let Some((bin, most)) = left.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((bin, most)) = remaining.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         strongest = strongest.max(power[bin]);
         // Over all samples the line's part of the reading has this power; half of it over the noise is its log-likelihood.
         if !(most > 0.0 && 0.5 * n * most / noise > WORTH && power[bin] > FAINTEST * strongest) {
             break;
         }
         found.push(bin as f64 / n * data.rate_hz);
-        let end = (bin + HALF_WIDTH + 1).min(left.len());
-        left[bin.saturating_sub(HALF_WIDTH)..end].fill(0.0);
+        let end = (bin + HALF_WIDTH + 1).min(remaining.len());
+        remaining[bin.saturating_sub(HALF_WIDTH)..end].fill(0.0);
     }
     found
 }

@@ -32,8 +32,8 @@ pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
         let sum: f64 = innovations
             .iter()
             .map(|e| {
-                let share = normal_cdf((e + 0.5 * step) / noise) - normal_cdf((e - 0.5 * step) / noise);
-                (share.max(1e-12) / step).ln()
+                let probability = normal_cdf((e + 0.5 * step) / noise) - normal_cdf((e - 0.5 * step) / noise);
+                (probability.max(1e-12) / step).ln()
             })
             .sum();
         let log_score = sum / innovations.len() as f64;

@@ -83,6 +83,6 @@ fn strongest_line(channel: &Channel, current: &Fitted) -> Option<f64> {
     let around: f64 = (from..to).filter(|i| i.abs_diff(k) > 3).map(near).sum::<f64>() / (to - from).max(8) as f64;
     let local = (c[k] * c[k] + c[k + 1] * c[k + 1]) / around.max(f64::MIN_POSITIVE);
     let chance = 2.0 * channel.values.len() as f64 * chi_squared_survival(local.min(score), 2.0);
-    let share = near(k + 1).sqrt() / (near(k).sqrt() + near(k + 1).sqrt());
-    (chance < 0.01).then_some((k as f64 + share) / (2 * count) as f64)
+    let fraction = near(k + 1).sqrt() / (near(k).sqrt() + near(k + 1).sqrt());
+    (chance < 0.01).then_some((k as f64 + fraction) / (2 * count) as f64)
 }

@@ -191,12 +191,12 @@ fn mismatch(residual: &Mismatch, described: bool) -> String {
             if narrow { " Such a narrow band is usually vibration of the mounting surface." } else { "" }
         );
     }
-    let fading = residual.fading.map(|[below_hz, share]| {
+    let fading = residual.fading.map(|[below_hz, fraction]| {
         format!(
             "below {} Hz it has only {} times the power of the best model: slow fluctuations are suppressed, as when \
             the sensor tracks and removes its own bias",
             short(below_hz),
-            short(share)
+            short(fraction)
         )
     });
     if let (Some(fading), true) = (&fading, residual.steady) {
