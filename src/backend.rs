@@ -24,7 +24,7 @@ pub(crate) use partial::{Partial, Unfinished};
 
 /// Members of a job to integrate in one go.
 pub struct Batch<'a> {
-    /// The ensemble.
+    /// The ensemble that the members belong to.
     pub job: &'a Job,
     /// Which members; begins at a multiple of 256.
     pub members: Range<u64>,

@@ -61,7 +61,7 @@ const EXAMPLES: &str = "Examples:
 
 Scope of a study: one axis, small tilt, flat non-rotating Earth, until it is given a trajectory.";
 
-/// One per job.
+/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Simulate an ensemble and report how far it drifts

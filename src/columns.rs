@@ -33,7 +33,7 @@ impl Format {
         }
     }
 
-    /// The whole file.
+    /// The table as the bytes of a file in this format.
     pub(crate) fn bytes(self, table: &Columns) -> Vec<u8> {
         match self {
             Self::Csv => csv::text(table).into_bytes(),

@@ -26,7 +26,7 @@ use expected::{Expected, Moment};
 /// Points of a curve, evenly spaced on a log axis and, for its end on a linear one, evenly in time.
 const CURVE_POINTS: [usize; 2] = [36, 20];
 
-/// The answer.
+/// The drift of a study: error statistics over time, closed forms, fitted powers and error budget.
 #[derive(Debug, Clone)]
 pub struct Drift {
     /// The ensemble at the report times and, between them, at the points of the curves.

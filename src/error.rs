@@ -12,7 +12,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// What ended the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
-    /// The attempt failed.
+    /// The attempt failed, for the cause stated.
     #[default]
     Failed,
     /// The user, or the system, asked the run to stop.

@@ -33,7 +33,7 @@ use sheet::Sheet;
 /// A tool that a sensor can be handed to.
 #[derive(Debug)]
 pub struct Target {
-    /// As after `--to`.
+    /// Name of the target, as given after `--to`.
     pub name: &'static str,
     /// The tool, and which of its files this is.
     pub about: &'static str,

@@ -22,7 +22,7 @@ use manifest::{Identity, Manifest, Run};
 /// What is about to write into a folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Request {
-    /// The subcommand: "study".
+    /// Subcommand that writes, e.g. "study".
     pub command: &'static str,
     /// The files that it was asked about: the same command on the same ones replaces its own results.
     pub inputs: Vec<PathBuf>,
@@ -178,7 +178,7 @@ impl Folder {
         self.announced.iter().any(|name| name == pattern)
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -28,10 +28,10 @@ use crate::error::Result;
 use crate::map::Atlas;
 use check::Exhibit;
 
-/// Everything computed.
+/// Every figure of the paper, computed, with its checks.
 #[derive(Debug, Clone)]
 pub struct Paper {
-    /// Figure 1.
+    /// Figure 1: an array of accelerometers.
     pub array: array::Array,
     /// Figures 2 to 4.
     pub growth: growth::Growth,
@@ -41,7 +41,7 @@ pub struct Paper {
     pub fusion: fusion::Fusion,
     /// Figures 13 to 15.
     pub linear: linear::Linear,
-    /// Figure 16.
+    /// Figure 16: the cubic spring.
     pub cubic: cubic::Cubic,
     /// Figures 17 to 19.
     pub attractor: attractor::Attractor,

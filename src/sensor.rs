@@ -63,9 +63,9 @@ impl ProofMass {
 pub struct Sensor {
     /// Mechanics; `None` is an ideal proof mass (x follows f at once).
     pub proof_mass: Option<ProofMass>,
-    /// Reading errors.
+    /// Reading errors of the accelerometer.
     pub accelerometer: Accelerometer,
-    /// Tilt errors.
+    /// Reading errors of the gyro, which become tilt.
     pub gyro: Gyro,
     /// Factor on the study's shared excitation.
     pub excitation_gain: f64,

@@ -15,9 +15,9 @@ use serde::{Deserialize, Serialize};
 /// One of so many shards, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which one.
+    /// Number of the shard, from 1.
     pub number: u64,
-    /// Of how many.
+    /// Number of all shards.
     pub of: u64,
 }
 
@@ -85,7 +85,7 @@ impl std::str::FromStr for Shard {
 /// A part of a run as it is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {
-    /// Its units.
+    /// Number of units in the part.
     pub units: u64,
     /// Units that stay together.
     pub grain: u64,

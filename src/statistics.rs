@@ -19,19 +19,19 @@ use serde::{Deserialize, Serialize};
 /// The distribution of one quantity over the members that did not fail, at one report time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Members counted.
+    /// Members that did not fail.
     pub count: u64,
-    /// Mean.
+    /// Mean over them, in the unit of the quantity.
     pub mean: f64,
     /// Standard deviation (n − 1).
     pub sd: f64,
-    /// Smallest value.
+    /// Smallest value, in the unit of the quantity.
     pub min: f64,
-    /// Largest value.
+    /// Largest value, in the unit of the quantity.
     pub max: f64,
     /// Percentiles 1, 5, 50, 95 and 99, interpolated in the histogram.
     pub percentiles: [f64; 5],
-    /// The histogram itself.
+    /// Histogram over the members, from which quantiles are read.
     pub histogram: Histogram,
 }
 
@@ -59,7 +59,7 @@ impl Summary {
 pub struct Machine {
     /// "cpu" or "gpu".
     pub kind: String,
-    /// Processor or adapter.
+    /// Name of the processor or adapter.
     pub name: String,
     /// Driver and its version; for a CPU, the vector instructions used.
     pub driver: String,
@@ -88,7 +88,7 @@ impl Machine {
 pub struct Origin {
     /// Numbers of the members.
     pub members: Range<u64>,
-    /// Where.
+    /// The machine that integrated them.
     pub machine: Machine,
     /// Why there, where another machine was tried first.
     pub reason: Option<String>,
@@ -97,17 +97,17 @@ pub struct Origin {
 /// An ensemble, summed up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistics {
-    /// Members asked for.
+    /// Members asked for, failed ones included.
     pub members: u64,
     /// Members that left the range of numbers by the end, and are in no summary from then on.
     pub failed: u64,
-    /// Report times, s.
+    /// Report times from the end of the still start, s.
     pub time_s: Vec<f64>,
     /// Per report time, in the order of [`crate::statistics::QUANTITIES`].
     pub at: Vec<[Summary; 4]>,
     /// Integration steps done, over all members.
     pub member_steps: u64,
-    /// Wall time, s.
+    /// Wall time of the run, s.
     pub seconds: f64,
     /// Where most members were integrated.
     pub machine: Machine,
@@ -119,7 +119,7 @@ pub struct Statistics {
 pub const QUANTITIES: [&str; 4] =
     ["position_error_m", "velocity_error_m_s", "acceleration_error_m_s2", "tilt_error_rad"];
 
-/// Indices into [`QUANTITIES`].
+/// Indices of the four error quantities in [`QUANTITIES`].
 pub mod quantity {
     /// Position error, m.
     pub const POSITION: usize = 0;

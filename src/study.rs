@@ -44,18 +44,18 @@ use tolerances::Tolerances;
 /// The study that runs when none is named: a consumer-grade MEMS IMU, one minute.
 const DEFAULT: &str = include_str!("../reports/default/study.toml");
 
-/// A study, checked.
+/// A study.toml, checked and in SI units.
 #[derive(Clone)]
 pub struct Study {
     /// Name of the report's folder.
     pub name: String,
     /// Seed of every random number.
     pub seed: u64,
-    /// Number of members.
+    /// Sensors in the ensemble.
     pub members: u64,
     /// Discrete time from the end of the still start, if there is one; `report_samples` are the user's report times.
     pub clock: Clock,
-    /// Initial alignment.
+    /// How attitude and bias are known at the start.
     pub alignment: Alignment,
     /// Every number that may be drawn.
     pub tolerances: Tolerances,

@@ -3,7 +3,7 @@
 /// An adapter of this machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Adapter {
-    /// Name.
+    /// Name that the driver reports.
     pub name: String,
     /// "discrete", "integrated", "virtual", "software" or "other".
     pub kind: &'static str,

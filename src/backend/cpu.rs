@@ -26,7 +26,7 @@ pub enum Precision {
     /// f32, the twin of the shader.
     #[default]
     F32,
-    /// f64, the oracle.
+    /// f64, the reference for f32.
     F64,
 }
 

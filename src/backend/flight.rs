@@ -124,7 +124,7 @@ impl Sums {
 
 /// Members of a flight to integrate in one go.
 pub struct FlightBatch<'a> {
-    /// The ensemble.
+    /// The ensemble that the members belong to.
     pub flight: &'a Flight,
     /// Which members; begins at a multiple of 256.
     pub members: Range<u64>,
@@ -136,12 +136,12 @@ pub struct FlightBatch<'a> {
     pub progress: &'a (dyn Fn(u64) + Sync),
 }
 
-/// The CPU.
+/// The CPU backend of six-axis ensembles.
 #[derive(Debug, Clone, Copy)]
 pub struct FlightCpu {
-    /// Precision.
+    /// Precision of the state.
     pub precision: Precision,
-    /// Instruction set.
+    /// Instruction set of the lanes.
     pub level: Level,
     /// Most samples per tile.
     pub tile_samples: u64,

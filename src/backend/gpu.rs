@@ -25,7 +25,7 @@ pub mod orbits;
 pub mod peak;
 pub mod simulate;
 
-/// An open device.
+/// An open device with its queue and compiled kernels.
 pub struct Gpu {
     /// The adapter it was opened on.
     pub adapter: Adapter,
@@ -44,14 +44,14 @@ pub struct Buffer(wgpu::Buffer);
 #[derive(Debug, Clone)]
 pub struct Kernel(wgpu::ComputePipeline);
 
-/// One dispatch.
+/// A kernel with its buffers and the number of workgroups to run.
 #[derive(Debug, Clone)]
 pub struct Dispatch<'a> {
-    /// What.
+    /// Kernel to run.
     pub kernel: &'a Kernel,
     /// On what, by binding number.
     pub buffers: &'a [&'a Buffer],
-    /// Workgroups.
+    /// Number of workgroups.
     pub workgroups: u32,
 }
 

@@ -7,7 +7,7 @@ use super::operations::FULL_GPU;
 /// makers' own sheets were not at hand; the products are the 15.7, 82.6 and 67 TFLOP/s that those sheets are quoted with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Card {
-    /// Name.
+    /// Name of the card.
     pub name: &'static str,
     /// f32 lanes ("CUDA cores").
     pub lanes: u32,

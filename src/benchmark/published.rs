@@ -6,18 +6,18 @@
 //! utkarsh530/GPUODEBenchmarks, largest ensemble of each file, ensemble × steps over seconds. MPGOS is F. Hegedűs's
 //! (Communications in Nonlinear Science and Numerical Simulation, 2021, doi 10.1016/j.cnsns.2021.105732).
 
-/// One published speed.
+/// A speed that others have published.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Published {
     /// What was solved, in the words of our own row.
     pub work: &'static str,
-    /// By what.
+    /// Program that was measured.
     pub solver: &'static str,
-    /// On what.
+    /// Hardware that it ran on.
     pub machine: &'static str,
     /// Systems in the ensemble.
     pub systems: u64,
-    /// Steps of each.
+    /// Steps of each trajectory.
     pub steps: u64,
     /// What they took, without the copying to and from the card.
     pub milliseconds: f64,

@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::control::Control;
 use crate::error::Result;
 
-/// One measurement.
+/// One measured rate: work, machine, precision and timing.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Row {
     /// Name of the work unit.

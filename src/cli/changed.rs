@@ -5,7 +5,7 @@ use clap::builder::PossibleValue;
 
 use crate::study::{Assignment, Overrides, Preset};
 
-/// The changes.
+/// Options that change the study before it is run.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Changed {
     /// Seed, overriding the study's

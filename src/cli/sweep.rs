@@ -24,11 +24,11 @@ pub(super) struct Asked<'a> {
     pub study: Option<&'a Path>,
     /// The keys of the command line.
     pub axes: &'a [Axis],
-    /// Its requirement.
+    /// Requirement whose crossing is wanted.
     pub limit: Option<&'a Limit>,
-    /// Where to integrate.
+    /// Backend to integrate on.
     pub backend: Choice,
-    /// Where to write.
+    /// Folder of the results.
     pub out: Option<&'a Path>,
     /// Replace the user's files too.
     pub force: bool,

@@ -5,7 +5,7 @@
 pub enum Values {
     /// Numbers; what is not finite is missing.
     Numbers(Vec<f64>),
-    /// Words.
+    /// Text, one entry per row.
     Words(Vec<String>),
 }
 

@@ -7,7 +7,7 @@ pub(super) enum Value {
     Int(i32),
     /// A whole number of 64 bits.
     Long(i64),
-    /// Text.
+    /// A string, UTF-8.
     Text(String),
     /// A list of values of one kind.
     List(Vec<Value>),

@@ -7,7 +7,7 @@ use super::require::{Answer, Outcome, Value};
 use super::statistic::{Estimate, Limit};
 use crate::study::Study;
 
-/// The whole document.
+/// The public document `proofmass.require/1`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Document {
     schema: &'static str,
@@ -54,7 +54,7 @@ struct Part {
 /// What was found: of keys, of parts, or both.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
-    /// Result of `--vary`.
+    /// Result of `--vary`; `None` where only parts were ranked.
     pub answer: Option<Answer>,
     /// Of parts, and the members that it took.
     pub parts: Option<(Vec<Judged>, u64)>,

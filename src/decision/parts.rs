@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::study::StudyText;
 use crate::study::source::Sensor;
 
-/// A whole parts.toml.
+/// A parts catalogue, as parts.toml gives it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Catalogue {
@@ -23,7 +23,7 @@ pub struct Catalogue {
     pub part: Vec<Part>,
 }
 
-/// `[[part]]`
+/// `[[part]]`: one purchasable sensor of the catalogue.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
@@ -82,9 +82,9 @@ impl Catalogue {
 /// What is asked of a catalogue.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
-    /// Requirement.
+    /// The requirement that a study with the part in place must meet.
     pub limit: &'a Limit,
-    /// Parts to rank.
+    /// The parts to rank.
     pub parts: &'a Catalogue,
     /// Most members of one part, where not the usual.
     pub most: Option<u64>,

@@ -31,7 +31,7 @@ const MARGIN: f64 = 1.15;
 /// A requirement and the keys to vary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question {
-    /// Requirement.
+    /// The requirement to meet.
     pub limit: Limit,
     /// Dotted paths of the keys; several are scaled by one factor.
     pub vary: Vec<String>,
@@ -66,7 +66,7 @@ pub enum Outcome {
     Never,
 }
 
-/// The answer.
+/// What the search found: the value of each key at which the requirement is just met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Where the limit lies.
@@ -180,7 +180,7 @@ pub(super) struct Between<'a> {
 /// Where a requirement is just met between two values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossed {
-    /// The value.
+    /// Value at which the statistic equals the limit, in the key's unit.
     pub value: f64,
     /// Its 95 % interval.
     pub ci95: [Option<f64>; 2],

@@ -16,9 +16,9 @@ pub const Z95: f64 = 1.959_963_985;
 /// A number that sums up an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Statistic {
-    /// Mean.
+    /// Mean over the members.
     Mean,
-    /// Standard deviation.
+    /// Standard deviation over the members.
     Sd,
     /// Quantile of the signed error at this probability.
     Quantile(f64),
@@ -82,7 +82,7 @@ impl Statistic {
 /// A value with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Estimate {
-    /// The value.
+    /// Estimate of the statistic, in the unit of its quantity.
     pub value: f64,
     /// Where it lies with a confidence of 95 %.
     pub ci95: [f64; 2],
@@ -115,7 +115,7 @@ fn quantile(values: &mut [f64], p: f64) -> f64 {
 pub struct Limit {
     /// Statistic that is limited.
     pub statistic: Statistic,
-    /// Of which error.
+    /// The error whose statistic is limited.
     pub quantity: Watched,
     /// When, s from the end of the still start.
     pub time_s: f64,

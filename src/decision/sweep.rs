@@ -32,7 +32,7 @@ pub struct Point {
     pub at: Vec<Vec<Summary>>,
     /// The statistic that is followed.
     pub statistic: Estimate,
-    /// Members that failed.
+    /// Members excluded from the statistics because they failed.
     pub failed: u64,
 }
 
@@ -45,12 +45,12 @@ pub struct Crossing {
     pub crossed: Crossed,
 }
 
-/// The answer.
+/// A finished sweep: the errors at each point and where they cross the limit.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// Plan of the sweep.
     pub plan: Plan,
-    /// Report times, s.
+    /// Report times from the end of the still start, s.
     pub time_s: Vec<f64>,
     /// What is followed: the limit's statistic, else how far the study has drifted at the last report time.
     pub followed: Followed,
@@ -69,9 +69,9 @@ pub struct Sweep {
 pub struct Followed {
     /// Statistic that is swept.
     pub statistic: Statistic,
-    /// Of which error.
+    /// The error that the statistic is taken of.
     pub quantity: Watched,
-    /// Report time, s.
+    /// Time at which it is taken, from the end of the still start, s.
     pub time_s: f64,
 }
 
@@ -86,17 +86,17 @@ impl Followed {
 
 /// An ensemble at one point.
 pub enum Work<'a> {
-    /// Along one axis.
+    /// A study along one axis.
     OneAxis(&'a Job),
-    /// Along a trajectory.
+    /// A study in six axes along a trajectory.
     InMotion(&'a Flight),
 }
 
-/// What became of it.
+/// An ensemble reduced to summaries.
 pub struct Summed {
     /// Per report time, the errors in the order of [`Watched::all`].
     pub at: Vec<Vec<Summary>>,
-    /// Members that failed.
+    /// Members excluded from the summaries because they failed.
     pub failed: u64,
 }
 

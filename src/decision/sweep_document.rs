@@ -10,7 +10,7 @@ use super::watched::Watched;
 use crate::statistics::Summary;
 use crate::study::Study;
 
-/// The whole document.
+/// The public document `proofmass.sweep/1`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Document {
     schema: &'static str,

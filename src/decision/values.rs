@@ -25,9 +25,9 @@ const BATCH: u64 = 8192;
 /// What is looked at: a quantity after so many samples from the end of the still start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Of which error.
+    /// The error that is evaluated.
     pub quantity: Watched,
-    /// Samples.
+    /// Samples from the end of the still start.
     pub samples: u64,
 }
 

@@ -56,7 +56,7 @@ impl Watched {
         })
     }
 
-    /// Its name.
+    /// Its name in requirements and in the JSON of a study, e.g. "position_error_m".
     pub fn name(self) -> &'static str {
         match self {
             Self::OneAxis(place) => QUANTITIES[place],

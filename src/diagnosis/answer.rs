@@ -10,7 +10,7 @@ use super::{driven, rest, trajectory, tumble};
 /// What a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// Kind of recording.
+    /// Kind of recording that was diagnosed.
     pub kind: Kind,
     /// Which of the four verdicts.
     pub outcome: Outcome,
@@ -24,7 +24,7 @@ pub struct Answer {
     pub places: Places,
     /// How well it fits.
     pub fit: Fit,
-    /// Whether anything is left.
+    /// Whether the residual of the final model is white.
     pub residual_after: Whiteness,
     /// Found in the file and survived, in sentences.
     pub findings: Vec<String>,
@@ -40,9 +40,9 @@ pub struct Answer {
 /// Where the mismatch lives, after false-discovery control.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Places {
-    /// In time, s.
+    /// Stretches of time, s, from the first sample used.
     pub time_s: Vec<Stretch>,
-    /// In frequency, Hz.
+    /// Bands of frequency, Hz.
     pub frequency_hz: Vec<Stretch>,
     /// In state (amplitude), output unit; at rest averaging time in s.
     pub state: Vec<Stretch>,

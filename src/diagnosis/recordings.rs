@@ -7,12 +7,12 @@ use crate::recording::Recording;
 pub struct Recordings<'a> {
     /// Fitted, each with its own initial state and offset; at least one.
     pub train: &'a [Recording],
-    /// Never fitted.
+    /// Recordings used for validation only.
     pub test: &'a [Recording],
 }
 
 impl<'a> Recordings<'a> {
-    /// One recording alone.
+    /// A single recording, without others for validation.
     pub fn one(recording: &'a Recording) -> Self {
         Self { train: std::slice::from_ref(recording), test: &[] }
     }
@@ -25,7 +25,7 @@ impl<'a> Recordings<'a> {
         }
     }
 
-    /// All of them.
+    /// Fitted recordings first, then those for validation.
     pub fn all(&self) -> impl Iterator<Item = &'a Recording> {
         self.train.iter().chain(self.test)
     }

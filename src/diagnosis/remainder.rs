@@ -59,7 +59,7 @@ impl Test {
     }
 }
 
-/// All tests together.
+/// Every test of a residual, with its probability under noise alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Remainder {
     /// The smallest corrected probability, at most one.

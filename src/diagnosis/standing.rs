@@ -48,10 +48,10 @@ impl Gain {
     }
 }
 
-/// One candidate's standing.
+/// How one candidate stood after the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
-    /// Library id.
+    /// Library id of the candidate.
     pub id: &'static str,
     /// Columns it was tried in; the same id may stand once per sensor or channel.
     pub channels: Vec<String>,

@@ -34,15 +34,15 @@ impl Outcome {
 /// File, size and rate of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordingInfo {
-    /// File as given.
+    /// Path of the recording, as given.
     pub file: String,
-    /// SHA-256, hexadecimal.
+    /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
     /// Data rows in the file.
     pub rows: usize,
     /// Samples that were judged, those that stand in for missing ones included.
     pub samples: usize,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// Rows that were not used, and why.
     pub dropped: Vec<Dropped>,
@@ -65,13 +65,13 @@ impl RecordingInfo {
 /// A fitted number with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Symbol.
+    /// Symbol of the parameter, as in the equation.
     pub name: String,
-    /// Value.
+    /// Estimated value, in `unit`.
     pub value: f64,
-    /// Unit.
+    /// Unit of the value and of its interval.
     pub unit: String,
-    /// 95 % interval.
+    /// 95 % confidence interval, lower and upper end.
     pub ci95: [f64; 2],
 }
 
@@ -103,7 +103,7 @@ pub struct Form {
     pub departs: bool,
 }
 
-/// One named effect.
+/// An effect that the verdict names, with parameters and evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
     /// Id in the library of candidates.
@@ -112,7 +112,7 @@ pub struct Effect {
     pub statement: String,
     /// The law as an equation.
     pub equation: String,
-    /// Fitted parameters.
+    /// Estimates of its parameters with their intervals.
     pub parameters: Vec<Estimate>,
     /// Columns it shows in.
     pub channels: Vec<String>,
@@ -141,9 +141,9 @@ pub fn named(effects: &[Effect]) -> String {
 /// A stretch of time, band of frequency or range of state where the residual exceeds the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stretch {
-    /// Lower end.
+    /// Lower end, in the unit of the list it stands in.
     pub from: f64,
-    /// Upper end.
+    /// Upper end, in the unit of the list it stands in.
     pub to: f64,
     /// Residual power over what noise explains, as a ratio.
     pub excess: f64,
@@ -194,7 +194,7 @@ pub struct Score {
 /// Root-mean-square error of free simulation on one range of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RangeScore {
-    /// First sample.
+    /// First sample of the range.
     pub from: usize,
     /// The one after the last.
     pub to: usize,
@@ -209,16 +209,16 @@ pub struct RangeScore {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Fitted (training).
+    /// Used to fit the model.
     Train,
-    /// Validation only.
+    /// Used for validation only.
     Test,
 }
 
 /// Root-mean-square error of free simulation on one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordingScore {
-    /// File as given.
+    /// Path of the recording, as given.
     pub file: String,
     /// What it is for.
     pub role: Role,
@@ -250,9 +250,9 @@ pub struct LogScore {
 /// The noise of a reading, measured apart from every fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Noise {
-    /// Standard deviation.
+    /// Standard deviation, in `unit`.
     pub value: f64,
-    /// Its unit.
+    /// Unit of the output.
     pub unit: String,
     /// How it was measured.
     pub how: String,
@@ -300,11 +300,11 @@ pub struct Whiteness {
 pub struct Detectable {
     /// Id in the library of candidates.
     pub id: String,
-    /// Its strength's symbol.
+    /// Symbol of the parameter that states the strength.
     pub parameter: String,
     /// The smallest strength; absent where no strength would show.
     pub strength: Option<f64>,
-    /// Its unit.
+    /// Unit of that parameter.
     pub unit: String,
     /// Root-mean-square of what that strength does to the reading, over the noise.
     pub effect_over_noise: Option<f64>,
@@ -333,18 +333,18 @@ pub struct Triads {
     /// Absent where none was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gyro: Option<SensorCalibration>,
-    /// Specific force.
+    /// Calibration of the accelerometer, m/s².
     pub accelerometer: SensorCalibration,
 }
 
-/// The whole document.
+/// The public document `proofmass.verdict/1`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
     /// Always "proofmass.verdict/1".
     pub schema: &'static str,
-    /// Kind of recording.
+    /// Kind of recording that was diagnosed.
     pub kind: super::candidate::Kind,
-    /// Verdict.
+    /// Which of the four verdicts.
     pub verdict: Outcome,
     /// In plain words, for the first screen.
     pub sentence: String,
@@ -374,5 +374,5 @@ pub struct Verdict {
     pub findings: Vec<String>,
 }
 
-/// The schema's name.
+/// Value of `schema` in the document.
 pub const SCHEMA: &str = "proofmass.verdict/1";

@@ -18,8 +18,8 @@ const ENOUGH_MEMBERS: u64 = 4096;
 
 /// Contribution of one error source.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Share {
-    /// Error source.
+pub struct Contribution {
+    /// The source that contributes.
     pub source: ErrorSource,
     /// Position variance it owns, per time, m².
     pub variance_m2: Vec<f64>,
@@ -27,22 +27,22 @@ pub struct Share {
     pub mean_m: Vec<f64>,
 }
 
-/// The budget.
+/// Error budget: the contribution of each source to the position variance over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// Times, s.
+    /// Times from the end of the still start, s.
     pub time_s: Vec<f64>,
     /// Largest at the end first.
-    pub shares: Vec<Share>,
+    pub contributions: Vec<Contribution>,
     /// Members it was made with.
     pub members: u64,
 }
 
 impl Budget {
-    /// Share of the sum of all sources at time `k`, 0 to 1.
-    pub fn fraction(&self, share: &Share, k: usize) -> f64 {
-        let sum: f64 = self.shares.iter().map(|s| s.variance_m2[k]).sum();
-        if sum > 0.0 { share.variance_m2[k] / sum } else { 0.0 }
+    /// Contribution of the sum of all sources at time `k`, 0 to 1.
+    pub fn fraction(&self, contribution: &Contribution, k: usize) -> f64 {
+        let sum: f64 = self.contributions.iter().map(|s| s.variance_m2[k]).sum();
+        if sum > 0.0 { contribution.variance_m2[k] / sum } else { 0.0 }
     }
 }
 
@@ -101,7 +101,7 @@ pub(crate) fn make(
 ) -> Result<Budget> {
     let Ensembles { whole, sources, members } = Ensembles::of(study, integrator, samples);
     let all_on = whole.map(|job| run(&job, "error budget: all")).transpose()?.map(|s| moments(&s));
-    let mut shares = Vec::new();
+    let mut contributions = Vec::new();
     let mut time_s = Vec::new();
     for (source, job) in sources {
         let statistics = run(&job, source.name())?;
@@ -112,16 +112,17 @@ pub(crate) fn make(
             mean_m = all_mean.iter().zip(&mean_m).map(|(all, off)| all - off).collect();
             variance_m2 = all_variance.iter().zip(&variance_m2).map(|(all, off)| (all - off).max(0.0)).collect();
         }
-        shares.push(Share { source, variance_m2, mean_m });
+        contributions.push(Contribution { source, variance_m2, mean_m });
     }
     // Force noise acts through the mechanics: take their own part out.
-    let mechanics = shares.iter().find(|s| s.source == ErrorSource::Mechanics).map(|s| s.variance_m2.clone());
-    if let (Some(mechanics), Some(force)) = (mechanics, shares.iter_mut().find(|s| s.source == ErrorSource::ForceNoise))
+    let mechanics = contributions.iter().find(|s| s.source == ErrorSource::Mechanics).map(|s| s.variance_m2.clone());
+    if let (Some(mechanics), Some(force)) =
+        (mechanics, contributions.iter_mut().find(|s| s.source == ErrorSource::ForceNoise))
     {
         force.variance_m2.iter_mut().zip(mechanics).for_each(|(v, m)| *v = (*v - m).max(0.0));
     }
-    order::sort_by_key(&mut shares, |s| -s.variance_m2.last().unwrap_or(&0.0));
-    Ok(Budget { time_s, shares, members })
+    order::sort_by_key(&mut contributions, |s| -s.variance_m2.last().unwrap_or(&0.0));
+    Ok(Budget { time_s, contributions, members })
 }
 
 fn moments(statistics: &Statistics) -> (Vec<f64>, Vec<f64>) {

@@ -25,9 +25,9 @@ use crate::study::file::{Axis, Compare};
 pub struct Likeness {
     /// Heading in the log.
     pub column: String,
-    /// What it measures.
+    /// Whether the column is an accelerometer or a gyro.
     pub sense: Sense,
-    /// Averaging times, s.
+    /// Averaging times of the deviations below, s.
     pub tau_s: Vec<f64>,
     /// Allan deviation of the log, one per averaging time.
     pub recorded: Vec<f64>,
@@ -53,7 +53,7 @@ pub enum Outcome {
     NotAsked,
     /// The log is not on this machine.
     Absent(String),
-    /// It was compared.
+    /// The log was compared with the simulation.
     Compared(Box<Comparison>),
 }
 
@@ -64,9 +64,9 @@ pub struct Comparison {
     pub file: String,
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
-    /// Its samples.
+    /// Number of samples in the log.
     pub samples: usize,
-    /// Its sampling rate.
+    /// Sampling rate of the log, Hz.
     pub rate_hz: f64,
     /// Allan deviations, axis by axis.
     pub axes: Vec<Likeness>,

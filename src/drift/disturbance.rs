@@ -47,9 +47,9 @@ impl Kind {
 /// A stretch of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Disturbance {
-    /// Which.
+    /// What disturbs the readings there.
     pub kind: Kind,
-    /// Where.
+    /// Disturbed samples of the log, half-open.
     pub samples: Range<usize>,
 }
 

@@ -11,7 +11,7 @@ use crate::statistics::jcgm101::{Linear, Stated};
 use crate::statistics::{Machine, Origin, Summary, quantity};
 use crate::study::Study;
 
-/// The schema's name.
+/// Value of `schema` in the document.
 pub const SCHEMA: &str = "proofmass.study/1";
 
 /// The whole document; every list runs along `time_s`.
@@ -32,7 +32,7 @@ pub struct Document {
     tilt_error_rad: Distribution,
     closed_form: ClosedForm,
     growth: Vec<Power>,
-    error_budget: Vec<Share>,
+    error_budget: Vec<BudgetRow>,
     /// The recorded log in windows beside the prediction; absent where the study asks for none, empty without the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     windows: Option<Vec<Windows>>,
@@ -128,7 +128,7 @@ struct Power {
 }
 
 #[derive(Debug, Clone, Serialize)]
-struct Share {
+struct BudgetRow {
     source: &'static str,
     position_sd_m: Vec<f64>,
     share_of_variance: Vec<f64>,
@@ -190,12 +190,12 @@ impl Document {
             },
             growth: (0..EXPONENTS.len()).map(power).collect(),
             error_budget: budget
-                .shares
+                .contributions
                 .iter()
-                .map(|share| Share {
-                    source: share.source.name(),
-                    position_sd_m: drift.report.iter().map(|k| share.variance_m2[*k].sqrt()).collect(),
-                    share_of_variance: drift.report.iter().map(|k| budget.fraction(share, *k)).collect(),
+                .map(|contribution| BudgetRow {
+                    source: contribution.source.name(),
+                    position_sd_m: drift.report.iter().map(|k| contribution.variance_m2[*k].sqrt()).collect(),
+                    share_of_variance: drift.report.iter().map(|k| budget.fraction(contribution, *k)).collect(),
                 })
                 .collect(),
             windows: asked.then(|| windows(false)),

@@ -19,16 +19,16 @@ use crate::units::number::Number;
 /// Mean and variance of one quantity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Moment {
-    /// Mean over members.
+    /// Mean over members, in the unit of the quantity.
     pub mean: f64,
-    /// Variance over members.
+    /// Variance over members, in the unit of the quantity squared.
     pub variance: f64,
 }
 
 /// The closed forms of a study.
 #[derive(Debug, Clone)]
 pub struct Expected {
-    /// Times, s.
+    /// Times from the end of the still start, s.
     pub time_s: Vec<f64>,
     /// Sources with a closed form, each with its moments per time, in the order of `statistics::QUANTITIES`.
     pub sources: Vec<(ErrorSource, Vec<[Moment; 4]>)>,

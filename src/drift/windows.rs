@@ -51,7 +51,7 @@ impl Cut {
     }
 }
 
-/// One axis.
+/// Recorded and predicted drift of one axis, window by window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drifted {
     /// Heading in the log.

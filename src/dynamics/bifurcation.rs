@@ -7,7 +7,7 @@ use super::duffing::{Drive, Oscillator, State};
 use crate::control::{Control, Stopped};
 use crate::rng::{Philox, Stream};
 
-/// One sweep.
+/// Amplitudes of one sweep and what is recorded at each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweep {
     /// First amplitude, N.

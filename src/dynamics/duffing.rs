@@ -7,13 +7,13 @@ use crate::physics::cubic_stiffness::{acceleration, tangent_stiffness};
 /// Coefficients of equation 6, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
-    /// Proof mass m.
+    /// Proof mass m, kg.
     pub mass_kg: f64,
-    /// Damping coefficient D₀.
+    /// Damping coefficient D₀, kg/s.
     pub damping_kg_s: f64,
-    /// Linear stiffness k.
+    /// Linear stiffness k, N/m.
     pub stiffness_n_m: f64,
-    /// Cubic stiffness ε.
+    /// Cubic stiffness ε, N/m³.
     pub cubic_n_m3: f64,
 }
 
@@ -90,9 +90,9 @@ impl Oscillator {
 /// A force F₀ cos ωt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// Amplitude F₀.
+    /// Amplitude F₀, N.
     pub amplitude_n: f64,
-    /// Angular frequency ω.
+    /// Angular frequency ω, rad/s.
     pub omega_rad_s: f64,
 }
 

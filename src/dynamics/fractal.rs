@@ -9,7 +9,7 @@ use super::estimate::{Estimate, slope};
 /// A dimension with the curve it was read from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dimension {
-    /// The slope.
+    /// The slope of the curve, with its standard error.
     pub estimate: Estimate,
     /// (log₂ of scale, log₂ of boxes or of pair fraction) over the range used, all points together.
     pub curve: Vec<(f64, f64)>,

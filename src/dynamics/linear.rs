@@ -10,9 +10,9 @@ use super::duffing::Oscillator;
 /// Displacement of the proof mass with its derivative and its first two integrals over time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassResponse {
-    /// x, m.
+    /// Displacement x, m.
     pub x_m: f64,
-    /// x′, m/s.
+    /// Velocity x′, m/s.
     pub v_m_s: f64,
     /// ∫x dt, m s.
     pub integral_m_s: f64,

@@ -3,7 +3,7 @@
 use crate::backend::cpu::Precision;
 use crate::control::Control;
 
-/// Where to integrate.
+/// The backend to integrate on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
     /// A hardware GPU if present and the ensemble is large enough to benefit, else the CPU.
@@ -11,7 +11,7 @@ pub enum Choice {
     Auto,
     /// Any GPU adapter, including software ones.
     Gpu,
-    /// The CPU.
+    /// The lanes of the CPU.
     Cpu,
 }
 

@@ -18,7 +18,7 @@ pub(super) struct Report {
     pub moments: Fold,
     /// Histograms, one per quantity.
     pub histograms: Vec<Histogram>,
-    /// Members that failed.
+    /// Members excluded from these sums because they failed.
     pub failed: u64,
 }
 

@@ -28,7 +28,7 @@ pub struct Plan {
 /// How the excitation differs from member to member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variation {
-    /// Not at all.
+    /// Every member gets the shared waveform unchanged.
     None,
     /// In size: [`SIZE`] is the member's gain.
     Gain,

@@ -9,7 +9,7 @@ use crate::units::number::Number;
 
 /// One kind of excitation.
 pub struct Kind {
-    /// Value of `kind`.
+    /// Value of `excitation.kind` that selects it.
     pub name: &'static str,
     /// The keys that it takes.
     pub keys: Keys,
@@ -32,9 +32,9 @@ pub struct Run<'a> {
 
 /// A section being read.
 pub struct Reader<'a> {
-    /// Its kind.
+    /// The kind that the section gives.
     pub kind: &'a Kind,
-    /// What is given.
+    /// The section's keys as written.
     pub section: &'a Section,
     /// The run it is for.
     pub run: Run<'a>,

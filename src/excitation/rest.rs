@@ -11,7 +11,7 @@ pub fn plan() -> Plan {
     Plan::shared(Rest, "at rest".into(), Spectrum::Shape)
 }
 
-/// No force.
+/// Zero specific force throughout: kind = "rest".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest;
 

@@ -14,9 +14,9 @@ use crate::units::number::Number;
 pub enum Form {
     /// A number that may be drawn per member.
     Number,
-    /// A plain number.
+    /// A number that is the same for all members.
     Real,
-    /// A whole number.
+    /// A whole number, zero or more.
     Whole,
     /// A word: a file, a column.
     Text,
@@ -27,22 +27,22 @@ pub enum Form {
 /// The value of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// Of [`Form::Number`].
+    /// A number that may be drawn per member, of [`Form::Number`].
     Number(Number),
-    /// Of [`Form::Real`].
+    /// A plain number, of [`Form::Real`].
     Real(f64),
-    /// Of [`Form::Whole`].
+    /// A whole number, of [`Form::Whole`].
     Whole(u32),
-    /// Of [`Form::Text`].
+    /// A word, of [`Form::Text`].
     Text(String),
-    /// Of [`Form::Pairs`].
+    /// Pairs of numbers, of [`Form::Pairs`].
     Pairs(Vec<[f64; 2]>),
 }
 
 /// Keys with their forms; a key has the same form in every kind that takes it.
 pub(super) type Keys = &'static [(&'static str, Form)];
 
-/// The section.
+/// `[excitation]`: the kind and the keys that were given with it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Section {
     /// `kind`, one of the known ones.
@@ -143,7 +143,7 @@ impl<'de> DeserializeSeed<'de> for Kind {
 
 #[cfg(feature = "cli")]
 impl Form {
-    /// As JSON Schema.
+    /// The JSON Schema of such a value.
     pub fn schema(self, generator: &mut SchemaGenerator) -> Schema {
         match self {
             Self::Number => Number::json_schema(generator),

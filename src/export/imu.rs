@@ -10,7 +10,7 @@ use crate::units::key::Key;
 /// Mean and standard deviation over members.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Value {
-    /// Mean.
+    /// Mean over members.
     pub mean: f64,
     /// Standard deviation; zero for a fixed number.
     pub sd: f64,
@@ -38,7 +38,7 @@ pub struct Errors {
 /// Something given that is not among [`Errors`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Other {
-    /// Its key.
+    /// Key of study.toml that gives it.
     pub key: &'static Key,
     /// The term, unless it belongs to the proof mass.
     pub term: Option<SensorTerm>,
@@ -51,11 +51,11 @@ pub struct Other {
 pub struct Imu {
     /// Name of the file that it came from.
     pub source: String,
-    /// Readings per second.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Specific force, m/s².
+    /// Errors of the accelerometer, m/s².
     pub accelerometer: Errors,
-    /// Angular rate, rad/s.
+    /// Errors of the gyro, rad/s.
     pub gyro: Errors,
     /// What else was given and is not zero.
     pub others: Vec<Other>,
@@ -64,7 +64,7 @@ pub struct Imu {
 }
 
 impl Errors {
-    /// None at all.
+    /// A sensor without errors or limits.
     pub fn ideal(sense: Sense) -> Self {
         let unit = if sense == Sense::Accelerometer { "m/s²" } else { "rad/s" };
         Self { unit, range: f64::INFINITY, ..Self::default() }

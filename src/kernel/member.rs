@@ -1,7 +1,7 @@
 //! One member as the kernels see it: a column of numbers, derived in f64 from its sensor.
 //!
 //! Per-sample levels are σ = N√f_s and K√T; the proof mass is scaled so that a substep is the unit of time and the
-//! reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + κa³) = W(f + w) with W = (ω₀h)², C = 2ζω₀h, κ = β/ω₀⁶.
+//! reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + γa³) = W(f + w) with W = (ω₀h)², C = 2ζω₀h, γ = β/ω₀⁶.
 
 use super::flicker;
 use super::integrator::{Integrator, Reach};
@@ -129,19 +129,19 @@ pub fn coefficients(mass: &ProofMass, integrator: Integrator, substep_s: f64) ->
     let w0 = mass.natural_frequency_rad_s;
     let w = (w0 * substep_s).powi(2);
     let c = 2.0 * mass.damping_ratio * w0 * substep_s;
-    let kappa = mass.cubic_per_m2_s2() / w0.powi(6);
+    let gamma = mass.cubic_per_m2_s2() / w0.powi(6);
     let relaxes = matches!(integrator, Integrator::ExactHold | Integrator::ExponentialRk2 { .. });
     let [a, b, d, e] = if relaxes { transition(w0 * substep_s, mass.damping_ratio, 1.0) } else { [0.0; 4] };
     match integrator {
         Integrator::Ideal => [0.0; COEFFICIENTS],
         Integrator::ExactHold => [a, b, d, e, c / w, 0.0, 0.0, 0.0],
-        Integrator::RungeKutta4 { .. } => [w, c, w * kappa, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Integrator::RungeKutta4 { .. } => [w, c, w * gamma, 0.0, 0.0, 0.0, 0.0, 0.0],
         // Its laws have columns of their own.
         Integrator::RungeKutta4General { .. } => [w, c, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         // The last two: what a force that grows by one over the step adds to (a, a′).
         Integrator::ExponentialRk2 { .. } => {
-            [a, b, d, e, c / w, kappa, 1.0 - c / w + a * c / w - b, 1.0 + d * c / w - e]
+            [a, b, d, e, c / w, gamma, 1.0 - c / w + a * c / w - b, 1.0 + d * c / w - e]
         }
-        Integrator::RosenbrockEuler { .. } => [w, c, kappa, (-0.5 * c).exp(), 0.0, 0.0, 0.0, 0.0],
+        Integrator::RosenbrockEuler { .. } => [w, c, gamma, (-0.5 * c).exp(), 0.0, 0.0, 0.0, 0.0],
     }
 }

@@ -5,12 +5,12 @@
 
 use crate::dynamics::duffing::{Drive, Oscillator};
 
-/// One oscillator, per unit mass: x″ + δx′ + κx + βx³ = A cos ωt + w(t).
+/// One oscillator, per unit mass: x″ + δx′ + αx + βx³ = A cos ωt + w(t).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// δ = D₀/m, 1/s.
     pub damping_per_s: f64,
-    /// κ = k/m, 1/s².
+    /// α = k/m, 1/s².
     pub stiffness_per_s2: f64,
     /// β = ε/m, 1/(m² s²).
     pub cubic_per_m2_s2: f64,

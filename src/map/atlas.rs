@@ -4,13 +4,13 @@ use super::diagram::Bifurcation;
 use super::document::Document;
 use super::grid::Grid;
 
-/// A computed document.
+/// A computed map.toml: its maps and bifurcation diagrams.
 #[derive(Debug, Clone)]
 pub struct Atlas {
-    /// What was asked.
+    /// The map.toml that it was computed from.
     pub document: Document,
-    /// One per `[[map]]`.
+    /// The maps, one per `[[map]]`.
     pub grids: Vec<Grid>,
-    /// One per `[[bifurcation]]`.
+    /// The bifurcation diagrams, one per `[[bifurcation]]`.
     pub diagrams: Vec<Bifurcation>,
 }

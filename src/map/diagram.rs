@@ -6,10 +6,10 @@ use crate::dynamics::bifurcation::{Sweep, sweep};
 use crate::error::Result;
 use crate::parallel;
 
-/// One bifurcation diagram.
+/// A computed bifurcation diagram, with the force rising and falling.
 #[derive(Debug, Clone)]
 pub struct Bifurcation {
-    /// What was asked.
+    /// Its section of map.toml.
     pub diagram: Diagram,
     /// (amplitude, strobed displacement) on the way up, N and m.
     pub up: Vec<(f64, f64)>,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::dynamics::duffing::Oscillator;
 use crate::error::{Error, Result};
 
-/// A whole map.toml.
+/// map.toml: an oscillator, its drive, and the maps and diagrams to compute.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -39,14 +39,14 @@ fn unnamed() -> String {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Coefficients {
-    /// m.
+    /// Mass m, kg.
     #[serde(default = "one")]
     pub mass_kg: f64,
-    /// D₀.
+    /// Damping D₀, kg/s.
     pub damping_kg_s: f64,
-    /// k.
+    /// Linear stiffness k, N/m.
     pub stiffness_n_m: f64,
-    /// ε.
+    /// Cubic stiffness ε, N/m³.
     pub cubic_n_m3: f64,
 }
 
@@ -70,7 +70,7 @@ impl From<Coefficients> for Oscillator {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Force {
-    /// F₀.
+    /// Amplitude F₀ of the force, N.
     pub amplitude_n: f64,
     /// ω.
     omega_rad_s: Option<f64>,
@@ -90,17 +90,17 @@ impl Force {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// F₀, N.
+    /// Amplitude F₀ of the force, N.
     AmplitudeN,
-    /// ω, rad/s.
+    /// Angular frequency ω of the force, rad/s.
     OmegaRadS,
-    /// ω/2π, Hz.
+    /// Frequency ω/2π of the force, Hz.
     FrequencyHz,
-    /// ε, N/m³.
+    /// Cubic stiffness ε, N/m³.
     CubicNM3,
-    /// D₀, kg/s.
+    /// Damping D₀, kg/s.
     DampingKgS,
-    /// k, N/m.
+    /// Linear stiffness k, N/m.
     StiffnessNM,
 }
 
@@ -123,13 +123,13 @@ impl Quantity {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Range {
-    /// Which parameter.
+    /// Parameter along the axis; the ends below are in its unit.
     pub quantity: Quantity,
-    /// Low end.
+    /// Lower edge of the first cell.
     pub from: f64,
-    /// High end.
+    /// Upper edge of the last cell.
     pub to: f64,
-    /// Cells.
+    /// Number of cells.
     pub points: u32,
 }
 
@@ -140,16 +140,16 @@ impl Range {
     }
 }
 
-/// `[[map]]`.
+/// `[[map]]`: two parameters, each cell an orbit.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Map {
     /// Heading in the report.
     pub title: String,
-    /// Horizontal axis.
+    /// Parameter along the horizontal axis.
     pub x: Range,
-    /// Vertical axis.
+    /// Parameter along the vertical axis.
     pub y: Range,
     /// Transient periods before averaging.
     #[serde(default = "default_count")]
@@ -166,23 +166,23 @@ fn default_count() -> u32 {
     100
 }
 
-/// `[[bifurcation]]`.
+/// `[[bifurcation]]`: the force swept up and down.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Diagram {
     /// Heading in the report.
     pub title: String,
-    /// First amplitude.
+    /// Lowest amplitude of the force, N.
     pub from_n: f64,
-    /// Last amplitude.
+    /// Highest amplitude of the force, N.
     pub to_n: f64,
-    /// Number of amplitudes.
+    /// Amplitudes from `from_n` to `to_n`.
     pub points: u32,
     /// Periods after each change before strobing.
     #[serde(default = "default_count")]
     pub transient_periods: u32,
-    /// Strobes per amplitude.
+    /// Strobes recorded at each amplitude, one per forcing period.
     #[serde(default = "default_count")]
     pub strobes: u32,
     /// White force noise, two-sided coefficient, N·√s.

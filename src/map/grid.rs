@@ -17,7 +17,7 @@ const TOLERANCE: f32 = 2e-3;
 /// A computed map; rows from the bottom up.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// What was asked.
+    /// Its section of map.toml.
     pub map: Map,
     /// Largest Lyapunov exponent, 1/s; NaN where the orbit was lost.
     pub exponent_per_s: Vec<f64>,

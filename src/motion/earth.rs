@@ -10,7 +10,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 
 /// Semi-major axis, m.
 pub const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
-/// Flattening.
+/// Flattening of the ellipsoid, dimensionless.
 pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Rate of the Earth against inertial space, rad/s.
 pub const RATE_RAD_S: f64 = 7.292_115e-5;
@@ -74,7 +74,7 @@ impl Radii {
 }
 
 impl Earth {
-    /// Flat and still.
+    /// A flat Earth without rotation, g = 9.80665 m/s².
     pub const FLAT: Self = Self { latitude_rad: None, height_m: 0.0, rotation: false };
 
     /// Where a trajectory starts.

@@ -29,7 +29,7 @@ use refusal::Refusal;
 /// What is wanted of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request<'a> {
-    /// The file.
+    /// Path of the file of poses.
     pub path: &'a Path,
     /// What the user says it is.
     pub format: Option<Format>,
@@ -41,7 +41,7 @@ pub struct Request<'a> {
     pub quaternion: Option<Order>,
     /// Where to begin, s after its first pose.
     pub from_s: f64,
-    /// How long, s.
+    /// Length of the stretch that is used, s.
     pub duration_s: f64,
 }
 

@@ -31,9 +31,9 @@ pub enum Integrator {
 pub struct Difference {
     /// Attitude as a rotation vector in north-east-down, rad.
     pub attitude_rad: Vector3<f64>,
-    /// Velocity, m/s.
+    /// Velocity error, north-east-down, m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// Position, m.
+    /// Position error, north-east-down, m.
     pub position_m: Vector3<f64>,
 }
 
@@ -83,7 +83,7 @@ impl State {
 /// A navigator at work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Navigator {
-    /// What it believes.
+    /// Its current estimate of attitude, velocity and position.
     pub state: State,
     earth: Earth,
     integrator: Integrator,

@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// A pose.
+/// Position and attitude of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Time since the start, s.

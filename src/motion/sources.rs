@@ -26,7 +26,7 @@ use super::trajectory::Trajectory;
 use crate::error::Result;
 use source::{POSES, fail};
 
-/// Every kind.
+/// Every kind of trajectory, in the order of the documentation.
 pub const KINDS: [Kind; 7] =
     [Kind::Rest, Kind::Circle, Kind::FigureEight, Kind::Waypoints, Kind::Car, Kind::Drone, Kind::File];
 

@@ -29,7 +29,7 @@ pub struct Trajectory {
 pub struct Sampling {
     /// Samples per second.
     pub rate_hz: f64,
-    /// How long, s.
+    /// Length of the motion, s.
     pub duration_s: f64,
     /// From the body's origin to the sensor, in body axes, m.
     pub lever_arm_m: Vector3<f64>,

@@ -17,7 +17,7 @@
 /// An error process in the unit of what is integrated (m/s², rad/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Process {
-    /// A constant.
+    /// A constant of this standard deviation over members, unit.
     Constant(f64),
     /// White noise with random-walk coefficient N, unit·√s (two-sided).
     White(f64),

@@ -5,11 +5,11 @@
 /// Errors of one member.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drift {
-    /// Tilt, rad.
+    /// Tilt error, rad.
     pub tilt_rad: f64,
-    /// Speed, m/s.
+    /// Speed error, m/s.
     pub speed_m_s: f64,
-    /// Distance, m.
+    /// Distance error, m.
     pub distance_m: f64,
 }
 

@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, RowVector2, Vector2};
 /// What the filter believes about its sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// Time between readings.
+    /// Time between readings, s.
     pub step_s: f64,
     /// Angle random walk of the gyro, rad/√s.
     pub angle_walk_rad_rts: f64,
@@ -38,11 +38,11 @@ pub enum Weighting {
 /// One reading: rate of the tilt by the gyro, tilt by the accelerometer, length of its specific force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Gyro reading, rad/s.
+    /// Rate of the tilt by the gyro, rad/s.
     pub rate_rad_s: f64,
-    /// Tilt, rad.
+    /// Tilt by the accelerometer, rad.
     pub tilt_rad: f64,
-    /// Accelerometer reading, m/s².
+    /// Magnitude of the accelerometer's reading, m/s².
     pub force_m_s2: f64,
 }
 
@@ -51,9 +51,9 @@ pub struct Reading {
 pub struct Update {
     /// Tilt (rad) and gyro bias (rad/s) after it.
     pub state: Vector2<f64>,
-    /// Covariance after it.
+    /// Covariance of tilt and gyro bias after the update.
     pub covariance: Matrix2<f64>,
-    /// Gain.
+    /// Kalman gain on tilt and gyro bias.
     pub gain: Vector2<f64>,
     /// Innovation squared over its variance (NIS): mean 1 while the filter's beliefs are true.
     pub nis: f64,
@@ -61,7 +61,7 @@ pub struct Update {
     pub tilt_variance_rad2: f64,
 }
 
-/// The filter.
+/// The two-state filter: estimate and covariance.
 #[derive(Debug, Clone)]
 pub struct Filter {
     model: Model,

@@ -41,7 +41,7 @@ pub struct Point {
     pub factor: usize,
     /// Averaging time, s.
     pub tau_s: f64,
-    /// Allan variance, unit².
+    /// Allan variance, unit of the samples squared.
     pub variance: f64,
     /// Samples that the windows behind it span, over all parts of the recording.
     pub samples: usize,
@@ -77,7 +77,7 @@ impl Accumulator {
         Self { levels, origin: None, phase: 0.0, index: 0, count: 0 }
     }
 
-    /// The next sample.
+    /// Adds the next sample.
     pub fn push(&mut self, value: f64) {
         // The first value is taken off so that a large constant costs no digits in the running integral.
         let origin = *self.origin.get_or_insert(value);

@@ -27,14 +27,14 @@ pub struct Linear {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// DᵀD and Dᵀe.
+/// Normal equations of a linearised problem, residuals e and derivatives D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Normal {
-    /// DᵀD.
+    /// DᵀD, one row and column per parameter.
     pub matrix: DMatrix<f64>,
-    /// Dᵀe.
+    /// Dᵀe, one entry per parameter.
     pub vector: DVector<f64>,
-    /// eᵀe.
+    /// eᵀe, the sum of squares.
     pub sum: f64,
 }
 
@@ -84,7 +84,7 @@ impl Normal {
 /// Where a search ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
-    /// The point.
+    /// Parameter vector at the minimum.
     pub z: Vec<f64>,
     /// Sum of squares there.
     pub sum: f64,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub struct Density {
     /// Frequencies, ascending; zero is left out.
     pub frequency_hz: Vec<f64>,
-    /// unit²/Hz.
+    /// One-sided density, unit²/Hz, one per frequency.
     pub density: Vec<f64>,
     /// Equivalent number of independent averages: an ordinate varies as χ² with twice as many degrees of freedom.
     pub averages: f64,

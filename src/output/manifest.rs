@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 use crate::document::{open, to_json, write_whole};
 use crate::error::{Error, Result};
 
-/// The file's name.
+/// Name of the manifest in a folder of results.
 pub const NAME: &str = ".proofmass.json";
 const SCHEMA: &str = "proofmass.outputs/1";
 
 /// What tells one run from another: the same command on the same files is the same run, whatever stands in them.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Identity {
-    /// The subcommand: "study".
+    /// Subcommand that wrote, e.g. "study".
     pub command: String,
     /// Paths of the files that it was asked about, as seen from the folder, so that a project can be moved or shared as a
     /// whole; none for a command that reads none.

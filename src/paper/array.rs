@@ -34,11 +34,11 @@ pub struct Deviation {
 /// Curves and checks of figure 1.
 #[derive(Debug, Clone)]
 pub struct Array {
-    /// One sensor.
+    /// Allan deviation of one sensor.
     pub single: Deviation,
     /// Mean of the array.
     pub array: Deviation,
-    /// Figure 1.
+    /// Figure 1 with its checks.
     pub exhibit: Exhibit,
 }
 

@@ -23,7 +23,7 @@ const ENLARGEMENT: f64 = 1.0 / 8.0;
 /// A window into the section and what the points in it measure.
 #[derive(Debug, Clone)]
 pub struct View {
-    /// Where it lies.
+    /// Rectangle of the section that the window shows.
     pub window: Window,
     /// Points to draw, at most 100,000.
     pub cloud: Vec<[f32; 2]>,

@@ -18,7 +18,7 @@ const STEP_S: f64 = 0.005;
 pub struct Bifurcation {
     /// Time and motion of the proof mass, every 20 ms.
     pub path: Vec<(f64, MassResponse)>,
-    /// The periodic force.
+    /// The periodic force of figure 17.
     pub drive: Drive,
     /// What holds of it.
     pub checks: Vec<Check>,

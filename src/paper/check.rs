@@ -7,11 +7,11 @@ use serde::Serialize;
 pub struct Check {
     /// What is compared, with its unit.
     pub name: String,
-    /// The number claimed.
+    /// Expected number, from the source stated.
     pub expected: f64,
-    /// The number computed.
+    /// Computed number.
     pub got: f64,
-    /// The distance allowed.
+    /// Largest difference between the two at which the check holds.
     pub tolerance: f64,
     /// The verdict; NaN never holds.
     pub holds: bool,
@@ -55,7 +55,7 @@ pub struct Exhibit {
     pub title: String,
     /// Where its numbers come from.
     pub source: Provenance,
-    /// What is checked.
+    /// Checks of the figure.
     pub checks: Vec<Check>,
 }
 

@@ -14,7 +14,7 @@ pub struct Cubic {
     pub cubic: Vec<(f64, MassResponse)>,
     /// Time and motion of the linear one.
     pub linear: Vec<(f64, MassResponse)>,
-    /// Figure 16.
+    /// Figure 16 with its checks.
     pub exhibit: Exhibit,
 }
 

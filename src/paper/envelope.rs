@@ -8,15 +8,15 @@ use crate::numerics::order;
 /// What an ensemble does over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
-    /// Sampled times.
+    /// Sampled times, s.
     pub time_s: Vec<f64>,
-    /// Mean over members.
+    /// Mean over members at each time.
     pub mean: Vec<f64>,
     /// Standard deviation over members.
     pub sd: Vec<f64>,
-    /// 5 % quantile.
+    /// 5 % quantile over members at each time.
     pub p05: Vec<f64>,
-    /// 95 % quantile.
+    /// 95 % quantile over members at each time.
     pub p95: Vec<f64>,
 }
 

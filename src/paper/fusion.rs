@@ -55,15 +55,15 @@ pub struct InMotion {
 /// Numbers and checks of figures 11 and 12.
 #[derive(Debug, Clone)]
 pub struct Fusion {
-    /// The filter's model.
+    /// Sensor noise that the filter assumes.
     pub model: Model,
-    /// At rest.
+    /// The filter at rest, for figure 11.
     pub at_rest: AtRest,
-    /// Simulated motion.
+    /// The filters under simulated motion, for figure 12.
     pub in_motion: InMotion,
     /// Moves of a recording (or of its simulation).
     pub moved: Moved,
-    /// Figures 11, 12.
+    /// Figures 11 and 12 with their checks.
     pub exhibits: [Exhibit; 2],
 }
 

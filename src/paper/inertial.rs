@@ -17,11 +17,11 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 /// Readings in SI on a uniform clock, and where the IMU lay still.
 #[derive(Debug, Clone)]
 pub struct Inertial {
-    /// Recorded or simulated.
+    /// Whether the readings were recorded or simulated.
     pub source: Provenance,
     /// Where it came from, for captions.
     pub origin: String,
-    /// Time between readings.
+    /// Time between readings, s.
     pub step_s: f64,
     /// Specific force, m/s².
     pub force_m_s2: Vec<Vector>,

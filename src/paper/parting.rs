@@ -23,7 +23,7 @@ const STEPS: u32 = 256;
 /// One ensemble: distance error of its members at the sampled times.
 #[derive(Debug, Clone)]
 pub struct Spread {
-    /// Sampled times.
+    /// Sampled times, s.
     pub time_s: Vec<f64>,
     /// Distance error of each member at each time: `[member][time]`, m.
     pub distance_error_m: Vec<Vec<f64>>,
@@ -42,7 +42,7 @@ pub struct Parting {
     pub separation: Vec<(f64, f64)>,
     /// Rate at which twins part, 1/s.
     pub rate: Estimate,
-    /// Figure 20.
+    /// Figure 20 with its checks.
     pub exhibit: Exhibit,
 }
 

@@ -5,7 +5,7 @@ use super::law::{Law, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// c·t.
+/// Offset of the reading c·t.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BiasDrift;
 

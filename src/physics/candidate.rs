@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every kind.
+    /// Every kind of recording.
     pub const ALL: [Self; 4] = [Self::Driven, Self::Static, Self::Tumble, Self::Trajectory];
 
     /// As written in model.toml.
@@ -54,7 +54,7 @@ pub struct Candidate {
     pub statement: &'static str,
     /// The term, as an equation.
     pub equation: &'static str,
-    /// Its parameters.
+    /// Its free parameters, with units and plausible ranges.
     pub parameters: &'static [Parameter],
     /// Where it acts: "equation of motion", "readout", …
     pub acts: &'static str,

@@ -14,7 +14,7 @@ pub(crate) const MOST: usize = 16;
 /// A law that a study can run: one that gives a key for each of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyLaw {
-    /// The law.
+    /// The law that the keys set.
     pub term: Term,
     /// Place of its first coefficient.
     pub first: usize,

@@ -86,7 +86,7 @@ mod tests {
         assert_ne!(Dimension::of("1/(y s^2)"), Dimension::of("1/(y^2 s^2)"), "powers count");
     }
 
-    // β x³ of a mass with ω₀ = 3 rad/s in steps of 0.1 s: W·κ with W = (ω₀h)² and κ = β/ω₀⁶ (kernel::member).
+    // β x³ of a mass with ω₀ = 3 rad/s in steps of 0.1 s: W·γ with W = (ω₀h)² and γ = β/ω₀⁶ (kernel::member).
     #[test]
     fn a_cubic_spring_has_the_coefficient_of_the_reading() {
         let (omega, h, beta) = (3.0f64, 0.1, 7.0);

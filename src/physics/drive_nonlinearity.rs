@@ -7,7 +7,7 @@ use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// g(u + κu²).
+/// Driving force g(u + κu²) per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DriveNonlinearity;
 

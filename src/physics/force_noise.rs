@@ -6,7 +6,7 @@ use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Noise, Role};
 use super::scales::{Coordinate, Scales};
 
-/// White force.
+/// White force noise on the mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ForceNoise;
 

@@ -18,11 +18,11 @@ use super::{
 /// Which law is freed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freed {
-    /// βx³.
+    /// Cubic stiffness, βx³.
     CubicSpring,
-    /// αx².
+    /// Quadratic stiffness, αx².
     QuadraticSpring,
-    /// c₂|x′|x′.
+    /// Quadratic damping, c₂|x′|x′.
     Drag,
     /// c x²x′, as a damping that depends on x.
     Film,
@@ -37,11 +37,11 @@ pub enum Freed {
 /// What a law depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
-    /// Displacement.
+    /// Displacement of the mass.
     Displacement,
-    /// Velocity.
+    /// Velocity of the mass.
     Velocity,
-    /// Input.
+    /// The measured input.
     Input,
 }
 
@@ -53,7 +53,7 @@ pub enum Argument {
 /// is; the values after it are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeForm {
-    /// The law.
+    /// The law whose form is freed.
     pub law: Freed,
     /// A typical size of its argument (of the depth, for a stop).
     pub size: f64,
@@ -66,7 +66,7 @@ pub struct FreeForm {
 pub enum Extent {
     /// One value: an exponent, or how smooth friction is.
     Narrow,
-    /// All of them.
+    /// All coefficients of the form.
     Wide,
 }
 

@@ -11,7 +11,7 @@ use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// Bouc–Wen.
+/// Restoring force with memory by Bouc and Wen.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Hysteresis;
 

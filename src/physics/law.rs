@@ -37,9 +37,9 @@ pub enum Role {
 pub enum Place {
     /// What moves beside the mass joins its displacement.
     Modes,
-    /// First-order low-pass.
+    /// A first-order low-pass.
     LowPass,
-    /// A static nonlinearity.
+    /// A static nonlinearity of the reading.
     Nonlinearity,
     /// Part of the input is added.
     Input,
@@ -59,7 +59,7 @@ impl Place {
 /// Noise that no simulation predicts sample by sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Noise {
-    /// White force noise.
+    /// White noise that enters as a force on the mass.
     Force,
     /// Random walk of the reading.
     Walk,
@@ -105,7 +105,7 @@ pub enum StartGrid {
 pub trait Law {
     /// What the library says of it.
     fn candidate(&self) -> &'static Candidate;
-    /// How it acts.
+    /// Where and how the law acts.
     fn role(&self) -> Role;
     /// How an optimiser moves each parameter, and each unknown initial value after them.
     fn coordinates(&self, scales: &Scales) -> Vec<Coordinate>;

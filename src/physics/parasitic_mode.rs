@@ -8,7 +8,7 @@ use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Constants, Instant, LANES, Lanes, MOST_STAGED, MOST_VALUES, Stride};
 
-/// A parallel mode.
+/// A second resonance that answers the same input and adds to the reading.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ParasiticMode;
 

@@ -7,7 +7,7 @@ use super::law::{Law, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// One line.
+/// One sinusoid added to the reading, a cos 2πft + b sin 2πft.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PeriodicDisturbance;
 

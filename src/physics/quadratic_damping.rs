@@ -9,7 +9,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 use super::study::Given;
 use crate::units::key::{Key, Sign};
 
-/// c₂|x′|x′.
+/// Damping force c₂|x′|x′ per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct QuadraticDamping;
 

@@ -9,7 +9,7 @@ use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 use super::study::Given;
 use crate::units::key::{Key, Sign};
 
-/// αx².
+/// Restoring force αx² per unit mass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct QuadraticStiffness;
 

@@ -5,7 +5,7 @@ use super::law::{Law, Place, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// Rails.
+/// A reading clipped at a lower and an upper rail.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReadoutSaturation;
 

@@ -15,11 +15,11 @@ pub(crate) const MOST_STAGED: usize = 3;
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Base<T, const N: usize> {
-    /// Gain.
+    /// Force per unit mass for one unit of input.
     pub gain: [T; N],
-    /// ω₀².
+    /// ω₀², 1/s².
     pub stiffness: [T; N],
-    /// 2ζω₀.
+    /// 2ζω₀, 1/s.
     pub damping: [T; N],
 }
 
@@ -35,9 +35,9 @@ pub struct Instant<'a, T> {
     pub step: T,
     /// Input: for forces late where the reading is late (a delay is applied there), for readings as it is.
     pub input: T,
-    /// Displacement.
+    /// Displacement of the mass, in the unit of the model.
     pub x: T,
-    /// Velocity.
+    /// Velocity of the mass, the same unit per second.
     pub v: T,
     /// Gain of the base model.
     pub gain: T,
@@ -83,15 +83,15 @@ pub(crate) type Constants = [Lanes; 6];
 /// One step that the masses have taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Stride {
-    /// Its length.
+    /// Length of the step, s.
     pub step_s: f64,
-    /// Displacement before.
+    /// Displacement at the beginning of the step.
     pub x0: Lanes,
-    /// Velocity before.
+    /// Velocity at the beginning of the step.
     pub v0: Lanes,
-    /// Displacement after.
+    /// Displacement at the end of the step.
     pub x1: Lanes,
-    /// Velocity after.
+    /// Velocity at the end of the step.
     pub v1: Lanes,
     /// Input at its beginning, middle and end.
     pub input: [Lanes; 3],

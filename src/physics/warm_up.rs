@@ -5,7 +5,7 @@ use super::law::{Law, Place, Role};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// c·exp(−t/τ).
+/// Offset of the reading c·exp(−t/τ).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WarmUp;
 

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 
-/// A finished computation.
+/// A finished computation, as Python sees it.
 #[pyclass(frozen, module = "proofmass._proofmass")]
 pub struct Answer {
     /// The JSON document, as the command prints it.
@@ -11,7 +11,7 @@ pub struct Answer {
     /// The repaired sensor as a study, where there is one.
     #[pyo3(get)]
     pub repaired: Option<String>,
-    /// Draws the page.
+    /// Draws the report page as HTML.
     pub draw: Box<dyn Fn() -> String + Send + Sync>,
 }
 

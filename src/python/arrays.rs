@@ -16,7 +16,7 @@ use crate::recording::memory::{Memory, Numbers};
 pub(super) enum Given<'py> {
     /// A name for messages, and arrays with the names of their columns (none: 1, 2, …).
     Arrays(String, Vec<(Vec<String>, Bound<'py, PyUntypedArray>)>),
-    /// A file.
+    /// Path of a recording on disk.
     Path(PathBuf),
 }
 

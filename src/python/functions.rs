@@ -91,7 +91,7 @@ fn choice(backend: &str) -> Result<Choice> {
     found.ok_or_else(|| Error::new("could not choose a backend", cause, "choose auto, gpu or cpu"))
 }
 
-/// `proofmass study`.
+/// `proofmass.study`: a study from a file or a dictionary.
 #[pyfunction]
 pub(super) fn study(
     py: Python<'_>,
@@ -118,7 +118,7 @@ pub(super) fn study(
     })
 }
 
-/// `proofmass allan`.
+/// `proofmass.allan`: noise coefficients of a recording at rest.
 #[pyfunction]
 pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Units) -> PyResult<Answer> {
     let Recorded { path, memory } = given.recorded().map_err(|error| raised(py, error))?;
@@ -168,7 +168,7 @@ impl From<Units> for Scales {
     }
 }
 
-/// `proofmass diagnose`.
+/// `proofmass.diagnose`: a recording and its model.
 #[pyfunction]
 pub(super) fn diagnose(
     py: Python<'_>,

@@ -11,9 +11,9 @@ use crate::error::{Error, Result};
 /// A document: the path of a file, or a dictionary.
 #[derive(FromPyObject)]
 pub(super) enum Document<'py> {
-    /// A dictionary.
+    /// A dictionary with the keys of the file.
     Table(Bound<'py, PyDict>),
-    /// A file.
+    /// Path of a TOML file.
     Path(PathBuf),
 }
 

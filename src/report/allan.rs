@@ -16,7 +16,7 @@ use crate::number::rounded;
 use crate::recording::finding::sentences;
 use crate::recording::noise::Noise;
 
-/// The page.
+/// The report page of `allan`.
 pub fn page(file: &str, noise: &Noise, fragments: &[Fragment]) -> Page {
     let mut page = Page::new(&format!("Noise of {file}"), &words::lede(noise));
     words::tables(noise).iter().for_each(|t| page.table(t));

@@ -20,7 +20,7 @@ fn millions(per_second: f64) -> String {
     significant(per_second / 1e6, 4)
 }
 
-/// All measurements.
+/// Every measured rate as one table, fastest of repeated runs.
 pub fn table(rows: &[Row]) -> Table {
     let headings = ["work", "where", "precision", "members", "million per s", "of", "instructions", "fraction of peak"];
     let mut table = Table::new(&headings);

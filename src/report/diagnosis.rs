@@ -71,7 +71,7 @@ pub(crate) fn terminal(diagnosis: &Diagnosis, costs: &[Cost]) -> String {
     out
 }
 
-/// The whole page.
+/// The report page of `diagnose`; `study` is the repaired sensor as TOML.
 pub fn page(diagnosis: &Diagnosis, costs: &[Cost], exhibits: &[Exhibit], study: Option<&str>) -> Page {
     let verdict = &diagnosis.verdict;
     let file = std::path::Path::new(&verdict.recording.file);

@@ -31,7 +31,7 @@ pub(crate) use raster::Raster;
 pub use theme::Ink;
 
 impl Chart {
-    /// Renders the figure.
+    /// Draws the chart to SVG.
     pub fn draw(&self) -> Figure {
         let legend = Legend::of(self);
         let plot = Plot::of(self, &legend);
@@ -43,7 +43,7 @@ impl Chart {
     }
 }
 
-/// A drawn figure.
+/// A chart drawn to SVG, with the numbers behind it.
 #[derive(Debug, Clone)]
 pub struct Figure {
     /// One element of a page.

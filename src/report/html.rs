@@ -53,7 +53,7 @@ impl Page {
         self.contents.push((id, heading.into()));
     }
 
-    /// A smaller heading.
+    /// Adds a heading one level below a section.
     pub fn subsection(&mut self, heading: &str) {
         self.body += &format!("<h3>{}</h3>\n", html(heading));
     }
@@ -79,7 +79,7 @@ impl Page {
         self.body += &format!("<pre>{}</pre>\n", html(text));
     }
 
-    /// A table.
+    /// Adds a table.
     pub fn table(&mut self, table: &Table) {
         self.body += &table.to_html();
     }
@@ -100,7 +100,7 @@ impl Page {
         self.body += "</div>\n";
     }
 
-    /// The finished document.
+    /// The page as a self-contained HTML document.
     pub fn finish(self) -> String {
         let contents = if self.contents.len() < 4 {
             String::new()

@@ -124,7 +124,7 @@ pub(crate) fn next(file: &str, seen: &Inspection) -> Option<String> {
     })
 }
 
-/// `proofmass.inspect/1`.
+/// The public document `proofmass.inspect/1`.
 pub fn document(file: &str, seen: &Inspection) -> Value {
     let parts: Vec<Value> = seen
         .parts

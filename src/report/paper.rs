@@ -46,7 +46,7 @@ fn words(source: Provenance) -> &'static str {
     }
 }
 
-/// The whole page.
+/// The report page of `paper`.
 pub fn page(paper: &Paper) -> Page {
     let exhibits = paper.exhibits();
     let all: usize = exhibits.iter().map(|e| e.checks.len()).sum();

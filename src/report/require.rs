@@ -180,7 +180,7 @@ pub fn figure(limit: &Limit, found: &Found) -> Option<Figure> {
     Some(chart.draw())
 }
 
-/// The whole page.
+/// The report page of `require`.
 pub fn page(study: &Study, limit: &Limit, found: &Found) -> Page {
     let mut page = Page::new(&format!("{}: what it takes", study.name), &lede(limit, found));
     page.paragraph(&format!("Requirement: {limit}."));

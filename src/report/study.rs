@@ -1,18 +1,18 @@
 //! The page and the terminal text of a study: the answer in a sentence, envelopes, distributions, who is to blame.
 
 mod compared;
+mod contribution;
 mod distribution;
 mod envelope;
 pub mod jcgm101;
 mod moment;
 mod sensor;
-mod share;
 mod windows;
 
 use super::html::Page;
 use super::table::Table;
 use crate::drift::Drift;
-use crate::drift::budget::Share;
+use crate::drift::budget::Contribution;
 use crate::navigation::power_law::EXPONENTS;
 use crate::number::{duration, significant, with_uncertainty, worth};
 use crate::statistics::{Origin, Statistics, Summary, quantity};
@@ -26,7 +26,7 @@ pub use windows::picture as windows_figure;
 /// What is simulated, and what is not.
 const SCOPE: &str = "Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a trajectory.";
 
-/// The whole page.
+/// The report page of `study`.
 pub fn page(study: &Study, drift: &Drift) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(study, drift));
     page.paragraph(SCOPE);
@@ -49,11 +49,11 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     }
     page.section("Which error is to blame");
     page.paragraph(&blame(drift));
-    let (shares, alone) =
-        (share::shares(drift).draw().named("budget"), share::alone(drift).draw().named("budget-alone"));
+    let (contributions, alone) =
+        (contribution::stacked(drift).draw().named("budget"), contribution::alone(drift).draw().named("budget-alone"));
     page.figure_row(&[
         (
-            &shares,
+            &contributions,
             "Fraction of the position variance due to each source. Which source is worth improving depends on \
                    how long one navigates without aiding.",
         ),
@@ -91,7 +91,7 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
         return String::new();
     };
     let after = format!("After {} without aiding, the position that a sensor like this one gives is", moment(time_s));
-    let (mean, sd, shares) = (last.mean, last.sd, &drift.budget.shares);
+    let (mean, sd, contributions) = (last.mean, last.sd, &drift.budget.contributions);
     let (of_mean, of_sd) = doubts(sd, last.count);
     let count = match drift.statistics.failed {
         0 => study.members.to_string(),
@@ -99,8 +99,8 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
     };
     // Where all members share the error, its mean and not its spread is the answer.
     if mean.abs() > sd {
-        let alone = |share: &Share| share.mean_m.last().map_or(0.0, |m| m.abs());
-        let culprit = shares.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
+        let alone = |contribution: &Contribution| contribution.mean_m.last().map_or(0.0, |m| m.abs());
+        let culprit = contributions.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
         let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is due to the {}.", s.source.name()));
         return format!(
             "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{culprit}",
@@ -113,9 +113,9 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
         return format!("{after} exact: the study contains no error.");
     }
     let k = drift.budget.time_s.len().saturating_sub(1);
-    let culprit = shares.first().map_or(String::new(), |share| {
-        let percent = significant(100.0 * drift.budget.fraction(share, k), 2);
-        format!(" The {} accounts for {percent} % of that variance.", share.source.name())
+    let culprit = contributions.first().map_or(String::new(), |contribution| {
+        let percent = significant(100.0 * drift.budget.fraction(contribution, k), 2);
+        format!(" The {} accounts for {percent} % of that variance.", contribution.source.name())
     });
     format!(
         "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
@@ -167,20 +167,20 @@ fn drift_table(drift: &Drift) -> Table {
     table
 }
 
-/// Standard deviation of position that each source makes, and its share, at the report times.
+/// Standard deviation of position that each source makes, and its fraction of the variance, at the report times.
 pub(crate) fn budget_table(drift: &Drift) -> Table {
     let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
     headings.extend(times.clone());
     headings.extend(times.last().iter().flat_map(|t| [format!("sd at {t} / m"), format!("mean ± σ at {t} / m")]));
     let mut table = Table { headings, rows: Vec::new() };
-    for share in &drift.budget.shares {
-        let mut row = vec![share.source.name().to_owned()];
-        row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(share, *k))));
+    for contribution in &drift.budget.contributions {
+        let mut row = vec![contribution.source.name().to_owned()];
+        row.extend(drift.report.iter().map(|k| percent(drift.budget.fraction(contribution, *k))));
         if let Some(k) = drift.report.last() {
-            let sd = share.variance_m2[*k].sqrt();
+            let sd = contribution.variance_m2[*k].sqrt();
             let (of_mean, of_sd) = doubts(sd, drift.budget.members);
-            row.extend([worth(sd, of_sd), mean_and_doubt(share.mean_m[*k], of_mean)]);
+            row.extend([worth(sd, of_sd), mean_and_doubt(contribution.mean_m[*k], of_mean)]);
         }
         table.row(row);
     }
@@ -217,8 +217,8 @@ fn growth_table(study: &Study, drift: &Drift) -> Table {
 /// Which source rules when.
 fn blame(drift: &Drift) -> String {
     let ruler = |k: usize| {
-        let shares = &drift.budget.shares;
-        shares
+        let contributions = &drift.budget.contributions;
+        contributions
             .iter()
             .max_by(|a, b| a.variance_m2[k].total_cmp(&b.variance_m2[k]))
             .map_or("nothing", |s| s.source.name())

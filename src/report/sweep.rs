@@ -219,7 +219,7 @@ pub fn terminal(sweep: &Sweep) -> String {
     format!("{}\n\n{}{met}", lede(sweep), table(sweep))
 }
 
-/// The whole page.
+/// The report page of a sweep.
 pub fn page(study: &Study, sweep: &Sweep) -> Page {
     let mut page = Page::new(&format!("{}: what it depends on", study.name), &lede(sweep));
     let figures = figures(sweep);

@@ -22,7 +22,7 @@ impl Table {
         Self { headings: headings.iter().map(|h| line(h).into_owned()).collect(), rows: Vec::new() }
     }
 
-    /// Adds a row.
+    /// Appends a row of cells.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         self.rows.push(cells.into_iter().map(|cell| line(&cell.into()).into_owned()).collect());
     }

@@ -12,7 +12,7 @@ use crate::report::table::Table;
 use crate::trial::blind::Verdicts;
 use crate::trial::campaign::Campaign;
 use crate::trial::case::{Case, Family};
-use crate::trial::interval::Share;
+use crate::trial::interval::Proportion;
 use crate::trial::judge::{self, Covered};
 use crate::trial::outcome::{Confusion, FALLBACK_LIMIT, Limit, Outcome};
 use crate::trial::plan::Plan;
@@ -22,7 +22,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-fn with_interval(share: &Share) -> String {
+fn with_interval(share: &Proportion) -> String {
     let [low, high] = share.ci95.map(|p| format!("{:.1}", 100.0 * p));
     format!("{} ({low}–{high} %, {} of {})", percent(share.value), share.hits, share.cases)
 }

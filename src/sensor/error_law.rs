@@ -8,7 +8,7 @@ use crate::rng::Stream;
 /// A law of reading errors. Coefficients are two-sided as in IEEE 952 (N = n/√2 for a one-sided density n).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorLaw {
-    /// A constant, unit.
+    /// A constant added to every reading, unit.
     Constant,
     /// A further constant beside the bias, unit: what geometry adds to it.
     Offset,
@@ -38,7 +38,7 @@ pub enum Growth {
     OfAConstant(u32),
     /// White noise, integrated so often.
     OfWhiteNoise(u32),
-    /// Neither.
+    /// Any other error.
     Other,
 }
 

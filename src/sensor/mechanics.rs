@@ -10,7 +10,7 @@ use crate::units::{DENSITY_TO_RANDOM_WALK, MICRO_G};
 
 pub(crate) const RESONANCE: Key = Key::new(0, "sensor.resonance_hz", "resonance", "Hz", TAU, Positive);
 pub(crate) const DAMPING_RATIO: Key = Key::new(1, "sensor.damping_ratio", "damping ratio ζ", "1", 1.0, NotNegative);
-/// Cubic stiffness β.
+/// Cubic stiffness β per unit mass, 1/(m² s²).
 pub const CUBIC_STIFFNESS: Key = cubic_stiffness::GIVEN[0].key;
 pub(crate) const FORCE_NOISE: Key = Key::new(
     7,

@@ -22,9 +22,9 @@ use crate::units::{
 /// Which of an IMU's two kinds of sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
-    /// Specific force, m/s².
+    /// Accelerometer: specific force, m/s².
     Accelerometer,
-    /// Angular rate, rad/s.
+    /// Gyro: angular rate, rad/s.
     Gyro,
 }
 

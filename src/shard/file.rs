@@ -15,13 +15,13 @@ use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 use crate::output::lock::Lock;
 
-/// The schema's name.
+/// Value of `schema` in the head of the file.
 pub const SCHEMA: &str = "proofmass.shard/1";
 
 /// What a run is: files of the same one belong together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
-    /// The subcommand: "study".
+    /// Subcommand that is divided, e.g. "study".
     pub command: String,
     /// Version of the program.
     pub version: String,
@@ -42,7 +42,7 @@ pub struct Header {
     pub input: Option<PathBuf>,
     /// What the command needs to know to put the shards together.
     pub document: serde_json::Value,
-    /// Which shard.
+    /// Number of the shard and of all shards.
     pub shard: Shard,
     /// What it is to do, and how far it has come.
     pub pieces: Vec<Progress>,
@@ -51,7 +51,7 @@ pub struct Header {
 /// How far a piece has come.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Progress {
-    /// Which.
+    /// Piece of the run.
     #[serde(flatten)]
     pub piece: Piece,
     /// The first unit that is not done.
@@ -186,7 +186,7 @@ fn parse(path: &Path, line: &[u8]) -> Result<Header> {
 /// A file, read whole.
 #[derive(Debug)]
 pub struct Contents {
-    /// Its head.
+    /// Head of the file.
     pub header: Header,
     bytes: Vec<u8>,
     /// Where the results begin.

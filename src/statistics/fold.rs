@@ -23,7 +23,7 @@ pub struct Fold {
 pub struct Node {
     /// How often blocks were paired.
     pub level: u32,
-    /// Of each quantity.
+    /// Moments of each quantity, in the order of `QUANTITIES`.
     pub moments: [Moments; 4],
 }
 

@@ -18,7 +18,7 @@ pub(crate) const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 pub struct Bins {
     /// Lower end of the first.
     pub from: f32,
-    /// Bins per unit.
+    /// Bins per unit of the quantity.
     pub per_unit: f32,
 }
 
@@ -38,19 +38,19 @@ impl Bins {
 /// Counts per bin, below and above.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
-    /// The bins.
+    /// Where the bins lie.
     pub bins: Bins,
     /// Counts: below the first bin, `BINS` bins, above the last.
     pub counts: Vec<u64>,
 }
 
 impl Histogram {
-    /// An empty one.
+    /// An empty histogram on these bins.
     pub fn new(bins: Bins) -> Self {
         Self { bins, counts: vec![0; BINS + 2] }
     }
 
-    /// Counts one value.
+    /// Counts one value, below or above the bins too.
     pub fn add(&mut self, value: f64) {
         let place = (value - f64::from(self.bins.from)) * f64::from(self.bins.per_unit);
         let slot = if place < 0.0 { 0 } else { (place as usize).min(BINS) + 1 };

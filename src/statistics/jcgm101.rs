@@ -69,26 +69,26 @@ pub fn need(blocks: &[Block], digits: u32) -> Need {
 /// Estimate, standard uncertainty and intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stated {
-    /// Trials.
+    /// Number of Monte Carlo trials.
     pub trials: u64,
     /// Digits of the standard uncertainty that are stable.
     pub digits: u32,
     /// Numerical tolerance within which all four are.
     pub tolerance: f64,
-    /// Mean.
+    /// Mean over the trials.
     pub estimate: f64,
-    /// Standard deviation.
+    /// Standard deviation over the trials.
     pub standard_uncertainty: f64,
     /// Coverage intervals of 95 %.
     pub interval95: Intervals,
 }
 
-/// Coverage intervals.
+/// Coverage intervals at 95 %, lower and upper end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Intervals {
     /// As much probability below as above it.
     pub symmetric: [f64; 2],
-    /// The shortest one.
+    /// The shortest interval with that coverage.
     pub shortest: [f64; 2],
 }
 
@@ -97,7 +97,7 @@ pub struct Intervals {
 pub struct Linear {
     /// Mean of the linear model.
     pub estimate: f64,
-    /// Its standard deviation.
+    /// Standard uncertainty by linear propagation.
     pub standard_uncertainty: f64,
     /// Estimate ± 1.96 standard uncertainties.
     pub interval95: [f64; 2],
@@ -110,7 +110,7 @@ pub struct Linear {
 }
 
 impl Stated {
-    /// Of sorted values.
+    /// The result of trials whose values are sorted in increasing order.
     pub fn of_sorted(values: &[f64], digits: u32) -> Self {
         let (estimate, standard_uncertainty) = mean_and_sd(values);
         let interval95 = Intervals { symmetric: symmetric(values), shortest: shortest(values) };

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Moments of the values seen so far.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
-    /// How many.
+    /// Number of values.
     pub count: u64,
-    /// Their mean.
+    /// Mean of the values.
     pub mean: f64,
     /// Sum of squared deviations from the mean.
     pub squares: f64,

@@ -13,7 +13,7 @@ use crate::motion;
 use crate::sensor::Sense;
 use crate::units::{DEGREE, MILLI_G};
 
-/// The whole file.
+/// study.toml as written.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -37,7 +37,7 @@ pub struct File {
     #[serde(default, deserialize_with = "section::accelerometer")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_accelerometer"))]
     pub accelerometer: Option<Numbers>,
-    /// The gyro's errors.
+    /// The gyro's reading errors.
     #[serde(default, deserialize_with = "section::gyro")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "section::schema_of_gyro"))]
     pub gyro: Option<Numbers>,
@@ -45,10 +45,10 @@ pub struct File {
     #[serde(default, deserialize_with = "excitation::section")]
     #[cfg_attr(feature = "cli", schemars(schema_with = "excitation::schema"))]
     pub excitation: excitation::section::Section,
-    /// When to look.
+    /// Times at which the errors are tabulated.
     #[serde(default)]
     pub report: Report,
-    /// Initial alignment.
+    /// How the navigator is aligned at the start.
     pub alignment: Option<Alignment>,
     /// A static log to compare with the simulation.
     pub compare: Option<Compare>,
@@ -71,7 +71,7 @@ pub struct File {
     pub vibration: Option<Vibration>,
 }
 
-/// `[mounting]`
+/// `[mounting]`: where and how the sensor sits in the body.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -87,15 +87,15 @@ pub struct Mounting {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vibration {
-    /// Along x.
+    /// Along x: pairs of frequency, Hz, and density, g²/Hz.
     pub x_g2_hz: Option<Vec<[f64; 2]>>,
-    /// Along y.
+    /// Along y: pairs of frequency, Hz, and density, g²/Hz.
     pub y_g2_hz: Option<Vec<[f64; 2]>>,
-    /// Along z.
+    /// Along z: pairs of frequency, Hz, and density, g²/Hz.
     pub z_g2_hz: Option<Vec<[f64; 2]>>,
 }
 
-/// `[aiding]`
+/// `[aiding]`: measurements that aid the navigator during the run.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -108,7 +108,7 @@ pub struct Aiding {
     pub zupt: Option<Zupt>,
 }
 
-/// `[aiding.gnss]`
+/// `[aiding.gnss]`: satellite fixes of position, velocity or both.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -123,7 +123,7 @@ pub struct Gnss {
     pub outages_s: Option<Vec<[f64; 2]>>,
 }
 
-/// `[aiding.zupt]`
+/// `[aiding.zupt]`: zero-velocity updates.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -146,7 +146,7 @@ pub enum AidingMethod {
     Reset,
 }
 
-/// `[temperature]`
+/// `[temperature]`: the sensor's temperature over time.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -157,7 +157,7 @@ pub struct Temperature {
     pub reference_deg_c: Option<f64>,
 }
 
-/// `[navigator]`
+/// `[navigator]`: how the readings are integrated.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -166,7 +166,7 @@ pub struct Navigator {
     pub integrator: Option<motion::Integrator>,
 }
 
-/// `[earth]`
+/// `[earth]`: place, gravity and rotation.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -177,7 +177,7 @@ pub struct Earth {
     pub height_m: Option<f64>,
     /// Whether the Earth rotates (default: true).
     pub rotation: Option<bool>,
-    /// Vertical channel.
+    /// Whether the vertical channel runs free or is held by an aid.
     pub vertical: Option<VerticalKind>,
 }
 
@@ -192,7 +192,7 @@ pub enum VerticalKind {
     Held,
 }
 
-/// `[report]`
+/// `[report]`: the report times.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -201,7 +201,7 @@ pub struct Report {
     pub times_s: Option<Vec<f64>>,
 }
 
-/// `[alignment]`
+/// `[alignment]`: what is known at the start.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -216,7 +216,7 @@ pub struct Alignment {
     pub heading_sd_deg: Option<f64>,
 }
 
-/// Ways to begin.
+/// Ways to align at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]

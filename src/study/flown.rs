@@ -18,7 +18,7 @@ const MOST_WINDOWS: usize = 16;
 /// A recorded flight, as the study asks for it.
 #[derive(Debug, Clone)]
 pub struct Flown {
-    /// The IMU's log.
+    /// Path of the recorded IMU's log.
     pub imu: PathBuf,
     /// The poses beside it.
     pub reference: Section,

@@ -33,7 +33,7 @@ const ASKED: u64 = 1000;
 pub struct Run<'a> {
     /// Seed of every random number.
     pub seed: u64,
-    /// Number of members.
+    /// Members to simulate.
     pub members: u64,
     /// Discrete time from the end of the still start.
     pub clock: &'a Clock,
@@ -50,7 +50,7 @@ pub struct InMotion {
     pub between: [Tolerances; 3],
     /// Where the sensor goes.
     pub course: Arc<Course>,
-    /// Vertical channel.
+    /// Whether the vertical channel runs free or is held by an aid.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,

@@ -9,9 +9,9 @@ use crate::error::{Error, Result};
 /// Changes to a study, made before it is checked.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// Members.
+    /// Number of members in place of the study's.
     pub members: Option<u64>,
-    /// Seed.
+    /// Seed in place of the study's.
     pub seed: Option<u64>,
     /// The grade whose errors the sensor has where the study says nothing.
     pub preset: Option<Preset>,

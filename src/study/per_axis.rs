@@ -12,7 +12,7 @@ use crate::units::number::Number;
 pub(super) enum PerAxis {
     /// The same for all three; where it is drawn, it is drawn for each apart.
     All(Number),
-    /// One for each.
+    /// One number each for x, y and z.
     Each([Number; 3]),
 }
 

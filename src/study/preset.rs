@@ -8,7 +8,7 @@ use crate::document::parse_toml;
 use crate::error::Result;
 use crate::sensor::SensorTerm;
 
-/// A grade.
+/// A grade of IMU, with typical error figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
     /// A phone's or a drone's part, not calibrated.
@@ -17,7 +17,7 @@ pub enum Preset {
     Industrial,
     /// The best of MEMS.
     Tactical,
-    /// Ring lasers.
+    /// Navigation grade: ring-laser gyros.
     Navigation,
 }
 

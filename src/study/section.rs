@@ -39,9 +39,9 @@ impl Numbers {
 /// `[sensor]`: numbers, and the sampling rate that all members share.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sensor {
-    /// Readings per second.
+    /// Readings per second, Hz.
     pub sample_rate_hz: Option<f64>,
-    /// Everything else.
+    /// The other keys of the section.
     pub numbers: Numbers,
 }
 
@@ -52,7 +52,7 @@ pub enum Section {
     Sensor,
     /// The accelerometer's reading errors.
     Accelerometer,
-    /// The gyro's.
+    /// The gyro's reading errors.
     Gyro,
 }
 

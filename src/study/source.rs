@@ -21,9 +21,9 @@ pub struct StudyText {
 /// A sensor to put in the place of the study's; a section left out stays the study's.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sensor {
-    /// `[accelerometer]`
+    /// Its `[accelerometer]` section.
     pub accelerometer: Option<Table>,
-    /// `[gyro]`
+    /// Its `[gyro]` section.
     pub gyro: Option<Table>,
 }
 

@@ -9,11 +9,11 @@ use toml::{Table, Value};
 pub struct Axis {
     /// Dotted path of study.toml.
     pub key: String,
-    /// First value.
+    /// First value, in the key's unit.
     pub from: f64,
-    /// Last value.
+    /// Last value, in the key's unit.
     pub to: f64,
-    /// How many.
+    /// Number of values, both ends included.
     pub points: usize,
     /// Whether their ratio is the same, not their difference.
     pub log: bool,

@@ -85,7 +85,7 @@ impl Family {
         Self::TurnedUnknown,
     ];
 
-    /// The row's name.
+    /// Name of its row in the report.
     pub fn name(self) -> &'static str {
         match self {
             Self::Null => "nothing planted",
@@ -113,11 +113,11 @@ impl Family {
     }
 }
 
-/// What was made.
+/// Recipe of the recording, by kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Body {
-    /// One proof mass.
+    /// One proof mass, driven or ringing.
     Driven(Box<Driven>),
     /// A sensor at rest.
     Still(Box<Still>),
@@ -130,18 +130,18 @@ pub enum Body {
 pub struct Case {
     /// Its number in the trial.
     pub number: usize,
-    /// Its row.
+    /// Family that the case counts in.
     pub family: Family,
-    /// Its physics.
+    /// Recipe of the recording.
     pub body: Body,
 }
 
 /// The files of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Files {
-    /// recording.csv.
+    /// Path of recording.csv.
     pub recording: PathBuf,
-    /// model.toml.
+    /// Path of model.toml.
     pub model: PathBuf,
     /// Recordings of the same sensor that only judge.
     pub judging: Vec<PathBuf>,

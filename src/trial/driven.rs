@@ -22,7 +22,7 @@ const LEAST_LOG_LIKELIHOOD: f64 = 8.0;
 /// A planted effect with its size.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Planted {
-    /// Planted term.
+    /// Effect that is planted.
     pub term: Term,
     /// rms of what the best linear proof mass cannot explain, over the rms output: the size that can be seen.
     pub visible: f64,
@@ -35,9 +35,9 @@ pub struct Planted {
 pub struct Driven {
     /// Of noise and environment.
     pub seed: u64,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Number of rows.
+    /// Number of samples in the recording.
     pub samples: usize,
     /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
@@ -45,11 +45,11 @@ pub struct Driven {
     pub zeta: f64,
     /// Output unit per input unit and s².
     pub gain: f64,
-    /// Reading at rest.
+    /// Reading at rest, output unit.
     pub offset: f64,
     /// Displacement and velocity at the beginning: of the run-in, or of a ring-down.
     pub start: [f64; 2],
-    /// Input.
+    /// Input of the recording.
     pub excitation: Excitation,
     /// White readout noise, standard deviation.
     pub noise: f64,
@@ -57,7 +57,7 @@ pub struct Driven {
     pub scales: Scales,
     /// rms of the undisturbed output in this recording; below `scales.x` where the loud part is withheld.
     pub output_rms: f64,
-    /// Effects, largest first.
+    /// Planted effects, largest first.
     pub planted: Vec<Planted>,
     /// Hints given in model.toml: resonance in Hz and damping ratio, wrong by up to a factor of two.
     pub hints: Option<[f64; 2]>,
@@ -68,7 +68,7 @@ pub struct Driven {
 pub struct Columns {
     /// Absent for a ring-down.
     pub force: Option<Vec<f64>>,
-    /// Reading.
+    /// Output column, with noise.
     pub reading: Vec<f64>,
     /// A slow environment, given where an effect follows it.
     pub temperature: Option<Vec<f64>>,
@@ -129,7 +129,7 @@ impl Driven {
         self.planted.iter().any(|p| p.term.physics.is_abrupt())
     }
 
-    /// Makes the recording.
+    /// Simulates the recording.
     pub fn render(&self) -> Columns {
         let scene = Scene::new(self, if self.is_abrupt() { 2 * SUBSTEPS } else { SUBSTEPS });
         let terms: Vec<Term> = self.planted.iter().map(|p| p.term).collect();

@@ -52,7 +52,7 @@ pub struct Lines {
     pub count: usize,
     /// Envelope at time zero; it rises linearly to one at `duration_s`.
     pub envelope_start: f64,
-    /// Length, s.
+    /// Length of the recording, s.
     pub duration_s: f64,
     /// Of phases and, for a random signal, frequencies and amplitudes.
     pub seed: u64,

@@ -14,20 +14,20 @@ pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 /// A share of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Share {
+pub struct Proportion {
     /// Hits over cases; zero when there are none.
     pub value: f64,
     /// Exact 95 % interval (Clopper & Pearson, Biometrika 26, 1934).
     pub ci95: [f64; 2],
-    /// Hits.
+    /// Cases that count as hits.
     #[serde(skip)]
     pub hits: usize,
-    /// Cases.
+    /// All cases.
     #[serde(skip)]
     pub cases: usize,
 }
 
-impl Share {
+impl Proportion {
     /// `hits` of `cases`.
     pub fn of(hits: usize, cases: usize) -> Self {
         let quantile =
@@ -134,10 +134,10 @@ mod tests {
     // Clopper & Pearson: 0 of 300 has the upper limit 1 − 0.025^(1/300) = 0.01222; 3 of 10 is [0.0667, 0.6525].
     #[test]
     fn exact_intervals_match_the_tables() {
-        assert!((Share::of(0, 300).ci95[1] - 0.012_22).abs() < 1e-5);
-        let share = Share::of(3, 10);
+        assert!((Proportion::of(0, 300).ci95[1] - 0.012_22).abs() < 1e-5);
+        let share = Proportion::of(3, 10);
         assert!((share.ci95[0] - 0.066_74).abs() < 1e-4 && (share.ci95[1] - 0.652_45).abs() < 1e-4, "{share:?}");
-        assert_eq!(Share::of(5, 5).ci95[1], 1.0);
+        assert_eq!(Proportion::of(5, 5).ci95[1], 1.0);
     }
 
     #[test]

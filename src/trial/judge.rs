@@ -28,14 +28,14 @@ pub enum Mark {
     Unexplained,
     /// No decision between several, or too weak to say.
     Undecided,
-    /// Nothing is missing.
+    /// Adequate, though something was planted.
     Silent,
-    /// The diagnosis stopped.
+    /// The diagnosis ended with an error.
     Error,
 }
 
 impl Mark {
-    /// Name for tables.
+    /// Name of the mark in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Named => "named",
@@ -61,7 +61,7 @@ impl Mark {
     }
 }
 
-/// Judges one verdict.
+/// The mark of a verdict on a case.
 pub fn judge(case: &Case, said: &Said) -> Mark {
     let truth = case.planted();
     let ids = said.ids();
@@ -116,13 +116,13 @@ pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
 /// One interval against the truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covered {
-    /// Effect.
+    /// Library id of the effect.
     pub id: String,
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: String,
-    /// Planted.
+    /// Planted value.
     pub truth: f64,
-    /// Estimated.
+    /// Estimated value.
     pub value: f64,
     /// Whether the interval holds the truth.
     pub covers: bool,

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::blind::Verdicts;
 use super::case::{Case, Family};
-use super::interval::{Power, Share, median};
+use super::interval::{Power, Proportion, median};
 use super::judge::{self, Covered, Mark};
 use super::said::Said;
 use crate::diagnosis::candidate::Kind;
@@ -17,17 +17,17 @@ pub(crate) const FALLBACK_LIMIT: f64 = 3.0;
 /// One row of the report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Family.
+    /// Name of the family.
     pub name: String,
-    /// Cases.
+    /// Number of cases.
     pub cases: usize,
-    /// Share with the planted effects named, alone or in a tie of two; for nulls, silent; for unknown physics, flagged.
+    /// Proportion with the planted effects named, alone or in a tie of two; for nulls, silent; for unknown physics, flagged.
     pub named_correctly: f64,
-    /// Share in which a false name was given with confidence.
+    /// Proportion in which a false name was given with confidence.
     pub confidently_wrong: f64,
-    /// Share that said nothing was missing.
+    /// Proportion that said nothing was missing.
     pub silent: f64,
-    /// Share that saw a mismatch and gave it no full explanation: unexplained, or undecided.
+    /// Proportion that saw a mismatch and gave it no full explanation: unexplained, or undecided.
     pub unnamed: f64,
 }
 
@@ -40,7 +40,7 @@ pub struct Confusion {
     pub planted: String,
     /// Named effects, a tie joined by " | ", or the outcome where nothing was named.
     pub said: String,
-    /// How often.
+    /// Number of such cases.
     pub cases: usize,
 }
 
@@ -58,11 +58,11 @@ pub struct Planted {
 /// What became of one kind of physics that the library does not know.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unknown {
-    /// In words.
+    /// Description of the planted physics.
     pub what: String,
-    /// Recordings.
+    /// Number of recordings with it.
     pub cases: usize,
-    /// Called unexplained.
+    /// Recordings called unexplained.
     pub flagged: usize,
     /// Of those, with the name of a candidate that carries part of it.
     pub partly_named: usize,
@@ -75,7 +75,7 @@ pub struct Unknown {
 pub struct Limit {
     /// Kind of recording: an id may stand in several.
     pub kind: Kind,
-    /// Library id.
+    /// Library id of the effect.
     pub id: String,
     /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was never, or always, noticed.
     pub effect_over_noise: Option<f64>,
@@ -83,25 +83,25 @@ pub struct Limit {
     pub ci95: Option<[f64; 2]>,
     /// Smallest and largest size tried.
     pub tried: [f64; 2],
-    /// Share noticed over all sizes tried.
+    /// Proportion noticed over all sizes tried.
     pub noticed: f64,
-    /// Every case.
+    /// Every case in which it was planted alone, with its size.
     #[serde(skip)]
     pub cases: Vec<Planted>,
 }
 
-/// The public document.
+/// The public document of `trial --json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// Number of cases.
     pub cases: usize,
-    /// Share of library effects named correctly, of the cases above their detection limit.
+    /// Proportion of library effects named correctly, of the cases above their detection limit.
     pub named_correctly: f64,
-    /// Alarms over nulls.
-    pub false_alarm_rate: Share,
-    /// Share of foreign physics that was called unexplained.
+    /// Recordings with nothing planted in which something was found.
+    pub false_alarm_rate: Proportion,
+    /// Proportion of foreign physics that was called unexplained.
     pub unknown_flagged: f64,
-    /// Share of 95 % intervals that hold the planted value.
+    /// Proportion of 95 % intervals that hold the planted value.
     pub interval_coverage: f64,
     /// One row per family.
     pub families: Vec<Row>,
@@ -125,14 +125,14 @@ pub struct Outcome {
     pub truth_sha256: String,
     /// The share behind `named_correctly`.
     #[serde(skip)]
-    pub named: Share,
+    pub named: Proportion,
     /// The share behind `unknown_flagged`.
     #[serde(skip)]
-    pub flagged: Share,
+    pub flagged: Proportion,
     /// The share behind `interval_coverage`.
     #[serde(skip)]
-    pub coverage: Share,
-    /// Every interval compared.
+    pub coverage: Proportion,
+    /// Intervals compared with planted values.
     #[serde(skip)]
     pub covered: Vec<Covered>,
 }
@@ -176,13 +176,13 @@ impl Outcome {
             // Noise terms change no simulation; where nothing is removable there is no gain to speak of.
             (removable > 0.1 * floor * floor).then(|| (before * before - after * after) / removable)
         };
-        let named = Share::over(planted().filter(|j| above(j)).map(|j| j.mark.is_named()));
-        let flagged = Share::over(foreign().map(|j| j.mark == Mark::Unexplained));
-        let coverage = Share::over(covered.iter().map(|c| c.covers));
+        let named = Proportion::over(planted().filter(|j| above(j)).map(|j| j.mark.is_named()));
+        let flagged = Proportion::over(foreign().map(|j| j.mark == Mark::Unexplained));
+        let coverage = Proportion::over(covered.iter().map(|c| c.covers));
         Self {
             cases: judged.len(),
             named_correctly: named.value,
-            false_alarm_rate: Share::over(nulls().map(|j| judge::is_alarm(j.said))),
+            false_alarm_rate: Proportion::over(nulls().map(|j| judge::is_alarm(j.said))),
             unknown_flagged: flagged.value,
             interval_coverage: coverage.value,
             families: rows(&judged),
@@ -192,9 +192,9 @@ impl Outcome {
                 median(judged.iter().map(|j| j.said.seconds)),
                 judged.iter().map(|j| j.said.seconds).fold(0.0, f64::max),
             ],
-            confidently_wrong: Share::over(judged.iter().map(|j| j.mark.is_confidently_wrong())).value,
-            errors: Share::over(judged.iter().map(|j| j.mark == Mark::Error)).value,
-            unknown_named: Share::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
+            confidently_wrong: Proportion::over(judged.iter().map(|j| j.mark.is_confidently_wrong())).value,
+            errors: Proportion::over(judged.iter().map(|j| j.mark == Mark::Error)).value,
+            unknown_named: Proportion::over(foreign().map(|j| j.mark.is_confidently_wrong())).value,
             truth_sha256: truth_sha256.into(),
             detection_limit: limits,
             unknown: unknown(&judged),
@@ -223,7 +223,7 @@ fn rows(judged: &[Judged<'_>]) -> Vec<Row> {
         .into_iter()
         .filter_map(|family| {
             let of: Vec<&Judged<'_>> = judged.iter().filter(|j| j.case.family == family).collect();
-            let proportion = |right: &dyn Fn(&Judged<'_>) -> bool| Share::over(of.iter().map(|j| right(j))).value;
+            let proportion = |right: &dyn Fn(&Judged<'_>) -> bool| Proportion::over(of.iter().map(|j| right(j))).value;
             let right = |j: &Judged<'_>| match (j.library, j.case.planted().is_empty()) {
                 (_, true) => j.mark == Mark::Silent,
                 (true, _) => j.mark.is_named(),
@@ -281,7 +281,7 @@ fn limits(judged: &[Judged<'_>]) -> Vec<Limit> {
                 effect_over_noise: power.as_ref().map(|p| p.best.size_at(0.9)),
                 ci95: power.as_ref().map(|p| p.size_ci95(0.9)),
                 tried: [sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max)],
-                noticed: Share::over(cases.iter().map(|c| c.noticed)).value,
+                noticed: Proportion::over(cases.iter().map(|c| c.noticed)).value,
                 cases,
             }
         })

@@ -81,11 +81,11 @@ impl Physics {
 pub struct Scales {
     /// rms displacement, output unit.
     pub x: f64,
-    /// Largest displacement.
+    /// Largest displacement of the linear motion.
     pub peak: f64,
-    /// rms velocity.
+    /// Root-mean-square velocity.
     pub v: f64,
-    /// rms input.
+    /// Root-mean-square input.
     pub u: f64,
     /// Length of the recording.
     pub duration_s: f64,
@@ -100,7 +100,7 @@ pub struct Scales {
 /// °C by which the environment column moves where it matters.
 pub(crate) const DEGREES: f64 = 3.0;
 
-/// One planted effect.
+/// An effect as planted: its physics and numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Term {
     /// Kind of physics.

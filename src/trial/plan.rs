@@ -71,7 +71,7 @@ const RING_DOWN: [Physics; 5] = [
 ];
 
 impl Plan {
-    /// The short trial.
+    /// The plan of `trial --quick`: fewer and shorter recordings.
     pub fn quick(seed: u64) -> Self {
         Self { seed, cases: 150, samples: 4000, campaign: Campaign::Concealed }
     }

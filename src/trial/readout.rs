@@ -12,9 +12,9 @@ pub struct Tap<'a> {
     pub signal: &'a [f64],
     /// Steps before the first sample.
     pub lead: usize,
-    /// Steps per sample.
+    /// Fine-grid steps per sample.
     pub substeps: usize,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// Input at the samples.
     pub input: &'a [f64],
@@ -40,7 +40,7 @@ fn between(signal: &[f64], place: f64) -> f64 {
     -a * f1 * f2 * f3 / 6.0 + b * f * f2 * f3 / 2.0 - c * f * f1 * f3 / 2.0 + d * f * f1 * f2 / 6.0
 }
 
-/// The output column.
+/// The output column, one reading per sample.
 pub fn read(tap: &Tap<'_>, terms: &[Term], scales: &Scales, offset: f64, noise: Noise) -> Vec<f64> {
     let steps_per_s = tap.rate_hz * tap.substeps as f64;
     let mut walk_rng = Philox::new(noise.seed, 1, Stream::Host);

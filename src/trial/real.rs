@@ -15,7 +15,7 @@ use crate::diagnosis::verdict::Verdict;
 use crate::document::read_toml;
 use crate::error::{Error, Result};
 
-/// The recipe.
+/// A list of real recordings with their models and known effects.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
@@ -23,11 +23,11 @@ pub struct Recipe {
     pub recording: Vec<Real>,
 }
 
-/// One real recording.
+/// One real recording of the list.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Real {
-    /// Name for tables.
+    /// Name of the recording in tables.
     pub name: String,
     /// In the folder of recordings.
     pub file: PathBuf,
@@ -76,17 +76,17 @@ pub struct Score {
 /// An error found beside a published one, in the unit of the latter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scored {
-    /// For people.
+    /// Name of the test data in tables.
     pub on: String,
-    /// Unit.
+    /// Unit of the errors.
     pub unit: String,
     /// Of the base model.
     pub before: Option<f64>,
     /// With the named physics.
     pub after: Option<f64>,
-    /// The best published.
+    /// Best published error.
     pub published: Option<f64>,
-    /// By whom.
+    /// Source of the published error.
     pub by: String,
 }
 
@@ -114,26 +114,26 @@ impl Score {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Known {
-    /// Effect.
+    /// Library id of the effect.
     pub id: String,
     /// Column, where several have the number.
     pub channel: Option<String>,
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: String,
-    /// Value.
+    /// Value from the other source.
     pub value: f64,
 }
 
 /// What came out of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
-    /// Name for tables.
+    /// Name of the recording in tables.
     pub name: String,
     /// What is known from elsewhere.
     pub truth: Vec<String>,
     /// Where that is known from.
     pub source: String,
-    /// Verdict.
+    /// What the diagnosis said.
     pub said: Said,
     /// Known effects that were named.
     pub named: Vec<String>,

@@ -25,11 +25,11 @@ pub struct Fit {
     pub zeta: f64,
     /// Output unit per input unit and s²; zero for a ring-down.
     pub gain: f64,
-    /// Output at rest.
+    /// Reading at rest, output unit.
     pub offset: f64,
     /// Displacement and velocity at the first sample.
     pub start: [f64; 2],
-    /// Output minus model.
+    /// Output minus model, sample by sample.
     pub residual: Vec<f64>,
 }
 

@@ -11,11 +11,11 @@ pub struct Number {
     pub id: String,
     /// Column it belongs to, where there are several.
     pub channel: String,
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: String,
-    /// Value.
+    /// Estimated value.
     pub value: f64,
-    /// 95 % interval.
+    /// 95 % interval, lower and upper end.
     pub ci95: [f64; 2],
 }
 
@@ -23,7 +23,7 @@ pub struct Number {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ending {
-    /// Nothing is missing.
+    /// Adequate: nothing is missing.
     Adequate,
     /// Named effects account for the mismatch.
     Explained,

@@ -38,10 +38,10 @@ catalogue! {
 
 use Slow::*;
 
-/// A planted process.
+/// A slow or coloured process planted into channels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Process {
-    /// Which.
+    /// Kind of process.
     pub slow: Slow,
     /// rms about its mean over the white noise; the step over the white noise for quantisation; the factor on the
     /// promised level for white noise.
@@ -56,17 +56,17 @@ pub struct Process {
 /// The numbers of a case at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Still {
-    /// Of every process.
+    /// Seed of every process in the case.
     pub seed: u64,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Rows.
+    /// Number of rows.
     pub samples: usize,
     /// Standard deviation of the white noise per channel.
     pub white: [f64; 3],
-    /// Constant readings.
+    /// Constant reading of each channel.
     pub bias: [f64; 3],
-    /// Effects.
+    /// Planted processes.
     pub planted: Vec<Process>,
     /// Whether the model states the datasheet's density (then the smallest channel's is stated, all being equal).
     pub promised: bool,
@@ -77,9 +77,9 @@ pub struct Still {
 /// Columns as the file will hold them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channels {
-    /// Readings.
+    /// Readings of the three channels.
     pub readings: [Vec<f64>; 3],
-    /// °C, where given.
+    /// Temperature column, °C, where it is given.
     pub temperature: Option<Vec<f64>>,
 }
 
@@ -243,7 +243,7 @@ impl Still {
         self.promised.then(|| self.white[0] * (2.0 / self.rate_hz).sqrt())
     }
 
-    /// Makes the recording.
+    /// Simulates the recording.
     pub fn render(&self) -> Channels {
         let temperature = self.temperature();
         let louder: f64 = self.planted.iter().filter(|p| p.slow == WhiteNoise).map(|p| p.size).product();

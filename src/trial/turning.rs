@@ -37,7 +37,7 @@ catalogue! {
     }
 }
 
-/// A planted fault.
+/// A sensor fault with its size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Planted {
     /// Kind of fault.
@@ -55,9 +55,9 @@ pub struct Planted {
 pub struct Turned {
     /// Of poses, turns and noise.
     pub seed: u64,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Still poses.
+    /// Number of still poses.
     pub poses: usize,
     /// Counts per m/s² and per rad/s.
     pub scale: [f64; 2],
@@ -65,7 +65,7 @@ pub struct Turned {
     pub offset: [[f64; 3]; 2],
     /// Noise per sample, m/s² and rad/s.
     pub noise: [f64; 2],
-    /// Faults.
+    /// Planted faults.
     pub planted: Vec<Planted>,
 }
 
@@ -74,7 +74,7 @@ pub struct Turned {
 pub struct Counts {
     /// Accelerometer x, y, z, gyro x, y, z.
     pub readings: [Vec<f64>; 6],
-    /// °C.
+    /// Temperature at each row, °C.
     pub temperature: Vec<f64>,
 }
 

@@ -7,11 +7,11 @@
 /// Which values make sense.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// Any.
+    /// Any finite number.
     Any,
-    /// Zero or more.
+    /// Zero or a positive number.
     NotNegative,
-    /// More than zero.
+    /// A positive number.
     Positive,
 }
 
@@ -58,12 +58,12 @@ impl Key {
         self
     }
 
-    /// "gyro" of "gyro.bias_deg_h".
+    /// Its section: "gyro" of "gyro.bias_deg_h".
     pub fn section(&self) -> &'static str {
         self.path.split_once('.').map_or("", |(section, _)| section)
     }
 
-    /// "bias_deg_h" of "gyro.bias_deg_h".
+    /// Its name within the section: "bias_deg_h" of "gyro.bias_deg_h".
     pub fn key(&self) -> &'static str {
         self.path.split_once('.').map_or(self.path, |(_, key)| key)
     }

@@ -17,14 +17,14 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 pub enum Number {
     /// The same for every member.
     Fixed(f64),
-    /// Normal.
+    /// Drawn from a normal distribution.
     Normal {
         /// Mean.
         mean: f64,
         /// Standard deviation.
         sd: f64,
     },
-    /// Uniform.
+    /// Drawn uniformly between two ends.
     Uniform {
         /// Lower end.
         min: f64,

@@ -28,7 +28,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The CPU.
+    /// The CPU as the place to run on.
     pub fn cpu(control: &Control) -> Self {
         Self::of("CPU".to_owned(), false, Box::new(Cpu::default()), control)
     }
@@ -56,7 +56,7 @@ impl Place {
     }
 }
 
-/// a·sin(ωt) + offset.
+/// Specific force a·sin(ωt) + offset.
 #[derive(Debug, Clone, Copy)]
 pub struct Sine {
     /// Amplitude, m/s².

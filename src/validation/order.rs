@@ -86,7 +86,7 @@ fn settled(mass: &ProofMass, integrator: Integrator) -> f64 {
     integrate(mass, integrator, 1e-3, 20_000, G)
 }
 
-/// Root e of e + κa³ + κ₂a² = 0 with a = e + g, by bisection.
+/// Root e of e + γa³ + γ₂a² = 0 with a = e + g (γ = β/ω₀⁶, γ₂ = α/ω₀⁴), by bisection.
 fn equilibrium(mass: &ProofMass) -> f64 {
     let w2 = mass.natural_frequency_rad_s.powi(2);
     let (cubic, square) =

@@ -5,7 +5,7 @@ use crate::kernel::cpu::lanes::{LANES, Lane};
 use crate::kernel::cpu::noise::Drawer;
 use crate::rng::{Stream, philox4x32_10};
 
-/// All rows.
+/// Checks of known answers, moments and correlation.
 pub fn rows() -> Vec<Row> {
     let mut rows = known_answers();
     let normal = sample(Stream::AccelerometerWhite as u32);

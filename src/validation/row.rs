@@ -1,6 +1,6 @@
 //! One check of a table: what was expected, what was found, and whether that holds.
 
-/// One check.
+/// One check: expected number, found number, tolerance.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Row {
     /// What was checked, where, and the source of the expected number.

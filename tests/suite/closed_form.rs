@@ -202,18 +202,21 @@ fn budget() -> Result<(), Failed> {
     )?;
     let last = drift.statistics.time_s.len() - 1;
     let whole = drift.statistics.at[last][quantity::POSITION].sd.powi(2);
-    let sum: f64 = drift.budget.shares.iter().map(|s| s.variance_m2[last]).sum();
+    let sum: f64 = drift.budget.contributions.iter().map(|s| s.variance_m2[last]).sum();
     // Variances of 4096 and 8192 members scatter by 2.2 and 1.6 %.
     near("sum of the sources over the whole variance", sum / whole, 1.0, 0.1)?;
     let total = drift.expected.total(quantity::POSITION)[last].variance;
     for (source, rows) in &drift.expected.sources {
-        let Some(share) = drift.budget.shares.iter().find(|s| s.source == *source) else {
+        let Some(contribution) = drift.budget.contributions.iter().find(|s| s.source == *source) else {
             return Err(format!("{} is not in the budget", source.name()).into());
         };
         let theory = rows[last][quantity::POSITION].variance / total;
-        near(source.name(), drift.budget.fraction(share, last), theory, 0.05)?;
+        near(source.name(), drift.budget.fraction(contribution, last), theory, 0.05)?;
     }
-    check(drift.budget.shares[0].variance_m2[last] >= drift.budget.shares[1].variance_m2[last], "not sorted")
+    check(
+        drift.budget.contributions[0].variance_m2[last] >= drift.budget.contributions[1].variance_m2[last],
+        "not sorted",
+    )
 }
 
 fn growth() -> Result<(), Failed> {

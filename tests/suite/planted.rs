@@ -10,7 +10,7 @@ use proofmass::diagnosis::{self, model};
 use proofmass::report::diagnosis::worded;
 use proofmass::trial::blind::{self, Verdicts};
 use proofmass::trial::case::Files;
-use proofmass::trial::interval::Share;
+use proofmass::trial::interval::Proportion;
 use proofmass::trial::outcome::Outcome;
 use proofmass::trial::plan::Plan;
 use proofmass::trial::said::Said;
@@ -32,7 +32,7 @@ fn within(outcome: &Outcome) -> Result<(), Failed> {
     let alarms = outcome.false_alarm_rate;
     let bound = most(alarms.cases, 0.01)?;
     check(alarms.hits <= bound, format!("{} false alarms in {} nulls, bound {bound}", alarms.hits, alarms.cases))?;
-    let shares: [(&str, &Share, f64); 3] = [
+    let shares: [(&str, &Proportion, f64); 3] = [
         ("effects above their limit not named", &outcome.named, 0.03),
         ("unknown physics not flagged", &outcome.flagged, 0.10),
         ("intervals without the truth", &outcome.coverage, 0.08),

@@ -180,11 +180,11 @@ fn budget() -> Result<(), Failed> {
     let last = drift.statistics.time_s.len() - 1;
     let total = drift.expected.total(quantity::POSITION)[last].variance;
     for (source, rows) in &drift.expected.sources {
-        let Some(share) = drift.budget.shares.iter().find(|s| s.source == *source) else {
+        let Some(contribution) = drift.budget.contributions.iter().find(|s| s.source == *source) else {
             return Err(format!("{} is not in the budget", source.name()).into());
         };
         let theory = rows[last][quantity::POSITION].variance / total;
-        near(source.name(), drift.budget.fraction(share, last), theory, 0.05)?;
+        near(source.name(), drift.budget.fraction(contribution, last), theory, 0.05)?;
         let bias = source.name().ends_with("bias");
         check(!bias || theory == 0.0, format!("the still start left some of the {}", source.name()))?;
     }

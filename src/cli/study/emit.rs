@@ -36,9 +36,9 @@ impl ValueEnum for Target {
 
 /// What the script is to run.
 pub(super) struct Request<'a> {
-    /// For whom.
+    /// Batch system that the script is for.
     pub target: Target,
-    /// How many shards.
+    /// Number of shards.
     pub shards: u64,
     /// The study's file, where it has one.
     pub input: Option<&'a Path>,
@@ -46,7 +46,7 @@ pub(super) struct Request<'a> {
     pub out: &'a Path,
     /// Whether the script goes there too, instead of to stdout.
     pub written: bool,
-    /// Where to integrate.
+    /// Backend that each shard integrates on.
     pub backend: Choice,
     /// Further arguments of the study, as given.
     pub arguments: Vec<String>,

@@ -24,9 +24,9 @@ pub(super) struct Asked<'a> {
     pub request: output::Request,
     /// Whether to go on with one that was stopped.
     pub resume: bool,
-    /// Where to integrate.
+    /// Backend to integrate on.
     pub backend: Choice,
-    /// Where to write.
+    /// Folder of the results.
     pub path: &'a Path,
 }
 

@@ -29,7 +29,7 @@ pub(super) struct Request<'a> {
     pub read: &'a dyn Fn() -> Result<Asked>,
     /// The study's file, where it has one.
     pub input: Option<&'a Path>,
-    /// Where to integrate.
+    /// Backend to integrate on.
     pub backend: Choice,
     /// Replace files that are not this run's.
     pub force: bool,
@@ -39,7 +39,7 @@ pub(super) struct Request<'a> {
 
 /// A study, and where its results go.
 pub(super) struct Asked {
-    /// The study.
+    /// The study, checked.
     pub study: Study,
     /// The folder that all ranks share.
     pub out: PathBuf,

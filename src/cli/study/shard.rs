@@ -14,13 +14,13 @@ use crate::study::Study;
 
 /// What is asked of a shard.
 pub(super) struct Request<'a> {
-    /// Which.
+    /// Number of the shard and of all shards.
     pub shard: Shard,
     /// The study's file, where it has one.
     pub input: Option<&'a Path>,
     /// Where its state goes.
     pub out: &'a Path,
-    /// Where to integrate.
+    /// Backend to integrate on.
     pub backend: Choice,
     /// Replace a file that is not this run's.
     pub force: bool,

@@ -21,11 +21,11 @@ pub(super) const FILES: [&str; 5] = ["report.html", "summary.md", "power.svg", "
 pub(super) struct Run<'a> {
     /// How it was drawn.
     pub plan: &'a Plan,
-    /// What it showed.
+    /// Rates, limits and coverage found.
     pub outcome: &'a Outcome,
-    /// The truth.
+    /// The cases with their truth.
     pub cases: &'a [Case],
-    /// What was said.
+    /// The verdict on each case.
     pub verdicts: &'a Verdicts,
     /// Real recordings beside it.
     pub real: &'a [Found],

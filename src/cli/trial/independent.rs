@@ -24,21 +24,21 @@ const FILES: [&str; 3] = ["report.html", "summary.md", "trial.json"];
 /// What `trial` was asked for, as far as it concerns the second generator.
 #[derive(Debug, Clone)]
 pub(super) struct Request {
-    /// Where to write.
+    /// Folder of the results.
     pub out: Option<PathBuf>,
     /// Replace what is not ours.
     pub force: bool,
     /// Fewer and shorter recordings.
     pub quick: bool,
-    /// Continue.
+    /// Whether to continue an interrupted trial.
     pub resume: bool,
     /// Cases, without those written otherwise.
     pub cases: Option<usize>,
-    /// Seed.
+    /// Seed of all random draws.
     pub seed: u64,
     /// Rows of the longest recording.
     pub rows: Option<usize>,
-    /// Only this case.
+    /// Number of the only case to run.
     pub case: Option<usize>,
 }
 

@@ -22,7 +22,7 @@ use crate::trial::plan::Plan;
 
 /// What is asked of a shard.
 pub(crate) struct Request<'a> {
-    /// The whole trial.
+    /// Plan of the undivided trial.
     pub plan: Plan,
     /// Which shard of it.
     pub shard: Shard,

@@ -4,9 +4,9 @@
 pub const BASE: usize = 6;
 /// Index of the gain.
 pub const GAIN: usize = 0;
-/// Index of ω₀.
+/// Place of ω₀, rad/s, in the parameter vector.
 pub const OMEGA: usize = 1;
-/// Index of ζ.
+/// Place of ζ in the parameter vector.
 pub const ZETA: usize = 2;
 /// Index of the offset.
 pub const OFFSET: usize = 3;

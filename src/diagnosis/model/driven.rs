@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::split::{Ranges, Split};
 
-/// kind = "driven".
+/// model.toml with kind = "driven".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -20,7 +20,7 @@ pub struct Driven {
     pub rows: Ranges,
     /// Unit of the output, for words, plots and numbers; absent, what its heading ends in.
     pub unit: Option<String>,
-    /// Columns by role.
+    /// Headings of input, output and environment columns.
     pub columns: DrivenColumns,
     /// Hints, which may be off by a factor of two.
     #[serde(default)]

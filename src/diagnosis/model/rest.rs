@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::split::{Ranges, Split};
 
-/// kind = "static".
+/// model.toml with kind = "static".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -25,7 +25,7 @@ pub struct Static {
     pub latitude_deg: Option<f64>,
     /// Height above the ellipsoid.
     pub height_m: Option<f64>,
-    /// Columns by role.
+    /// Headings of channels and environment columns.
     pub columns: StaticColumns,
     /// What the datasheet promises; absent, white noise whose level is estimated.
     pub noise: Option<Noise>,

@@ -10,7 +10,7 @@ use super::rest::Noise;
 use super::split::Ranges;
 use crate::motion::file::format::{Format, Order, Up};
 
-/// kind = "trajectory".
+/// model.toml with kind = "trajectory".
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

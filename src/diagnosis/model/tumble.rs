@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::split::{Ranges, Split};
 
-/// kind = "tumble".
+/// model.toml with kind = "tumble".
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -24,7 +24,7 @@ pub struct Tumble {
     pub gravity_m_s2: f64,
     /// CSV of start_row,end_row_exclusive; absent: found by the tool.
     pub poses: Option<PathBuf>,
-    /// Columns by role.
+    /// Headings of gyro, accelerometer and environment columns.
     pub columns: TumbleColumns,
     /// Which samples are fitted.
     #[serde(default)]

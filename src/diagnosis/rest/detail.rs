@@ -8,7 +8,7 @@ use crate::diagnosis::verdict::{Estimate, Stretch};
 pub struct Detail {
     /// Unit of the channels.
     pub unit: String,
-    /// One per channel.
+    /// What the figures show of each channel.
     pub channels: Vec<ChannelDetail>,
     /// Whether something that a temperature column would show is named, and none was recorded.
     pub temperature_unlogged: bool,
@@ -25,7 +25,7 @@ pub struct Detail {
 /// What the figures show of a channel; all in file units.
 #[derive(Debug, Clone, Default)]
 pub struct ChannelDetail {
-    /// Heading.
+    /// Heading of the column.
     pub name: String,
     /// Ids named in it.
     pub named: Vec<String>,
@@ -42,7 +42,7 @@ pub struct ChannelDetail {
 /// A drift with an exponent of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Departure {
-    /// Which channel.
+    /// Heading of the column that drifts.
     pub channel: String,
     /// Library laws that describe it best.
     pub ids: Vec<String>,
@@ -78,11 +78,11 @@ pub struct Location {
 /// A short disturbance of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Knocked {
-    /// Which channel.
+    /// Heading of the disturbed column.
     pub channel: String,
-    /// Left out from here on, s.
+    /// First time left out of the fit, s.
     pub from_s: f64,
-    /// Up to here, s.
+    /// Last time left out of the fit, s.
     pub to_s: f64,
     /// Its largest reading off the level, in standard deviations of the noise.
     pub deviations: f64,
@@ -91,9 +91,9 @@ pub struct Knocked {
 /// A channel with spikes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spiky {
-    /// Which channel.
+    /// Heading of the column with spikes.
     pub channel: String,
-    /// Readings far off.
+    /// Number of outlying readings.
     pub count: usize,
 }
 
@@ -102,27 +102,27 @@ pub struct Spiky {
 pub struct Jump {
     /// Channels that jump then.
     pub channels: Vec<String>,
-    /// When, s.
+    /// Time of the jump, s from the first sample.
     pub time_s: f64,
 }
 
 /// A bias that hops between two levels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hops {
-    /// Which channel.
+    /// Heading of the column that hops.
     pub channel: String,
-    /// Between the levels, in the unit of the channels.
+    /// Distance between the levels, in the unit of the channels.
     pub apart: f64,
     /// Mean time at the lower and at the higher level, s.
     pub dwell_s: [f64; 2],
-    /// How often.
+    /// Number of hops between the levels.
     pub count: usize,
 }
 
 /// How a channel differs from noise as modelled.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mismatch {
-    /// Which channel.
+    /// Heading of the column that differs.
     pub channel: String,
     /// The band of frequency, Hz, that stands out most.
     pub band_hz: Option<Stretch>,

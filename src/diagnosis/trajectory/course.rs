@@ -12,7 +12,7 @@ use super::parameters::{
 /// What is fitted: readings, reference, and the rotation that the search starts from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Case<'a> {
-    /// The IMU's readings.
+    /// Readings of the IMU, SI units.
     pub log: &'a Log,
     /// The poses of the reference.
     pub motion: &'a Motion,

@@ -19,7 +19,7 @@ const HELD: f64 = 0.2;
 /// A fitted subset with what its intervals are made of.
 pub(super) struct Fitted {
     active: Vec<usize>,
-    /// All parameters, SI.
+    /// Parameter vector at the optimum, SI units.
     pub point: Point,
     replicates: Vec<Point>,
     white: Vec<f64>,

@@ -31,7 +31,7 @@ pub struct Account {
 /// A slow drift of offsets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
-    /// Sensor that drifts.
+    /// Sensor whose offsets drift.
     pub sensor: Sense,
     /// From the lowest to the highest over the poses, per axis: mm/s² or °/s.
     pub range: [f64; 3],
@@ -40,9 +40,9 @@ pub struct Drift {
 /// A pose that was left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knocked {
-    /// Counted from one.
+    /// Number of the pose, counted from one.
     pub pose: usize,
-    /// From and to, s.
+    /// Beginning and end of the pose, s.
     pub time_s: [f64; 2],
 }
 
@@ -60,22 +60,22 @@ pub struct Location {
 /// One kind of residual, root-mean-square, in the unit of its group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rms {
-    /// Which.
+    /// Kind of residual.
     pub group: Group,
-    /// What there is.
+    /// Root-mean-square of the residual.
     pub value: f64,
-    /// What noise alone leaves.
+    /// Root-mean-square that noise alone leaves.
     pub noise: f64,
 }
 
 /// A named effect and what it cannot be told from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedTerm {
-    /// Library id.
+    /// Library id of the effect.
     pub id: &'static str,
     /// The sensor it acts in.
     pub sensor: Sense,
-    /// Ids that would do as well.
+    /// Library ids of effects that fit equally well.
     pub rivals: Vec<&'static str>,
 }
 
@@ -90,7 +90,7 @@ pub enum Fate {
     Undetermined,
     /// Its parameters come out where no sensor has them.
     Implausible,
-    /// Not needed.
+    /// The poses fit without it.
     Absent {
         /// Whether it was judged beside named effects.
         beside_named: bool,

@@ -27,7 +27,7 @@ pub struct Slow {
 /// Where the parameters of the accelerometer stand.
 pub mod accelerometer {
     use std::ops::Range;
-    /// Offsets, counts.
+    /// Places of the offsets of x, y and z, counts.
     pub const OFFSET: Range<usize> = 0..3;
     /// Common scale, counts per m/s².
     pub const SCALE: Range<usize> = 3..4;
@@ -48,7 +48,7 @@ pub mod accelerometer {
 /// Where the parameters of the gyro stand.
 pub mod gyro {
     use std::ops::Range;
-    /// Offsets, counts.
+    /// Places of the offsets of x, y and z, counts.
     pub const OFFSET: Range<usize> = 18..21;
     /// Common scale, counts per rad/s.
     pub const SCALE: Range<usize> = 21..22;
@@ -81,17 +81,17 @@ const LEAST_SLOPE: f64 = 0.2;
 /// One sensor's way from counts to SI, per axis and across axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triad {
-    /// Counts at rest.
+    /// Reading at zero input, per axis, counts.
     pub offset: Vector3<f64>,
     /// Counts per m/s² or rad/s, per axis.
     pub scale: Vector3<f64>,
     /// M: rows are sensitive axes in the accelerometer's frame.
     pub alignment: Matrix3<f64>,
-    /// k₂, per axis.
+    /// Second-order scale error k₂, per axis.
     pub quadratic: Vector3<f64>,
-    /// k₃, per axis.
+    /// Third-order scale error k₃, per axis.
     pub cubic: Vector3<f64>,
-    /// c, per axis.
+    /// Offset per unit of the environment column, per axis, m/s² or rad/s.
     pub temperature: Vector3<f64>,
     /// d(t): rows are axes, columns cosines.
     pub drift: Matrix3<f64>,
@@ -130,7 +130,7 @@ impl Triad {
         Vector3::from_fn(|i, _| self.straightened(i, self.curved(i, counts[i], slow)).0)
     }
 
-    /// M⁻¹.
+    /// M⁻¹, from calibrated axes back to the sensor's own.
     pub fn unalign(&self) -> &Matrix3<f64> {
         &self.inverse
     }
@@ -139,9 +139,9 @@ impl Triad {
 /// A fitted IMU: turns counts into m/s² and rad/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// Specific force.
+    /// The accelerometer: counts to m/s².
     pub accelerometer: Triad,
-    /// Angular rate.
+    /// The gyro: counts to rad/s.
     pub gyro: Triad,
     /// K: rows gyro axes, columns specific force, rad/s per m/s².
     pub g_sensitivity: Matrix3<f64>,

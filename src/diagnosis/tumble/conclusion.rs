@@ -39,22 +39,22 @@ pub(super) struct Found {
 
 /// What a conclusion is drawn about.
 pub(super) struct Case<'a> {
-    /// Recording as read.
+    /// The recording as read.
     pub recording: &'a Recording,
-    /// Model as given.
+    /// Its model.toml.
     pub model: &'a Tumble,
-    /// Poses and noise.
+    /// Poses and moves with their noise.
     pub observed: &'a Observed<'a>,
-    /// Held-out poses.
+    /// Which poses are held out in turn.
     pub folds: &'a Folds,
-    /// Findings so far.
+    /// Findings of the intake, one sentence each.
     pub findings: Vec<String>,
     /// Whether the tool found the poses.
     pub poses_found: bool,
 }
 
 impl Case<'_> {
-    /// The diagnosis.
+    /// The diagnosis, from what the selection found.
     pub(super) fn conclude(mut self, found: Found) -> Answer {
         let selection = &found.selection;
         if !selection.base.determined {

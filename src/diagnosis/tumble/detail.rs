@@ -13,7 +13,7 @@ pub struct Detail {
     pub poses_found: bool,
     /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base model, repaired model.
     pub held_out: [[f64; 2]; 3],
-    /// The repaired calibration.
+    /// Calibration with the named physics.
     pub calibration: Calibration,
     /// Biases and matrices with their intervals, to be used.
     pub published: Option<Triads>,
@@ -36,8 +36,8 @@ pub struct PoseDetail {
     pub share: [f64; 3],
     /// Residuals before, in the units of `Group`: |f| − g; rate x, y, z; direction error after the following move.
     pub before: [f64; 5],
-    /// Residuals after.
+    /// The same residuals with the named physics.
     pub after: [f64; 5],
-    /// Noise of each.
+    /// Standard deviation that noise alone gives each residual.
     pub noise: [f64; 5],
 }

@@ -2,12 +2,12 @@
 
 use crate::units::DEGREE;
 
-/// Which residual.
+/// Kinds of residual that a set of poses leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
-    /// |f| − g.
+    /// Magnitude of the specific force minus gravity, |f| − g.
     Gravity,
-    /// Rate at rest.
+    /// Angular rate in a still pose.
     Still,
     /// Gravity's direction after a move.
     Turn,

@@ -10,7 +10,7 @@ use super::noise::{AxisNoise, batch_error};
 /// Six columns of counts on a uniform clock.
 #[derive(Debug, Clone)]
 pub struct Imu<'a> {
-    /// Sampling rate, Hz.
+    /// Sampling rate of all columns, Hz.
     pub rate_hz: f64,
     /// Rates x, y, z, counts; `None` where the accelerometer was recorded alone.
     pub gyro: Option<[&'a [f64]; 3]>,
@@ -25,11 +25,11 @@ pub struct Imu<'a> {
 /// What was measured in one still pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Samples.
+    /// Samples of the pose, half-open.
     pub samples: Range<usize>,
     /// Mean specific force, counts.
     pub accelerometer: Vector3<f64>,
-    /// Mean rate, counts.
+    /// Mean of the gyro, counts.
     pub gyro: Vector3<f64>,
     /// Variance of the means by noise, counts².
     pub accelerometer_variance: Vector3<f64>,
@@ -44,7 +44,7 @@ pub struct Pose {
 /// Poses, moves and noise: what is fitted.
 #[derive(Debug, Clone)]
 pub struct Observed<'a> {
-    /// The recording.
+    /// The recording in counts.
     pub imu: Imu<'a>,
     /// In order of time.
     pub poses: Vec<Pose>,

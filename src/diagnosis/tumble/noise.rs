@@ -15,7 +15,7 @@ use std::ops::Range;
 pub struct AxisNoise {
     /// White level as a random-walk coefficient.
     pub random_walk: f64,
-    /// Flicker.
+    /// Bias instability B (flicker), u.
     pub bias_instability: f64,
     /// Length of the whole recording: flicker between poses grows with it.
     pub record_s: f64,

@@ -61,7 +61,7 @@ pub fn read(path: &Path, recording: &Recording) -> Result<Vec<Range<usize>>> {
     Ok(out)
 }
 
-/// Finds still stretches.
+/// Stretches of samples in which the IMU lay still, half-open and in order.
 pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
     let window = ((WINDOW_S * imu.rate_hz).round() as usize).max(4);
     let unrest = unrest(imu, window);

@@ -10,7 +10,7 @@ use crate::sensor::Sense;
 pub struct Active<'a> {
     /// Column of each parameter, if it has one.
     pub column: [Option<usize>; PARAMETERS],
-    /// Parameters by column.
+    /// Parameter of each column of the slope matrix.
     pub list: &'a [usize],
 }
 

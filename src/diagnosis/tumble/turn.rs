@@ -20,7 +20,7 @@ const CONING_OF_A_MEAN: f64 = 1.0 / 12.0;
 
 /// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it by.
 pub struct Turn {
-    /// End to start.
+    /// Rotation from axes at the end of the move to axes at its start.
     pub rotation: Matrix3<f64>,
     /// δφ at the end, by active parameter.
     pub slopes: Vec<Vector3<f64>>,

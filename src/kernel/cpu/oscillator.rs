@@ -2,7 +2,7 @@
 //!
 //! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the substep. Integrating
 //! the error, never the reading, keeps f32 good enough: a constant force of 1 g cancels exactly. Equation, with the
-//! substep as unit of time (see `member`): a″ + Ca′ + W(a + κa³) = W(f + w), with w held. Further laws: `general`.
+//! substep as unit of time (see `member`): a″ + Ca′ + W(a + γa³) = W(f + w), with w held. Further laws: `general`.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::force::Force;
@@ -89,7 +89,7 @@ impl<T: Real> Oscillator<T> for ExponentialRk2 {
     fn step<const FMA: bool>(k: &Coefficients<T>, e: T, q: T, f: &Force<T>, w: T) -> (T, T) {
         let bend = |a: T, less: T| -acceleration::<T, FMA>(k[5], a, less);
         let rest = fma::<T, FMA>(-k[4], f.to_end, w);
-        // The cubic force held at its first value moves the point of rest by −κa³.
+        // The cubic force held at its first value moves the point of rest by −γa³.
         let bent = bend(e + f.begin, T::of(0.0));
         let (u, r) = relax::<T, FMA>(k, e - rest + bent, q - f.to_end);
         let first = u - bent + rest;

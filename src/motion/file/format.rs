@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use serde::Deserialize;
 
-/// A layout.
+/// Known layouts of a file of poses.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -28,7 +28,7 @@ pub(super) enum Axes {
     EastNorthUp,
 }
 
-/// Where everything stands.
+/// Places of time, position and attitude among the columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     /// What the file is.

@@ -21,7 +21,7 @@ pub(super) struct Row {
     pub row: usize,
     /// Since the file's first pose, s.
     pub time_s: f64,
-    /// Position, m.
+    /// Position in the file's own reference, m.
     pub position_m: Vector3<f64>,
     /// Numbers of its attitude.
     pub attitude: Vec<f64>,
@@ -30,9 +30,9 @@ pub(super) struct Row {
 /// Which part of a file is wanted, s after its first pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stretch {
-    /// Begin.
+    /// Beginning, s.
     pub from_s: f64,
-    /// End.
+    /// End, s.
     pub to_s: f64,
 }
 

@@ -147,10 +147,10 @@ fn the_free_vertical_channel_diverges_as_gravity_falls_with_height() {
     let (bias, seconds) = (1e-3 * MILLI_G, 3600);
     let up = Vector3::new(0.0, 0.0, -bias);
     let errors = disturbed(&still, seconds, [Vector3::zeros(), up], false);
-    // h″ = b + κ²h with κ² = −dg/dh ≈ 2g/R.
+    // h″ = b + λ²h with λ² = −dg/dh ≈ 2g/R.
     let at = |height_m| still.gravity_m_s2(Place { height_m, ..still.start() });
-    let kappa = ((at(300.0) - at(500.0)) / 200.0).sqrt();
-    let law = |t: f64| -bias / kappa.powi(2) * ((kappa * t).cosh() - 1.0);
+    let lambda = ((at(300.0) - at(500.0)) / 200.0).sqrt();
+    let law = |t: f64| -bias / lambda.powi(2) * ((lambda * t).cosh() - 1.0);
     let departure = departs(&errors, |d| d.position_m.z, law);
     assert!(departure < 2e-3, "{departure}");
     assert!(departs(&errors, |d| d.position_m.z, |t| -0.5 * bias * t * t) > 0.5);

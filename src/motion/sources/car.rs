@@ -14,7 +14,7 @@ use crate::rng::{Philox, Stream};
 use crate::units::DEGREE;
 use rand::Rng as _;
 
-/// The kind.
+/// Name, keys and poses of kind = "car".
 pub const SOURCE: Source = Source { name: "car", keys: &["speed_m_s", "still_s", "seed"], poses: Some(poses) };
 
 /// Mean acceleration and braking, m/s², and sideways acceleration in turns, m/s².

@@ -8,7 +8,7 @@ use super::source::{Source, positive, sampled};
 use crate::error::Result;
 use crate::motion::pose::Pose;
 
-/// The kind.
+/// Name, keys and poses of kind = "circle".
 pub const SOURCE: Source = Source { name: "circle", keys: &["radius_m", "speed_m_s", "still_s"], poses: Some(poses) };
 
 fn poses(section: &Section, duration_s: f64) -> Result<Vec<Pose>> {

@@ -14,7 +14,7 @@ use crate::rng::{Philox, Stream};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use rand::Rng as _;
 
-/// The kind.
+/// Name, keys and poses of kind = "drone".
 pub const SOURCE: Source =
     Source { name: "drone", keys: &["speed_m_s", "extent_m", "still_s", "seed"], poses: Some(poses) };
 

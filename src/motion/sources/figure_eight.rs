@@ -9,7 +9,7 @@ use super::track::{Curve, along, endless};
 use crate::error::Result;
 use crate::motion::pose::Pose;
 
-/// The kind.
+/// Name, keys and poses of kind = "figure-eight".
 pub const SOURCE: Source =
     Source { name: "figure-eight", keys: &["radius_m", "speed_m_s", "still_s"], poses: Some(poses) };
 

@@ -12,7 +12,7 @@ use crate::motion::trajectory::Trajectory;
 use crate::numerics::order;
 use crate::recording::clock::instant::Instant;
 
-/// The kind.
+/// Name and keys of kind = "file".
 pub const SOURCE: Source =
     Source { name: "file", keys: &["file", "format", "from_s", "times", "up", "quaternion", "compare"], poses: None };
 

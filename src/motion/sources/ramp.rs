@@ -17,7 +17,7 @@ pub fn integral(x: f64) -> f64 {
 pub struct Start {
     /// At rest for this long, s.
     pub still_s: f64,
-    /// Speed, m/s.
+    /// Speed after the start, m/s.
     pub speed_m_s: f64,
 }
 

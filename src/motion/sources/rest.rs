@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::motion::pose::Pose;
 use crate::units::DEGREE;
 
-/// The kind.
+/// Name, keys and poses of kind = "rest".
 pub const SOURCE: Source = Source { name: "rest", keys: &["heading_deg"], poses: Some(poses) };
 
 /// Two poses hold it.

@@ -33,11 +33,11 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
-    /// The kind.
+    /// Kind of trajectory.
     pub kind: Kind,
     /// Heading of a body at rest, °.
     pub heading_deg: Option<f64>,
-    /// Radius, m.
+    /// Radius of the circle or of each loop, m.
     pub radius_m: Option<f64>,
     /// Speed over ground, m/s.
     pub speed_m_s: Option<f64>,

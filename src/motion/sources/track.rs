@@ -8,7 +8,7 @@ use crate::motion::pose::Pose;
 
 /// A curve and its slope by its own parameter, north-east-down, m.
 pub trait Curve {
-    /// The point, m.
+    /// Point of the curve at the parameter, m.
     fn point(&self, parameter: f64) -> Vector3<f64>;
     /// The derivative by the parameter, nowhere zero.
     fn slope(&self, parameter: f64) -> Vector3<f64>;

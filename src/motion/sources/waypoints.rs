@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::motion::pose::Pose;
 use crate::numerics::banded::Banded;
 
-/// The kind.
+/// Name, keys and poses of kind = "waypoints".
 pub const SOURCE: Source =
     Source { name: "waypoints", keys: &["points_m", "speed_m_s", "acceleration_m_s2", "still_s"], poses: Some(poses) };
 

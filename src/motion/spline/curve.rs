@@ -8,7 +8,7 @@ use crate::motion::pose::Pose;
 /// A motion at an instant, over a level that does not turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// Position and attitude.
+    /// Position and attitude at the instant.
     pub pose: Pose,
     /// First derivative of position, m/s.
     pub velocity_m_s: Vector3<f64>,

@@ -17,7 +17,7 @@ pub struct Knots {
     pub start_s: f64,
     /// From one to the next, s.
     pub knot_s: f64,
-    /// Intervals between them.
+    /// Number of intervals between knots.
     pub segments: usize,
 }
 
@@ -43,11 +43,11 @@ impl Knots {
 pub struct Departure {
     /// Root mean square of the distance, m.
     pub rms_m: f64,
-    /// Largest distance, m.
+    /// Largest distance between spline and poses, m.
     pub largest_m: f64,
     /// Root mean square of the angle, rad.
     pub rms_rad: f64,
-    /// Largest angle, rad.
+    /// Largest angle between spline and poses, rad.
     pub largest_rad: f64,
 }
 

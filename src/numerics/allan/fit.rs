@@ -63,7 +63,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Squared coefficients.
+    /// The squared coefficients Q², N², B², K², R².
     pub fn squares(&self) -> [f64; 5] {
         self.coefficients.map(|c| c.value * c.value)
     }

@@ -12,7 +12,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-/// One term.
+/// A noise term of IEEE 952.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Term {
     /// Q: white noise of the integral, unit·s.

@@ -9,7 +9,7 @@ use crate::recording::finding::sentences;
 use crate::recording::noise::{Channel, Noise};
 use crate::recording::unit::Quantity;
 
-/// The whole document.
+/// The public document `proofmass.allan/1`.
 pub fn document(file: &str, noise: &Noise) -> Value {
     json!({
         "schema": "proofmass.allan/1",

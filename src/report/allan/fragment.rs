@@ -12,9 +12,9 @@ use crate::units::key::Key;
 /// A piece of study.toml.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fragment {
-    /// File name.
+    /// File name that it is offered under.
     pub name: String,
-    /// Its text.
+    /// Its sections, as TOML.
     pub toml: String,
 }
 

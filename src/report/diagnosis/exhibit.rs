@@ -22,7 +22,7 @@ pub struct Exhibit {
     pub part: Part,
     /// File name without ending, e.g. "held-out-overlay".
     pub name: String,
-    /// The figure.
+    /// The figure with its data.
     pub figure: Figure,
     /// What it shows and what to see in it.
     pub caption: String,

@@ -9,9 +9,9 @@ use crate::number::{rounded, significant, superscript};
 /// How values are spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Evenly spaced values.
     Linear,
-    /// By their logarithm.
+    /// Logarithmic spacing; values must be above zero.
     Log,
 }
 
@@ -20,7 +20,7 @@ pub enum Scale {
 pub struct Axis {
     /// Quantity and unit, e.g. "position error / m".
     pub label: String,
-    /// Spacing.
+    /// Linear or logarithmic.
     pub scale: Scale,
     /// Limits; from the data where absent.
     pub range: Option<(f64, f64)>,
@@ -34,12 +34,12 @@ pub fn labelled(quantity: &str, unit: &str) -> String {
 }
 
 impl Axis {
-    /// A linear axis.
+    /// A linear axis with this label, its range from the data.
     pub fn linear(label: &str) -> Self {
         Self { label: label.into(), scale: Scale::Linear, range: None, names: Vec::new() }
     }
 
-    /// A logarithmic axis.
+    /// A logarithmic axis with this label, its range from the data.
     pub fn log(label: &str) -> Self {
         Self { label: label.into(), scale: Scale::Log, range: None, names: Vec::new() }
     }

@@ -26,9 +26,9 @@ pub enum Mark {
 pub struct Series {
     /// What the legend says; empty for none.
     pub name: String,
-    /// Colour.
+    /// Colour, by role.
     pub ink: Ink,
-    /// Form.
+    /// How the points are drawn: line, dots, band, bars.
     pub mark: Mark,
     /// (x, y) in axis units. Points that are not finite, or not positive on a log axis, break the line.
     pub points: Vec<(f64, f64)>,
@@ -39,7 +39,7 @@ pub struct Series {
 pub struct Note {
     /// Where, in axis units.
     pub at: (f64, f64),
-    /// What it says.
+    /// Text of the note.
     pub text: String,
     /// Whether the point is the text's middle; otherwise the text stands beside it.
     pub middle: bool,
@@ -50,13 +50,13 @@ pub struct Note {
 /// A chart with two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Short title.
+    /// Short title above the plot.
     pub title: String,
-    /// Horizontal axis.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Vertical axis.
+    /// The vertical axis.
     pub y: Axis,
-    /// Back to front.
+    /// Series in drawing order, back to front.
     pub series: Vec<Series>,
     /// Words in the plot.
     pub notes: Vec<Note>,
@@ -81,7 +81,7 @@ impl Chart {
         self
     }
 
-    /// Adds a series.
+    /// Adds a named series of (x, y) points.
     pub fn add(&mut self, name: &str, ink: Ink, mark: Mark, points: Vec<(f64, f64)>) {
         self.series.push(Series { name: name.into(), ink, mark, points });
     }

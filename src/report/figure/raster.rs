@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 pub struct Raster {
     /// Row by row from the top: RGBA of a heat map, points per pixel of a cloud.
     pub pixels: Vec<u8>,
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub shape: (u32, u32),
     /// x from, x to in axis units.
     pub x: (f64, f64),

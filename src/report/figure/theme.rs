@@ -23,7 +23,7 @@ pub enum Ink {
     Black,
     /// Guides and secondary text.
     Soft,
-    /// Grid lines.
+    /// Grid lines behind the data.
     Grid,
 }
 

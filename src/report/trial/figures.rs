@@ -2,17 +2,17 @@
 
 use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Figure, Ink, Mark};
-use crate::trial::interval::{Power, Share};
+use crate::trial::interval::{Power, Proportion};
 use crate::trial::outcome::{Limit, Outcome, Planted};
 
 /// Edges of the size bins, visible rms over noise rms.
 const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
 
-/// Share noticed and share named against size, all effects planted alone taken together, with the fitted curves.
+/// Fractions noticed and named against size, all effects planted alone taken together, with the fitted curves.
 pub(crate) fn power(outcome: &Outcome) -> Figure {
     let all: Vec<Planted> = outcome.detection_limit.iter().flat_map(|l| l.cases.iter().copied()).collect();
     let x = Axis::log("visible size of the effect / noise (rms)").within(EDGES[0], EDGES[EDGES.len() - 1]);
-    let mut chart = Chart::new("Detection limit", x, Axis::linear("share").within(0.0, 1.05));
+    let mut chart = Chart::new("Detection limit", x, Axis::linear("fraction of cases").within(0.0, 1.05));
     let noticed: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.noticed)).collect();
     let named: Vec<(f64, bool)> = all.iter().map(|c| (c.size, c.named)).collect();
     for (name, ink, pairs, beside) in [("detected", Ink::Blue, noticed, 0.95), ("named", Ink::Red, named, 1.05)] {
@@ -30,7 +30,7 @@ pub(crate) fn power(outcome: &Outcome) -> Figure {
         }
         let (mut middles, mut lows, mut highs) = (Vec::new(), Vec::new(), Vec::new());
         for edge in EDGES.windows(2) {
-            let proportion = Share::over(pairs.iter().filter(|c| (edge[0]..edge[1]).contains(&c.0)).map(|c| c.1));
+            let proportion = Proportion::over(pairs.iter().filter(|c| (edge[0]..edge[1]).contains(&c.0)).map(|c| c.1));
             if proportion.cases > 0 {
                 let at = (edge[0] * edge[1]).sqrt() * beside;
                 middles.push((at, proportion.value));

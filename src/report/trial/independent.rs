@@ -7,9 +7,9 @@ use crate::trial::independent::judge::Mark;
 use crate::trial::independent::run::Lines;
 use crate::trial::independent::score::{Row, Score};
 use crate::trial::independent::truth::{Family, SEEN};
-use crate::trial::interval::Share;
+use crate::trial::interval::Proportion;
 
-fn words(proportion: &Share) -> String {
+fn words(proportion: &Proportion) -> String {
     if proportion.cases == 0 {
         return "–".into();
     }

@@ -32,7 +32,7 @@ impl Change {
     /// All, in the order of the report.
     pub const ALL: [Self; 6] = [Self::Half, Self::Fifth, Self::Tenth, Self::Units, Self::Sign, Self::Swapped];
 
-    /// For people.
+    /// Name of the change in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Half => "every 2nd row",
@@ -45,11 +45,11 @@ impl Change {
     }
 }
 
-/// What was made.
+/// Recipe of the recording, by kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Body {
-    /// One proof mass.
+    /// One proof mass, driven or ringing.
     Driven(Box<Driven>),
     /// A sensor at rest.
     Still(Box<Still>),
@@ -70,7 +70,7 @@ pub struct Case {
     pub sub: String,
     /// The change, where it is another one written otherwise.
     pub change: Option<Change>,
-    /// Planted truth.
+    /// What is planted, and which names are right.
     pub truth: Truth,
     /// How it is made.
     pub body: Body,

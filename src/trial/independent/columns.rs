@@ -19,9 +19,9 @@ pub struct Columns {
     pub step: f64,
     /// Headings of input, reading, environment.
     pub headings: [String; 3],
-    /// Reading before input.
+    /// Whether the reading stands before the input.
     pub swapped: bool,
-    /// Every k-th row.
+    /// Only every so many-th row is written.
     pub every: usize,
 }
 
@@ -52,7 +52,7 @@ impl Columns {
         }
     }
 
-    /// recording.csv and model.toml.
+    /// Texts of recording.csv and model.toml.
     pub fn driven(
         &self,
         input: &[f64],

@@ -61,7 +61,7 @@ impl Draw {
         ((self.unit() * count as f64) as usize).min(count.saturating_sub(1))
     }
 
-    /// One of several.
+    /// One of these values, all equally likely.
     pub fn one_of<T: Clone>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())].clone()
     }
@@ -71,7 +71,7 @@ impl Draw {
         self.unit() < probability
     }
 
-    /// +1 or −1.
+    /// +1 or −1 with equal probability.
     pub fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }

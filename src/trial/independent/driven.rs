@@ -14,7 +14,7 @@ use super::truth::Parameter;
 /// A driven recording as drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
-    /// Its physics.
+    /// Proof mass with input, laws and readout.
     pub oscillator: Oscillator,
     /// Law of the readout noise.
     pub noise: Noise,
@@ -30,7 +30,7 @@ pub struct Driven {
 pub struct Readings {
     /// Measured input; empty in a ring-down.
     pub input: Vec<f64>,
-    /// Reading.
+    /// Reading at each row, internal units.
     pub reading: Vec<f64>,
 }
 
@@ -151,7 +151,7 @@ impl Driven {
         found
     }
 
-    /// recording.csv and model.toml.
+    /// Texts of recording.csv and model.toml.
     pub fn texts(&self) -> [String; 2] {
         let o = &self.oscillator;
         let readings = self.readings(o.rows, true).unwrap_or(Readings { input: Vec::new(), reading: Vec::new() });

@@ -33,7 +33,7 @@ pub enum Mark {
     Undecided,
     /// A null with a name, or unexplained.
     FalseAlarm,
-    /// The diagnosis stopped.
+    /// The diagnosis ended with an error.
     Error,
 }
 
@@ -53,7 +53,7 @@ impl Mark {
         Self::Error,
     ];
 
-    /// Name for tables.
+    /// Name of the mark in tables.
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",
@@ -81,7 +81,7 @@ impl Mark {
     }
 }
 
-/// Judges one verdict.
+/// The mark of a verdict on a case.
 pub fn judge(case: &Case, said: &Said) -> Mark {
     let truth = &case.truth;
     let ids = said.ids();

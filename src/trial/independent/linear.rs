@@ -9,9 +9,9 @@
 pub struct Fine {
     /// Values at half steps, from the first row on.
     pub values: Vec<f64>,
-    /// Steps per row.
+    /// Integration steps per row.
     pub steps: usize,
-    /// Held between rows.
+    /// Whether the input is held between rows.
     pub held: bool,
 }
 

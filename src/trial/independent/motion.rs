@@ -7,18 +7,18 @@ use super::wave::{Shape, Wave};
 
 /// What moves: laws in use, where their states stand, and what remembers.
 pub struct EquationOfMotion<'a> {
-    /// The recipe.
+    /// Oscillator whose motion it is.
     pub o: &'a Oscillator,
-    /// Its input.
+    /// Input as a function of time.
     pub wave: Wave,
-    /// Law, first state.
+    /// Laws in use, each with the index of its first state.
     pub laws: Vec<(&'a Law, usize)>,
     foreign: Option<Wave>,
     states: usize,
     length_s: f64,
     /// Input where it is held.
     pub held_value: f64,
-    /// Unmeasured held force.
+    /// Unmeasured force, held over the step.
     pub force: f64,
     /// Sign of sliding; zero when stuck or without friction.
     slide: f64,

@@ -13,19 +13,19 @@ pub struct Oscillator {
     pub seed: u64,
     /// Rows per second.
     pub rate_hz: f64,
-    /// Rows.
+    /// Number of rows in the recording.
     pub rows: usize,
-    /// ω₀, rad/s.
+    /// Natural frequency ω₀, rad/s.
     pub omega: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub zeta: f64,
-    /// Force per input.
+    /// Force per unit mass for one unit of input.
     pub gain: f64,
     /// Displacement and velocity at the start of motion.
     pub start: [f64; 2],
     /// Rows of motion before the first recorded one.
     pub before: usize,
-    /// Input.
+    /// Shape of the input.
     pub input: Shape,
     /// Whether the input is held between rows, as by a converter, or continuous.
     pub held: bool,

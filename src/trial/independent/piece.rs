@@ -23,7 +23,7 @@ pub(crate) enum Piece {
 }
 
 impl Piece {
-    /// Puts it on.
+    /// Adds the effect to a driven recording.
     pub(crate) fn put(&self, driven: &mut Driven) {
         let o = &mut driven.oscillator;
         match self {

@@ -34,7 +34,7 @@ pub enum Readout {
     Soft { limit: f64 },
     /// Nothing is read within ±size.
     Dead { size: f64 },
-    /// Rounds.
+    /// Rounds to multiples of a step.
     Round { step: f64 },
     /// An unmeasured signal crosses over: noise in a band, rms size.
     Cross { size: f64, from_hz: f64, to_hz: f64 },
@@ -70,7 +70,7 @@ impl Readout {
 #[serde(rename_all = "kebab-case", tag = "law")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
 pub enum Noise {
-    /// Normal.
+    /// Normal noise.
     Gauss,
     /// Two-sided exponential.
     Laplace,
@@ -85,7 +85,7 @@ pub enum Noise {
 }
 
 impl Noise {
-    /// Name for tables.
+    /// Name of the noise in tables.
     pub fn word(&self) -> String {
         match self {
             Self::Gauss => "normal".into(),

@@ -48,13 +48,13 @@ pub struct Truths {
 /// One line of verdicts.jsonl.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
-    /// The case.
+    /// Number of the case.
     pub number: usize,
     /// Kind of recording.
     pub kind: String,
-    /// Family.
+    /// Family of the case.
     pub family: String,
-    /// Sub-family.
+    /// Sub-family of the case.
     pub sub: String,
     /// How it is written, where it is another case written otherwise.
     pub change: Option<String>,
@@ -66,7 +66,7 @@ pub struct Line {
     pub over_noise: Vec<f64>,
     /// What the verdict was worth.
     pub mark: Mark,
-    /// The verdict.
+    /// What the diagnosis said.
     pub said: Said,
 }
 

@@ -9,29 +9,29 @@ use super::case::{Case, Change};
 use super::judge::{Covered, Mark, coverage};
 use super::run::{Line, Lines};
 use super::truth::{Family, Kind};
-use crate::trial::interval::Share;
+use crate::trial::interval::Proportion;
 
 /// Marks of some cases.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Kind of recording.
     pub kind: Kind,
-    /// Family.
+    /// Family of the cases.
     pub family: Family,
     /// Sub-family; all of them when absent.
     pub sub: Option<String>,
     /// How often each mark was given, by its name.
     pub marks: BTreeMap<Mark, usize>,
-    /// Cases.
+    /// Number of cases.
     pub cases: usize,
     /// Right, or honest with the right name, of what a good test sees; for nulls and foreign physics: right.
-    pub right_or_honest: Share,
+    pub right_or_honest: Proportion,
     /// False names, however sure, of all.
-    pub false_names: Share,
+    pub false_names: Proportion,
     /// False names called explained, of all.
-    pub confidently_wrong: Share,
+    pub confidently_wrong: Proportion,
     /// Nulls not left alone.
-    pub alarms: Share,
+    pub alarms: Proportion,
 }
 
 impl Row {
@@ -46,12 +46,12 @@ impl Row {
 pub struct Intervals {
     /// Kind of recording.
     pub kind: Kind,
-    /// Effect.
+    /// Library id of the effect.
     pub id: String,
-    /// Symbol.
+    /// Symbol of the parameter.
     pub name: String,
     /// How many hold the truth.
-    pub cover: Share,
+    pub cover: Proportion,
     /// Distance from the truth in half-widths, the largest.
     pub worst: f64,
 }
@@ -62,36 +62,36 @@ pub struct Agreement {
     /// How it is written.
     pub change: Change,
     /// Same outcome and same names.
-    pub same: Share,
+    pub same: Proportion,
     /// Numbers of the cases that do not agree.
     pub apart: Vec<usize>,
 }
 
-/// The public document.
+/// The public document `proofmass.independent-trial/1`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Score {
     /// Always "proofmass.independent-trial/1".
     pub schema: &'static str,
-    /// Seed.
+    /// Seed of the trial.
     pub seed: u64,
     /// Cases, without those written otherwise.
     pub cases: usize,
     /// SHA-256 of the sealed truth.
     pub truth_sha256: String,
-    /// Kind by family.
+    /// Marks per kind and family.
     pub families: Vec<Row>,
     /// Kind by family by sub-family.
     pub subs: Vec<Row>,
     /// Each family over all kinds: the figures to reach.
-    pub confidently_wrong: Share,
+    pub confidently_wrong: Proportion,
     /// False alarms on nulls, `undecidable` counted.
-    pub false_alarms: Share,
+    pub false_alarms: Proportion,
     /// Nulls called undecidable.
-    pub undecided_nulls: Share,
+    pub undecided_nulls: Proportion,
     /// False names near a law.
-    pub near_false_names: Share,
+    pub near_false_names: Proportion,
     /// Right or honest with the right name near a law, of what a good test sees.
-    pub near_right_or_honest: Share,
+    pub near_right_or_honest: Proportion,
     /// Per candidate and parameter.
     pub intervals: Vec<Intervals>,
     /// Per way of writing.
@@ -108,7 +108,7 @@ struct Judged<'a> {
 fn row(kind: Kind, family: Family, sub: Option<String>, of: &[&Judged<'_>]) -> Row {
     let mut marks = BTreeMap::new();
     of.iter().for_each(|j| *marks.entry(j.line.mark).or_insert(0) += 1);
-    let over = |hit: &dyn Fn(Mark) -> bool| Share::over(of.iter().map(|j| hit(j.line.mark)));
+    let over = |hit: &dyn Fn(Mark) -> bool| Proportion::over(of.iter().map(|j| hit(j.line.mark)));
     Row {
         kind,
         family,
@@ -122,9 +122,9 @@ fn row(kind: Kind, family: Family, sub: Option<String>, of: &[&Judged<'_>]) -> R
     }
 }
 
-fn right_or_honest<'a>(of: impl Iterator<Item = &'a Judged<'a>>) -> Share {
+fn right_or_honest<'a>(of: impl Iterator<Item = &'a Judged<'a>>) -> Proportion {
     let seen = of.filter(|j| j.case.family == Family::Null || j.case.truth.is_detectable());
-    Share::over(seen.map(|j| matches!(j.line.mark, Mark::Right | Mark::HonestNamed)))
+    Proportion::over(seen.map(|j| matches!(j.line.mark, Mark::Right | Mark::HonestNamed)))
 }
 
 impl Score {
@@ -152,13 +152,14 @@ impl Score {
             }
         }
         let family = |family: Family| own.iter().filter(move |j| j.case.family == family).copied();
-        let over = |family_: Family, hit: &dyn Fn(Mark) -> bool| Share::over(family(family_).map(|j| hit(j.line.mark)));
+        let over =
+            |family_: Family, hit: &dyn Fn(Mark) -> bool| Proportion::over(family(family_).map(|j| hit(j.line.mark)));
         Self {
             schema: "proofmass.independent-trial/1",
             seed,
             cases: own.len(),
             truth_sha256: truth_sha256.into(),
-            confidently_wrong: Share::over(own.iter().map(|j| j.line.mark == Mark::ConfidentlyWrong)),
+            confidently_wrong: Proportion::over(own.iter().map(|j| j.line.mark == Mark::ConfidentlyWrong)),
             false_alarms: over(Family::Null, &Mark::is_alarm),
             undecided_nulls: over(Family::Null, &|m| m == Mark::Undecided),
             near_false_names: over(Family::Near, &Mark::is_false_name),
@@ -186,7 +187,7 @@ fn intervals(own: &[&Judged<'_>]) -> Vec<Intervals> {
             kind,
             id,
             name,
-            cover: Share::over(of.iter().map(|c| c.covers)),
+            cover: Proportion::over(of.iter().map(|c| c.covers)),
             worst: of.iter().filter(|c| !c.covers).map(away).fold(0.0, f64::max),
         })
         .collect()
@@ -207,7 +208,7 @@ fn agreement(all: &[Judged<'_>]) -> Vec<Agreement> {
                 .collect();
             (!pairs.is_empty()).then(|| Agreement {
                 change,
-                same: Share::over(pairs.iter().map(|p| p.1)),
+                same: Proportion::over(pairs.iter().map(|p| p.1)),
                 apart: pairs.iter().filter(|p| !p.1).map(|p| p.0).collect(),
             })
         })

@@ -13,7 +13,7 @@ use super::wave::Shape;
 /// What a family asks of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
-    /// Any.
+    /// Any input.
     Any,
     /// One that excites the resonance from many sides: no single sine, no ring-down.
     Rich,
@@ -28,7 +28,7 @@ pub enum Wish {
 /// Limit on the length of recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
-    /// The longest recording.
+    /// Rows of the longest recording.
     pub rows: usize,
 }
 

@@ -42,7 +42,7 @@ pub enum Process {
 #[serde(rename_all = "kebab-case", tag = "filter")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
 pub enum Filter {
-    /// None.
+    /// White noise as drawn.
     None,
     /// Mean of so many samples.
     Mean { taps: usize },
@@ -57,7 +57,7 @@ pub struct Still {
     pub seed: u64,
     /// Rows per second.
     pub rate_hz: f64,
-    /// Rows.
+    /// Number of rows in the recording.
     pub rows: usize,
     /// White noise per sample of each channel, column units.
     pub sigma: Vec<f64>,
@@ -77,7 +77,7 @@ pub struct Still {
     pub temperature: bool,
     /// The promised density over the true one, where the data sheet is given.
     pub promised: Option<f64>,
-    /// Unit for words.
+    /// Unit of the channels, as stated in model.toml.
     pub unit: String,
     /// Headings of the channels.
     pub headings: Vec<String>,
@@ -253,7 +253,7 @@ impl Still {
         found
     }
 
-    /// recording.csv and model.toml.
+    /// Texts of recording.csv and model.toml.
     pub fn texts(&self) -> [String; 2] {
         let readings: Vec<Vec<f64>> = (0..self.sigma.len()).map(|c| self.readings(c)).collect();
         let mut columns: Vec<(&str, &[f64])> =

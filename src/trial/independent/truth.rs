@@ -18,7 +18,7 @@ impl Kind {
     /// All, in the order of the report.
     pub const ALL: [Self; 3] = [Self::Driven, Self::Static, Self::Tumble];
 
-    /// As in model.toml.
+    /// Value of `kind` in model.toml.
     pub fn name(self) -> &'static str {
         match self {
             Self::Driven => "driven",
@@ -46,7 +46,7 @@ impl Family {
     /// All, in the order of the report.
     pub const ALL: [Self; 4] = [Self::Letter, Self::Near, Self::Foreign, Self::Null];
 
-    /// Name for tables.
+    /// Name of the family in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Letter => "to the letter",
@@ -60,7 +60,7 @@ impl Family {
 /// A number that a verdict may give an interval for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// Library id.
+    /// Library id of the effect.
     pub id: String,
     /// Column, where there are several.
     pub channel: Option<String>,

@@ -22,7 +22,7 @@ pub struct Sensor {
     pub skew: Rotation,
     /// Offset, counts.
     pub offset: Vector,
-    /// k₂ per unit.
+    /// Second-order scale error k₂ per axis, 1/unit.
     pub square: Vector,
     /// k of |v|v per unit.
     pub bend: Vector,
@@ -41,13 +41,13 @@ pub struct Turned {
     pub seed: u64,
     /// Rows per second.
     pub rate_hz: f64,
-    /// Still poses.
+    /// Number of still poses.
     pub poses: usize,
     /// Shortest and longest rest, s.
     pub rest_s: [f64; 2],
-    /// Accelerometer, m/s².
+    /// Errors of the accelerometer, m/s².
     pub accelerometer: Sensor,
-    /// Gyro, rad/s.
+    /// Errors of the gyro, rad/s.
     pub gyro: Sensor,
     /// Gyro bias per specific force, rad/s per m/s².
     pub g_sensitivity: Rotation,
@@ -132,9 +132,9 @@ impl Turn {
 
 /// Specific force and rate of the body at each row, and the pose of each row, none in a turn.
 pub struct BodyMotion {
-    /// m/s².
+    /// Specific force in body axes at each row, m/s².
     pub force: Vec<Vector>,
-    /// rad/s.
+    /// Angular rate in body axes at each row, rad/s.
     pub rate: Vec<Vector>,
     /// Number of the still pose.
     pub pose: Vec<Option<usize>>,
@@ -244,7 +244,7 @@ impl Turned {
         found
     }
 
-    /// recording.csv and model.toml.
+    /// Texts of recording.csv and model.toml.
     pub fn texts(&self) -> [String; 2] {
         let mut motion = self.motion();
         if let Some((pose, size)) = self.knock {

@@ -14,7 +14,7 @@ use super::draw::Draw;
 #[serde(rename_all = "kebab-case", tag = "kind")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
 pub enum Shape {
-    /// Free ring-down.
+    /// No input: a free ring-down.
     None,
     /// Few sines: amplitude, frequency in Hz, phase in rad.
     Sines { lines: Vec<[f64; 3]> },
@@ -33,7 +33,7 @@ pub enum Shape {
 #[derive(Debug, Clone)]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]
 pub enum Wave {
-    /// By its formula.
+    /// Evaluated by the formula of its shape.
     Formula(Shape),
     /// By interpolation in a table that begins at a time and has a step.
     Table { from_s: f64, step_s: f64, values: Vec<f64> },
@@ -52,7 +52,7 @@ impl Shape {
         }
     }
 
-    /// In words.
+    /// Name of the shape in tables.
     pub fn word(&self) -> &'static str {
         match self {
             Self::None => "ring-down",

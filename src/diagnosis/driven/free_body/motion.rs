@@ -18,19 +18,19 @@ const CUT: usize = 50;
 /// One part of the force that a body takes, as a function of its motion and of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// x″.
+    /// Acceleration x″.
     Acceleration,
-    /// x′.
+    /// Velocity x′.
     Velocity,
-    /// 1.
+    /// A constant.
     Constant,
-    /// sgn x′.
+    /// Direction of motion, sgn x′.
     Direction,
     /// |x′|: what a drag that differs in both directions adds.
     Speed,
-    /// |x′|x′.
+    /// Drag, |x′|x′.
     SquaredVelocity,
-    /// −u².
+    /// Square of the input, −u².
     SquaredInput,
 }
 
@@ -66,9 +66,9 @@ pub(crate) const PARTS: [Part; 7] = [
 pub struct MotionAndForce {
     /// Position without what lies above its low-pass.
     pub x: Vec<f64>,
-    /// Its velocity.
+    /// Velocity, filtered, unit of the output per second.
     pub v: Vec<f64>,
-    /// The input, filtered.
+    /// Input, filtered, in its own unit.
     pub force: Vec<f64>,
     /// The parts, filtered, as [`PARTS`].
     parts: Vec<Vec<f64>>,
@@ -102,7 +102,7 @@ impl MotionAndForce {
         Some(all)
     }
 
-    /// One part, filtered.
+    /// One part, sample by sample, filtered like the force.
     pub fn part(&self, part: Part) -> &[f64] {
         PARTS.iter().position(|p| *p == part).map_or(&[], |i| &self.parts[i])
     }

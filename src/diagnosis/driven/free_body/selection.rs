@@ -25,9 +25,9 @@ pub const BASE: [Part; 3] = [Part::Acceleration, Part::Velocity, Part::Constant]
 pub enum Law {
     /// f_c sgn x′, and where the sides differ f_d |x′| besides.
     Friction(Sides),
-    /// c₂|x′|x′.
+    /// Quadratic damping, c₂|x′|x′.
     Drag,
-    /// κu².
+    /// A force that also follows the square of the input, κu².
     Drive,
 }
 
@@ -73,7 +73,7 @@ impl Law {
 /// A law tried or chosen, and how it fared against the model without it.
 #[derive(Debug, Clone, Copy)]
 pub struct Trial {
-    /// The law.
+    /// The law that was added or removed.
     pub law: Law,
     /// On samples that were not fitted.
     pub comparison: Comparison,

@@ -16,9 +16,9 @@ pub use crate::diagnosis::driven::simulation::structure::{ModelStructure, coordi
 
 /// A fit in progress: which parameters move, and how.
 pub struct Search<'a> {
-    /// The recording.
+    /// The recording as fits see it.
     pub data: &'a Data,
-    /// The model.
+    /// Structure of the model that is fitted.
     pub structure: &'a ModelStructure,
     /// Where parameters that do not move stay.
     pub point: Vec<f64>,
@@ -156,12 +156,12 @@ impl Residuals for Search<'_> {
     }
 }
 
-/// A fitted model.
+/// A model fitted to the recording: structure, parameters, likelihood.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// The model.
+    /// Structure of the model.
     pub structure: ModelStructure,
-    /// Fitted parameter vector.
+    /// Parameter vector at the maximum of the likelihood.
     pub point: Vec<f64>,
     /// Integration steps per sample.
     pub steps: usize,

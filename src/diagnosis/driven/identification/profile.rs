@@ -27,12 +27,12 @@ pub(crate) const FALL: f64 = 1.920_729;
 /// Log-likelihood below which a whole profile is flat.
 const FLAT: f64 = 0.1;
 
-/// One parameter's profile.
+/// Profile likelihood of one parameter, the others refitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Effect and parameter.
+    /// Effect and parameter, for a legend.
     pub label: String,
-    /// The value stated.
+    /// Estimate stated in the verdict, in the parameter's unit.
     pub value: f64,
     /// The 95 % interval stated.
     pub ci95: [f64; 2],

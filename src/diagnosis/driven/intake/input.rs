@@ -16,7 +16,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Name for messages.
+    /// How the input runs between its samples, as a phrase for messages.
     pub fn words(self) -> &'static str {
         match self {
             Interpolation::BandLimited => "band-limited",

@@ -32,7 +32,7 @@ const LARGEST: f64 = 1e100;
 /// What can be fitted, and what was noticed on the way.
 #[derive(Debug)]
 pub struct Prepared {
-    /// The data.
+    /// The recording as fits see it.
     pub data: Data,
     /// Hints that can be right.
     pub start: model::Start,
@@ -40,14 +40,14 @@ pub struct Prepared {
     pub own_test: bool,
     /// Samples that were not recorded.
     pub filled: Stretches,
-    /// What was noticed.
+    /// Defects and choices that the verdict must mention.
     pub notes: Notes,
 }
 
 /// What was noticed besides the physics.
 #[derive(Debug, Clone, Default)]
 pub struct Notes {
-    /// In words.
+    /// Findings, one sentence each.
     pub findings: Vec<String>,
     /// What a reader of the verdict must know, as clauses.
     pub doubts: Vec<String>,

@@ -25,11 +25,11 @@ const SAME_RATE: f64 = 1e-3;
 /// Where a recording lies among the samples that fits see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piece {
-    /// File as given.
+    /// Path of the recording, as given.
     pub file: String,
     /// What it is for.
     pub role: Role,
-    /// Its samples.
+    /// Its samples in the joint data set, half-open.
     pub range: Range<usize>,
 }
 

@@ -26,22 +26,22 @@ pub struct Windows {
 /// A base model and a force of third degree about its place of rest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Force {
-    /// Base parameters.
+    /// Parameters of the base model.
     pub base: Vec<f64>,
-    /// Coefficient of x².
+    /// Coefficient of x² in the restoring force per unit mass.
     pub quadratic: f64,
-    /// Coefficient of x³.
+    /// Coefficient of x³ in the restoring force per unit mass.
     pub cubic: f64,
 }
 
 /// What windows are laid over.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
-    /// Readings.
+    /// Readings, one per sample.
     pub reading: &'a [f64],
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Longest window, samples.
+    /// Length of the longest window, samples.
     pub length: usize,
     /// Samples of a cycle of the response.
     pub cycle: f64,

@@ -24,7 +24,7 @@ pub(crate) const LEAD: usize = 50;
 /// Errors on one block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// Range of samples.
+    /// Samples of the block, half-open.
     pub range: Range<usize>,
     /// Sum of squared one-step errors.
     pub one_step: f64,
@@ -35,14 +35,14 @@ pub struct Block {
 /// A model's record on samples that were not fitted.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeldOut {
-    /// Block by block.
+    /// Errors of each block, in the order of the recording.
     pub blocks: Vec<Block>,
     /// Samples per independent one, by the correlation of the one-step errors.
     pub colour: f64,
 }
 
 impl HeldOut {
-    /// Number of samples.
+    /// Number of held-out samples in all blocks.
     pub fn samples(&self) -> usize {
         self.blocks.iter().map(|b| b.range.len()).sum()
     }

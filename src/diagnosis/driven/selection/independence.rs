@@ -33,11 +33,11 @@ const DETAIL: f64 = 0.02;
 /// What an estimated disturbance follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// The input.
+    /// The measured input.
     Input,
-    /// Displacement and velocity.
+    /// Displacement and velocity of the mass.
     Motion,
-    /// Time.
+    /// Time since the recording began.
     Time,
     /// A column of the environment.
     Environment,

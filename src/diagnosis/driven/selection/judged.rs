@@ -11,7 +11,7 @@ use super::identifiability::Reach;
 /// A model with its record.
 #[derive(Debug, Clone)]
 pub struct Judged {
-    /// The fit.
+    /// The fitted model.
     pub fit: Fit,
     /// Its errors on the validation samples.
     pub held_out: HeldOut,
@@ -33,7 +33,7 @@ impl Judged {
 /// One candidate's trial against a model.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// The candidate.
+    /// The candidate that was tried.
     pub term: Term,
     /// Sum of squares that one linear step promised, relative to the model's.
     pub promised: f64,
@@ -48,14 +48,14 @@ pub struct Trial {
 pub struct Rival {
     /// The model with it.
     pub judged: Judged,
-    /// Its id.
+    /// Library id of the rival.
     pub id: &'static str,
 }
 
 /// A model in which the form of one law is free.
 #[derive(Debug, Clone)]
 pub struct Departing {
-    /// The model.
+    /// The model with the freed form, and its held-out record.
     pub judged: Judged,
     /// The term whose form is free.
     pub index: usize,
@@ -64,7 +64,7 @@ pub struct Departing {
 /// What a search leaves.
 #[derive(Debug, Clone)]
 pub struct Selection {
-    /// The base model.
+    /// The base model, fitted alone.
     pub base: Judged,
     /// The model chosen; the base where nothing was.
     pub chosen: Judged,

@@ -43,7 +43,7 @@ pub struct NoiseCharacter {
 /// A stretch of samples that is louder than the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoudStretch {
-    /// Its first sample.
+    /// First sample of the stretch.
     pub from: usize,
     /// The one after its last.
     pub to: usize,

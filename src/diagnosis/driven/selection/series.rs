@@ -19,7 +19,7 @@ pub enum Series {
 }
 
 impl Series {
-    /// As a clause.
+    /// The reason as a clause for a sentence.
     pub fn words(self) -> &'static str {
         match self {
             Series::ManyLaws => "more than three laws at once",

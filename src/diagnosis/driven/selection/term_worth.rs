@@ -11,7 +11,7 @@ use super::earned::without;
 use super::held_out::{Comparison, compare, held_out};
 use super::judged::{Judged, Rival, Selection};
 
-/// One named term.
+/// A term of the final model and what it is worth.
 #[derive(Debug, Clone)]
 pub struct Named {
     /// Its place in the model.

@@ -53,7 +53,7 @@ pub trait Keep {
     fn keep(&mut self, sample: usize, x: &Lanes, v: &Lanes);
 }
 
-/// Keeps nothing.
+/// An observer of the pass that keeps nothing.
 pub struct Nothing;
 
 impl Keep for Nothing {

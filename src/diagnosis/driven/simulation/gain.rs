@@ -23,11 +23,11 @@ pub(crate) const NONE: Gain = Gain { k: [0.0; 4], innovation_variance: 1.0 };
 /// An oscillator and its noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noisy {
-    /// ω₀.
+    /// Natural frequency ω₀, rad/s.
     pub omega_rad_s: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub zeta: f64,
-    /// Sampling interval.
+    /// Sampling interval, s.
     pub interval_s: f64,
     /// Stationary displacement that force noise causes, over the standard deviation of readout noise.
     pub force: f64,

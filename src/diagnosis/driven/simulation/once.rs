@@ -14,7 +14,7 @@ use super::structure::ModelStructure;
 /// How a run is evaluated.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Range of samples.
+    /// Samples to simulate, half-open.
     pub range: Range<usize>,
     /// Integration steps per sample.
     pub steps: usize,

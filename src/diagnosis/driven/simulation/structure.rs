@@ -19,7 +19,7 @@ pub struct ModelStructure {
     pub terms: Vec<Term>,
     /// First parameter of each.
     pub first: Vec<usize>,
-    /// Number of parameters.
+    /// Number of parameters, base and terms together.
     pub parameters: usize,
     /// Recordings beyond the first, each with its own offset and initial state.
     pub further: usize,

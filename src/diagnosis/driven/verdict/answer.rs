@@ -44,16 +44,16 @@ const MOST_SHOWN: usize = 600;
 /// Cells of the restoring-force surface that the verdict lists.
 const CELLS_SHOWN: usize = 32;
 
-/// What was asked.
+/// The recordings and the model that are to be diagnosed.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
-    /// The first recording.
+    /// The first recording; its hash and columns stand in the verdict.
     pub recording: &'a Recording,
     /// Where each recording lies in the data.
     pub pieces: &'a [Piece],
     /// Samples that the model file names as judging.
     pub judging: &'a [[usize; 2]],
-    /// Columns by role.
+    /// Columns of input, output and environment.
     pub columns: &'a model::DrivenColumns,
     /// Unit of the output, where the model file states it.
     pub unit: Option<&'a str>,

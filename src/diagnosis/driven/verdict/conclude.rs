@@ -42,11 +42,11 @@ const LEVEL: f64 = REAL / QUESTIONS;
 /// What may be said.
 #[derive(Debug, Clone)]
 pub struct Conclusion {
-    /// The verdict.
+    /// Which of the four verdicts.
     pub outcome: Outcome,
     /// The base model fitted like the final one.
     pub base: Judged,
-    /// The final model.
+    /// The final model with its held-out record.
     pub model: Judged,
     /// Terms that hold, strongest first.
     pub named: Vec<Named>,

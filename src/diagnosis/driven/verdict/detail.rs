@@ -12,11 +12,11 @@ use super::surface::Surface;
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone, Default)]
 pub struct Detail {
-    /// Output column.
+    /// Heading of the output column.
     pub output: String,
-    /// Its unit.
+    /// Unit of the output.
     pub unit: String,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// The stretch of held-out samples that is shown.
     pub shown: Shown,
@@ -73,7 +73,7 @@ pub struct Account {
     pub is_linear_class: bool,
     /// Cycles of the resonance in the recording, where they are too few.
     pub few_cycles: Option<f64>,
-    /// The resonance, Hz.
+    /// Resonance of the base model, Hz.
     pub resonance_hz: f64,
     /// Why terms that each earn a place got no name together, where they did not.
     pub series: Option<Series>,
@@ -82,11 +82,11 @@ pub struct Account {
 /// Recording and both models where they differ most, sample by sample.
 #[derive(Debug, Clone, Default)]
 pub struct Shown {
-    /// First sample.
+    /// First sample shown.
     pub from: usize,
     /// Samples of it that were not fitted.
     pub held_out: Vec<Range<usize>>,
-    /// Recording.
+    /// Readings, one per sample shown.
     pub reading: Vec<f64>,
     /// Base model, freely simulated.
     pub base: Vec<f64>,

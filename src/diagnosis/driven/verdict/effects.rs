@@ -23,9 +23,9 @@ const FORCE: &str = "y/s^2";
 /// Names of the columns and their units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channels {
-    /// Output column.
+    /// Heading of the output column.
     pub output: String,
-    /// Its unit.
+    /// Unit of the output.
     pub output_unit: String,
     /// Unit of the input.
     pub input_unit: String,

@@ -27,7 +27,7 @@ const NUDGE: f64 = 0.05;
 pub struct Freely<'a> {
     /// The model in which it is free.
     pub fit: &'a Fit,
-    /// Its place there.
+    /// Place of the law among the terms of that model.
     pub index: usize,
     /// Whether it predicts unseen samples better than the stated form does.
     pub departs: bool,

@@ -34,13 +34,13 @@ pub struct FreeRun<'a> {
     pub error: &'a [f64],
     /// Displacement that the model passes through.
     pub x: &'a [f64],
-    /// Its velocity.
+    /// Velocity at each sample, output unit per second.
     pub v: &'a [f64],
     /// ω₀ of the model.
     pub omega_rad_s: f64,
     /// ζ of the model.
     pub zeta: f64,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
 }
 
@@ -51,7 +51,7 @@ pub struct Cell {
     pub force: f64,
     /// Its standard error, from the scatter between visits.
     pub error: f64,
-    /// Samples.
+    /// Number of samples in the cell.
     pub samples: usize,
     /// Whether noise alone hardly makes it.
     pub found: bool,
@@ -62,11 +62,11 @@ pub struct Cell {
 pub struct Surface {
     /// Cells along either axis.
     pub side: usize,
-    /// Displacements from, to.
+    /// Lowest and highest displacement, output unit.
     pub x: (f64, f64),
-    /// Velocities from, to.
+    /// Lowest and highest velocity, output unit per second.
     pub v: (f64, f64),
-    /// Row by row.
+    /// Cells row by row, rows of equal velocity from the lowest up.
     pub cells: Vec<Cell>,
 }
 

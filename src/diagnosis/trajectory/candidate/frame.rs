@@ -5,7 +5,7 @@ use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 use crate::diagnosis::trajectory::parameters;
 use crate::units::DEGREE;
 
-/// `mounting`.
+/// Library entry of `mounting`.
 pub const MOUNTING: Candidate = Candidate {
     id: "mounting",
     kind: Kind::Trajectory,

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 
-/// `readout-saturation`.
+/// Library entry of `readout-saturation`.
 pub const SATURATION: Candidate = Candidate {
     id: "readout-saturation",
     kind: Kind::Trajectory,
@@ -15,7 +15,7 @@ pub const SATURATION: Candidate = Candidate {
     reference: "IEEE 952, §3",
 };
 
-/// `axis-swap`.
+/// Library entry of `axis-swap`.
 pub const AXIS_SWAP: Candidate = Candidate {
     id: "axis-swap",
     kind: Kind::Trajectory,
@@ -28,7 +28,7 @@ pub const AXIS_SWAP: Candidate = Candidate {
     reference: "Umeyama, IEEE PAMI 13, 1991: rotations and reflections that map one set of vectors onto another",
 };
 
-/// `vibration`.
+/// Library entry of `vibration`.
 pub const VIBRATION: Candidate = Candidate {
     id: "vibration",
     kind: Kind::Trajectory,

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 
-/// `reference-noise`.
+/// Library entry of `reference-noise`.
 pub const REFERENCE_NOISE: Candidate = Candidate {
     id: "reference-noise",
     kind: Kind::Trajectory,

@@ -18,7 +18,7 @@ pub(super) const SCALE_FACTOR: Candidate = Candidate {
     reference: "IEEE 952, IEEE 1293",
 };
 
-/// `misalignment`.
+/// Library entry of `misalignment`.
 pub const MISALIGNMENT: Candidate = Candidate {
     id: "misalignment",
     kind: Kind::Trajectory,

@@ -71,7 +71,7 @@ impl Term {
         self.parameters.iter().cloned().flatten()
     }
 
-    /// Library id.
+    /// Library id of the candidate.
     pub(crate) fn id(&self) -> &'static str {
         self.candidate.id
     }

@@ -1,24 +1,25 @@
-//! The error budget over time: shares of the variance stacked, and each source's own envelope.
+//! The error budget over time: fractions of the variance, stacked, and each source's own envelope.
 
 use crate::drift::Drift;
-use crate::drift::budget::Share;
+use crate::drift::budget::Contribution;
 use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
 
 /// Sources shown by name; the rest is one band.
 const NAMED: usize = 6;
 
-/// The sources that matter at some time, largest peak share first, at most `NAMED`.
-fn named(drift: &Drift) -> Vec<&Share> {
+/// The sources that matter at some time, largest peak fraction first, at most `NAMED`.
+fn named(drift: &Drift) -> Vec<&Contribution> {
     let budget = &drift.budget;
-    let peak = |s: &Share| (0..budget.time_s.len()).map(|k| budget.fraction(s, k)).fold(0.0, f64::max);
-    let mut shares: Vec<(&Share, f64)> = budget.shares.iter().map(|s| (s, peak(s))).filter(|s| s.1 > 0.005).collect();
-    order::sort_by_key(&mut shares, |s| -s.1);
-    shares.into_iter().take(NAMED).map(|s| s.0).collect()
+    let peak = |s: &Contribution| (0..budget.time_s.len()).map(|k| budget.fraction(s, k)).fold(0.0, f64::max);
+    let mut contributions: Vec<(&Contribution, f64)> =
+        budget.contributions.iter().map(|s| (s, peak(s))).filter(|s| s.1 > 0.005).collect();
+    order::sort_by_key(&mut contributions, |s| -s.1);
+    contributions.into_iter().take(NAMED).map(|s| s.0).collect()
 }
 
 /// Shares of the variance, stacked to 100 %.
-pub(crate) fn shares(drift: &Drift) -> Chart {
+pub(crate) fn stacked(drift: &Drift) -> Chart {
     let budget = &drift.budget;
     let mut chart = Chart::new(
         "Contributions to the variance",
@@ -26,10 +27,11 @@ pub(crate) fn shares(drift: &Drift) -> Chart {
         Axis::linear("fraction of position variance / %").within(0.0, 100.0),
     );
     let mut floor = vec![0.0; budget.time_s.len()];
-    for (n, share) in named(drift).into_iter().enumerate() {
-        let top: Vec<f64> = floor.iter().enumerate().map(|(k, f)| f + 100.0 * budget.fraction(share, k)).collect();
-        stack(&mut chart, share.source.name(), Ink::nth(n), &budget.time_s, &floor, &top);
-        inside(&mut chart, share.source.name(), &budget.time_s, &floor, &top);
+    for (n, contribution) in named(drift).into_iter().enumerate() {
+        let top: Vec<f64> =
+            floor.iter().enumerate().map(|(k, f)| f + 100.0 * budget.fraction(contribution, k)).collect();
+        stack(&mut chart, contribution.source.name(), Ink::nth(n), &budget.time_s, &floor, &top);
+        inside(&mut chart, contribution.source.name(), &budget.time_s, &floor, &top);
         floor = top;
     }
     if floor.iter().any(|f| *f < 99.5) {
@@ -82,12 +84,13 @@ pub(crate) fn alone(drift: &Drift) -> Chart {
         .time_s
         .iter()
         .enumerate()
-        .map(|(k, t)| (*t, budget.shares.iter().map(|s| s.variance_m2[k]).sum::<f64>().sqrt()))
+        .map(|(k, t)| (*t, budget.contributions.iter().map(|s| s.variance_m2[k]).sum::<f64>().sqrt()))
         .collect();
     let floor = whole.first().map_or(0.0, |p| p.1 * 1e-3);
-    for (n, share) in named(drift).into_iter().enumerate() {
-        let points = budget.time_s.iter().zip(&share.variance_m2).map(|(t, v)| (*t, v.sqrt())).filter(|p| p.1 > floor);
-        chart.add(share.source.name(), Ink::nth(n), Mark::Line, points.collect());
+    for (n, contribution) in named(drift).into_iter().enumerate() {
+        let points =
+            budget.time_s.iter().zip(&contribution.variance_m2).map(|(t, v)| (*t, v.sqrt())).filter(|p| p.1 > floor);
+        chart.add(contribution.source.name(), Ink::nth(n), Mark::Line, points.collect());
     }
     chart.add("all together", Ink::Black, Mark::Dashed, whole);
     chart
