@@ -26,7 +26,7 @@ pub(crate) use partial::{Partial, Unfinished};
 pub struct Batch<'a> {
     /// The ensemble that the members belong to.
     pub job: &'a Job,
-    /// Which members; begins at a multiple of 256.
+    /// Range of members; begins at a multiple of 256.
     pub members: Range<u64>,
     /// Bins per report time and quantity; empty when only moments are wanted.
     pub bins: &'a [[Bins; 4]],
@@ -45,7 +45,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// How far a batch has come.
+/// Progress of a batch.
 #[derive(Debug, Clone)]
 pub enum Ran {
     /// To its end: one partial per report time.
@@ -54,9 +54,9 @@ pub enum Ran {
     Part(Unfinished),
 }
 
-/// Something that integrates batches.
+/// A device that integrates batches of an ensemble.
 pub trait Backend {
-    /// What it is, for provenance.
+    /// The machine it integrates on, for provenance.
     fn machine(&self, job: &Job) -> Machine;
 
     /// Members per batch that suit its memory and this job: as few as keep it busy where each is much work, so that what is

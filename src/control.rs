@@ -14,7 +14,7 @@ pub trait Watcher: Send + Sync {
     /// A part of the work begins; `length` is its number of steps, zero where it is not known. It ends when the returned
     /// value is dropped.
     fn begin(&self, name: &str, length: u64) -> Box<dyn Stage>;
-    /// Something to be read while the work goes on.
+    /// Shows a sentence while the work goes on.
     fn remark(&self, sentence: &str);
 }
 
@@ -24,7 +24,7 @@ pub trait Stage: Send + Sync {
     fn set(&self, steps: u64);
     /// Adds member-steps to the progress.
     fn add(&self, steps: u64);
-    /// What is done right now.
+    /// Names the current part of the work.
     fn rename(&self, name: &str);
 }
 

@@ -33,13 +33,13 @@ pub struct Drift {
     pub statistics: Statistics,
     /// Places of the user's report times in `statistics`.
     pub report: Vec<usize>,
-    /// What theory says, at the same times.
+    /// Closed forms at the same times.
     pub expected: Expected,
-    /// How the envelope grows.
+    /// Powers of time fitted to the envelope.
     pub growth: Growth,
-    /// Who is to blame.
+    /// Contribution of each error source.
     pub budget: Budget,
-    /// How the proof mass was stepped, and why.
+    /// Integrator of the proof mass, and the reason for it.
     pub choice: Choice,
     /// What a static log of the sensor says to it.
     pub compared: compare::Outcome,

@@ -9,7 +9,7 @@ use crate::signal;
 /// Shorthand used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What ended the work.
+/// Reason why the work ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
     /// The attempt failed, for the cause stated.
@@ -28,9 +28,9 @@ pub struct Error {
     pub attempt: String,
     /// What was wrong, with file, line, column and need/got where they exist.
     pub cause: String,
-    /// What to do now.
+    /// What the user can do.
     pub hint: String,
-    /// What ended the work.
+    /// Reason why the work ended.
     pub kind: Kind,
 }
 

@@ -37,7 +37,7 @@ pub struct Target {
     pub name: &'static str,
     /// The tool, and which of its files this is.
     pub about: &'static str,
-    /// What the file is usually called.
+    /// Usual name of the file.
     pub file: &'static str,
     /// Terms beside white noise, bias instability and random walk that it represents.
     keeps: &'static [SensorTerm],

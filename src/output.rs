@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use lock::Lock;
 use manifest::{Identity, Manifest, Run};
 
-/// What is about to write into a folder.
+/// A command that is about to write, and what it will write.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Request {
     /// Subcommand that writes, e.g. "study".

@@ -62,7 +62,7 @@ pub enum Stream {
     Start = 10,
     /// Noise of the fixes that aid a navigation.
     Fix = 11,
-    /// How early or late each reading is taken.
+    /// Time-stamp jitter of each reading.
     Jitter = 12,
 }
 

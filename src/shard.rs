@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-/// One of so many shards, counted from 1.
+/// One shard of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Shard {
     /// Number of the shard, from 1.
@@ -30,7 +30,7 @@ impl Shard {
         format!("shard-{}-of-{}.state", self.number, self.of)
     }
 
-    /// Its stretch of the line.
+    /// The pieces of the run that this shard computes.
     pub fn pieces(self, parts: &[Part]) -> Vec<Piece> {
         let total: u128 = parts.iter().map(Part::weight).sum();
         let place = |number: u64| total * u128::from(number) / u128::from(self.of.max(1));
@@ -102,9 +102,9 @@ impl Part {
 /// Units of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Piece {
-    /// Which part, from 0 on.
+    /// Index of the part, from 0.
     pub part: usize,
-    /// Which units of it.
+    /// Units of that part.
     pub units: Range<u64>,
 }
 

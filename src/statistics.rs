@@ -67,7 +67,7 @@ pub struct Machine {
     pub precision: String,
     /// Whether multiply and add were fused; "unknown" on a GPU, whose compiler decides.
     pub fused_multiply_add: String,
-    /// How the proof mass was stepped.
+    /// Integrator of the proof mass.
     pub integrator: String,
 }
 
@@ -83,7 +83,7 @@ impl Machine {
     }
 }
 
-/// Which members were integrated where.
+/// A range of members and the machine that integrated them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// Numbers of the members.
@@ -109,9 +109,9 @@ pub struct Statistics {
     pub member_steps: u64,
     /// Wall time of the run, s.
     pub seconds: f64,
-    /// Where most members were integrated.
+    /// The machine that integrated most members.
     pub machine: Machine,
-    /// Where each of them was, in their order.
+    /// Machine of each range of members, in their order.
     pub origins: Vec<Origin>,
 }
 

@@ -55,7 +55,7 @@ pub struct Study {
     pub members: u64,
     /// Discrete time from the end of the still start, if there is one; `report_samples` are the user's report times.
     pub clock: Clock,
-    /// How attitude and bias are known at the start.
+    /// Knowledge of attitude and bias at the start.
     pub alignment: Alignment,
     /// Every number that may be drawn.
     pub tolerances: Tolerances,
@@ -65,7 +65,7 @@ pub struct Study {
     pub compare: Option<file::Compare>,
     /// What makes it one of six axes, where a trajectory carries it.
     pub in_motion: Option<InMotion>,
-    /// What relative paths start from.
+    /// Folder that relative paths start from.
     pub folder: PathBuf,
     /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies with the same one give the
     /// same numbers.
@@ -223,7 +223,7 @@ impl Study {
         self.clock.sample_s()
     }
 
-    /// One member as drawn.
+    /// Member `index` as drawn.
     pub fn member(&self, index: u64) -> Member {
         draw::member(&self.tolerances, self.excitation.variation, self.seed, index)
     }

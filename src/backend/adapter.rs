@@ -9,7 +9,7 @@ pub struct Adapter {
     pub kind: &'static str,
     /// Driver, its version, and the interface it is reached by.
     pub driver: String,
-    /// Whether it is hardware.
+    /// Whether it is a GPU rather than a software renderer.
     pub hardware: bool,
     /// 64-bit integers in shaders.
     pub int64: bool,

@@ -37,7 +37,7 @@ pub enum Quantity {
     NorthPlusEast,
 }
 
-/// How many quantities there are.
+/// Number of quantities that are summed.
 pub const QUANTITIES: usize = 12;
 
 impl Quantity {
@@ -126,7 +126,7 @@ impl Sums {
 pub struct FlightBatch<'a> {
     /// The ensemble that the members belong to.
     pub flight: &'a Flight,
-    /// Which members; begins at a multiple of 256.
+    /// Range of members; begins at a multiple of 256.
     pub members: Range<u64>,
     /// Bins per report time; empty when only moments are wanted.
     pub bins: &'a [[Bins; QUANTITIES]],
@@ -156,9 +156,9 @@ impl Default for FlightCpu {
 /// Substeps of an axis tabulated at a time.
 const MOST_SUBSTEPS: u64 = 8192;
 
-/// Something that integrates flights.
+/// A device that integrates batches of a six-axis ensemble.
 pub trait FlightBackend {
-    /// What it is, for provenance.
+    /// The machine it integrates on, for provenance.
     fn machine(&self, flight: &Flight) -> Machine;
 
     /// Members per batch that suit it.

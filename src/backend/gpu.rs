@@ -49,7 +49,7 @@ pub struct Kernel(wgpu::ComputePipeline);
 pub struct Dispatch<'a> {
     /// Kernel to run.
     pub kernel: &'a Kernel,
-    /// On what, by binding number.
+    /// Buffers in the order of their binding numbers.
     pub buffers: &'a [&'a Buffer],
     /// Number of workgroups.
     pub workgroups: u32,

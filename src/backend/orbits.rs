@@ -11,7 +11,7 @@ use crate::kernel::orbit::{ALIGN_PERIODS, Orbit, Plan, Point};
 use crate::numerics::elementary::Real;
 use crate::parallel;
 
-/// Where orbits are integrated.
+/// The device that orbits are integrated on.
 #[derive(Clone, Copy)]
 pub enum Device<'a> {
     /// CPU lanes in f32.

@@ -26,7 +26,7 @@ pub struct Unfinished {
     pub members: Range<u64>,
     /// Samples simulated so far.
     pub samples: u64,
-    /// One per report time that was passed.
+    /// Sums, one per report time that was passed.
     pub partials: Vec<Partial>,
     /// What its backend knows of the members between two tiles, as that backend writes it.
     #[serde(serialize_with = "to_text", deserialize_with = "from_text")]

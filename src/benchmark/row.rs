@@ -20,7 +20,7 @@ pub struct Row {
     pub seconds: f64,
     /// Units of work per second.
     pub per_second: f64,
-    /// What a unit is.
+    /// Unit of work that is counted.
     pub unit: String,
     /// Vector instructions per unit, where they were counted.
     pub instructions: Option<f64>,

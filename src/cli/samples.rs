@@ -16,7 +16,7 @@ use crate::study::Study;
 pub(super) struct Request<'a> {
     /// `N FILE`, or nothing.
     pub samples: &'a [OsString],
-    /// Where the study was read from.
+    /// Path of the study.
     pub study: Option<&'a Path>,
     /// Replace FILE though it is the user's.
     pub force: bool,

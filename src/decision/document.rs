@@ -51,12 +51,12 @@ struct Part {
     statistic: Estimate,
 }
 
-/// What was found: of keys, of parts, or both.
+/// Results for keys, for parts, or for both.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
     /// Result of `--vary`; `None` where only parts were ranked.
     pub answer: Option<Answer>,
-    /// Of parts, and the members that it took.
+    /// Parts in order of rank, and the members simulated for them.
     pub parts: Option<(Vec<Judged>, u64)>,
 }
 

@@ -13,7 +13,7 @@ pub struct Panel {
     pairs: Vec<[f64; 2]>,
 }
 
-/// Where a statistic crosses a limit.
+/// Value at which a statistic crosses a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// Value at which the statistic meets the limit.

@@ -27,9 +27,9 @@ pub struct Catalogue {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// What it is called.
+    /// Name of the part.
     pub name: String,
-    /// What it costs, in any one currency.
+    /// Price in any one currency.
     pub price: Option<f64>,
     /// Takes the place of the study's `[accelerometer]`.
     pub accelerometer: Option<Table>,
@@ -37,14 +37,14 @@ pub struct Part {
     pub gyro: Option<Table>,
 }
 
-/// What is found of a part.
+/// A part and whether it meets the requirement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
-    /// What it is called.
+    /// Name of the part.
     pub name: String,
     /// Price, in the catalogue's currency.
     pub price: Option<f64>,
-    /// Whether it meets the requirement.
+    /// Whether a study with it meets the requirement.
     pub meets: bool,
     /// Whether the interval of the statistic says so too.
     pub sure: bool,
@@ -79,7 +79,7 @@ impl Catalogue {
     }
 }
 
-/// What is asked of a catalogue.
+/// A catalogue and the requirement to rank it by.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked<'a> {
     /// The requirement that a study with the part in place must meet.

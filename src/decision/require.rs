@@ -41,18 +41,18 @@ pub struct Question {
     pub most: Option<u64>,
 }
 
-/// One key in the answer.
+/// One varied key and the value found for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
     /// Dotted path of the key in study.toml.
     pub key: String,
     /// Where the requirement is just met; `None` where no value meets it.
     pub value: Option<f64>,
-    /// Its 95 % interval.
+    /// 95 % interval of the value.
     pub ci95: [Option<f64>; 2],
 }
 
-/// Where the limit lies.
+/// How the statistic stands to the limit over the values tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
     /// The statistic crosses the limit.
@@ -69,7 +69,7 @@ pub enum Outcome {
 /// What the search found: the value of each key at which the requirement is just met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// Where the limit lies.
+    /// Whether and how the limit is crossed.
     pub outcome: Outcome,
     /// Values found, one per key.
     pub vary: Vec<Value>,
@@ -177,12 +177,12 @@ pub(super) struct Between<'a> {
     pub ends: [f64; 2],
 }
 
-/// Where a requirement is just met between two values.
+/// A crossing of the limit between two neighbouring values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossed {
     /// Value at which the statistic equals the limit, in the key's unit.
     pub value: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the crossing.
     pub ci95: [Option<f64>; 2],
     /// Whether the values below it meet the requirement.
     pub below: bool,

@@ -84,7 +84,7 @@ impl Statistic {
 pub struct Estimate {
     /// Estimate of the statistic, in the unit of its quantity.
     pub value: f64,
-    /// Where it lies with a confidence of 95 %.
+    /// 95 % confidence interval, lower and upper end.
     pub ci95: [f64; 2],
 }
 
@@ -117,7 +117,7 @@ pub struct Limit {
     pub statistic: Statistic,
     /// The error whose statistic is limited.
     pub quantity: Watched,
-    /// When, s from the end of the still start.
+    /// Time of the statistic, s from the end of the still start.
     pub time_s: f64,
     /// Below what, in the quantity's unit.
     pub below: f64,

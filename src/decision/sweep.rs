@@ -17,7 +17,7 @@ use crate::study::{Assignment, Axis, Study, StudyText};
 /// Axes of a sweep and an optional limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// One for a curve, two for a map.
+    /// One axis for a curve, two for a map.
     pub axes: Vec<Axis>,
     /// The requirement whose crossing is looked for.
     pub limit: Option<Limit>,

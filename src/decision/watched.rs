@@ -13,13 +13,13 @@ use crate::study::in_motion::InMotion;
 /// An error of every member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Watched {
-    /// Along one axis: a place in [`QUANTITIES`].
+    /// Error along one axis, by its place in [`QUANTITIES`].
     OneAxis(usize),
-    /// Along a trajectory: a place in [`IN_MOTION`].
+    /// Error along a trajectory, by its place in [`IN_MOTION`].
     InMotion(usize),
 }
 
-/// What has a name along a trajectory.
+/// Names of the errors along a trajectory.
 pub const IN_MOTION: [(&str, Quantity); 11] = [
     ("position_error_ned_m.north", Quantity::Position(0)),
     ("position_error_ned_m.east", Quantity::Position(1)),

@@ -7,12 +7,12 @@ use super::standing::Ranked;
 use super::verdict::{Detectable, Effect, Estimate, Fit, Outcome, RecordingInfo, StateCell, Stretch, Whiteness};
 use super::{driven, rest, trajectory, tumble};
 
-/// What a diagnosis found.
+/// The result of a diagnosis, before it is put into words.
 #[derive(Debug, Clone)]
 pub struct Answer {
     /// Kind of recording that was diagnosed.
     pub kind: Kind,
-    /// Which of the four verdicts.
+    /// The verdict, one of four.
     pub outcome: Outcome,
     /// File, size and rate of the recording.
     pub recording: RecordingInfo,
@@ -20,9 +20,9 @@ pub struct Answer {
     pub base: Vec<Estimate>,
     /// Named effects, strongest first.
     pub effects: Vec<Effect>,
-    /// Where the mismatch lives.
+    /// Location of the mismatch.
     pub places: Places,
-    /// How well it fits.
+    /// Errors before and after repair, on fitted and held-out samples.
     pub fit: Fit,
     /// Whether the residual of the final model is white.
     pub residual_after: Whiteness,
@@ -37,7 +37,7 @@ pub struct Answer {
     pub detail: Detail,
 }
 
-/// Where the mismatch lives, after false-discovery control.
+/// Location of the mismatch, after false-discovery control.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Places {
     /// Stretches of time, s, from the first sample used.

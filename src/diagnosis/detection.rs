@@ -7,7 +7,7 @@
 use crate::numerics::least_squares::Linear;
 use crate::numerics::special;
 
-/// How much structure a sequence has.
+/// The predictable part of a sequence of innovations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Structure {
     /// Share of the variance that a linear forecast from everything offered removes, adjusted for the number of regressors;
@@ -15,7 +15,7 @@ pub struct Structure {
     pub r_squared: f64,
     /// Of the F test that all regressors together give nothing.
     pub p_value: f64,
-    /// As `r_squared`, from the sequence's own past alone.
+    /// R² of a prediction from the sequence's own past alone.
     pub own_r_squared: f64,
     /// Of the F test that its own past gives nothing.
     pub own_p_value: f64,

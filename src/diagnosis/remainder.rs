@@ -38,12 +38,12 @@ impl Size {
     }
 }
 
-/// One test of what a model leaves.
+/// A test of the residual for structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Test {
     /// Probability of as much by chance, corrected for all tests and channels of the diagnosis; may exceed one.
     pub p_value: f64,
-    /// How much it is.
+    /// Size of the structure that the test sees.
     pub size: Size,
 }
 
@@ -81,7 +81,7 @@ impl Remainder {
         })
     }
 
-    /// As the verdict states it.
+    /// The test as the verdict states it.
     pub fn whiteness(&self) -> Whiteness {
         Whiteness { white: self.white, p_value: self.p_value }
     }

@@ -25,7 +25,7 @@ pub struct Vibration {
 pub struct Repair {
     /// The base model as fitted alone.
     pub before: Sensor,
-    /// With the named physics, all fitted together.
+    /// The sensor with the named physics, all fitted together.
     pub after: Sensor,
     /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1 m/s²".
     pub relation: String,
@@ -37,25 +37,25 @@ pub struct Repair {
     pub own_cost: Vec<Cost>,
 }
 
-/// Which row of the cost table.
+/// Rows of the cost table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Row {
-    /// With the model as it was.
+    /// With the original model.
     Before,
     /// With the named physics.
     After,
     /// What leaving it out costs: the difference between the two.
     Difference,
-    /// Of one effect, by a formula of its kind.
+    /// One effect alone, by a formula of its kind.
     Own,
 }
 
 /// Position error when the physics is left out of the sensor's model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cost {
-    /// Which row it is.
+    /// Row of the table.
     pub row: Row,
-    /// What is left out, e.g. "cubic-stiffness".
+    /// Effect that is left out, e.g. "cubic-stiffness".
     pub of: String,
     /// Under what: "5 m/s² at 3 Hz".
     pub under: String,
@@ -63,7 +63,7 @@ pub struct Cost {
     pub position_10_s_m: f64,
     /// Position error after 60 s, m.
     pub position_60_s_m: f64,
-    /// How it was computed, in a few words.
+    /// Method of the computation, in a few words.
     pub basis: String,
 }
 

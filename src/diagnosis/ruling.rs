@@ -23,7 +23,7 @@
 use super::remainder::Size;
 use super::verdict::Outcome;
 
-/// What a verdict rests on.
+/// Facts that a verdict is decided by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     /// Whether the recording determines the parameters of the base model.
@@ -40,7 +40,7 @@ pub struct Evidence {
     pub stand_ins: bool,
     /// Relative fall of the error's variance by terms that earned no name.
     pub nameless: f64,
-    /// What the final model leaves beyond chance.
+    /// Size of the structure that the final model leaves.
     pub remainder: Size,
     /// Fraction of the base model's held-out error variance that is gone with the named effects; zero where unknown.
     pub removed: f64,

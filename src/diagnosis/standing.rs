@@ -8,7 +8,7 @@ use super::driven::verdict::dropped::Dropped;
 use super::tumble::account::Fate;
 use super::tumble::group::Group;
 
-/// What a candidate removes of the error.
+/// Fraction of the error that a candidate removes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gain {
     /// On data that were not fitted: the share of the error above the noise that goes away, or of the log-likelihood that
@@ -59,9 +59,9 @@ pub struct Ranked {
     pub gain: Gain,
     /// Corrected for the number of candidates tried.
     pub p_value: f64,
-    /// Whether it stands in the verdict.
+    /// Whether the verdict names it.
     pub named: bool,
-    /// What became of it.
+    /// What became of it in the search.
     pub note: Note,
 }
 
@@ -81,7 +81,7 @@ pub enum Note {
     },
     /// Judged by what it adds to the other named effects.
     BesideNamed,
-    /// It was in the model and has no name.
+    /// It was in the model but is not named.
     Dropped(Dropped),
     /// In the poses of an IMU that was turned by hand.
     InPoses {

@@ -108,7 +108,7 @@ pub struct Form {
 pub struct Effect {
     /// Id in the library of candidates.
     pub id: String,
-    /// What was left out.
+    /// One sentence about what was left out.
     pub statement: String,
     /// The law as an equation.
     pub equation: String,
@@ -149,7 +149,7 @@ pub struct Stretch {
     pub excess: f64,
 }
 
-/// Where the mismatch lives, after false-discovery control.
+/// Location of the mismatch, after false-discovery control.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Where {
     /// Place of the mismatch in one sentence.
@@ -174,7 +174,7 @@ pub struct StateCell {
     pub velocity: [f64; 2],
     /// Mean missing force over ω₀², output unit.
     pub force: f64,
-    /// That force over its standard error.
+    /// Force over its standard error.
     pub excess: f64,
 }
 
@@ -183,7 +183,7 @@ pub struct StateCell {
 pub struct Score {
     /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
-    /// With the named effects; absent where nothing is named.
+    /// RMSE with the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rmse_after: Option<f64>,
     /// 95 % interval of after / before, block bootstrap.
@@ -200,12 +200,12 @@ pub struct RangeScore {
     pub to: usize,
     /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
-    /// With the named effects; absent where nothing is named.
+    /// RMSE with the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rmse_after: Option<f64>,
 }
 
-/// What a recording is for.
+/// Use of a recording in the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -220,13 +220,13 @@ pub enum Role {
 pub struct RecordingScore {
     /// Path of the recording, as given.
     pub file: String,
-    /// What it is for.
+    /// Whether it is fitted or only validates.
     pub role: Role,
     /// Samples on which the errors were taken.
     pub samples: usize,
     /// Error of the base model, in the output's unit.
     pub rmse_before: f64,
-    /// With the named effects; absent where nothing is named.
+    /// RMSE with the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rmse_after: Option<f64>,
     /// Of a body without a spring, whose errors above are of windows restarted every second: root mean square of the difference
@@ -243,7 +243,7 @@ pub struct RecordingScore {
 pub struct LogScore {
     /// Value for the base model.
     pub before: f64,
-    /// With the named effects.
+    /// Score of the model with the named effects.
     pub after: f64,
 }
 
@@ -254,11 +254,11 @@ pub struct Noise {
     pub value: f64,
     /// Unit of the output.
     pub unit: String,
-    /// How it was measured.
+    /// Method of the measurement.
     pub how: String,
 }
 
-/// How well it fits.
+/// Errors of the models on fitted and held-out samples.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
     /// Unit of the errors.
@@ -268,9 +268,9 @@ pub struct Fit {
     /// The noise of the reading, measured without any model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
-    /// On the data fitted.
+    /// Errors on the fitted samples.
     pub train: Score,
-    /// On the data held out.
+    /// Errors on the held-out samples.
     pub test: Score,
     /// The same on each range of it, where the model file names several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -278,7 +278,7 @@ pub struct Fit {
     /// Each recording of a driven sensor, in the order given, those that only judge last.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<RecordingScore>,
-    /// Where noise terms are judged.
+    /// Log-likelihood per held-out sample, where noise terms are judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub log_score: Option<LogScore>,
     /// RMSE of one-step prediction on the test part, stated apart from free simulation.
@@ -315,15 +315,15 @@ pub struct Detectable {
 /// A sensor's way from readings to SI: calibrated = matrix · (reading − bias).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SensorCalibration {
-    /// By rows, unit per unit of the reading.
+    /// Matrix by rows, calibrated unit per unit of the reading.
     pub matrix: [[f64; 3]; 3],
     /// 95 % interval of each entry.
     pub matrix_ci95: [[[f64; 2]; 3]; 3],
-    /// In the reading's own unit.
+    /// Bias in the reading's own unit.
     pub bias: [f64; 3],
     /// 95 % interval of each.
     pub bias_ci95: [[f64; 2]; 3],
-    /// Of what is calibrated.
+    /// Unit after calibration.
     pub unit: String,
 }
 
@@ -344,9 +344,9 @@ pub struct Verdict {
     pub schema: &'static str,
     /// Kind of recording that was diagnosed.
     pub kind: super::candidate::Kind,
-    /// Which of the four verdicts.
+    /// The verdict, one of four.
     pub verdict: Outcome,
-    /// In plain words, for the first screen.
+    /// The verdict in a sentence or two.
     pub sentence: String,
     /// File, size and rate of the recording.
     pub recording: RecordingInfo,
@@ -355,20 +355,20 @@ pub struct Verdict {
     pub base: Vec<Estimate>,
     /// Named effects, strongest first.
     pub effects: Vec<Effect>,
-    /// Where the mismatch lives.
+    /// Location of the mismatch.
     #[serde(rename = "where")]
     pub location: Where,
     /// Biases and matrices of an IMU in poses, whatever the verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Triads>,
-    /// How well it fits.
+    /// Errors before and after repair.
     pub fit: Fit,
     /// Whether anything is left.
     pub residual_after: Whiteness,
-    /// Where nothing is named: what would have been.
+    /// Where nothing is named: strengths that would have been named.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
-    /// What would decide or confirm.
+    /// Experiment that would decide or confirm the verdict.
     pub next_experiment: String,
     /// Found in the file and survived; said so that nothing is silent.
     pub findings: Vec<String>,

@@ -32,7 +32,7 @@ pub struct Contribution {
 pub struct Budget {
     /// Times from the end of the still start, s.
     pub time_s: Vec<f64>,
-    /// Largest at the end first.
+    /// Contributions, the largest at the last time first.
     pub contributions: Vec<Contribution>,
     /// Members it was made with.
     pub members: u64,

@@ -20,7 +20,7 @@ use crate::statistics::Statistics;
 use crate::study::Study;
 use crate::study::file::{Axis, Compare};
 
-/// One axis: Allan deviations in SI units.
+/// Allan deviations of one axis in SI units, recorded and simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likeness {
     /// Heading in the log.
@@ -46,7 +46,7 @@ pub struct Departure {
     pub ratio: f64,
 }
 
-/// What came of a study's `[compare]`.
+/// Result of a study's `[compare]`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// The study has no `[compare]`.

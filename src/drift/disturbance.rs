@@ -34,7 +34,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Its name in a sentence.
+    /// Its name as a word in a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Knock => "knock",
@@ -47,7 +47,7 @@ impl Kind {
 /// A stretch of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Disturbance {
-    /// What disturbs the readings there.
+    /// Kind of disturbance.
     pub kind: Kind,
     /// Disturbed samples of the log, half-open.
     pub samples: Range<usize>,

@@ -54,7 +54,7 @@ struct Jcgm101 {
     linear: Linear,
 }
 
-/// On what an ensemble was integrated.
+/// Device that an ensemble was integrated on.
 #[derive(Debug, Clone, Serialize)]
 pub struct Backend {
     kind: String,

@@ -34,7 +34,7 @@ pub struct Expected {
     pub sources: Vec<(ErrorSource, Vec<[Moment; 4]>)>,
     /// Variance of the constant bias that the still start leaves of a source, (m/s²)² or (rad/s)²; nothing without one.
     pub bias_left: Vec<(ErrorSource, f64)>,
-    /// What has no closed form, in words.
+    /// Names of the errors without a closed form.
     pub left_out: Vec<String>,
 }
 

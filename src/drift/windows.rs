@@ -60,7 +60,7 @@ pub struct Drifted {
     pub sense: Sense,
     /// Per length of window.
     pub windows: Vec<Windows>,
-    /// Along the longest windows.
+    /// Quantiles along the longest windows.
     pub curve: Vec<Point>,
     /// Members behind the prediction.
     pub members: u64,
@@ -69,7 +69,7 @@ pub struct Drifted {
 /// Windows of one length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Windows {
-    /// Their length after the still start, s.
+    /// Length of a window after its still start, s.
     pub seconds: f64,
     /// Recorded error at the end of each, and what disturbed it, if anything.
     pub recorded: Vec<(f64, Option<Kind>)>,
@@ -82,7 +82,7 @@ pub struct Windows {
 /// Quantiles over windows and over members at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// From the end of the still start, s.
+    /// Time from the end of the still start, s.
     pub time_s: f64,
     /// `QUANTILES` of the recorded windows.
     pub recorded: [f64; 5],
@@ -96,7 +96,7 @@ impl Windows {
         self.recorded.iter().filter(|(_, kind)| !undisturbed || kind.is_none()).map(|(error, _)| *error).collect()
     }
 
-    /// How many windows are disturbed.
+    /// Number of windows with a disturbance.
     pub fn disturbed(&self) -> usize {
         self.recorded.iter().filter(|(_, kind)| kind.is_some()).count()
     }

@@ -24,6 +24,6 @@ pub struct Options {
     pub precision: Precision,
     /// Members per batch, where the backend's own choice is not wanted (a multiple of 256).
     pub batch_members: Option<u64>,
-    /// Who watches and may stop.
+    /// Watcher that sees progress and may stop the run.
     pub control: Control,
 }

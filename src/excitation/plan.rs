@@ -13,11 +13,11 @@ use crate::units::number::Number;
 pub struct Plan {
     /// Shared by all members, up to their gain.
     pub waveform: Arc<dyn Waveform>,
-    /// How the members differ.
+    /// Difference between members.
     pub variation: Variation,
     /// Numbers that are drawn per member.
     pub drawn: Vec<(&'static Key, Number)>,
-    /// In words, with numbers and units.
+    /// Description with numbers and units.
     pub words: String,
     /// The frequencies it is made of.
     pub spectrum: Spectrum,
@@ -25,12 +25,12 @@ pub struct Plan {
     pub replayed_sha256: Option<String>,
 }
 
-/// How the excitation differs from member to member.
+/// How the excitation differs between members.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variation {
     /// Every member gets the shared waveform unchanged.
     None,
-    /// In size: [`SIZE`] is the member's gain.
+    /// By a factor: [`SIZE`] is the member's gain.
     Gain,
     /// A sine of its own: size, frequency and phase are drawn.
     Sine,
@@ -39,7 +39,7 @@ pub enum Variation {
 /// The frequencies an excitation is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Spectrum {
-    /// It is not made of frequencies.
+    /// Any other shape, without a highest frequency.
     Shape,
     /// One line, Hz: without it nothing is left.
     Line(f64),

@@ -7,7 +7,7 @@ use super::section::{Keys, Section, Value};
 use crate::error::{Error, Result};
 use crate::units::number::Number;
 
-/// One kind of excitation.
+/// A kind of excitation: its name, keys and reader.
 pub struct Kind {
     /// Value of `excitation.kind` that selects it.
     pub name: &'static str,
@@ -20,13 +20,13 @@ pub struct Kind {
 /// The run that an excitation is for.
 #[derive(Debug, Clone, Copy)]
 pub struct Run<'a> {
-    /// Where the study was read from, for messages.
+    /// Name of the study, for messages.
     pub source: &'a str,
     /// Length of the run, s.
     pub duration_s: f64,
     /// Seed of every random number.
     pub seed: u64,
-    /// What a relative `file` starts from.
+    /// Folder that a relative `file` starts from.
     pub folder: &'a Path,
 }
 

@@ -9,7 +9,7 @@ use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, Visitor};
 
 use crate::units::number::Number;
 
-/// What the value of a key is.
+/// Form of a key's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// A number that may be drawn per member.
@@ -61,7 +61,7 @@ impl Section {
     }
 }
 
-/// What there is to choose from.
+/// The known kinds and keys.
 pub struct Known {
     kinds: Vec<&'static str>,
     /// `kind`, then every key of every kind.

@@ -19,7 +19,7 @@ pub struct Value {
 /// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes or of one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
-    /// Its unit, for people.
+    /// Name of the unit, for messages.
     pub unit: &'static str,
     /// White noise N, unit·√s.
     pub white: Value,
@@ -35,7 +35,7 @@ pub struct Errors {
     pub range: f64,
 }
 
-/// Something given that is not among [`Errors`].
+/// A term given that is not among [`Errors`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Other {
     /// Key of study.toml that gives it.
@@ -57,7 +57,7 @@ pub struct Imu {
     pub accelerometer: Errors,
     /// Errors of the gyro, rad/s.
     pub gyro: Errors,
-    /// What else was given and is not zero.
+    /// Other terms given, without those that are zero.
     pub others: Vec<Other>,
     /// Accelerometer and gyro of x, y and z where they differ; `accelerometer` and `gyro` are then their root mean squares.
     pub axes: Option<[[Errors; 2]; 3]>,

@@ -25,7 +25,7 @@ pub(super) enum Syntax {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Field<'a> {
     pub key: &'a str,
-    /// In the tool's unit.
+    /// Value in the tool's unit.
     pub value: f64,
     pub unit: &'a str,
     /// Convention: N or density, per sample or continuous, σ or variance.

@@ -85,7 +85,7 @@ impl Force {
     }
 }
 
-/// What an axis may hold.
+/// Parameter that an axis may hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -23,7 +23,7 @@ const CENTRIFUGAL: f64 = 0.003_449_786_506_84;
 /// First eccentricity squared.
 const ECCENTRICITY_SQUARED: f64 = FLATTENING * (2.0 - FLATTENING);
 
-/// What Earth a study stands on.
+/// Shape, gravity and rotation of the Earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Earth {
     /// Geodetic latitude of the start, rad; none: the Earth is flat and still, with standard gravity.
@@ -56,14 +56,14 @@ impl Place {
 /// Radii of curvature of the ellipsoid at a latitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Radii {
-    /// Of the meridian, m.
+    /// Radius of the meridian, m.
     pub meridian_m: f64,
-    /// Of the prime vertical, m.
+    /// Radius of the prime vertical, m.
     pub prime_vertical_m: f64,
 }
 
 impl Radii {
-    /// At a geodetic latitude.
+    /// Radii at a geodetic latitude.
     pub fn at(latitude_rad: f64) -> Self {
         let root = (1.0 - ECCENTRICITY_SQUARED * latitude_rad.sin().powi(2)).sqrt();
         Self {
@@ -77,7 +77,7 @@ impl Earth {
     /// A flat Earth without rotation, g = 9.80665 m/s².
     pub const FLAT: Self = Self { latitude_rad: None, height_m: 0.0, rotation: false };
 
-    /// Where a trajectory starts.
+    /// Place at which a trajectory starts.
     pub fn start(&self) -> Place {
         Place { latitude_rad: self.latitude_rad.unwrap_or_default(), height_m: self.height_m }
     }

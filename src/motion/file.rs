@@ -26,12 +26,12 @@ use layout::{Axes, Layout, Rotation};
 use read::Stretch;
 use refusal::Refusal;
 
-/// What is wanted of a file.
+/// The part of a file of poses that is wanted, and how to read it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request<'a> {
     /// Path of the file of poses.
     pub path: &'a Path,
-    /// What the user says it is.
+    /// Layout that the user states.
     pub format: Option<Format>,
     /// The file of times that belongs to it.
     pub times: Option<&'a Path>,
@@ -39,7 +39,7 @@ pub struct Request<'a> {
     pub up: Option<Up>,
     /// The order of quaternions, which is then not questioned.
     pub quaternion: Option<Order>,
-    /// Where to begin, s after its first pose.
+    /// Beginning, s after the first pose.
     pub from_s: f64,
     /// Length of the stretch that is used, s.
     pub duration_s: f64,
@@ -48,11 +48,11 @@ pub struct Request<'a> {
 /// Poses of a file in north, east and down; time counts from where the user begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
-    /// In order of time.
+    /// The poses, in order of time.
     pub poses: Vec<Pose>,
     /// When the file's first pose was, where its stamps say it.
     pub start: Option<Instant>,
-    /// What was found and survived.
+    /// Irregularities that did not prevent reading.
     pub findings: Vec<Finding>,
 }
 

@@ -14,7 +14,7 @@ pub use increments::{Increment, increments, integrals};
 use super::earth::{Earth, Place};
 use super::truth::{Sample, Truth};
 
-/// How a navigator treats motion within a sampling interval.
+/// Treatment of motion within a sampling interval.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -26,7 +26,7 @@ pub enum Integrator {
     Compensated,
 }
 
-/// How a navigator's answer differs from the truth.
+/// Error of a navigator against the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
     /// Attitude as a rotation vector in north-east-down, rad.
@@ -38,7 +38,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Of a state from a sample of the truth.
+    /// Error of a state against a sample of the truth.
     pub fn of(state: &State, truth: &Sample) -> Self {
         Self {
             attitude_rad: (state.attitude * truth.attitude.inverse()).scaled_axis(),
@@ -48,10 +48,10 @@ impl Difference {
     }
 }
 
-/// What a navigator believes.
+/// A navigator's estimate of attitude, velocity and position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
-    /// From body axes to north-east-down.
+    /// Rotation from body axes to north-east-down.
     pub attitude: UnitQuaternion<f64>,
     /// Velocity over the Earth in north-east-down, m/s.
     pub velocity_m_s: Vector3<f64>,

@@ -9,7 +9,7 @@ pub struct Pose {
     pub time_s: f64,
     /// Position in north-east-down from some origin, m.
     pub position_m: Vector3<f64>,
-    /// From body axes to north-east-down.
+    /// Rotation from body axes to north-east-down.
     pub attitude: UnitQuaternion<f64>,
 }
 

@@ -30,7 +30,7 @@ use source::{POSES, fail};
 pub const KINDS: [Kind; 7] =
     [Kind::Rest, Kind::Circle, Kind::FigureEight, Kind::Waypoints, Kind::Car, Kind::Drone, Kind::File];
 
-/// What a kind declares.
+/// Name, keys and poses of a kind.
 pub fn source(kind: Kind) -> &'static Source {
     match kind {
         Kind::Rest => &rest::SOURCE,

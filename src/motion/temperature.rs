@@ -5,7 +5,7 @@
 pub struct Temperature {
     /// Time, s, and temperature, °C; times increase. Before the first and after the last point it stays.
     pub points: Vec<[f64; 2]>,
-    /// Where the stated errors hold, °C.
+    /// Temperature at which the stated errors hold, °C.
     pub reference_deg_c: f64,
 }
 

@@ -16,15 +16,15 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     spline: Spline,
-    /// How far the motion departs from the poses given.
+    /// Distance of the motion from the poses given.
     pub departure: Departure,
-    /// How long it lasts, s.
+    /// Length of the motion, s.
     pub duration_s: f64,
     /// What was found about the file that it comes from.
     pub findings: Vec<Finding>,
 }
 
-/// How a motion is sampled.
+/// Rate and length at which a motion is sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     /// Samples per second.
@@ -38,11 +38,11 @@ pub struct Sampling {
 /// A stretch of a motion, evenly sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Where it begins, s.
+    /// Time of the first sample, s.
     pub from_s: f64,
-    /// From one sample to the next, s.
+    /// Time between samples, s.
     pub interval_s: f64,
-    /// How many of these.
+    /// Number of intervals.
     pub steps: usize,
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 pub struct Sample {
     /// Time since the start, s.
     pub time_s: f64,
-    /// From body axes to north-east-down.
+    /// Rotation from body axes to north-east-down.
     pub attitude: UnitQuaternion<f64>,
     /// Velocity over the Earth in north-east-down, m/s.
     pub velocity_m_s: Vector3<f64>,
@@ -22,8 +22,8 @@ pub struct Sample {
 /// A motion, sampled evenly; the values hold at the instants themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// From one sample to the next, s.
+    /// Time between samples, s.
     pub interval_s: f64,
-    /// One for each instant.
+    /// The samples, one per instant.
     pub samples: Vec<Sample>,
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix2, RowVector2, Vector2};
 
-/// What the filter believes about its sensors.
+/// Sensor noise and initial uncertainty that the filter assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
     /// Time between readings, s.
@@ -24,7 +24,7 @@ pub struct Model {
     pub start_deviation: [f64; 2],
 }
 
-/// How much the accelerometer is trusted.
+/// Rule for the accelerometer's measurement variance R.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weighting {
     /// Always as at rest: the filter of the paper.
@@ -46,7 +46,7 @@ pub struct Reading {
     pub force_m_s2: f64,
 }
 
-/// What one update did.
+/// Result of one update.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Update {
     /// Tilt (rad) and gyro bias (rad/s) after it.

@@ -34,7 +34,7 @@ const BLOCK: usize = KEPT + 1024;
 /// 2³¹ × 128 samples are years at any rate.
 const LEVELS: usize = 32;
 
-/// One point of an Allan curve.
+/// Averaging time, Allan variance and sample count of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Averaging time in samples.

@@ -81,7 +81,7 @@ impl Normal {
     }
 }
 
-/// Where a search ended.
+/// The end of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
     /// Parameter vector at the minimum.

@@ -19,7 +19,7 @@ pub struct Density {
     pub averages: f64,
 }
 
-/// How one channel answers another.
+/// Frequency response of one channel to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Frequencies, ascending; zero is left out.

@@ -84,7 +84,7 @@ impl Run {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     schema: String,
-    /// In the order in which they first wrote.
+    /// Runs in the order of their first write.
     pub runs: Vec<Run>,
 }
 
@@ -137,7 +137,7 @@ impl Manifest {
         write_whole(&folder.join(NAME), to_json(self)?.as_bytes())
     }
 
-    /// What a run has written here.
+    /// The files that a run has written here.
     pub fn run(&self, identity: &Identity) -> Option<&Run> {
         self.runs.iter().find(|run| run.identity == *identity)
     }

@@ -18,7 +18,7 @@ const WALK_M_S2_RTS: f64 = 4e-6;
 const RATE_HZ: f64 = 20.0;
 const SAMPLES: usize = 20 * 4 * 3600;
 
-/// One Allan curve with its band and its law.
+/// An Allan curve with its band and its law.
 #[derive(Debug, Clone)]
 pub struct Deviation {
     /// Averaging time (s), deviation (m/s²).

@@ -20,7 +20,7 @@ pub struct Bifurcation {
     pub path: Vec<(f64, MassResponse)>,
     /// The periodic force of figure 17.
     pub drive: Drive,
-    /// What holds of it.
+    /// Checks of the response.
     pub checks: Vec<Check>,
 }
 

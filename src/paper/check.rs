@@ -5,7 +5,7 @@ use serde::Serialize;
 /// One machine check. It holds exactly when `got` lies within `tolerance` of `expected`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// What is compared, with its unit.
+    /// Quantity that is compared, with its unit.
     pub name: String,
     /// Expected number, from the source stated.
     pub expected: f64,
@@ -15,7 +15,7 @@ pub struct Check {
     pub tolerance: f64,
     /// The verdict; NaN never holds.
     pub holds: bool,
-    /// Where the expected number and the tolerance come from.
+    /// Source of the expected number and of the tolerance.
     #[serde(skip)]
     pub because: String,
     /// Whether the claim is a range, from `expected − tolerance` to `expected + tolerance`.
@@ -36,7 +36,7 @@ impl Check {
     }
 }
 
-/// Where a figure's numbers come from.
+/// Origin of a figure's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Provenance {
@@ -51,9 +51,9 @@ pub enum Provenance {
 pub struct Exhibit {
     /// Number in the paper.
     pub figure: u32,
-    /// What it shows, in our words.
+    /// Title of the figure, in our words.
     pub title: String,
-    /// Where its numbers come from.
+    /// Origin of its numbers.
     pub source: Provenance,
     /// Checks of the figure.
     pub checks: Vec<Check>,

@@ -5,7 +5,7 @@
 use crate::numerics::moments::mean;
 use crate::numerics::order;
 
-/// What an ensemble does over time.
+/// Mean, spread and quantiles of an ensemble over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     /// Sampled times, s.

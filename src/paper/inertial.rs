@@ -19,7 +19,7 @@ use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 pub struct Inertial {
     /// Whether the readings were recorded or simulated.
     pub source: Provenance,
-    /// Where it came from, for captions.
+    /// Origin of the readings, for captions.
     pub origin: String,
     /// Time between readings, s.
     pub step_s: f64,

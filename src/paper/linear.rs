@@ -20,7 +20,7 @@ pub(crate) const END_S: f64 = 60.0;
 pub struct Linear {
     /// The exact response at every `0.02` s: time and motion.
     pub exact: Vec<(f64, MassResponse)>,
-    /// The same by Runge–Kutta with coarse steps, for dots.
+    /// The same by Runge–Kutta with coarse steps.
     pub runge_kutta: Vec<(f64, f64)>,
     /// What eq. 5 leaves over when put into eq. 4: (time, as printed, with the right roots), N.
     pub residuals: Vec<(f64, f64, f64)>,

@@ -19,7 +19,7 @@ impl Kind {
     /// Every kind of recording.
     pub const ALL: [Self; 4] = [Self::Driven, Self::Static, Self::Tumble, Self::Trajectory];
 
-    /// As written in model.toml.
+    /// Value of `kind` in model.toml.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Driven => "driven",
@@ -43,12 +43,12 @@ pub struct Parameter {
     pub range: (f64, f64),
 }
 
-/// What the library says of one candidate.
+/// The library's entry of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Candidate {
     /// Public id, e.g. "cubic-stiffness".
     pub id: &'static str,
-    /// Which recordings can show it.
+    /// Kind of recording that can show it.
     pub kind: Kind,
     /// One sentence: what was left out.
     pub statement: &'static str,
@@ -56,12 +56,12 @@ pub struct Candidate {
     pub equation: &'static str,
     /// Its free parameters, with units and plausible ranges.
     pub parameters: &'static [Parameter],
-    /// Where it acts: "equation of motion", "readout", …
+    /// Place where it acts: "equation of motion", "readout", …
     pub acts: &'static str,
-    /// What in a residual points to it.
+    /// Features of a residual that point to it.
     pub signature: &'static str,
     /// Ids it can be mistaken for.
     pub confusable_with: &'static [&'static str],
-    /// Where to read about it.
+    /// Literature on the effect.
     pub reference: &'static str,
 }

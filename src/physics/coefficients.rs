@@ -21,7 +21,7 @@ pub struct StudyLaw {
 }
 
 impl StudyLaw {
-    /// How its parameters are given.
+    /// Keys that give its parameters.
     pub fn given(&self) -> &'static [Given] {
         self.term.study()
     }
@@ -31,7 +31,7 @@ impl StudyLaw {
         self.first..self.first + self.given().len()
     }
 
-    /// What its `parameter` is multiplied by in other units.
+    /// Factor that converts its `parameter` to other units.
     pub fn factor(&self, parameter: usize, units: &Units) -> f64 {
         self.term.candidate().parameters.get(parameter).map_or(1.0, |p| Dimension::of(p.unit).factor(units))
     }

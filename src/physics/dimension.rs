@@ -7,14 +7,14 @@
 /// Powers of the units of displacement, input and time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dimension {
-    /// Of the displacement's unit.
+    /// Power of the displacement's unit.
     pub y: i32,
-    /// Of the input's unit.
+    /// Power of the input's unit.
     pub u: i32,
     pub s: i32,
 }
 
-/// How many new units one old one is.
+/// Conversion factors from old units to new ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
     /// Of displacement: new units per old one.

@@ -7,7 +7,7 @@ use super::law::{Law, Role, StartGrid};
 use super::scales::{Coordinate, Scales};
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
 
-/// Which side has a stop.
+/// Side of the mass that has a stop.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Side {
     /// Both, at the same distance.

@@ -15,7 +15,7 @@ use super::{
     squeeze_film_damping,
 };
 
-/// Which law is freed.
+/// Law whose form is freed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freed {
     /// Cubic stiffness, βx³.
@@ -34,7 +34,7 @@ pub enum Freed {
     Stop(Side),
 }
 
-/// What a law depends on.
+/// Quantity that a law depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
     /// Displacement of the mass.
@@ -57,14 +57,14 @@ pub struct FreeForm {
     pub law: Freed,
     /// A typical size of its argument (of the depth, for a stop).
     pub size: f64,
-    /// How much of its form is free.
+    /// Part of the form that is free.
     pub extent: Extent,
 }
 
-/// How much of a form is free.
+/// Part of a form that is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// One value: an exponent, or how smooth friction is.
+    /// One coefficient: an exponent, or the smoothness of friction.
     Narrow,
     /// All coefficients of the form.
     Wide,
@@ -128,7 +128,7 @@ fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
 }
 
 impl FreeForm {
-    /// Its curve at an argument.
+    /// The law at argument `a`.
     #[inline(always)]
     pub fn curve<T: Real, const FMA: bool>(&self, p: &[T], a: T) -> T {
         let zero = T::of(0.0);

@@ -35,7 +35,7 @@ pub enum Role {
 /// Places in the readout, in the order in which a reading passes them. The offset of the base model is added before `Input`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
-    /// What moves beside the mass joins its displacement.
+    /// Displacements of further modes are added to that of the mass.
     Modes,
     /// A first-order low-pass.
     LowPass,
@@ -43,7 +43,7 @@ pub enum Place {
     Nonlinearity,
     /// Part of the input is added.
     Input,
-    /// Something that depends on time alone is added.
+    /// An offset that depends on time alone is added.
     Bias,
     /// Saturation at two rails.
     Rails,
@@ -76,7 +76,7 @@ impl Role {
         matches!(self, Self::Mode | Self::LowPass)
     }
 
-    /// Where in the readout it acts, if it does.
+    /// Place in the readout at which it acts, if it does.
     pub fn place(self) -> Option<Place> {
         match self {
             Self::Mode => Some(Place::Modes),
@@ -103,7 +103,7 @@ pub enum StartGrid {
 
 /// One law of the library. Empty defaults: a law acts only where it says so.
 pub trait Law {
-    /// What the library says of it.
+    /// Its entry in the library of candidates.
     fn candidate(&self) -> &'static Candidate;
     /// Where and how the law acts.
     fn role(&self) -> Role;

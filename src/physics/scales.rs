@@ -2,7 +2,7 @@
 //!
 //! Not where fits begin (`start`), which finds most of these sizes.
 
-/// How a parameter is moved by the optimiser.
+/// Optimiser coordinate of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coordinate {
     /// In units of a typical size.

@@ -26,7 +26,7 @@ pub struct Base<T, const N: usize> {
 /// The base model of the diagnosis.
 pub(crate) type BaseLanes = Base<f64, LANES>;
 
-/// One mass at one instant.
+/// State of one mass at one instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Instant<'a, T> {
     /// Time since the recording or the run began.
@@ -61,7 +61,7 @@ pub struct Instants<'a, T, const N: usize> {
 }
 
 impl<T: Copy, const N: usize> Instants<'_, T, N> {
-    /// One of the masses.
+    /// State of mass `l`.
     #[inline(always)]
     pub fn lane(&self, l: usize) -> Instant<'_, T> {
         Instant {
@@ -80,7 +80,7 @@ impl<T: Copy, const N: usize> Instants<'_, T, N> {
 /// What a law needs at every step of a pass and that does not change during it.
 pub(crate) type Constants = [Lanes; 6];
 
-/// One step that the masses have taken.
+/// One step of the masses: states before and after, and the input.
 #[derive(Debug, Clone, Copy)]
 pub struct Stride {
     /// Length of the step, s.

@@ -132,7 +132,7 @@ pub(super) fn allan(py: Python<'_>, given: Given<'_>, request: Read, scales: Uni
     })
 }
 
-/// What is read of a recording.
+/// Which part of a recording is read, and by which clock.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Read {
@@ -151,7 +151,7 @@ impl From<Read> for Request {
     }
 }
 
-/// Which columns are a sensor's, in which unit.
+/// Columns of the sensors and their units.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Units {

@@ -203,7 +203,7 @@ pub(crate) fn page(rows: &[Row], others: Option<f64>) -> Page {
     page
 }
 
-/// The same in Markdown.
+/// The measured rates in Markdown.
 pub fn summary(rows: &[Row], others: Option<f64>) -> String {
     [
         "# How fast proofmass is".to_owned(),

@@ -149,7 +149,7 @@ fn members(found: &Found) -> u64 {
     found.answer.as_ref().map_or(0, |a| a.members) + found.parts.as_ref().map_or(0, |(_, members)| *members)
 }
 
-/// What the terminal shows.
+/// The answer for a terminal.
 pub fn terminal(limit: &Limit, found: &Found) -> String {
     let table = found.parts.as_ref().map_or(String::new(), |(parts, _)| format!("{}\n", parts_table(limit, parts)));
     format!("{}\n\n{table}members:    {} simulated in total\n", lede(limit, found), members(found))

@@ -213,7 +213,7 @@ pub fn csv(sweep: &Sweep) -> String {
     text
 }
 
-/// What the terminal shows.
+/// The answer for a terminal.
 pub fn terminal(sweep: &Sweep) -> String {
     let met = if sweep.crossings.is_empty() { String::new() } else { format!("\n{}", crossings(sweep)) };
     format!("{}\n\n{}{met}", lede(sweep), table(sweep))

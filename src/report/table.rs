@@ -10,7 +10,7 @@ const DENSE: usize = 14;
 /// Rows of text under headings. The first column is left-aligned, columns of numbers right-aligned.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
-    /// One heading per column, with the unit.
+    /// Heading of each column, with the unit.
     pub headings: Vec<String>,
     /// Cells; short rows are padded.
     pub rows: Vec<Vec<String>>,

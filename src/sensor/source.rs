@@ -4,7 +4,7 @@
 
 use super::{Sense, Sensor, SensorTerm};
 
-/// One source of error.
+/// A source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ErrorSource {
     /// Resonance, damping and nonlinear springs of the proof mass: the reading is not the force.
@@ -28,7 +28,7 @@ impl ErrorSource {
         all
     };
 
-    /// Its name in tables and figures.
+    /// Name in tables and figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mechanics => "proof-mass mechanics",

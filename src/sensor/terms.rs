@@ -19,7 +19,7 @@ use crate::units::{
     MILLI_G, PPM, STANDARD_GRAVITY_M_S2,
 };
 
-/// Which of an IMU's two kinds of sensor.
+/// Kind of sensor in an IMU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
     /// Accelerometer: specific force, m/s².
@@ -29,7 +29,7 @@ pub enum Sense {
 }
 
 impl Sense {
-    /// Its name in a sentence.
+    /// Name as a word in a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Accelerometer => "accelerometer",

@@ -27,7 +27,7 @@ pub struct Run {
     pub version: String,
     /// Digest of everything that the numbers depend on.
     pub identity: String,
-    /// What a unit is called: "members".
+    /// Name of a unit in the plural, e.g. "members".
     pub unit: String,
     /// Units of each part.
     pub parts: Vec<u64>,
@@ -36,7 +36,7 @@ pub struct Run {
 /// The head of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// What it is a shard of.
+    /// The run that it is a shard of.
     pub run: Run,
     /// The file that the run was asked about, as far as there is one: the same command on it replaces this file.
     pub input: Option<PathBuf>,
@@ -48,7 +48,7 @@ pub struct Header {
     pub pieces: Vec<Progress>,
 }
 
-/// How far a piece has come.
+/// Progress of a piece.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Progress {
     /// Piece of the run.

@@ -14,7 +14,7 @@ use crate::output::manifest::matches;
 pub struct Found {
     /// Path of the file.
     pub path: PathBuf,
-    /// What it says of itself.
+    /// Head of the file.
     pub header: Header,
     /// Its bytes, where another process has sent them.
     pub received: Option<Vec<u8>>,

@@ -25,7 +25,7 @@ const CONFIDENCE: f64 = 0.95;
 /// Results of one block: mean, standard deviation, lower and upper end of the symmetric coverage interval.
 pub type Block = [f64; 4];
 
-/// What the first stage says.
+/// Number of trials needed, by the first stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Need {
     /// Trials in all, a multiple of [`BLOCK`].
@@ -86,7 +86,7 @@ pub struct Stated {
 /// Coverage intervals at 95 %, lower and upper end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Intervals {
-    /// As much probability below as above it.
+    /// The probabilistically symmetric interval.
     pub symmetric: [f64; 2],
     /// The shortest interval with that coverage.
     pub shortest: [f64; 2],
@@ -101,9 +101,9 @@ pub struct Linear {
     pub standard_uncertainty: f64,
     /// Estimate ± 1.96 standard uncertainties.
     pub interval95: [f64; 2],
-    /// How far the lower ends are apart.
+    /// Distance between the lower ends of both intervals.
     pub d_low: f64,
-    /// How far the upper ends are.
+    /// Distance between the upper ends of both intervals.
     pub d_high: f64,
     /// Whether both are within the tolerance; absent where the trials leave that open.
     pub validated: Option<bool>,

@@ -27,7 +27,7 @@ impl Default for Moments {
 }
 
 impl Moments {
-    /// Of a few values, two passes, in their order.
+    /// Moments of a few values, in two passes and in their order.
     pub fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
         let [moments] = Self::of_each(values.map(|x| [x]));
         moments

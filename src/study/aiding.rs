@@ -17,10 +17,10 @@ const MOST_OUTAGES: usize = 64;
 /// A body that is slower stands still, m/s.
 const STILL_M_S: f64 = 0.01;
 
-/// What aids a run.
+/// Measurements that aid a run, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aiding {
-    /// What the navigator makes of a measurement.
+    /// How the navigator uses a measurement.
     pub method: AidingMethod,
     /// The measurements, in the order of time, without gains.
     pub fixes: Vec<Fix>,

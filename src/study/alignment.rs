@@ -21,7 +21,7 @@ use crate::units::number::Number;
 /// Longest still start, samples: what is left of the 2³² that a run may have is enough for the run.
 const MOST_SAMPLES: f64 = 2e9;
 
-/// How a run begins, checked.
+/// Initial alignment, checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {
     /// With the biases that the study gives: level, or tilted as drawn.

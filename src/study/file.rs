@@ -48,7 +48,7 @@ pub struct File {
     /// Times at which the errors are tabulated.
     #[serde(default)]
     pub report: Report,
-    /// How the navigator is aligned at the start.
+    /// Alignment of the navigator at the start.
     pub alignment: Option<Alignment>,
     /// A static log to compare with the simulation.
     pub compare: Option<Compare>,
@@ -100,7 +100,7 @@ pub struct Vibration {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Aiding {
-    /// What the navigator makes of a measurement (default: filter).
+    /// How the navigator uses a measurement (default: filter).
     pub method: Option<AidingMethod>,
     /// Position and velocity from satellites.
     pub gnss: Option<Gnss>,
@@ -134,7 +134,7 @@ pub struct Zupt {
     pub velocity_sd_m_s: Option<f64>,
 }
 
-/// What a navigator makes of a measurement.
+/// How a navigator uses a measurement.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]

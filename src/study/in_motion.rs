@@ -48,15 +48,15 @@ pub struct InMotion {
     pub tolerances: [Tolerances; 3],
     /// The same with it.
     pub between: [Tolerances; 3],
-    /// Where the sensor goes.
+    /// Course of the sensor over the Earth.
     pub course: Arc<Course>,
     /// Whether the vertical channel runs free or is held by an aid.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
-    /// What the navigator makes of motion within a sample.
+    /// How the navigator treats motion within a sample.
     pub mechanisation: Mechanisation,
-    /// What measures velocity and position on the way.
+    /// Measurements that aid the navigator.
     pub aiding: Option<Aiding>,
     /// The recorded flight to lay beside it.
     pub flown: Option<Flown>,

@@ -25,7 +25,7 @@ impl Preset {
     /// Every grade, the worst first.
     pub const ALL: [Self; 4] = [Self::Consumer, Self::Industrial, Self::Tactical, Self::Navigation];
 
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Consumer => "consumer",

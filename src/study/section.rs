@@ -60,7 +60,7 @@ pub enum Section {
 const SAMPLE_RATE: &str = "sample_rate_hz";
 
 impl Section {
-    /// As in the file.
+    /// Name in the file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sensor => "sensor",

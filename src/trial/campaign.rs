@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::Family;
 
-/// What a trial sets out to show.
+/// Aim of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Campaign {

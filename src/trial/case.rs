@@ -45,11 +45,11 @@ pub enum Family {
     RingDown,
     /// At rest, white noise only.
     StillNull,
-    /// At rest, one process.
+    /// At rest, one process planted.
     StillPlanted,
     /// At rest, temperature acts and its column is withheld.
     WithheldColumn,
-    /// At rest, something that no candidate describes.
+    /// At rest, physics that no candidate describes.
     StillUnknown,
     /// Turned by hand, nothing planted.
     TurnedNull,
@@ -128,7 +128,7 @@ pub enum Body {
 /// A case with its truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Its number in the trial.
+    /// Number of the case in the trial.
     pub number: usize,
     /// Family that the case counts in.
     pub family: Family,

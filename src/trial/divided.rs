@@ -51,7 +51,7 @@ pub(crate) fn pack(truth: &Path, verdicts: &Path) -> Result<Vec<u8>> {
 
 /// A trial, put together.
 pub(crate) struct Merged {
-    /// How it was drawn.
+    /// Plan that the cases were drawn by.
     pub plan: Plan,
     pub cases: Vec<Case>,
     pub verdicts: Verdicts,

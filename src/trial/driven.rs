@@ -33,7 +33,7 @@ pub struct Planted {
 /// The numbers of a driven case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Driven {
-    /// Of noise and environment.
+    /// Seed of noise and environment.
     pub seed: u64,
     /// Sampling rate, Hz.
     pub rate_hz: f64,
@@ -53,7 +53,7 @@ pub struct Driven {
     pub excitation: Excitation,
     /// White readout noise, standard deviation.
     pub noise: f64,
-    /// Of the undisturbed motion that the amplitudes refer to.
+    /// Scales of the undisturbed motion, to which amplitudes refer.
     pub scales: Scales,
     /// rms of the undisturbed output in this recording; below `scales.x` where the loud part is withheld.
     pub output_rms: f64,

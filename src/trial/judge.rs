@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::case::Case;
 use super::said::{Ending, Said};
 
-/// What a verdict was worth.
+/// Worth of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mark {
@@ -22,7 +22,7 @@ pub enum Mark {
     Partial,
     /// All of it and something more.
     Extra,
-    /// Something that is not there, with confidence.
+    /// An effect that is not there, named with confidence.
     Wrong,
     /// A real mismatch, no name.
     Unexplained,
@@ -113,7 +113,7 @@ pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
         .collect()
 }
 
-/// One interval against the truth.
+/// An interval compared with the planted value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covered {
     /// Library id of the effect.

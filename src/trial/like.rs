@@ -51,7 +51,7 @@ pub(crate) struct Revealed {
     pub noticed_from: Option<f64>,
     /// Smallest size named, and at every larger one; null when none was.
     pub named_from: Option<f64>,
-    /// What it was taken for.
+    /// Ids that it was taken for.
     pub taken_for: Vec<String>,
     /// Every size; those missing could not be planted (the motion would diverge, or no strength shows that much).
     pub tried: Vec<Tried>,
@@ -72,7 +72,7 @@ pub(crate) struct Power {
     pub base: String,
     /// Whether the copies with nothing planted were left alone.
     pub alarms: usize,
-    /// How many copies with nothing planted there were.
+    /// Number of copies with nothing planted.
     pub nulls: usize,
     pub effects: Vec<Revealed>,
     /// Pairs that this recording does not tell apart.

@@ -14,7 +14,7 @@ use crate::diagnosis::candidate::Kind;
 /// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
 pub(crate) const FALLBACK_LIMIT: f64 = 3.0;
 
-/// One row of the report.
+/// Rates of one family.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the family.
@@ -31,7 +31,7 @@ pub struct Row {
     pub unnamed: f64,
 }
 
-/// What was planted and what was said.
+/// A combination of planted effects and verdict, with its count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confusion {
     /// Kind of recording.
@@ -44,7 +44,7 @@ pub struct Confusion {
     pub cases: usize,
 }
 
-/// One effect planted alone.
+/// An effect planted alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planted {
     /// Visible rms over noise rms.
@@ -70,7 +70,7 @@ pub struct Unknown {
     pub named: usize,
 }
 
-/// Where an effect begins to be noticed.
+/// Detection limit of an effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
     /// Kind of recording: an id may stand in several.

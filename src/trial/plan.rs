@@ -24,7 +24,7 @@ pub struct Plan {
     pub cases: usize,
     /// Rows per driven recording and per log at rest.
     pub samples: usize,
-    /// Which families, in which proportion.
+    /// Families and their proportions.
     pub campaign: Campaign,
 }
 

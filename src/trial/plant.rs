@@ -7,7 +7,7 @@ use super::equation::Oscillator;
 use super::excitation::{Excitation, Lines};
 use super::physics::{Physics, Term};
 
-/// How a driven case is excited.
+/// Excitation of a driven case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
     /// Multisine, random or sweep around the resonance, steady or growing.
@@ -111,7 +111,7 @@ pub fn shape(rng: &mut impl Rng, physics: Physics, case: &Driven) -> [f64; 2] {
     }
 }
 
-/// Which size is asked for.
+/// Measure by which the size of an effect is set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Size {
     /// After the best refit of the base, relative to the rms output.

@@ -19,7 +19,7 @@ pub struct Clock<'a> {
     pub environment: &'a [f64],
 }
 
-/// What the readout sees at every step.
+/// Motion and input that the readout sees at every step.
 #[derive(Debug, Clone)]
 pub struct MechanicalSignal {
     /// The mechanical signal after second mode, low-pass, gain control and mount.

@@ -8,7 +8,7 @@ use crate::rng::{Philox, Stream};
 /// The signal on a fine grid and how to read it.
 #[derive(Debug, Clone)]
 pub struct Tap<'a> {
-    /// One value per integration step.
+    /// Signal, one value per integration step.
     pub signal: &'a [f64],
     /// Steps before the first sample.
     pub lead: usize,
@@ -25,7 +25,7 @@ pub struct Tap<'a> {
 pub struct Noise {
     /// White, standard deviation per sample.
     pub deviation: f64,
-    /// Of all the readout's random numbers.
+    /// Seed of all the readout's random numbers.
     pub seed: u64,
 }
 

@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// In the order of the report.
+    /// The recordings, in the order of the report.
     pub recording: Vec<Real>,
 }
 
@@ -29,7 +29,7 @@ pub struct Recipe {
 pub struct Real {
     /// Name of the recording in tables.
     pub name: String,
-    /// In the folder of recordings.
+    /// Path within the folder of recordings.
     pub file: PathBuf,
     /// Base model, relative to the recipe.
     pub model: PathBuf,
@@ -40,7 +40,7 @@ pub struct Real {
     pub rows: Option<[usize; 2]>,
     /// What is left out of the base model, as far as another source knows.
     pub truth: Vec<String>,
-    /// Where that is known from.
+    /// Source of the known effects.
     pub source: String,
     /// Numbers known from another source.
     #[serde(default)]
@@ -54,7 +54,7 @@ pub struct Real {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Score {
-    /// For people: what judges, and by what.
+    /// Name of the data that judge, and the measure.
     pub on: String,
     /// A judging recording, as under `test`; absent means samples that the model file names.
     pub file: Option<PathBuf>,
@@ -63,13 +63,13 @@ pub struct Score {
     /// Whether the relative error of the force is meant, not that of free simulation.
     #[serde(default)]
     pub force: bool,
-    /// What the error is multiplied by.
+    /// Factor from our unit to the published one.
     pub factor: f64,
     /// Unit of the known value.
     pub unit: String,
     /// The best published, in that unit; absent where none is comparable.
     pub published: Option<f64>,
-    /// By whom, or why there is none.
+    /// Source of the published error, or why there is none.
     pub by: String,
 }
 
@@ -80,9 +80,9 @@ pub struct Scored {
     pub on: String,
     /// Unit of the errors.
     pub unit: String,
-    /// Of the base model.
+    /// Error of the base model.
     pub before: Option<f64>,
-    /// With the named physics.
+    /// Error with the named physics.
     pub after: Option<f64>,
     /// Best published error.
     pub published: Option<f64>,
@@ -124,14 +124,14 @@ pub struct Known {
     pub value: f64,
 }
 
-/// What came out of one recording.
+/// Result for one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
     /// Name of the recording in tables.
     pub name: String,
-    /// What is known from elsewhere.
+    /// Effects known from elsewhere.
     pub truth: Vec<String>,
-    /// Where that is known from.
+    /// Source of that knowledge.
     pub source: String,
     /// What the diagnosis said.
     pub said: Said,

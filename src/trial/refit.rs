@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) struct Window<'a> {
     /// `2·substeps·(samples − 1) + 1` values; empty for a ring-down.
     pub input: &'a [f64],
-    /// One value per sample.
+    /// Output, one value per sample.
     pub output: &'a [f64],
     /// Integration steps per sample.
     pub substeps: usize,

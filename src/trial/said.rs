@@ -19,7 +19,7 @@ pub struct Number {
     pub ci95: [f64; 2],
 }
 
-/// How a diagnosis ended.
+/// Verdict or error that a diagnosis ended with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Ending {
@@ -36,7 +36,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// As in verdict.json, or "error".
+    /// Verdict as in verdict.json, or "error".
     pub fn name(self) -> &'static str {
         match self {
             Self::Adequate => Outcome::Adequate.name(),
@@ -59,7 +59,7 @@ impl From<Outcome> for Ending {
     }
 }
 
-/// One verdict, in brief.
+/// The parts of a verdict that a trial judges.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Said {
     /// Verdict, or an error.
@@ -70,9 +70,9 @@ pub struct Said {
     pub numbers: Vec<Number>,
     /// rmse of the base and of the repaired model on data not fitted, and the noise floor.
     pub rmse: [f64; 3],
-    /// How long it took.
+    /// Time that the diagnosis took, s.
     pub seconds: f64,
-    /// In words: the verdict's sentence or the error.
+    /// The verdict's sentence, or the error.
     pub words: String,
 }
 

@@ -10,12 +10,12 @@ use super::plan::Plan;
 use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 
-/// What is in the envelope.
+/// Contents of the sealed file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// Always "proofmass.truth/1".
     pub schema: String,
-    /// How it was drawn.
+    /// Plan that the cases were drawn by.
     pub plan: Plan,
     /// Every case with what was planted.
     pub cases: Vec<Case>,
@@ -26,7 +26,7 @@ pub struct Truth {
 pub struct Sealed {
     /// Path of the sealed truth.
     pub path: PathBuf,
-    /// Of its bytes, hexadecimal.
+    /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
 }
 

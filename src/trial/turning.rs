@@ -42,7 +42,7 @@ catalogue! {
 pub struct Planted {
     /// Kind of fault.
     pub fault: Fault,
-    /// Whether it sits in the gyro.
+    /// Whether the fault is in the gyro.
     pub in_gyro: bool,
     /// Its matrix, vector (first row) or scalar, in SI units of the sensor's reading.
     pub values: [[f64; 3]; 3],
@@ -53,7 +53,7 @@ pub struct Planted {
 /// The numbers of a tumble case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Turned {
-    /// Of poses, turns and noise.
+    /// Seed of poses, turns and noise.
     pub seed: u64,
     /// Sampling rate, Hz.
     pub rate_hz: f64,

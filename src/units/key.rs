@@ -4,7 +4,7 @@
 //! A key is declared once, beside the physics it belongs to (`sensor`, `excitation`); `study` reads, checks, draws and
 //! prints every key from that declaration. Not for keys that hold no drawable number, such as `members` or `kind`.
 
-/// Which values make sense.
+/// Sign that a value may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
     /// Any finite number.
@@ -29,7 +29,7 @@ pub struct Key {
     pub unit: &'static str,
     /// SI value = datasheet value × factor.
     pub factor: f64,
-    /// Which values make sense.
+    /// Sign that a value may have.
     pub sign: Sign,
     /// Whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the coefficient itself.
     pub one_sided: bool,

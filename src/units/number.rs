@@ -15,7 +15,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 /// A number, or the distribution its members are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
-    /// The same for every member.
+    /// The same value for every member.
     Fixed(f64),
     /// Drawn from a normal distribution.
     Normal {

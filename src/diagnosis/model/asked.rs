@@ -11,7 +11,7 @@ use crate::recording::{self, Recording, Request};
 /// Seconds of a recording that are used, counted from its first row.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seconds {
-    /// From here; absent means the first row.
+    /// First second used; absent means the first row.
     pub from_s: Option<f64>,
     /// To here, exclusive; absent means the last row.
     pub to_s: Option<f64>,

@@ -25,7 +25,7 @@ pub struct Driven {
     /// Hints, which may be off by a factor of two.
     #[serde(default)]
     pub start: Start,
-    /// Which samples are fitted.
+    /// Samples for fitting and for validation.
     #[serde(default)]
     pub split: Split,
 }
@@ -39,7 +39,7 @@ pub struct DrivenColumns {
     pub time: Option<String>,
     /// Force; absent for a free ring-down.
     pub input: Option<String>,
-    /// What the sensor reads, in its own unit.
+    /// Reading of the sensor, in its own unit.
     pub output: String,
     /// Recorded surroundings (temperature …) that a candidate may depend on.
     #[serde(default)]

@@ -29,7 +29,7 @@ pub struct Static {
     pub columns: StaticColumns,
     /// What the datasheet promises; absent, white noise whose level is estimated.
     pub noise: Option<Noise>,
-    /// Which samples are fitted.
+    /// Samples for fitting and for validation.
     #[serde(default)]
     pub split: Split,
 }
@@ -41,7 +41,7 @@ pub struct Static {
 pub struct StaticColumns {
     /// Stamps, in the unit of the heading; absent where `rate_hz` is given.
     pub time: Option<String>,
-    /// What is judged, one by one, in `unit`.
+    /// Readings, judged one by one, in `unit`.
     pub channels: Vec<String>,
     /// Temperature and the like.
     #[serde(default)]

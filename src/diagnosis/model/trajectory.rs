@@ -31,7 +31,7 @@ pub struct Trajectory {
     pub columns: TrajectoryColumns,
     /// The reference of the motion; absent: only what the readings show by themselves.
     pub reference: Option<Reference>,
-    /// What the datasheet promises of the noise.
+    /// Noise that the datasheet promises.
     #[serde(default)]
     pub noise: InertialNoise,
 }
@@ -56,14 +56,14 @@ impl TrajectoryColumns {
     }
 }
 
-/// Where the reference stands.
+/// The reference motion and how its file is read.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Reference {
     /// EuRoC, TUM, KITTI or a table with headings.
     pub file: PathBuf,
-    /// Its layout, to insist on it.
+    /// Layout of the file, where it is not to be recognised.
     pub format: Option<Format>,
     /// The file of times beside one of poses (KITTI).
     pub times: Option<PathBuf>,
@@ -86,8 +86,8 @@ impl Reference {
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct InertialNoise {
-    /// Of the gyro, rad/s.
+    /// Noise of the gyro, rad/s.
     pub gyro: Option<Noise>,
-    /// Of the accelerometer, m/s².
+    /// Noise of the accelerometer, m/s².
     pub accelerometer: Option<Noise>,
 }

@@ -26,7 +26,7 @@ pub struct Tumble {
     pub poses: Option<PathBuf>,
     /// Headings of gyro, accelerometer and environment columns.
     pub columns: TumbleColumns,
-    /// Which samples are fitted.
+    /// Rows for fitting and for validation.
     #[serde(default)]
     pub split: Split,
 }

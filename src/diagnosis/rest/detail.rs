@@ -12,7 +12,7 @@ pub struct Detail {
     pub channels: Vec<ChannelDetail>,
     /// Whether something that a temperature column would show is named, and none was recorded.
     pub temperature_unlogged: bool,
-    /// Where the mismatch lives.
+    /// Location of the mismatch.
     pub location: Location,
     /// The mean of every channel.
     pub means: Vec<Estimate>,
@@ -52,7 +52,7 @@ pub struct Departure {
     pub in_time: bool,
     /// The exponent; absent where a smooth course without one does best.
     pub exponent: Option<f64>,
-    /// Its 95 % interval.
+    /// 95 % interval of the exponent.
     pub ci95: Option<[f64; 2]>,
 }
 
@@ -119,7 +119,7 @@ pub struct Hops {
     pub count: usize,
 }
 
-/// How a channel differs from noise as modelled.
+/// A channel that differs from noise as modelled.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mismatch {
     /// Heading of the column that differs.

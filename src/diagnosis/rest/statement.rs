@@ -4,7 +4,7 @@
 
 pub use super::spectrum::Filter;
 
-/// What the Earth does to a sensor at rest.
+/// Quantities of the Earth that a sensor at rest should read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Earth {
     /// Gravity, which an accelerometer reads.

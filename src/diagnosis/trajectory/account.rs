@@ -35,11 +35,11 @@ pub struct Hidden {
     pub term: &'static Term,
     /// Its widest interval, half, in its unit.
     pub half_width: f64,
-    /// What would show it.
+    /// Manoeuvre that would determine it.
     pub manoeuvre: Manoeuvre,
 }
 
-/// What a body has to do.
+/// Motion that a further recording should contain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Manoeuvre {
     /// Turns about every axis.

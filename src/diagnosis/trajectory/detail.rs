@@ -18,15 +18,15 @@ pub struct Detail {
     pub stated: [Option<f64>; 2],
     /// Biases and matrices with their intervals.
     pub published: Option<Triads>,
-    /// What the words rest on.
+    /// Facts that the sentences of the verdict are made from.
     pub account: Account,
 }
 
 /// Lengths of a residual over time, thinned for plotting: s, SI.
 #[derive(Debug, Clone, Default)]
 pub struct Series {
-    /// With the base model: time, s, and size.
+    /// Time, s, and size with the base model.
     pub before: Vec<(f64, f64)>,
-    /// With the named effects.
+    /// Time, s, and size with the named effects.
     pub after: Vec<(f64, f64)>,
 }

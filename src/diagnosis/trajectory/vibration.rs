@@ -22,7 +22,7 @@ const SEGMENT: usize = 512;
 pub struct Vibration {
     /// Root of the mean density above 10 Hz, one-sided, unit/√Hz.
     pub density: f64,
-    /// Its 95 % interval.
+    /// 95 % interval of the size.
     pub ci95: [f64; 2],
     /// The static figure, where one is stated, unit/√Hz.
     pub stated: Option<f64>,

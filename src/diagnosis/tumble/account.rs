@@ -16,7 +16,7 @@ pub struct Account {
     pub above: Vec<(Group, f64)>,
     /// Candidates that would account for it with values that no sensor has.
     pub oversized: Vec<(&'static str, Sense)>,
-    /// What the base model leaves.
+    /// Location of the mismatch that the base model leaves.
     pub location: Location,
     /// Offsets that drift slowly, without a name.
     pub drifts: Vec<Drift>,
@@ -46,7 +46,7 @@ pub struct Knocked {
     pub time_s: [f64; 2],
 }
 
-/// Where the base model's mismatch lives.
+/// Location of the base model's mismatch.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Location {
     /// Each kind of residual.
@@ -79,7 +79,7 @@ pub struct NamedTerm {
     pub rivals: Vec<&'static str>,
 }
 
-/// How a candidate came out.
+/// What became of a candidate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fate {
     /// Named, judged beside the others named.
@@ -88,7 +88,7 @@ pub enum Fate {
     Withdrawn,
     /// These poses do not determine its parameters.
     Undetermined,
-    /// Its parameters come out where no sensor has them.
+    /// Its parameters take values that no sensor has.
     Implausible,
     /// The poses fit without it.
     Absent {
@@ -102,7 +102,7 @@ pub enum Fate {
 /// The smallest strength that would have been seen.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SeenFrom {
-    /// In its least visible parameter.
+    /// Strength in its least visible parameter.
     Strength {
         /// How much.
         value: f64,

@@ -24,7 +24,7 @@ pub struct Slow {
     pub cosines: [f64; DRIFT_TERMS],
 }
 
-/// Where the parameters of the accelerometer stand.
+/// Places of the accelerometer's parameters.
 pub mod accelerometer {
     use std::ops::Range;
     /// Places of the offsets of x, y and z, counts.
@@ -45,7 +45,7 @@ pub mod accelerometer {
     pub const DRIFT: Range<usize> = 51..60;
 }
 
-/// Where the parameters of the gyro stand.
+/// Places of the gyro's parameters.
 pub mod gyro {
     use std::ops::Range;
     /// Places of the offsets of x, y and z, counts.

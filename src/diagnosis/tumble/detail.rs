@@ -7,7 +7,7 @@ use crate::diagnosis::verdict::Triads;
 /// Plain numbers behind the figures.
 #[derive(Debug, Clone)]
 pub struct Detail {
-    /// One per pose, in order of time.
+    /// The poses, in order of time.
     pub poses: Vec<PoseDetail>,
     /// Whether the tool found the poses itself.
     pub poses_found: bool,
@@ -23,14 +23,14 @@ pub struct Detail {
     pub length_m_s2: Vec<(f64, f64)>,
     /// Gravity as the model states it.
     pub gravity_m_s2: f64,
-    /// What the words rest on.
+    /// Facts that the sentences of the verdict are made from.
     pub account: Account,
 }
 
-/// One pose in the figures.
+/// One pose as the figures show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseDetail {
-    /// From and to, s.
+    /// Beginning and end of the pose, s.
     pub time_s: [f64; 2],
     /// Specific force over g, as the repaired model sees it.
     pub share: [f64; 3],

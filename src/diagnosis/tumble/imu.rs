@@ -22,7 +22,7 @@ pub struct Imu<'a> {
     pub gravity_m_s2: f64,
 }
 
-/// What was measured in one still pose.
+/// Means over one still pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
     /// Samples of the pose, half-open.
@@ -46,7 +46,7 @@ pub struct Pose {
 pub struct Observed<'a> {
     /// The recording in counts.
     pub imu: Imu<'a>,
-    /// In order of time.
+    /// The poses, in order of time.
     pub poses: Vec<Pose>,
     /// Counts per m/s² by which noise in counts becomes noise in SI; fixed, so that a fit cannot gain by inflating its noise.
     pub accelerometer_scale: f64,

@@ -8,14 +8,14 @@ use crate::number::rounded;
 /// One thing that a person should know. Rows are counted from zero after the header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finding {
-    /// Which file this is.
+    /// Layout that was recognised.
     Recognised {
         /// Its format.
         format: Format,
         /// Whether the scalar of its quaternions comes first; none: it has none.
         scalar_first: Option<bool>,
     },
-    /// How its axes became north, east and down.
+    /// How its axes were turned to north, east and down.
     Turned {
         /// The axis that points up in the file.
         up: Up,
@@ -59,7 +59,7 @@ pub enum Finding {
         /// Its time in the study, s.
         at_s: f64,
     },
-    /// How the file's poses were smoothed.
+    /// Spline that smooths the poses.
     Knots {
         /// From one knot of the spline to the next, s.
         knot_s: f64,
@@ -74,7 +74,7 @@ pub enum Finding {
     },
 }
 
-/// How far poses jump.
+/// Size of a jump between poses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Leap {
     /// In position, m.

@@ -22,7 +22,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// As people write it.
+    /// Name of the layout.
     pub fn name(self) -> &'static str {
         match self {
             Self::Euroc => "EuRoC",
@@ -33,7 +33,7 @@ impl Format {
     }
 }
 
-/// Where the scalar of a quaternion stands.
+/// Place of the scalar in a quaternion.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -8,9 +8,9 @@ use crate::numerics::lagrange;
 /// Integrals over one sampling interval, in turning body axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Increment {
-    /// Of the rate against inertial space, rad.
+    /// Integral of the rate against inertial space, rad.
     pub rotation_rad: Vector3<f64>,
-    /// Of specific force, m/s.
+    /// Integral of the specific force, m/s.
     pub velocity_m_s: Vector3<f64>,
 }
 

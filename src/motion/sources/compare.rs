@@ -27,7 +27,7 @@ pub struct Compare {
     pub sensors: Option<Vec<PathBuf>>,
 }
 
-/// Where biases come from.
+/// Source of the biases that are subtracted.
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]

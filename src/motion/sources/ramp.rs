@@ -15,7 +15,7 @@ pub fn integral(x: f64) -> f64 {
 /// A start: standstill, then a speed that is reached smoothly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
-    /// At rest for this long, s.
+    /// Time at rest before it, s.
     pub still_s: f64,
     /// Speed after the start, m/s.
     pub speed_m_s: f64,

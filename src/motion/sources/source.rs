@@ -10,7 +10,7 @@ pub type Computed = fn(&Section, f64) -> Result<Vec<Pose>>;
 /// A kind of trajectory.
 #[derive(Debug)]
 pub struct Source {
-    /// Its name in the file.
+    /// Value of `trajectory.kind` that selects it.
     pub name: &'static str,
     /// The keys that it takes.
     pub keys: &'static [&'static str],

@@ -16,7 +16,7 @@ pub struct Motion {
     pub acceleration_m_s2: Vector3<f64>,
     /// Rate against the level, in body axes, rad/s.
     pub rate_rad_s: Vector3<f64>,
-    /// Its derivative, in body axes, rad/s².
+    /// Angular acceleration in body axes, rad/s².
     pub angular_acceleration_rad_s2: Vector3<f64>,
 }
 

@@ -10,12 +10,12 @@ use super::curve::Spline;
 use crate::motion::pose::Pose;
 use crate::numerics::banded::{Banded, Factor};
 
-/// Where the knots lie.
+/// Evenly spaced knots of a spline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knots {
     /// Time of the first, s.
     pub start_s: f64,
-    /// From one to the next, s.
+    /// Time between knots, s.
     pub knot_s: f64,
     /// Number of intervals between knots.
     pub segments: usize,
@@ -38,7 +38,7 @@ impl Knots {
     }
 }
 
-/// How far a spline departs from poses.
+/// Distance of a spline from the poses it was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct Departure {
     /// Root mean square of the distance, m.
@@ -52,7 +52,7 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Of a spline from poses.
+    /// Distance of a spline from poses.
     pub fn of(spline: &Spline, poses: &[Pose]) -> Self {
         let mut departure = Self::default();
         for pose in poses {

@@ -26,7 +26,7 @@ const DISCREPANCIES: [f64; 8] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
 /// A fit is called bad below this probability.
 pub(crate) const BAD: f64 = 0.01;
 
-/// One fitted coefficient (not squared).
+/// A fitted noise coefficient (not squared) with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficient {
     /// Estimate; zero where the best fit does without.
@@ -47,7 +47,7 @@ impl Coefficient {
 /// A fitted Allan curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// In the order of [`TERMS`].
+    /// Coefficients in the order of [`TERMS`].
     pub coefficients: [Coefficient; 5],
     /// Probability of deviations as large as these if the five terms were all there is.
     pub p_value: f64,

@@ -9,7 +9,7 @@ pub enum Part {
     Opening,
     /// Recording, base and repaired model on held-out data; residual before and after.
     Improvement,
-    /// Where the mismatch lives.
+    /// Location of the mismatch.
     Isolation,
     /// How the parameters were found and how sure they are.
     Identification,
@@ -18,12 +18,12 @@ pub enum Part {
 /// A figure of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Exhibit {
-    /// Where on the page.
+    /// Part of the page that it belongs to.
     pub part: Part,
     /// File name without ending, e.g. "held-out-overlay".
     pub name: String,
     /// The figure with its data.
     pub figure: Figure,
-    /// What it shows and what to see in it.
+    /// Caption: what the figure shows.
     pub caption: String,
 }

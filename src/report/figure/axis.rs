@@ -6,7 +6,7 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use crate::number::{rounded, significant, superscript};
 
-/// How values are spaced.
+/// Spacing of values along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly spaced values.
@@ -15,7 +15,7 @@ pub enum Scale {
     Log,
 }
 
-/// One axis of a chart.
+/// An axis of a chart: label, spacing and limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Quantity and unit, e.g. "position error / m".
@@ -50,7 +50,7 @@ impl Axis {
         self
     }
 
-    /// The same axis with fixed limits.
+    /// The same axis with fixed limits, in its unit.
     pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self

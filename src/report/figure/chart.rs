@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::raster::Raster;
 use super::theme::Ink;
 
-/// How a series is drawn.
+/// Form in which the points of a series are drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     /// A line through the points.
@@ -21,10 +21,10 @@ pub enum Mark {
     Whiskers(Vec<f64>),
 }
 
-/// One named set of points.
+/// A named set of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What the legend says; empty for none.
+    /// Name in the legend; empty for none.
     pub name: String,
     /// Colour, by role.
     pub ink: Ink,
@@ -37,7 +37,7 @@ pub struct Series {
 /// Words at a point of the plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// Where, in axis units.
+    /// Position in axis units.
     pub at: (f64, f64),
     /// Text of the note.
     pub text: String,

@@ -13,7 +13,7 @@ use crate::columns::Columns;
 pub struct Numbers {
     /// File name without ending.
     pub name: String,
-    /// What is drawn, in the figure's units.
+    /// Columns in the figure's units.
     pub columns: Columns,
 }
 

@@ -16,7 +16,7 @@ pub struct Raster {
     pub y: (f64, f64),
     /// Colour bar: label, low, high. Absent for clouds.
     pub bar: Option<(String, f64, f64)>,
-    /// What the pixels show.
+    /// Meaning of the pixels, for the colour bar.
     pub shown: Shown,
 }
 

@@ -4,20 +4,20 @@
 //! differ by 11 (CIEDE2000) for readers with and without colour-blindness (Machado 2009), with a contrast of 3 : 1 to the
 //! paper: `tests/suite/colours.rs` keeps this true.
 
-/// What a colour is for.
+/// Role of a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
-    /// First series: blue.
+    /// Blue, for the first series.
     Blue,
-    /// Second: vermilion.
+    /// Vermilion, for the second series.
     Red,
-    /// Third: bluish green.
+    /// Bluish green, for the third series.
     Green,
-    /// Fourth: purple.
+    /// Purple, for the fourth series.
     Purple,
-    /// Fifth: orange.
+    /// Orange, for the fifth series.
     Orange,
-    /// Sixth: sky blue.
+    /// Sky blue, for the sixth series.
     Sky,
     /// Text and the main reference line.
     Black,

@@ -34,7 +34,7 @@ pub(crate) fn sentence(of: &Stated) -> String {
     )
 }
 
-/// What the linear answer is worth.
+/// A sentence on whether the linear result is valid.
 pub fn validation(linear: &Linear, left_out: &[String]) -> String {
     let besides = match left_out {
         [] => String::new(),

@@ -60,19 +60,19 @@ pub enum Body {
 /// A case with its truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Its number: same seed and number, same case.
+    /// Number of the case: same seed and number, same case.
     pub number: usize,
     /// Kind of recording.
     pub kind: Kind,
-    /// How its truth stands to the library.
+    /// Relation of its truth to the library.
     pub family: Family,
-    /// What it is in the family.
+    /// Sub-family within the family.
     pub sub: String,
     /// The change, where it is another one written otherwise.
     pub change: Option<Change>,
     /// What is planted, and which names are right.
     pub truth: Truth,
-    /// How it is made.
+    /// Recipe of the recording.
     pub body: Body,
 }
 

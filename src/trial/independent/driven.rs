@@ -20,7 +20,7 @@ pub struct Driven {
     pub noise: Noise,
     /// Rms of the readout noise, internal units.
     pub sigma: f64,
-    /// How it is written.
+    /// Units, headings and order of the columns.
     pub columns: Columns,
     /// Whether model.toml states where the resonance is.
     pub hint: bool,

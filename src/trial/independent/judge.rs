@@ -9,7 +9,7 @@ use super::case::Case;
 use super::truth::{Family, SEEN};
 use crate::trial::said::{Ending, Said};
 
-/// What a verdict was worth.
+/// Worth of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mark {
@@ -137,7 +137,7 @@ pub(crate) struct Covered {
     pub truth: f64,
     pub value: f64,
     pub ci95: [f64; 2],
-    /// Whether it holds the truth.
+    /// Whether the interval contains the true value.
     pub covers: bool,
 }
 

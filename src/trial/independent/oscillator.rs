@@ -33,7 +33,7 @@ pub struct Oscillator {
     pub constant: f64,
     /// Constant force that is not measured.
     pub hidden: f64,
-    /// What is missing in the equation of motion.
+    /// Laws in the equation of motion that a base model lacks.
     pub laws: Vec<Law>,
     /// What is missing at the readout, in the order in which it acts.
     pub readout: Vec<Readout>,

@@ -46,7 +46,7 @@ impl Readout {
         if let Self::Poles { taus } = self { taus } else { &[] }
     }
 
-    /// How late it reads.
+    /// Delay of the reading, s.
     pub fn delay_s(&self) -> f64 {
         if let Self::Delay { tau } = self { *tau } else { 0.0 }
     }
@@ -65,7 +65,7 @@ impl Readout {
     }
 }
 
-/// What noise of the readout is.
+/// Distribution of the readout's noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "law")]
 #[expect(missing_docs, reason = "the line of a variant says what its fields are")]

@@ -23,7 +23,7 @@ use crate::trial::workers::side_by_side;
 /// What is diagnosed: two files in, a verdict out.
 pub(crate) type Subject<'a> = dyn Fn(&Path, &Path) -> Result<Verdict> + Sync + 'a;
 
-/// How the cases are drawn.
+/// Seed, size and number of the cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan {
     /// Seed of all random draws.
@@ -34,12 +34,12 @@ pub struct Plan {
     pub rows: usize,
 }
 
-/// What is in the envelope.
+/// Contents of the sealed file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truths {
     /// Always "proofmass.independent-truth/1".
     pub schema: String,
-    /// How it was drawn.
+    /// Plan that the cases were drawn by.
     pub plan: Plan,
     /// Every case with its truth.
     pub cases: Vec<Case>,
@@ -64,7 +64,7 @@ pub struct Line {
     pub evidence: f64,
     /// Rms of what is there beside the noise, one number per effect.
     pub over_noise: Vec<f64>,
-    /// What the verdict was worth.
+    /// Worth of the verdict.
     pub mark: Mark,
     /// What the diagnosis said.
     pub said: Said,

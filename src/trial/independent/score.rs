@@ -20,7 +20,7 @@ pub struct Row {
     pub family: Family,
     /// Sub-family; all of them when absent.
     pub sub: Option<String>,
-    /// How often each mark was given, by its name.
+    /// Number of cases per mark.
     pub marks: BTreeMap<Mark, usize>,
     /// Number of cases.
     pub cases: usize,
@@ -35,7 +35,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// How often a mark was given.
+    /// Number of cases with a mark.
     pub fn count(&self, mark: Mark) -> usize {
         self.marks.get(&mark).copied().unwrap_or(0)
     }
@@ -50,7 +50,7 @@ pub struct Intervals {
     pub id: String,
     /// Symbol of the parameter.
     pub name: String,
-    /// How many hold the truth.
+    /// Intervals that contain the true value.
     pub cover: Proportion,
     /// Distance from the truth in half-widths, the largest.
     pub worst: f64,
@@ -59,7 +59,7 @@ pub struct Intervals {
 /// Whether the same recording written otherwise gets the same verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Agreement {
-    /// How it is written.
+    /// How the copy was rewritten.
     pub change: Change,
     /// Same outcome and same names.
     pub same: Proportion,

@@ -12,12 +12,12 @@ fn fine(o: &Oscillator) -> usize {
     ((16.0 * o.omega / (std::f64::consts::TAU * o.rate_hz)).ceil() as usize).max(1)
 }
 
-/// What comes out of the integration.
+/// Result of an integration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// Continuous input at each row.
     pub input: Vec<f64>,
-    /// What the readout's analogue part gives at each row.
+    /// Output of the readout's analogue part at each row.
     pub signal: Vec<f64>,
 }
 

@@ -10,7 +10,7 @@ use super::readout::Noise;
 use super::simulate;
 use super::wave::Shape;
 
-/// What a family asks of the input.
+/// Kind of input that a family needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
     /// Any input.

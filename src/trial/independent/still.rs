@@ -50,7 +50,7 @@ pub enum Filter {
     TwoPoles { pole: f64 },
 }
 
-/// Everything about one static recording.
+/// Recipe of a static recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Still {
     /// Seed of what is random in it.

@@ -28,11 +28,11 @@ impl Kind {
     }
 }
 
-/// How the truth stands to the library.
+/// Relation of a truth to the library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// As a statement of the library says it.
+    /// Exactly as a statement of the library says.
     Letter,
     /// Its form departs from a statement of the library.
     Near,
@@ -78,7 +78,7 @@ pub struct Effect {
     /// Twice the log-likelihood that it adds over the best base model: the square of the signal-to-noise ratio of a
     /// matched filter.
     pub evidence: f64,
-    /// Its rms beside the noise's.
+    /// Root-mean-square over that of the noise.
     pub over_noise: f64,
 }
 

@@ -34,7 +34,7 @@ pub struct Sensor {
     pub drift: Vector,
 }
 
-/// Everything about one recording by hand.
+/// Recipe of a recording of an IMU turned by hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Turned {
     /// Seed of poses and noise.

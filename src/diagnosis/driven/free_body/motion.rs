@@ -77,7 +77,7 @@ pub struct MotionAndForce {
 }
 
 impl MotionAndForce {
-    /// Of every recording; `None` without an input.
+    /// Motion and force of every recording; `None` without an input.
     pub fn of(data: &Data, pieces: &[Piece]) -> Option<Self> {
         let (input, n) = (data.input.as_ref()?.samples(), data.reading.len());
         let zeros = || vec![0.0; n];
@@ -107,7 +107,7 @@ impl MotionAndForce {
         PARTS.iter().position(|p| *p == part).map_or(&[], |i| &self.parts[i])
     }
 
-    /// What of these ranges counts.
+    /// The samples of these ranges that count.
     pub fn counted(&self, ranges: &[Range<usize>]) -> Vec<Range<usize>> {
         let pairs =
             ranges.iter().flat_map(|r| self.counting.iter().map(move |c| r.start.max(c.start)..r.end.min(c.end)));

@@ -35,7 +35,7 @@ pub enum Law {
 pub(crate) const LAWS: [Law; 3] = [Law::Friction(Sides::Alike), Law::Drag, Law::Drive];
 
 impl Law {
-    /// What the library says of it.
+    /// Its entry in the library of candidates.
     pub fn candidate(self) -> &'static Candidate {
         match self {
             Self::Friction(_) => &coulomb_friction::CANDIDATE,
@@ -44,7 +44,7 @@ impl Law {
         }
     }
 
-    /// What it adds to the force.
+    /// Parts of the force that it adds.
     pub fn parts(self) -> &'static [Part] {
         match self {
             Self::Friction(Sides::Alike) => &[Part::Direction],
@@ -75,7 +75,7 @@ impl Law {
 pub struct Trial {
     /// The law that was added or removed.
     pub law: Law,
-    /// On samples that were not fitted.
+    /// Comparison on samples that were not fitted.
     pub comparison: Comparison,
 }
 

@@ -24,7 +24,7 @@ pub struct Search<'a> {
     pub point: Vec<f64>,
     /// Indices of the free parameters.
     pub free: Vec<usize>,
-    /// How each parameter (free or not) moves.
+    /// Optimiser coordinate of each parameter, free or not.
     pub coordinates: Vec<Coordinate>,
     /// Range, substeps and mode of the simulation.
     pub run: Run,

@@ -37,7 +37,7 @@ pub(crate) struct Alignment {
     pub lag: isize,
     /// Share of the effect's power that no linear oscillator of the grid explains at that lag.
     pub residual: f64,
-    /// The same without any lag.
+    /// Residual without any lag.
     pub residual_unshifted: f64,
     /// Share explained at a lag where nothing belongs together, by chance: exceeded at one lag in twenty.
     pub chance: f64,

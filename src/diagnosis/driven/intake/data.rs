@@ -32,7 +32,7 @@ pub struct Data {
     pub test: Vec<Range<usize>>,
     /// Where simulations are begun anew, where the response is chaotic.
     pub windows: Option<Arc<Windows>>,
-    /// What has been computed on it so far.
+    /// Computing work spent on it so far.
     pub work: Work,
 }
 

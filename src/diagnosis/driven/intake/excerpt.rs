@@ -24,7 +24,7 @@ pub(crate) struct Part {
     pub recording: Recording,
     /// The model, its ranges counted from the first of them.
     pub model: model::Driven,
-    /// What was kept, in a sentence.
+    /// A sentence about what was kept.
     pub said: String,
     /// What a reader of the verdict must know, where ranges that the model names were not used whole.
     pub doubt: Option<String>,

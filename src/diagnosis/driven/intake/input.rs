@@ -37,7 +37,7 @@ pub struct Input {
     samples: Vec<f64>,
     /// Where it does not consist of one recording as a whole, the recordings and the samples of each that are used.
     pieces: Vec<(Vec<f64>, Range<usize>)>,
-    /// How it is interpolated.
+    /// Interpolation between samples.
     pub interpolation: Interpolation,
     dense: Vec<OnceLock<Vec<f64>>>,
 }

@@ -44,7 +44,7 @@ pub struct Prepared {
     pub notes: Notes,
 }
 
-/// What was noticed besides the physics.
+/// Findings about the recording, apart from its physics.
 #[derive(Debug, Clone, Default)]
 pub struct Notes {
     /// Findings, one sentence each.

@@ -27,7 +27,7 @@ const SAME_RATE: f64 = 1e-3;
 pub struct Piece {
     /// Path of the recording, as given.
     pub file: String,
-    /// What it is for.
+    /// Whether it is fitted or only validates.
     pub role: Role,
     /// Its samples in the joint data set, half-open.
     pub range: Range<usize>,
@@ -38,7 +38,7 @@ pub struct Piece {
 pub struct Taken {
     /// All recordings as one data set.
     pub prepared: Prepared,
-    /// Where each of them lies.
+    /// Range and role of each recording.
     pub pieces: Vec<Piece>,
     /// Samples that the model file names as judging.
     pub judging: model::Ranges,

@@ -34,7 +34,7 @@ pub struct Force {
     pub cubic: f64,
 }
 
-/// What windows are laid over.
+/// The readings that windows are laid over.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
     /// Readings, one per sample.

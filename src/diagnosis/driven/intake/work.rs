@@ -37,7 +37,7 @@ impl Stage {
     }
 }
 
-/// Up to where a stage may count.
+/// Work count at which a stage must stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget(u64);
 

@@ -30,7 +30,7 @@ const RIDGE: f64 = 1e-6;
 /// Share of a disturbance's variance that may be predicted as a detail of the other laws.
 const DETAIL: f64 = 0.02;
 
-/// What an estimated disturbance follows.
+/// Known quantity that an estimated disturbance may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// The measured input.

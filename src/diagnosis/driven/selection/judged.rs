@@ -13,7 +13,7 @@ use super::identifiability::Reach;
 pub struct Judged {
     /// The fitted model.
     pub fit: Fit,
-    /// Its errors on the validation samples.
+    /// Errors on the validation samples.
     pub held_out: HeldOut,
 }
 
@@ -30,7 +30,7 @@ impl Judged {
     }
 }
 
-/// One candidate's trial against a model.
+/// A candidate's trial against a model.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// The candidate that was tried.
@@ -61,7 +61,7 @@ pub struct Departing {
     pub index: usize,
 }
 
-/// What a search leaves.
+/// The outcome of a search among models.
 #[derive(Debug, Clone)]
 pub struct Selection {
     /// The base model, fitted alone.

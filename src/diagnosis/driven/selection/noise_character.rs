@@ -26,7 +26,7 @@ const OWN_LAGS: usize = 12;
 /// What is asked of noise: its tails, its change with time, its change with amplitude, a loud stretch.
 const QUESTIONS: f64 = 4.0;
 
-/// What is known of the noise beyond its level.
+/// Tails and unevenness of the noise, beyond its level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NoiseCharacter {
     /// Fraction of the readings that lie beyond 3.5 standard deviations of their middle, where that is far more than normal
@@ -47,7 +47,7 @@ pub struct LoudStretch {
     pub from: usize,
     /// The one after its last.
     pub to: usize,
-    /// Its strength over that of the others.
+    /// Standard deviation over that of the other samples.
     pub ratio: f64,
 }
 

@@ -14,11 +14,11 @@ use super::judged::{Judged, Rival, Selection};
 /// A term of the final model and what it is worth.
 #[derive(Debug, Clone)]
 pub struct Named {
-    /// Its place in the model.
+    /// Place of the term in the model.
     pub index: usize,
     /// Fraction by which the innovations' variance grows without it, or the test error of free simulation if that is more.
     pub growth: f64,
-    /// On validation samples, against the model without it.
+    /// Comparison with the model without it, on validation samples.
     pub comparison: Comparison,
     /// Mean squared error of free simulation on the test samples without it.
     pub free_without: f64,

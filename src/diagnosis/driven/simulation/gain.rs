@@ -8,7 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use crate::physics::free_oscillator::transition;
 
-/// What the filter needs.
+/// Stationary Kalman gain and innovation variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain {
     /// Correction of displacement, velocity, bias and the low-pass's state per unit innovation.
@@ -42,9 +42,9 @@ pub struct Noisy {
 pub(crate) struct System {
     /// State at the next sample.
     pub transition: Matrix4<f64>,
-    /// What is read of it.
+    /// Row of the measurement equation.
     pub sees: Vector4<f64>,
-    /// What a constant unit force adds over one sample.
+    /// State change over one sample under a constant unit force.
     pub push: Vector4<f64>,
     /// Covariance of what noise adds over one sample.
     noise: Matrix4<f64>,

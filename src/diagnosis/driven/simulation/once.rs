@@ -11,7 +11,7 @@ use super::filter::{Beginning, Keep, Pass};
 use super::step::Parts;
 use super::structure::ModelStructure;
 
-/// How a run is evaluated.
+/// Settings of a run.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Samples to simulate, half-open.

@@ -63,7 +63,7 @@ pub(super) struct Plan<'a> {
     pub adding: Vec<Mover<'a>>,
     /// States of what moves beside the mass.
     pub modes: Vec<usize>,
-    /// By how much the input is late.
+    /// Delay of the input.
     pub delay: Option<Shift>,
     friction: Option<[Lanes; 2]>,
     /// State of a low-pass.

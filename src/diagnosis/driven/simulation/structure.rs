@@ -152,7 +152,7 @@ impl ModelStructure {
     }
 }
 
-/// How every parameter of a model moves.
+/// Optimiser coordinates of every parameter of a model.
 pub fn coordinates(structure: &ModelStructure, scales: &Scales) -> Vec<Coordinate> {
     let omega = scales.omega_rad_s;
     let mut all = vec![

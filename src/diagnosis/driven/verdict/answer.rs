@@ -49,7 +49,7 @@ const CELLS_SHOWN: usize = 32;
 pub struct Asked<'a> {
     /// The first recording; its hash and columns stand in the verdict.
     pub recording: &'a Recording,
-    /// Where each recording lies in the data.
+    /// Range and role of each recording in the data.
     pub pieces: &'a [Piece],
     /// Samples that the model file names as judging.
     pub judging: &'a [[usize; 2]],
@@ -59,7 +59,7 @@ pub struct Asked<'a> {
     pub unit: Option<&'a str>,
 }
 
-/// Everything a diagnosis gives away.
+/// The complete answer: verdict, ranking, repair and figure data.
 pub fn answer(
     asked: &Asked<'_>,
     data: &Data,

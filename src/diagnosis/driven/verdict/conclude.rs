@@ -39,10 +39,10 @@ const QUESTIONS: f64 = 3.0;
 /// Probability below which one of them counts as answered.
 const LEVEL: f64 = REAL / QUESTIONS;
 
-/// What may be said.
+/// What the chosen model allows to be said.
 #[derive(Debug, Clone)]
 pub struct Conclusion {
-    /// Which of the four verdicts.
+    /// The verdict, one of four.
     pub outcome: Outcome,
     /// The base model fitted like the final one.
     pub base: Judged,
@@ -56,7 +56,7 @@ pub struct Conclusion {
     pub departing: Option<Departing>,
     /// Why terms that each earn a place got no name together, where they did not.
     pub series: Option<Series>,
-    /// What is left of the final model's innovations.
+    /// Structure that remains in the final model's innovations.
     pub after: Structure,
     /// All tests of what is left, in the vocabulary of every kind.
     pub remainder: Remainder,
@@ -68,9 +68,9 @@ pub struct Conclusion {
     pub spread: Spread,
     /// How finely the terms of the final models are integrated, as `Scales::fineness`.
     pub fineness: f64,
-    /// What the conclusion may cost.
+    /// Work that the conclusion may spend.
     pub budget: Budget,
-    /// What was not done because that was spent.
+    /// Steps not done because the budget was spent.
     pub left_out: Vec<LeftOut>,
 }
 

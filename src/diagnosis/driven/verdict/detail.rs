@@ -26,7 +26,7 @@ pub struct Detail {
     pub before: Vec<f64>,
     /// Error of the repaired model's free simulation there.
     pub after: Vec<f64>,
-    /// One-step error of the repaired model there.
+    /// One-step error of the repaired model on that stretch.
     pub innovations: Vec<f64>,
     /// Sample at which that stretch begins.
     pub from: usize,
@@ -40,20 +40,20 @@ pub struct Detail {
     pub named: bool,
     /// How far named laws depart from their stated form, each with its id.
     pub forms: Vec<(&'static str, Form)>,
-    /// How the misfit rises around each named parameter.
+    /// Profile likelihood of each named parameter.
     pub profiles: Vec<Profile>,
     /// Where nothing is named: what would have been, candidate by candidate.
     pub detectable: Vec<Detectable>,
-    /// What the words rest on.
+    /// Facts that the sentences of the verdict are made from.
     pub account: Account,
     /// Candidates: id, gain, named.
     pub candidates: Vec<(String, Gain, bool)>,
 }
 
-/// What the words of a driven recording rest on.
+/// Facts that the sentences about a driven recording are made from.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Account {
-    /// Where the mismatch lives, in a sentence.
+    /// Location of the mismatch, as a sentence.
     pub place: String,
     /// Whether the power of the base model's error is that of the noise.
     pub at_noise: bool,

@@ -29,7 +29,7 @@ pub enum Dropped {
     WithinInexactness,
     /// It does something only together with another that it can be mistaken for.
     Twin,
-    /// It is one of a series.
+    /// It belongs to a series of terms that together mean nothing.
     Series(Series),
     /// It does not bring the residual to the noise.
     StandIn,

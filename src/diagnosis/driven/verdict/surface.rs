@@ -27,7 +27,7 @@ const BAND: f64 = 4.0;
 /// Share of the samples beyond each edge of the surface.
 const TAIL: f64 = 0.01;
 
-/// What the surface is made of.
+/// A free simulation and its error, from which the surface is made.
 #[derive(Debug, Clone, Copy)]
 pub struct FreeRun<'a> {
     /// Error of free simulation, sample by sample.
@@ -44,12 +44,12 @@ pub struct FreeRun<'a> {
     pub rate_hz: f64,
 }
 
-/// One cell of the surface.
+/// A cell of displacement and velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// Mean of the missing force over ω₀², in the unit of the displacement; NaN where the state seldom is.
     pub force: f64,
-    /// Its standard error, from the scatter between visits.
+    /// Standard error of the force, from the scatter between visits.
     pub error: f64,
     /// Number of samples in the cell.
     pub samples: usize,

@@ -8,24 +8,24 @@ use crate::sensor::Sense;
 /// A unit that parameters are stated in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// As it is written in the document.
+    /// Name of the unit, as in the document.
     pub name: &'static str,
-    /// How many of them are one SI unit.
+    /// Number of these units in one SI unit.
     pub per_si: f64,
 }
 
 /// A candidate and its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// What the library says of it.
+    /// Its entry in the library of candidates.
     pub candidate: &'static Candidate,
     /// The sensor it acts in; none: both.
     pub sensor: Option<Sense>,
     /// Indices of the parameters that it frees.
     pub parameters: Range<usize>,
-    /// Their names, in order.
+    /// Symbols of its parameters, in order.
     pub names: &'static [&'static str],
-    /// What they are stated in.
+    /// Unit of its parameters.
     pub unit: Unit,
     /// Sizes below which it costs nothing, SI.
     pub smallest: f64,

@@ -9,7 +9,7 @@ use crate::sensor::Sense;
 /// A candidate in one of the two sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Term {
-    /// What the library says of it.
+    /// Its entry in the library of candidates.
     pub candidate: &'static Candidate,
     /// Sensor on which it acts.
     pub sensor: Sense,
