@@ -30,7 +30,8 @@ pub struct Batch<'a> {
     pub members: Range<u64>,
     /// Bins per report time and quantity; empty when only moments are wanted.
     pub bins: &'a [[Bins; 4]],
-    /// A state between two tiles of this batch to go on from; ignored where it is not one of this backend.
+    /// A state between two tiles of this batch to go on from; ignored where it is not one of this
+    /// backend.
     pub resume: Option<&'a Unfinished>,
     /// Asked after each tile whether to stop there.
     pub stop: &'a (dyn Fn() -> bool + Sync),
@@ -59,8 +60,8 @@ pub trait Backend {
     /// The machine it integrates on, for provenance.
     fn machine(&self, job: &Job) -> Machine;
 
-    /// Members per batch that suit its memory and this job: as few as keep it busy where each is much work, so that what is
-    /// done is summed up every few seconds.
+    /// Members per batch that suit its memory and this job: as few as keep it busy where each is
+    /// much work, so that what is done is summed up every few seconds.
     ///
     /// # Errors
     /// Not even one block fits.
@@ -72,7 +73,8 @@ pub trait Backend {
     /// A member that the integrator cannot step; a device that was lost.
     fn run(&mut self, batch: &Batch<'_>) -> Result<Ran>;
 
-    /// Whether the device itself has failed, so that another backend may do what this one could not.
+    /// Whether the device itself has failed, so that another backend may do what this one could
+    /// not.
     fn has_failed(&self) -> bool {
         false
     }

@@ -1,8 +1,9 @@
-//! How fast this machine does the tool's work, beside what it could do at most and what a plain loop does.
+//! How fast this machine does the tool's work, beside what it could do at most and what a plain
+//! loop does.
 //!
-//! Rates are per second of wall time, the fastest of repeated runs, all in one process: on a machine that does other things
-//! too, that is the run least disturbed, and only ratios within one process mean anything. Not for correctness:
-//! `validation` has that.
+//! Rates are per second of wall time, the fastest of repeated runs, all in one process: on a
+//! machine that does other things too, that is the run least disturbed, and only ratios within one
+//! process mean anything. Not for correctness: `validation` has that.
 
 use crate::backend::cpu::{Cpu, Precision};
 use crate::backend::gpu::Gpu;

@@ -1,4 +1,5 @@
-//! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is done and written.
+//! The command line: typed arguments, one file per subcommand. Each `run` returns when its work is
+//! done and written.
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -36,7 +37,8 @@ pub mod template;
 pub mod trial;
 pub mod validate;
 
-/// How far will this inertial sensor drift, which error is to blame, and what physics does the model leave out?
+/// How far will this inertial sensor drift, which error is to blame, and what physics does the
+/// model leave out?
 #[derive(Debug, Parser)]
 #[command(name = "proofmass", bin_name = "proofmass", version, about, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -104,7 +106,8 @@ pub enum Command {
     Man(shell::Man),
 }
 
-/// The whole command, from its words (the first is its own name) to its exit code: the only place that prints an error.
+/// The whole command, from its words (the first is its own name) to its exit code: the only place
+/// that prints an error.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     #[cfg(unix)]
     set_signals();
@@ -118,8 +121,9 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// `proofmass … | head` ends like any other tool when `head` has seen enough, and does not panic in `println!`. A limit on
-/// the size of files (`ulimit -f`) is an error of the write that meets it, and does not kill half-way through a file.
+/// `proofmass … | head` ends like any other tool when `head` has seen enough, and does not panic in
+/// `println!`. A limit on the size of files (`ulimit -f`) is an error of the write that meets it,
+/// and does not kill half-way through a file.
 #[cfg(unix)]
 fn set_signals() {
     // SAFETY: the default action and "ignore" run no code of ours.
@@ -129,7 +133,8 @@ fn set_signals() {
     }
 }
 
-/// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are answered and end the process.
+/// What is wrong with a command line, as attempt, cause and hint; `--help` and `--version` are
+/// answered and end the process.
 pub fn not_understood(error: clap::Error) -> Error {
     if !error.use_stderr() {
         let printed = error.print().and_then(|()| std::io::stdout().flush());
@@ -160,7 +165,8 @@ pub fn not_understood(error: clap::Error) -> Error {
     Error::new("could not understand the command line", cause, hint.join("; "))
 }
 
-/// The exit code of an error: 2, or as a shell counts, 128 and the number of the signal that stopped the run.
+/// The exit code of an error: 2, or as a shell counts, 128 and the number of the signal that
+/// stopped the run.
 pub fn exit_code(error: &Error) -> u8 {
     match error.kind {
         Kind::Failed => 2,

@@ -1,4 +1,5 @@
-//! Named columns of equal length, and the files that the next tool reads them from: CSV, Parquet and NPY.
+//! Named columns of equal length, and the files that the next tool reads them from: CSV, Parquet
+//! and NPY.
 //!
 //! Not for reading: recordings come in through `recording`.
 
@@ -13,12 +14,13 @@ pub use table::{Column, Columns, Values};
 /// A file of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Format {
-    /// Comma-separated values with one row of headings; a missing number is an empty cell, and every other one reads back as
-    /// the same `f64`.
+    /// Comma-separated values with one row of headings; a missing number is an empty cell, and
+    /// every other one reads back as the same `f64`.
     Csv,
     /// Apache Parquet: doubles and UTF-8 strings without compression; missing numbers are nulls.
     Parquet,
-    /// A NumPy array, rows × columns of numbers; headings and words are lost, missing numbers are NaN.
+    /// A NumPy array, rows × columns of numbers; headings and words are lost, missing numbers are
+    /// NaN.
     Npy,
 }
 

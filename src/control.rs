@@ -1,7 +1,9 @@
-//! How a long computation is watched and stopped: an argument that is handed down to whatever takes time.
+//! How a long computation is watched and stopped: an argument that is handed down to whatever takes
+//! time.
 //!
-//! The program hands down one that draws bars and listens to signals (`progress::terminal`); tests and other callers hand
-//! down [`Control::silent`], or one with a [`Watcher`] of their own. Nothing here knows a terminal or a signal.
+//! The program hands down one that draws bars and listens to signals (`progress::terminal`); tests
+//! and other callers hand down [`Control::silent`], or one with a [`Watcher`] of their own. Nothing
+//! here knows a terminal or a signal.
 
 use std::sync::Arc;
 
@@ -9,10 +11,11 @@ use crate::error::{Error, Kind};
 
 /// Whoever watches a computation and may stop it.
 pub trait Watcher: Send + Sync {
-    /// What asks the computation to stop, e.g. "Ctrl-C"; `None` to go on. Asked often, from many threads.
+    /// What asks the computation to stop, e.g. "Ctrl-C"; `None` to go on. Asked often, from many
+    /// threads.
     fn stopped_by(&self) -> Option<&'static str>;
-    /// A part of the work begins; `length` is its number of steps, zero where it is not known. It ends when the returned
-    /// value is dropped.
+    /// A part of the work begins; `length` is its number of steps, zero where it is not known. It
+    /// ends when the returned value is dropped.
     fn begin(&self, name: &str, length: u64) -> Box<dyn Stage>;
     /// Shows a sentence while the work goes on.
     fn remark(&self, sentence: &str);

@@ -1,8 +1,10 @@
-//! From a study to a decision: which value of a key meets a requirement, which parts of a catalogue do, how an answer moves
-//! along one or two keys, and how many members it takes to state it to so many digits.
+//! From a study to a decision: which value of a key meets a requirement, which parts of a catalogue
+//! do, how an answer moves along one or two keys, and how many members it takes to state it to so
+//! many digits.
 //!
-//! All of it simulates the same members at every value (common random numbers), so that differences between values are not
-//! noise. `watched` → `statistic` → `values` → `panel` → `require` → `parts` → `document`. Not for showing anything: `report` does.
+//! All of it simulates the same members at every value (common random numbers), so that differences
+//! between values are not noise. `watched` → `statistic` → `values` → `panel` → `require` → `parts`
+//! → `document`. Not for showing anything: `report` does.
 
 pub mod digits;
 pub mod document;

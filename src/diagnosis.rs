@@ -1,9 +1,11 @@
-//! When simulation and recording differ: locate the mismatch, name the physics, model it, show the fit improve.
+//! When simulation and recording differ: locate the mismatch, name the physics, model it, show the
+//! fit improve.
 //!
-//! Chain: detection → isolation → selection → ruling. One sub-folder per kind of recording: it reads its recording, tries its
-//! candidates and weighs what is left (`remainder`); from that evidence `ruling` draws the verdict, the same for all kinds.
-//! The vocabulary of a selection stands in `standing`. Each kind returns the same [`answer::Answer`]: numbers and typed
-//! reasons. Not for words or drawing: `report` turns an `Answer` into the public document and a page.
+//! Chain: detection → isolation → selection → ruling. One sub-folder per kind of recording: it
+//! reads its recording, tries its candidates and weighs what is left (`remainder`); from that
+//! evidence `ruling` draws the verdict, the same for all kinds. The vocabulary of a selection
+//! stands in `standing`. Each kind returns the same [`answer::Answer`]: numbers and typed reasons.
+//! Not for words or drawing: `report` turns an `Answer` into the public document and a page.
 //!
 //! A sensor at rest whose readings walk at random is more than a constant and white noise:
 //!
@@ -61,8 +63,8 @@ use recordings::Recordings;
 /// Diagnoses a recording by the kind its model states.
 ///
 /// # Errors
-/// When the recording cannot be judged at all (columns missing, too few samples), or when stopped; what can be survived is in
-/// `Answer::findings` instead.
+/// When the recording cannot be judged at all (columns missing, too few samples), or when stopped;
+/// what can be survived is in `Answer::findings` instead.
 pub fn diagnose(recording: &Recording, model: &Model, control: &Control) -> Result<Answer> {
     diagnose_all(Recordings::one(recording), model, control)
 }

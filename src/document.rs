@@ -1,4 +1,5 @@
-//! Documents in and out: TOML with errors a person can act on, results as JSON, files written whole or not at all.
+//! Documents in and out: TOML with errors a person can act on, results as JSON, files written whole
+//! or not at all.
 //!
 //! Not for recordings: those stream, see `recording`.
 
@@ -44,7 +45,8 @@ pub(crate) fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
     parse_toml(&name, &text)
 }
 
-/// A TOML document that was changed after it was read; `name` stands in messages for where it came from.
+/// A TOML document that was changed after it was read; `name` stands in messages for where it came
+/// from.
 ///
 /// # Errors
 /// As [`parse_toml`], without a place.
@@ -59,7 +61,8 @@ pub(crate) fn from_table<T: DeserializeOwned>(name: &str, table: toml::Table) ->
 /// Opens a file, `what` for people.
 ///
 /// # Errors
-/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
+/// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its
+/// writer.
 pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
     let about = std::fs::metadata(path).map_err(|e| Error::io("read", path, &e))?;
     if about.is_dir() {
@@ -75,13 +78,15 @@ pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
     File::open(path).map_err(|e| Error::io("read", path, &e))
 }
 
-/// Most bytes of a document: no study is a thousandth of it, and a device that never ends is refused.
+/// Most bytes of a document: no study is a thousandth of it, and a device that never ends is
+/// refused.
 const LONGEST_BYTES: u64 = 16 << 20;
 
 /// Reads a text file whole.
 ///
 /// # Errors
-/// A file that cannot be read, is too long for a document, or holds something else than UTF-8 text (the line is named).
+/// A file that cannot be read, is too long for a document, or holds something else than UTF-8 text
+/// (the line is named).
 pub(crate) fn read_text(path: &Path) -> Result<String> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read {}", path.display()), cause, hint.to_owned());

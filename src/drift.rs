@@ -1,6 +1,8 @@
-//! How far the sensors of a study drift: envelopes, closed forms, powers of time and the error budget, in one answer.
+//! How far the sensors of a study drift: envelopes, closed forms, powers of time and the error
+//! budget, in one answer.
 //!
-//! Not for choosing a backend or for showing anything: it is handed a way to integrate a job, and `report` shows it.
+//! Not for choosing a backend or for showing anything: it is handed a way to integrate a job, and
+//! `report` shows it.
 
 pub mod budget;
 pub mod compare;
@@ -98,7 +100,8 @@ pub fn answer(
     Ok(Drift { statistics, report, expected, growth, budget, choice, compared })
 }
 
-/// The ensembles that [`answer`] asks for, in its order: a study that is divided among machines integrates pieces of each.
+/// The ensembles that [`answer`] asks for, in its order: a study that is divided among machines
+/// integrates pieces of each.
 ///
 /// # Errors
 /// Mechanics that no integrator can step; a log that is there and cannot be read.
@@ -119,7 +122,8 @@ fn integrator(study: &Study) -> Result<Choice> {
     Ok(choice)
 }
 
-/// The report times and the points of the curves between a thousandth of the run (or one sample) and its end.
+/// The report times and the points of the curves between a thousandth of the run (or one sample)
+/// and its end.
 pub(crate) fn curve_samples(clock: &Clock) -> Vec<u64> {
     let last = clock.samples as f64;
     let first = (last / 1000.0).max(1.0);
@@ -137,7 +141,8 @@ fn growth(statistics: &Statistics, expected: &Expected) -> Growth {
     let sd = statistics.series(quantity::POSITION, |s| s.sd);
     let envelope: Vec<(f64, f64)> = statistics.time_s.iter().copied().zip(sd).collect();
     let last = expected.time_s.len() - 1;
-    // What a still start leaves of a source is a constant bias, and grows as one; the rest of it by its own power.
+    // What a still start leaves of a source is a constant bias, and grows as one; the rest of it by
+    // its own power.
     let bias_share = |source: ErrorSource| {
         let (integrations, factor) = if source.is_gyro() { (3, STANDARD_GRAVITY_M_S2.powi(2)) } else { (2, 1.0) };
         let coefficient =

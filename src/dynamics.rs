@@ -1,7 +1,9 @@
-//! What the paper's equation of motion does: exact linear response, Duffing orbits, Lyapunov exponents, fractal measures.
+//! What the paper's equation of motion does: exact linear response, Duffing orbits, Lyapunov
+//! exponents, fractal measures.
 //!
-//! Not for ensembles of noisy sensors (`kernel`, `backend`); these are the scalar f64 references that the lanes and
-//! shaders are compared with, and the mathematics that turns orbits into numbers.
+//! Not for ensembles of noisy sensors (`kernel`, `backend`); these are the scalar f64 references
+//! that the lanes and shaders are compared with, and the mathematics that turns orbits into
+//! numbers.
 
 pub mod bifurcation;
 pub mod duffing;

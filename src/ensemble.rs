@@ -1,7 +1,9 @@
-//! Job × backend → statistics: the pilot that sets the bins, batches that fit the memory, progress, stops and resuming.
+//! Job × backend → statistics: the pilot that sets the bins, batches that fit the memory, progress,
+//! stops and resuming.
 //!
-//! Results depend neither on the batches nor on where a run was stopped, nor on how it was divided among shards: members are
-//! summed in blocks of 256, blocks are merged in the order of a fixed tree, and counts are integers.
+//! Results depend neither on the batches nor on where a run was stopped, nor on how it was divided
+//! among shards: members are summed in blocks of 256, blocks are merged in the order of a fixed
+//! tree, and counts are integers.
 
 use crate::error::Result;
 use crate::kernel::job::Job;

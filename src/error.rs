@@ -1,6 +1,7 @@
 //! The one error type: what was tried, what was wrong, and what to do about it.
 //!
-//! Not for control flow inside numerics: a fit that does not converge is a result there, not an error.
+//! Not for control flow inside numerics: a fit that does not converge is a result there, not an
+//! error.
 
 use std::path::Path;
 
@@ -19,8 +20,8 @@ pub enum Kind {
     Interrupted,
 }
 
-/// An error a person can act on. Printed by `main` alone; exit code 2, or 128 and the number of the signal that stopped the
-/// run.
+/// An error a person can act on. Printed by `main` alone; exit code 2, or 128 and the number of the
+/// signal that stopped the run.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{attempt}\n  cause: {cause}\n  hint:  {hint}")]
 pub struct Error {
@@ -65,7 +66,8 @@ impl Error {
         Self { kind: Kind::Interrupted, ..Self::new(attempt, format!("stopped by {by}"), hint) }
     }
 
-    /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other errors stay as they are.
+    /// In the words of a longer work of which the one that was stopped by Ctrl-C is a part; other
+    /// errors stay as they are.
     pub fn within(self, attempt: &str, hint: &str) -> Self {
         match self.kind {
             Kind::Interrupted => Self { attempt: attempt.into(), hint: hint.into(), ..self },

@@ -1,4 +1,5 @@
-//! Foreign text (headings, names, paths) made harmless for the place it is written to: terminal, comment, XML, file name.
+//! Foreign text (headings, names, paths) made harmless for the place it is written to: terminal,
+//! comment, XML, file name.
 //!
 //! Strings in TOML and JSON are not here: their own crates write them.
 
@@ -23,8 +24,9 @@ fn escaped(text: &str, harmful: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// Text for a terminal. Line breaks and tabs stay; what would move the cursor, change colours or reverse the writing is shown
-/// as `\u001b`. That is how JSON writes it too, so a JSON document stays the same document.
+/// Text for a terminal. Line breaks and tabs stay; what would move the cursor, change colours or
+/// reverse the writing is shown as `\u001b`. That is how JSON writes it too, so a JSON document
+/// stays the same document.
 pub(crate) fn terminal(text: &str) -> Cow<'_, str> {
     escaped(text, |c| steers(c) && c != '\n' && c != '\t')
 }
@@ -49,8 +51,8 @@ pub fn html(text: &str) -> String {
     xml(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Text as part of a file name: ASCII letters, digits, `_` and `-`, at most `longest` of them. Different texts may give the
-/// same name.
+/// Text as part of a file name: ASCII letters, digits, `_` and `-`, at most `longest` of them.
+/// Different texts may give the same name.
 pub(crate) fn file_name(text: &str, longest: usize) -> String {
     text.chars().take(longest).map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' }).collect()
 }

@@ -1,8 +1,9 @@
 //! What the sensor is subjected to: specific force along the sensitive axis as a function of time.
 //!
 //! # Adding a kind
-//! One file with the waveform and its `KIND`: the name, the keys with their forms, and how a plan is made of them; and its
-//! name in `KINDS`. Reading, placing misspelt keys, refusing foreign and missing ones follow from it.
+//! One file with the waveform and its `KIND`: the name, the keys with their forms, and how a plan
+//! is made of them; and its name in `KINDS`. Reading, placing misspelt keys, refusing foreign and
+//! missing ones follow from it.
 //!
 //! Not for the sensor's answer (`sensor`, `kernel`).
 
@@ -72,7 +73,8 @@ pub fn schema(generator: &mut SchemaGenerator) -> Schema {
 /// Makes the excitation of a run.
 ///
 /// # Errors
-/// A key that is missing or belongs to another kind, a value that makes no sense, a recording that cannot be read.
+/// A key that is missing or belongs to another kind, a value that makes no sense, a recording that
+/// cannot be read.
 pub fn plan(section: &Section, run: Run<'_>) -> Result<Plan> {
     let kind = KINDS.iter().find(|k| Some(k.name) == section.kind).unwrap_or(&rest::KIND);
     let reader = Reader { kind, section, run };

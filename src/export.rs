@@ -1,8 +1,10 @@
-//! Configurations for the next tool: a sensor's noise in the units and conventions of estimators and simulators, and back.
+//! Configurations for the next tool: a sensor's noise in the units and conventions of estimators
+//! and simulators, and back.
 //!
-//! Inside stands one convention: N and K of IEEE 952, two-sided, SI. Each target's file turns them into what that tool
-//! computes with, and says so in a comment beside each number. What a tool cannot represent is said, with the error of what
-//! stands for it. Not for the numbers of a run: those are `report`'s.
+//! Inside stands one convention: N and K of IEEE 952, two-sided, SI. Each target's file turns them
+//! into what that tool computes with, and says so in a comment beside each number. What a tool
+//! cannot represent is said, with the error of what stands for it. Not for the numbers of a run:
+//! those are `report`'s.
 //!
 //! # Adding a target
 //! A file with `write` (and `read`, where the tool's numbers come back), and a line in [`TARGETS`].

@@ -1,4 +1,5 @@
-//! proofmass: how far will this inertial sensor drift, which error is to blame, and what physics does the model leave out?
+//! How far will this inertial sensor drift, which error is to blame, and what physics does my model
+//! of it leave out?
 //!
 //! Two flows, one simulator.
 //!
@@ -9,8 +10,8 @@
 //!            → verdict → Report (and a repaired sensor, which a study can run)
 //! ```
 //!
-//! Imports run one way, lowest layer first and each layer from left to right, and no two files import each other, directly or
-//! through others; `tests/suite/architecture.rs` keeps this true:
+//! Imports run one way, lowest layer first and each layer from left to right, without circles among
+//! files; `tests/suite/architecture.rs` checks this:
 //!
 //! | layer | modules | answers |
 //! |---|---|---|
@@ -26,7 +27,7 @@
 //! | 9 | `report` `export` | figures, tables, pages; configurations for other tools |
 //! | 10 | `cli` `python` | the commands; the same for Python |
 //!
-//! How far does an accelerometer drift whose bias is drawn anew for each part? By ½ b t²:
+//! An accelerometer whose bias b differs from part to part drifts by ½ b t²:
 //!
 //! ```
 //! use std::path::Path;
@@ -42,16 +43,18 @@
 //! # Ok::<(), proofmass::error::Error>(())
 //! ```
 //!
-//! As a dependency with `default-features = false` the crate is the simulator on the CPU, the diagnosis, and recordings as
-//! text; each of `cli`, `formats`, `gpu` and `plots` adds what its name says.
+//! As a dependency with `default-features = false` the crate contains the simulator on the CPU, the
+//! diagnosis, and recordings as text. The features `cli`, `formats`, `gpu` and `plots` add the
+//! command line, further file formats, GPU kernels, and figures with report pages.
 //!
-//! Glossary: *member*, one noisy sensor of an ensemble; *step*, one integration step; *sample*, one reading; *tile*,
-//! members × steps in one submission; *effect*, physics that a base model leaves out; *candidate*, an effect the library
-//! can name; *null*, a recording without any.
+//! Glossary: *member*, one noisy sensor of an ensemble; *step*, one integration step; *sample*, one
+//! reading; *tile*, members × steps in one submission; *effect*, physics that a base model leaves
+//! out; *candidate*, an effect that the library can name; *null*, a recording without any effect.
 
-// Here and not in Cargo.toml: tests and benches are binaries, where nothing is reached from outside.
+// Here and not in Cargo.toml: tests and benches are binaries, where nothing is reached from
+// outside.
 #![warn(unreachable_pub)]
-// What only the missing feature uses is left over.
+// Code that only a missing feature uses is not dead.
 #![cfg_attr(
     not(all(feature = "cli", feature = "formats", feature = "gpu", feature = "plots")),
     allow(dead_code, unused_imports)

@@ -1,8 +1,8 @@
-//! The map of the Duffing equation: largest Lyapunov exponent and period over two of its parameters, and bifurcation
-//! diagrams along the force.
+//! The map of the Duffing equation: largest Lyapunov exponent and period over two of its
+//! parameters, and bifurcation diagrams along the force.
 //!
-//! A map is a document (`map.toml`), so that a sensor designer can put their own proof mass in place of the paper's. Not
-//! for real sensors' noise budgets: that is `study`.
+//! A map is a document (`map.toml`), so that a sensor designer can put their own proof mass in
+//! place of the paper's. Not for real sensors' noise budgets: that is `study`.
 
 mod atlas;
 mod diagram;

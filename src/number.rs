@@ -1,4 +1,5 @@
-//! Numbers for people: rounded to what they are worth, with their uncertainty, and durations in the unit one would say.
+//! Numbers for people: rounded to what they are worth, with their uncertainty, and durations in the
+//! unit one would say.
 
 /// `value` with `digits` significant digits, plain where that is short, else ×10ⁿ.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
@@ -36,7 +37,8 @@ pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
 }
 
-/// `value` to the digit that `deviation` leaves in doubt; one digit where all of it is in doubt, at most five.
+/// `value` to the digit that `deviation` leaves in doubt; one digit where all of it is in doubt, at
+/// most five.
 pub(crate) fn worth(value: f64, deviation: f64) -> String {
     if !(deviation > 0.0 && deviation.is_finite() && value != 0.0) {
         return significant(value, 3);

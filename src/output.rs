@@ -1,9 +1,11 @@
-//! A folder of results: what a run may replace there, and the files of one run put into their places together.
+//! A folder of results: what a run may replace there, and the files of one run put into their
+//! places together.
 //!
-//! The same command on the same input path replaces its own files. Any other file, and one that was changed since it was
-//! written, is the user's: it is refused by name before the work begins and again before anything is replaced, unless the run
-//! is forced. The files that a run reads are never replaced. `.proofmass.json` in the folder knows what was written
-//! ([`manifest`]); a lock keeps a second run out ([`lock`]).
+//! The same command on the same input path replaces its own files. Any other file, and one that was
+//! changed since it was written, is the user's: it is refused by name before the work begins and
+//! again before anything is replaced, unless the run is forced. The files that a run reads are
+//! never replaced. `.proofmass.json` in the folder knows what was written ([`manifest`]); a lock
+//! keeps a second run out ([`lock`]).
 
 pub mod lock;
 pub mod manifest;
@@ -24,7 +26,8 @@ use manifest::{Identity, Manifest, Run};
 pub struct Request {
     /// Subcommand that writes, e.g. "study".
     pub command: &'static str,
-    /// The files that it was asked about: the same command on the same ones replaces its own results.
+    /// The files that it was asked about: the same command on the same ones replaces its own
+    /// results.
     pub inputs: Vec<PathBuf>,
     /// Further files that it reads.
     pub reads: Vec<PathBuf>,
@@ -32,8 +35,8 @@ pub struct Request {
     pub writes: Vec<String>,
     /// Replace the user's files too.
     pub force: bool,
-    /// What an earlier run of the same command has written here under other names stays: each run writes one file of the
-    /// user's naming.
+    /// What an earlier run of the same command has written here under other names stays: each run
+    /// writes one file of the user's naming.
     pub keeps: bool,
 }
 
@@ -96,7 +99,8 @@ fn checksum(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file that stands in a folder, hexadecimal; `None` for what is no file or cannot be read.
+/// SHA-256 of a file that stands in a folder, hexadecimal; `None` for what is no file or cannot be
+/// read.
 fn checksum_of(path: &Path) -> Option<String> {
     // A pipe is never opened: it would be waited for.
     std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
@@ -104,11 +108,12 @@ fn checksum_of(path: &Path) -> Option<String> {
 }
 
 impl Folder {
-    /// Makes the folder, locks it, sweeps what killed runs left half-written, and finds out whether the results may be
-    /// written.
+    /// Makes the folder, locks it, sweeps what killed runs left half-written, and finds out whether
+    /// the results may be written.
     ///
     /// # Errors
-    /// The folder cannot be made or written, another run is writing there, or files of the user's are in the way.
+    /// The folder cannot be made or written, another run is writing there, or files of the user's
+    /// are in the way.
     pub fn open(path: &Path, request: Request) -> Result<Self> {
         let made = Made((!path.exists()).then(|| path.to_path_buf()));
         std::fs::create_dir_all(path).map_err(|e| Error::io("create the folder", path, &e))?;
@@ -139,8 +144,9 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Files that change while the run goes on, which the run writes itself, and from which it can be resumed: a name, which may
-    /// hold one `*` for any text. `resume` says that those which lie there are meant to be gone on from, whoever put them there.
+    /// Files that change while the run goes on, which the run writes itself, and from which it can
+    /// be resumed: a name, which may hold one `*` for any text. `resume` says that those which lie
+    /// there are meant to be gone on from, whoever put them there.
     ///
     /// # Errors
     /// A file of the user's has such a name, or the folder cannot be written.
@@ -157,7 +163,8 @@ impl Folder {
         self.manifest.write(&self.path)
     }
 
-    /// Files whose names match a pattern, in the folder or in the one below it that the pattern names.
+    /// Files whose names match a pattern, in the folder or in the one below it that the pattern
+    /// names.
     fn matching(&self, pattern: &str) -> Vec<String> {
         let (below, place) = match pattern.rsplit_once('/') {
             Some((below, _)) => (format!("{below}/"), self.path.join(below)),
@@ -168,7 +175,8 @@ impl Folder {
         names.filter(|n| manifest::matches(pattern, n)).collect()
     }
 
-    /// Lists a file that the run has written itself among its results: changed after [`finish`](Self::finish), it is the user's.
+    /// Lists a file that the run has written itself among its results: changed after
+    /// [`finish`](Self::finish), it is the user's.
     pub fn record(&mut self, name: &str) {
         self.recorded.push(name.into());
     }
@@ -241,11 +249,13 @@ impl Folder {
         Ok(())
     }
 
-    /// Puts everything that was written into its place, and takes away what this run had written here before and has not
-    /// written again: a repaired model of a sensor that is found to be in order now would be wrong.
+    /// Puts everything that was written into its place, and takes away what this run had written
+    /// here before and has not written again: a repaired model of a sensor that is found to be in
+    /// order now would be wrong.
     ///
     /// # Errors
-    /// Files of the user's came into the way meanwhile (then nothing is replaced), or the folder cannot be written.
+    /// Files of the user's came into the way meanwhile (then nothing is replaced), or the folder
+    /// cannot be written.
     pub fn finish(&mut self) -> Result<()> {
         self.check(self.staged.keys().map(String::as_str))?;
         let earlier = self.earlier();
@@ -303,7 +313,8 @@ impl Drop for Folder {
     }
 }
 
-/// Removes what runs that were killed have left half-written. Only under the lock: nobody else is writing.
+/// Removes what runs that were killed have left half-written. Only under the lock: nobody else is
+/// writing.
 fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let unfinished = entry.file_name().to_string_lossy().starts_with(UNFINISHED);

@@ -1,7 +1,8 @@
 //! The paper, figure by figure: what each one claims, computed and checked.
 //!
-//! One file per subject, in the paper's order. Each returns plain numbers for its figures and the checks that stand for
-//! what the paper says of them; `report::paper` draws. Not for the tool's own answers about a user's sensor or recording.
+//! One file per subject, in the paper's order. Each returns plain numbers for its figures and the
+//! checks that stand for what the paper says of them; `report::paper` draws. Not for the tool's own
+//! answers about a user's sensor or recording.
 
 pub mod array;
 pub mod attractor;
@@ -71,8 +72,8 @@ impl Paper {
     }
 }
 
-/// Computes all figures; those of a real IMU from the recordings in `data` where it holds them, else simulated. `maps` asks
-/// for the two-dimensional maps too, which no check needs.
+/// Computes all figures; those of a real IMU from the recordings in `data` where it holds them,
+/// else simulated. `maps` asks for the two-dimensional maps too, which no check needs.
 ///
 /// # Errors
 /// A recording that cannot be used; Ctrl-C.

@@ -1,7 +1,9 @@
-//! Work spread over the processor's threads, results in the order of their items whatever the threads.
+//! Work spread over the processor's threads, results in the order of their items whatever the
+//! threads.
 //!
-//! Sums belong to the caller, who folds the results in their order. The loop itself is compiled once for all callers:
-//! it costs a lock and an indirect call per item, so an item is best microseconds of work or more.
+//! Sums belong to the caller, who folds the results in their order. The loop itself is compiled
+//! once for all callers: it costs a lock and an indirect call per item, so an item is best
+//! microseconds of work or more.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};

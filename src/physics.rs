@@ -1,10 +1,13 @@
-//! The laws that a proof mass, its readout and its noise may follow beside the linear oscillator, one file each.
+//! The laws that a proof mass, its readout and its noise may follow beside the linear oscillator,
+//! one file each.
 //!
-//! A law's file holds what the library says of it (statement, equation, reference), its parameters (name, unit, the signs
-//! and ranges that physics allows, where a fit begins, the key in a study), the law itself, its WGSL, and a test problem
-//! with a known answer. From these are derived: the filter of the diagnosis and the search for its start values, the general
-//! integrator of studies on CPU and GPU, study keys and their checks, the repaired sensor, the cost of leaving a law out,
-//! and `proofmass candidates`. The trial's equations of motion (`trial::equation`) stay apart on purpose: they judge these.
+//! A law's file holds what the library says of it (statement, equation, reference), its parameters
+//! (name, unit, the signs and ranges that physics allows, where a fit begins, the key in a study),
+//! the law itself, its WGSL, and a test problem with a known answer. From these are derived: the
+//! filter of the diagnosis and the search for its start values, the general integrator of studies
+//! on CPU and GPU, study keys and their checks, the repaired sensor, the cost of leaving a law out,
+//! and `proofmass candidates`. The trial's equations of motion (`trial::equation`) stay apart on
+//! purpose: they judge these.
 //!
 //! # To add a law
 //!
@@ -15,7 +18,8 @@
 //! 3. Where a study shall run it, give it a `study` key per parameter, with a slot that no other has, and `wgsl`.
 //! 4. Plant it in the trial: its own equation in `trial::equation`, which must not use this one.
 //!
-//! Tests then hold it against the trial's equation, in f64, in f32 and on the GPU (tests/suite/laws.rs).
+//! Tests then hold it against the trial's equation, in f64, in f32 and on the GPU
+//! (tests/suite/laws.rs).
 
 pub mod bias_drift;
 pub mod bias_random_walk;

@@ -1,12 +1,13 @@
-//! The [`Control`] of a program on a terminal: progress bars on stderr, and signals that stop. Without the feature `cli` it
-//! shows nothing.
+//! The [`Control`] of a program on a terminal: progress bars on stderr, and signals that stop.
+//! Without the feature `cli` it shows nothing.
 
 use crate::control::{Control, Progress};
 
 #[cfg(feature = "cli")]
 mod bars;
 
-/// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and signals stop.
+/// What the program hands down: stages are bars on stderr, hidden where that is not a terminal, and
+/// signals stop.
 #[cfg(feature = "cli")]
 pub(crate) fn terminal() -> Control {
     Control::new(bars::Terminal::new())

@@ -1,7 +1,9 @@
-//! The Python module `proofmass._proofmass`: what the package under `src/python/proofmass` is built on.
+//! The Python module `proofmass._proofmass`: what the package under `src/python/proofmass` is built
+//! on.
 //!
-//! Functions take what Python holds, work without its lock, and give an [`answer::Answer`]: the command's JSON document and its
-//! page. Not for what users see: names, defaults, attributes and tables are the package's.
+//! Functions take what Python holds, work without its lock, and give an [`answer::Answer`]: the
+//! command's JSON document and its page. Not for what users see: names, defaults, attributes and
+//! tables are the package's.
 
 mod answer;
 mod arrays;

@@ -1,6 +1,7 @@
 //! What a run shows: figures, tables and one self-contained page.
 //!
-//! Not for computing anything: it receives finished results. `figure` is the only place that names plotters.
+//! Not for computing anything: it receives finished results. `figure` is the only place that names
+//! plotters.
 
 pub mod allan;
 pub mod bench;

@@ -1,7 +1,9 @@
-//! Counter-based random numbers: Philox4x32-10, identical bit for bit here and in `shaders/shared/philox.wgsl`.
+//! Counter-based random numbers: Philox4x32-10, identical bit for bit here and in
+//! `shaders/shared/philox.wgsl`.
 //!
-//! A number is a pure function of (seed; member, step, stream): nothing is carried along, so results do not depend on
-//! tiles, threads or lanes. Source: Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC 2011.
+//! A number is a pure function of (seed; member, step, stream): nothing is carried along, so
+//! results do not depend on tiles, threads or lanes. Source: Salmon, Moraes, Dror, Shaw, *Parallel
+//! random numbers: as easy as 1, 2, 3*, SC 2011.
 
 use rand::rand_core::{Infallible, TryRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -34,7 +36,8 @@ pub(crate) fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4
     counter
 }
 
-/// What a random number is for. Each purpose has its own stream, so that switching one error on does not change another.
+/// What a random number is for. Each purpose has its own stream, so that switching one error on
+/// does not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Stream {
@@ -76,7 +79,8 @@ pub struct Philox {
 }
 
 impl Philox {
-    /// The stream of `member` for one purpose. Counter words: step (running), member low, member high, stream.
+    /// The stream of `member` for one purpose. Counter words: step (running), member low, member
+    /// high, stream.
     pub fn new(seed: u64, member: u64, stream: Stream) -> Self {
         Self {
             key: [seed as u32, (seed >> 32) as u32],

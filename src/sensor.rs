@@ -1,8 +1,9 @@
 //! One inertial sensor in SI units: what an accelerometer and its gyro do to the truth.
 //!
-//! This is a single concrete sensor, after tolerances have been drawn; what may vary is described by `study`.
-//! Zero switches a term off (`range_m_s2`: infinity). White levels are two-sided coefficients N as in IEEE 952:
-//! N = n/√2 for a one-sided density n, and a white sequence at rate f has σ = N√f.
+//! This is a single concrete sensor, after tolerances have been drawn; what may vary is described
+//! by `study`. Zero switches a term off (`range_m_s2`: infinity). White levels are two-sided
+//! coefficients N as in IEEE 952: N = n/√2 for a one-sided density n, and a white sequence at rate
+//! f has σ = N√f.
 
 pub mod coupling;
 pub mod error_law;
@@ -15,8 +16,8 @@ pub use terms::{Accelerometer, Gyro, Sense, SensorTerm};
 use crate::physics::coefficients::Coefficients;
 use crate::units::key::Key;
 
-/// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever further laws of `physics` a
-/// diagnosis may have found.
+/// The proof mass: x″ + 2ζω₀x′ + ω₀²x + βx³ = f (paper's eq. 6; eq. 4 is β = 0), with whatever
+/// further laws of `physics` a diagnosis may have found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ProofMass {
     /// Undamped natural frequency ω₀.

@@ -1,9 +1,9 @@
-//! A run divided among machines: which share is whose, the state file that a shard leaves, and the files of a run gathered
-//! and found to be all of it.
+//! A run divided among machines: which share is whose, the state file that a shard leaves, and the
+//! files of a run gathered and found to be all of it.
 //!
-//! A run is a line of parts (the ensembles of a study, the maps of an atlas, the cases of a trial), each of so many units
-//! (members, rows, cases). A shard takes a stretch of the line, so a short part goes to few shards. Not for starting
-//! anything on another machine: batch systems do that.
+//! A run is a line of parts (the ensembles of a study, the maps of an atlas, the cases of a trial),
+//! each of so many units (members, rows, cases). A shard takes a stretch of the line, so a short
+//! part goes to few shards. Not for starting anything on another machine: batch systems do that.
 
 pub mod file;
 pub mod gather;
@@ -53,7 +53,8 @@ impl Shard {
     }
 }
 
-/// What is left of a run, divided anew: stretches of its parts that nobody has done yet, which begin with a grain.
+/// What is left of a run, divided anew: stretches of its parts that nobody has done yet, which
+/// begin with a grain.
 pub fn rest(shard: Shard, parts: &[Part], gaps: &[(usize, Range<u64>)]) -> Vec<Piece> {
     let of = |(part, units): &(usize, Range<u64>)| Part { units: units.end - units.start, ..parts[*part] };
     let line: Vec<Part> = gaps.iter().map(of).collect();

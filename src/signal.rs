@@ -1,4 +1,5 @@
-//! The signals that stop a run: Ctrl-C, `kill`, a closed terminal. Computations hear of them by their `Control`.
+//! The signals that stop a run: Ctrl-C, `kill`, a closed terminal. Computations hear of them by
+//! their `Control`.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -18,7 +19,8 @@ pub(crate) enum Signal {
 }
 
 impl Signal {
-    /// The exit code of a process that this signal has stopped: 128 + its number, as shells have it.
+    /// The exit code of a process that this signal has stopped: 128 + its number, as shells have
+    /// it.
     pub(crate) fn exit_code(self) -> u8 {
         match self {
             Self::Interrupt => 130,

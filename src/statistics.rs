@@ -1,5 +1,5 @@
-//! What an ensemble is summed to: moments, extremes and a histogram per quantity and report time, mergeable in any
-//! number of parts.
+//! What an ensemble is summed to: moments, extremes and a histogram per quantity and report time,
+//! mergeable in any number of parts.
 //!
 //! Not for time series of one sensor (`numerics` has Allan deviation and spectra).
 
@@ -72,8 +72,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Whether two machines give the same bits: the number of threads and the width of vectors do not matter, fused
-    /// multiply-add does, and a GPU is its own.
+    /// Whether two machines give the same bits: the number of threads and the width of vectors do
+    /// not matter, fused multiply-add does, and a GPU is its own.
     pub fn same_bits(&self, other: &Self) -> bool {
         let of = |m: &Self| {
             let device = if m.kind == "cpu" { String::new() } else { format!("{} {}", m.name, m.driver) };

@@ -53,7 +53,8 @@ pub struct Study {
     pub seed: u64,
     /// Sensors in the ensemble.
     pub members: u64,
-    /// Discrete time from the end of the still start, if there is one; `report_samples` are the user's report times.
+    /// Discrete time from the end of the still start, if there is one; `report_samples` are the
+    /// user's report times.
     pub clock: Clock,
     /// Knowledge of attitude and bias at the start.
     pub alignment: Alignment,
@@ -67,8 +68,8 @@ pub struct Study {
     pub in_motion: Option<InMotion>,
     /// Folder that relative paths start from.
     pub folder: PathBuf,
-    /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies with the same one give the
-    /// same numbers.
+    /// SHA-256 of what was read, overrides included, and of the file that it replays: two studies
+    /// with the same one give the same numbers.
     pub identity: String,
     /// Recordings that it reads.
     pub reads: Vec<PathBuf>,
@@ -81,8 +82,8 @@ pub struct Study {
 /// Reads and checks study.toml.
 ///
 /// # Errors
-/// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense alone or beside the
-/// others, a replay that cannot be read.
+/// A file that cannot be read, an unknown key (the nearest is named), a value that makes no sense
+/// alone or beside the others, a replay that cannot be read.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Study> {
     let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
     Study::from_text(&path.display().to_string(), &read_text(path)?, overrides, folder)
@@ -96,7 +97,8 @@ pub fn parse(name: &str, text: &str, folder: &Path) -> Result<Study> {
     Study::from_text(name, text, &Overrides::default(), folder.into())
 }
 
-/// A study from the text that another one was read from, with its members and seed; paths are relative to `folder`.
+/// A study from the text that another one was read from, with its members and seed; paths are
+/// relative to `folder`.
 ///
 /// # Errors
 /// As [`read`].
@@ -117,8 +119,8 @@ pub fn of_table(name: &str, table: toml::Table, overrides: &Overrides, folder: &
     Study::new(name, text, from_table(name, table)?, overrides, folder.into())
 }
 
-/// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings per second. Recordings that
-/// the file names are not read.
+/// The numbers of a sensor that stands in a study.toml or alone in a sensor.toml, and its readings
+/// per second. Recordings that the file names are not read.
 ///
 /// # Errors
 /// As [`read`], of what concerns the sensor.
@@ -194,7 +196,8 @@ impl Study {
         })
     }
 
-    /// The same sensor lying still for a number of samples, with what is special about one axis of it.
+    /// The same sensor lying still for a number of samples, with what is special about one axis of
+    /// it.
     ///
     /// # Errors
     /// The axis' own sections make no sense.
@@ -228,8 +231,8 @@ impl Study {
         draw::member(&self.tolerances, self.excitation.variation, self.seed, index)
     }
 
-    /// A proof mass as hard to step as any of the members': highest resonance, strongest further terms; of a thousand
-    /// members, where mechanics are drawn. `None` without mechanics.
+    /// A proof mass as hard to step as any of the members': highest resonance, strongest further
+    /// terms; of a thousand members, where mechanics are drawn. `None` without mechanics.
     pub fn stiffest(&self) -> Option<ProofMass> {
         let masses = (0..self.members.min(1000)).filter_map(|m| self.member(m).sensor.proof_mass);
         masses.reduce(|a, b| a.stiffer(&b))
@@ -250,7 +253,8 @@ impl Study {
         }
     }
 
-    /// The ensemble of six axes to integrate, with statistics at `report_samples` after the end of the still start.
+    /// The ensemble of six axes to integrate, with statistics at `report_samples` after the end of
+    /// the still start.
     ///
     /// # Errors
     /// A proof mass that no integrator can step.
@@ -265,7 +269,8 @@ impl Study {
         self.alignment.still_samples() as f64 * self.sample_s()
     }
 
-    /// The ensemble to integrate, with statistics at `report_samples` after the end of the still start.
+    /// The ensemble to integrate, with statistics at `report_samples` after the end of the still
+    /// start.
     pub fn job(&self, integrator: Integrator, mut report_samples: Vec<u64>) -> Job {
         let still_samples = self.alignment.still_samples();
         report_samples.iter_mut().for_each(|sample| *sample += still_samples);
@@ -291,8 +296,8 @@ fn plain(c: char) -> bool {
     c.is_alphanumeric() || "-_. ".contains(c)
 }
 
-/// The name of a study about a file of this name: what no folder may be called becomes a hyphen, and accents that stand for
-/// themselves, as in file names on a Mac, go.
+/// The name of a study about a file of this name: what no folder may be called becomes a hyphen,
+/// and accents that stand for themselves, as in file names on a Mac, go.
 pub fn name_for(stem: &str) -> String {
     let accents = '\u{300}'..='\u{36f}';
     let kept = stem.chars().filter(|c| !accents.contains(c)).map(|c| if plain(c) { c } else { '-' });

@@ -1,10 +1,13 @@
-//! The proof of `diagnosis`: blind trials on recordings in which the missing physics is known, and concealed.
+//! The proof of `diagnosis`: blind trials on recordings in which the missing physics is known, and
+//! concealed.
 //!
-//! A generator of its own (`excitation`, `proof_mass`, `standstill`, `turning`: closed-form inputs, own integrator with 20 or more
-//! sub-steps, own parameter ranges) plants effects at a stated size; the truth is sealed (its SHA-256 is printed first)
-//! and opened only after the verdicts. The diagnosis receives two files, recording and base model, and nothing else.
+//! A generator of its own (`excitation`, `proof_mass`, `standstill`, `turning`: closed-form inputs,
+//! own integrator with 20 or more sub-steps, own parameter ranges) plants effects at a stated size;
+//! the truth is sealed (its SHA-256 is printed first) and opened only after the verdicts. The
+//! diagnosis receives two files, recording and base model, and nothing else.
 //!
-//! `independent` is a second generator with families of its own, which shares only plumbing with the first.
+//! `independent` is a second generator with families of its own, which shares only plumbing with
+//! the first.
 //!
 //! Not for fitting: nothing here is used by `diagnosis`, and nothing here calls into its numerics.
 

@@ -15,5 +15,6 @@ pub(crate) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 pub(crate) const DEGREE_PER_HOUR: f64 = DEGREE / 3600.0;
 pub(crate) const DEGREE_PER_ROOT_HOUR: f64 = DEGREE / 60.0;
 pub(crate) const DEGREE_PER_HOUR_PER_ROOT_HOUR: f64 = DEGREE / (3600.0 * 60.0);
-/// One-sided noise density n (unit/√Hz) → random-walk coefficient N (unit·√s), two-sided: N = n/√2 (IEEE 952).
+/// One-sided noise density n (unit/√Hz) → random-walk coefficient N (unit·√s), two-sided: N = n/√2
+/// (IEEE 952).
 pub(crate) const DENSITY_TO_RANDOM_WALK: f64 = std::f64::consts::FRAC_1_SQRT_2;

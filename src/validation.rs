@@ -1,8 +1,8 @@
-//! The tool put to the test: laws, closed forms, precision, orders of convergence and parities, as a table that a user
-//! can read on the machine at hand.
+//! The tool put to the test: laws, closed forms, precision, orders of convergence and parities, as
+//! a table that a user can read on the machine at hand.
 //!
-//! Not for the diagnosis, which `trial` proves. Each expected number says where it comes from; each family of checks has
-//! a control that must fail, so that a check that cannot fail is noticed.
+//! Not for the diagnosis, which `trial` proves. Each expected number says where it comes from; each
+//! family of checks has a control that must fail, so that a check that cannot fail is noticed.
 
 use crate::control::Control;
 use crate::error::Result;
