@@ -45,7 +45,7 @@ fn sum_slowest(i: u32, base: u32) -> f32 {
 
 // Slow terms at the beginning of a run.
 fn start_terms(i: u32, base: u32, member: vec2<u32>, stream: u32) {
-    for (var j = 1u; j < tile.flicker_terms; j++) {
+    for (var j = 0u; j < tile.flicker_terms; j++) {
         state[(base + j) * tile.stride + i] = gaussians(0u, member, stream | ((2u + j) << 8u), tile.seed).x;
     }
 }
@@ -56,7 +56,7 @@ fn place(i: u32) -> u32 {
     return ((group * SPREAD) & PLACE_MASK) << 4u;
 }
 
-// Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group of four begins.
+// Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group of eight begins.
 fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
     let zeros = countTrailingZeros(n + place(i));
     let j = (zeros + 1u) >> 1u;
@@ -68,10 +68,21 @@ fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
     return sum_slowest(i, base);
 }
 
-// Terms 0 and 1 after the renewals of sample n, the third or another of its group of four.
-fn renew_fastest(n: u32, fast: f32, slow: f32, terms: vec3<f32>) -> vec3<f32> {
-    let first = select(fma(RETAINED, terms.x, RENEWED * fast), fast, n == 0u);
-    let second = select(terms.y, fma(RETAINED, terms.y, RENEWED * slow), (n & 3u) == 2u);
+// A small step of a sample: three bits that no gaussian number looks at, from bit `place` of its word on.
+fn small_step(words: vec4<u32>, number: u32, place: u32) -> f32 {
+    return f32((words[number] >> place) & 7u) - 3.5;
+}
+
+// That of the term renewed once in four samples.
+fn fourth_step(words: vec4<u32>) -> f32 {
+    let set = (words >> vec4<u32>(6u)) & vec4<u32>(1u);
+    return f32(set.x + set.y + set.z + set.w) - 2.0;
+}
+
+// Terms 0 and 1 after the renewals of a sample, the third or another of its group of four.
+fn renew_fastest(words: vec4<u32>, number: u32, terms: vec3<f32>) -> vec3<f32> {
+    let first = fma(RETAINED, terms.x, RENEWED_EIGHTH * small_step(words, number, 3u));
+    let second = select(terms.y, fma(RETAINED, terms.y, RENEWED * fourth_step(words)), number == 2u);
     return vec3<f32>(first, second, terms.z);
 }
 
@@ -140,13 +151,25 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
 
 #terms begin
     var pushes = vec4<f32>();
+    var accelerometer_words = vec4<u32>();
+    var gyro_words = vec4<u32>();
     var error = 0.0;
 
-    // Four samples at a time, which one draw serves. The four are a loop of known length, so that a compiler unrolls it,
+    // Four samples at a time, which one draw serves, and sixteen, in which the slow terms are renewed twice. The four are a loop of known length, so that a compiler unrolls it,
     // and samples outside the tile are masked: software adapters run both sides of a branch and gain nothing by skipping.
     let stop = tile.first_sample + tile.samples;
+    let first_counter = tile.first_sample >> 2u;
+    let last_counter = (stop - 1u) >> 2u;
     var before = forces[0].x;
-    for (var counter = tile.first_sample >> 2u; counter <= (stop - 1u) >> 2u; counter++) {
+    for (var block = tile.first_sample >> 4u; block <= (stop - 1u) >> 4u; block++) {
+#terms block
+    for (var counter = max(4u * block, first_counter); counter <= min(4u * block + 3u, last_counter); counter++) {
+        if DRAWS_ACCELEROMETER {
+            accelerometer_words = philox(vec4<u32>(counter, member, STREAM_ACCELEROMETER), seed);
+        }
+        if DRAWS_GYRO {
+            gyro_words = philox(vec4<u32>(counter, member, STREAM_GYRO), seed);
+        }
         if HAS_FORCE {
             pushes = gaussians(counter, member, STREAM_FORCE, seed);
         }
@@ -231,6 +254,7 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                 failed = 1.0;
             }
         }
+    }
     }
 
     state[STATE_E * stride + i] = s.x;

@@ -43,17 +43,18 @@ pub(crate) fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4
 pub enum Stream {
     /// Tolerances: one draw per member and parameter.
     Tolerance = 0,
-    /// White noise of the accelerometer's reading.
+    /// Each sample of the accelerometer: its white noise and, of the bits that this leaves, the steps of its walk and of its
+    /// fastest Gauss–Markov terms.
     AccelerometerWhite = 1,
-    /// Gauss–Markov terms of the accelerometer's bias instability.
+    /// Slow Gauss–Markov terms of the accelerometer's bias instability.
     AccelerometerFlicker = 2,
-    /// Acceleration random walk.
+    /// A walk on the host.
     AccelerometerWalk = 3,
-    /// White noise of the gyro (angle random walk).
+    /// Each sample of the gyro, as of the accelerometer.
     GyroWhite = 4,
-    /// Gauss–Markov terms of the gyro's bias instability.
+    /// Slow Gauss–Markov terms of the gyro's bias instability.
     GyroFlicker = 5,
-    /// Rate random walk.
+    /// Another walk on the host.
     GyroWalk = 6,
     /// Brownian force on the proof mass.
     Force = 7,

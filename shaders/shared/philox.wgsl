@@ -13,8 +13,18 @@ fn philox(counter: vec4<u32>, key: vec2<u32>) -> vec4<u32> {
     return c;
 }
 
+// The gaussian numbers that four words make.
+fn normals(words: vec4<u32>) -> vec4<f32> {
+    return vec4<f32>(gaussian_pair(words.x, words.y), gaussian_pair(words.z, words.w));
+}
+
 // Gaussian numbers 4·counter to 4·counter + 3 of a member.
 fn gaussians(counter: u32, member: vec2<u32>, stream: u32, seed: vec2<u32>) -> vec4<f32> {
-    let words = philox(vec4<u32>(counter, member.x, member.y, stream), seed);
-    return vec4<f32>(gaussian_pair(words.x, words.y), gaussian_pair(words.z, words.w));
+    return normals(philox(vec4<u32>(counter, member, stream), seed));
+}
+
+// The first two of them.
+fn gaussian_first_pair(counter: u32, member: vec2<u32>, stream: u32, seed: vec2<u32>) -> vec2<f32> {
+    let words = philox(vec4<u32>(counter, member, stream), seed);
+    return gaussian_pair(words.x, words.y);
 }

@@ -21,5 +21,6 @@ pub mod poincare;
 pub mod reading;
 pub mod reduce;
 pub mod simulate;
+pub(crate) mod small;
 pub mod stretch;
 pub mod sums;

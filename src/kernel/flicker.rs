@@ -1,8 +1,9 @@
 //! Bias instability: a sum of first-order Gauss–Markov processes whose Allan deviation is flat.
 //!
 //! Term j is held over 4ʲ samples and then relaxes by e⁻¹ (its exact discretisation: time constant = time held), so all
-//! terms are one process at different speeds and the sum costs one new number per sample and a third: the slow ones
-//! take turns (Voss and McCartney). It starts from its stationary law, each group of 64 members at a place of its own in the
+//! terms are one process at different speeds and the sum costs little more than one new number per sample: the slow ones
+//! take turns (Voss and McCartney), and the two fast ones, whose sum over a time is that of many numbers, take small steps that
+//! are not normal (`cpu::small`). It starts from its stationary law, each group of 64 members at a place of its own in the
 //! schedule of renewals: at the same place for all, a slow term would change at the same time in every member, and a drift
 //! over few seconds would be that of one moment of the process and not of any (15 % short of 1/f noise over 10 s after 10 s
 //! of still start; with the places spread, within 0.3 %). With the weights below, the Allan deviation
@@ -61,7 +62,7 @@ pub(crate) fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
 }
 
 /// Which slow term (1, 2, …) is renewed at place n of the schedule: those with n = 4ʲ/2 + a multiple of 4ʲ. At most one per sample, and
-/// at most two in four: term 1 at 4m + 2, another perhaps at 4m. Term 0 is renewed at every sample, all of them at n = 0.
+/// at most two in four: term 1 at 4m + 2, term 2 at 16m + 8, another perhaps at 16m. Term 0 is renewed at every sample.
 #[inline(always)]
 pub(super) fn slow_term(sample: u64) -> Option<usize> {
     let zeros = sample.trailing_zeros() as usize;

@@ -2,11 +2,13 @@
 //!
 //! It stands beside the law's CPU code, in `cpu::reading` and `cpu::flicker`; `source` puts it together.
 
-/// WGSL of one law. In it, `$TERM` and `$term` stand for the term's name, `$out` for the error it is added to and
-/// `$base` for where its flicker terms begin.
+/// WGSL of one law. In it, `$TERM` and `$term` stand for the term's name, `$out` for the error it is added to, `$sense` for the
+/// instrument and `$base` for where its flicker terms begin.
 pub struct Fragment {
     /// Before the samples: coefficients and state.
     pub begin: &'static str,
+    /// Before each sixteen samples.
+    pub block: &'static str,
     /// Before each four samples that share a counter.
     pub draw: &'static str,
     /// At each sample.

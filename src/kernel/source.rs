@@ -8,6 +8,7 @@ mod mirror;
 pub mod terms;
 
 use super::cpu::navigate::BOUND_M_S;
+use super::cpu::small::EIGHTH;
 use super::cpu::sums::BOUND_M_S2;
 use super::flicker::{PLACE_MASK, RENEWED, RETAINED, SPREAD};
 use super::integrator::{METHODS, Reach};
@@ -96,7 +97,13 @@ fn constants() -> String {
     for method in METHODS {
         text += &format!("const {} = {}u;\n", method.wgsl.to_uppercase(), method.code());
     }
-    let floats = [("RETAINED", RETAINED as f32), ("RENEWED", RENEWED as f32), ("BOUND_M_S2", BOUND_M_S2)];
+    let floats = [
+        ("RETAINED", RETAINED as f32),
+        ("RENEWED", RENEWED as f32),
+        ("EIGHTH", EIGHTH as f32),
+        ("RENEWED_EIGHTH", (RENEWED * EIGHTH) as f32),
+        ("BOUND_M_S2", BOUND_M_S2),
+    ];
     for (name, value) in floats {
         text += &format!("const {name} = {value:?};\n");
     }

@@ -199,7 +199,7 @@ sensor_terms! {
         /// Acceleration random walk K, m/s²/√s.
         acceleration_random_walk_m_s2_rts: AccelerationRandomWalk = Row {
             name: "acceleration random walk",
-            law: ErrorLaw::Walk(Stream::AccelerometerWalk),
+            law: ErrorLaw::Walk(Stream::AccelerometerWhite),
             keys: &[Key::new(19, "accelerometer.acceleration_random_walk_ug_rts", "acceleration random walk K", "µg/√s", MICRO_G, NotNegative)],
         };
         /// Acceleration ramp R, m/s³.
@@ -259,7 +259,7 @@ sensor_terms! {
         /// Rate random walk K, rad/s/√s.
         rate_random_walk_rad_s_rts: RateRandomWalk = Row {
             name: "rate random walk",
-            law: ErrorLaw::Walk(Stream::GyroWalk),
+            law: ErrorLaw::Walk(Stream::GyroWhite),
             keys: &[Key::new(25, "gyro.rate_random_walk_deg_h_rth", "rate random walk K", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR, NotNegative)],
         };
         /// Rate ramp R, rad/s².

@@ -1,9 +1,10 @@
 //! Bias instability of 64 members: the terms of `kernel::flicker`, carried from sample to sample.
 //!
-//! Numbers: stream 0 renews the fast term, stream 1 the slow ones (number 0 of a counter is term 1's, number 1 the other's),
-//! stream 2 + j starts term j.
+//! Numbers: terms 0 and 1 are renewed by small steps of the samples' counters (`small`); stream 1 renews the slower ones
+//! (one counter for 16 samples: its number 0 is for the first of them, number 1 for the ninth); stream 2 + j starts term j.
 
 use super::lanes::{Kernel, LANES, Lane};
+use super::small;
 use super::stretch::Numbers;
 use crate::kernel::flicker::{RENEWED, RETAINED, place, slow_term};
 use crate::kernel::fragment::Fragment;
@@ -38,7 +39,6 @@ pub(super) const FLICKER: Fragment = Fragment {
     let $term_scale = column(i, $TERM);
     let $term_base = $base;
     var $term_terms = vec3<f32>();
-    var $term_fasts = vec4<f32>();
     var $term_slows = vec2<f32>();
     if HAS_$TERM {
         if tile.first_sample == 0u {
@@ -51,16 +51,20 @@ pub(super) const FLICKER: Fragment = Fragment {
         );
     }
 ",
-    draw: "
+    block: "
         if HAS_$TERM {
-            $term_fasts = gaussians(counter, member, STREAM_$TERM, seed);
-            $term_slows = gaussians(counter, member, STREAM_$TERM | (1u << 8u), seed).xy;
-            $term_terms.z = renew_slowest(i, $term_base, 4u * counter, $term_slows.y, $term_terms.z);
+            $term_slows = gaussian_first_pair(block, member, STREAM_$TERM | (1u << 8u), seed);
+        }
+",
+    draw: "
+        if HAS_$TERM && (counter & 1u) == 0u {
+            let number = select($term_slows.x, $term_slows.y, (counter & 2u) == 2u);
+            $term_terms.z = renew_slowest(i, $term_base, 4u * counter, number, $term_terms.z);
         }
 ",
     add: "
                 if HAS_$TERM {
-                    $term_terms = renew_fastest(n, pick($term_fasts, number), $term_slows.x, $term_terms);
+                    $term_terms = renew_fastest($sense_words, number, $term_terms);
                     let sum = fma(amplitude(0u), $term_terms.x, fma(amplitude(1u), $term_terms.y, $term_terms.z));
                     $out = fma($term_scale, sum, $out);
                 }
@@ -74,10 +78,10 @@ pub(super) const FLICKER: Fragment = Fragment {
 };
 
 /// Starts the terms where a run begins, renews those whose turn it is, and adds `scale` times their weighted sum to the
-/// samples of a stretch.
+/// samples of a stretch. Numbers come from the stream of the samples and from that of the slow terms.
 pub(super) fn add<T: Real>(
     numbers: &mut Numbers<'_, T>,
-    stream: Stream,
+    [samples, stream]: [Stream; 2],
     flicker: &mut Flicker<T>,
     amplitudes: &[T],
     scale: &Lane<T>,
@@ -85,16 +89,15 @@ pub(super) fn add<T: Real>(
 ) {
     let (level, first) = (numbers.level, numbers.from);
     if first == 0 {
-        for j in 1..flicker.terms.len() {
-            numbers.pairs(stream, 2 + j, 0, 1);
-            flicker.terms[j] = numbers.pairs[0];
+        for j in 0..flicker.terms.len() {
+            flicker.terms[j] = numbers.pair(stream, 2 + j, 0)[0];
         }
     }
-    numbers.pairs(stream, 1, first >> 2, (((numbers.until - 1) >> 2) - (first >> 2) + 1) as usize);
-    let range = numbers.renew(stream);
-    let (fast, slow) = (&numbers.each[range], &*numbers.pairs);
+    numbers.bits(samples);
+    numbers.pair(stream, 1, first >> 4);
+    let (slow, bits) = numbers.drawn();
     let place = place(numbers.drawer.first_member);
-    level.run(AddFlicker { flicker, amplitudes, scale, first, place, fast, slow, out });
+    level.run(AddFlicker { flicker, amplitudes, scale, first, place, bits, slow, out });
 }
 
 /// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive samples.
@@ -107,10 +110,10 @@ struct AddFlicker<'a, T> {
     pub first: u64,
     /// Where in the schedule of renewals these members began.
     pub place: u64,
-    /// Numbers for the fast term, one a sample.
-    pub fast: &'a [Lane<T>],
-    /// Numbers for the slow terms, two for each four samples that share a counter.
-    pub slow: &'a [Lane<T>],
+    /// Small steps of each four samples that share a counter.
+    pub bits: &'a [Lane<u32>],
+    /// Numbers for the slow terms.
+    pub slow: &'a [Lane<T>; 2],
     pub out: &'a mut [Lane<T>],
 }
 
@@ -119,14 +122,19 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Flicker { terms, slowest } = self.flicker;
-        for (i, (out, fast)) in self.out.iter_mut().zip(self.fast).enumerate() {
+        let (keep, new) = (T::of(RETAINED), T::of(RENEWED));
+        for (i, out) in self.out.iter_mut().enumerate() {
             let sample = self.first + i as u64;
-            let (keep, new) = if sample == 0 { (0.0, 1.0) } else { (RETAINED, RENEWED) };
-            let (keep, new) = (T::of(keep), T::of(new));
+            let bits = &self.bits[((sample >> 2) - (self.first >> 2)) as usize];
             let renewed = slow_term(sample + self.place).filter(|&j| sample != 0 && j < terms.len());
-            if let Some(j) = renewed {
-                let pair = ((sample >> 2) - (self.first >> 2)) as usize * 2;
-                relax::<T, FMA>(keep, new, &mut terms[j], &self.slow[pair + usize::from(j > 1)]);
+            match renewed {
+                Some(1) => {
+                    for l in 0..LANES {
+                        terms[1][l] = fma::<T, FMA>(keep, terms[1][l], new * small::fourth(bits[l]));
+                    }
+                }
+                Some(j) => relax::<T, FMA>(keep, new, &mut terms[j], &self.slow[usize::from(j == 2)]),
+                None => {}
             }
             if sample == 0 || renewed.is_some_and(|j| j > 1) {
                 *slowest = Lane::splat(T::of(0.0));
@@ -137,7 +145,9 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
                 }
             }
             let [quick, slow, ..] = &mut terms[..] else { return };
-            relax::<T, FMA>(keep, new, quick, fast);
+            for l in 0..LANES {
+                quick[l] = fma::<T, FMA>(keep, quick[l], T::of(RENEWED * small::EIGHTH) * small::fast(bits[l], sample));
+            }
             add_sum::<T, FMA>([self.amplitudes[0], self.amplitudes[1]], [quick, slow, slowest], self.scale, out);
         }
     }

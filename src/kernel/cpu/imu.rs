@@ -8,7 +8,7 @@ use super::navigate::{Couple, Navigate, State, roll_pitch_heading};
 use super::noise::Drawer;
 use super::reading::TakeOff;
 use super::simulate::{Errors, Simulate, Stretch};
-use super::stretch::{Numbers, STRETCH};
+use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::CHUNK;
 use crate::kernel::fix::{self, Fix};
 use crate::kernel::flight::{COUPLINGS, Flight, Vertical};
@@ -92,7 +92,7 @@ impl<T: Real> Imu<T> {
         let zero = Lane::splat(T::of(0.0));
         let mut stretch = Stretch::new();
         let (mut error, mut turn) = ([[zero; STRETCH]; 3], [[zero; STRETCH]; 3]);
-        let (mut room, mut pairs) = ([zero; STRETCH], [zero; STRETCH / 2]);
+        let mut room = Room::new();
         let end = tile.first + tile.count;
         let mut from = tile.first;
         let fixes = &tile.flight.fixes;
@@ -125,7 +125,7 @@ impl<T: Real> Imu<T> {
                 let error = [&mut e0[..count], &mut e1[..count], &mut e2[..count]];
                 let turn = [&mut t0[..count], &mut t1[..count], &mut t2[..count]];
                 let drawer = Drawer { seed: tile.flight.seed(), first_member: self.first_member };
-                let mut instants = Numbers { level, drawer, from, until, each: &mut room, pairs: &mut pairs };
+                let mut instants = Numbers { level, drawer, from, until, room: &mut room, bits_of: None };
                 let jitter = if tile.flight.jitters { instants.each(Stream::Jitter) } else { &[] };
                 level.run(Followed { numbers, passages, jitter, error, turn });
             }

@@ -62,11 +62,26 @@ impl Drawer {
         let mut words = [Lane::splat(0_u32); 4];
         for (i, numbers) in out.chunks_exact_mut(each).enumerate() {
             self.words(counter.wrapping_add(i as u32), stream, &mut words);
-            for (pair, words) in numbers.chunks_exact_mut(2).zip(words.chunks_exact(2)) {
-                let [first, second] = pair else { continue };
-                gaussian_pairs::<T, FMA>(&words[0], &words[1], first, second);
-            }
+            normals::<T, FMA>(&words, numbers);
         }
+    }
+}
+
+/// The gaussian numbers that four words make, as many as there is room for.
+#[inline(always)]
+fn normals<T: Real, const FMA: bool>(words: &[Lane<u32>; 4], numbers: &mut [Lane<T>]) {
+    for (pair, words) in numbers.chunks_exact_mut(2).zip(words.chunks_exact(2)) {
+        let [first, second] = pair else { continue };
+        gaussian_pairs::<T, FMA>(&words[0], &words[1], first, second);
+    }
+}
+
+/// The bits of four words that no gaussian number looks at, side by side: seven for each of four samples, see [`super::small`].
+#[inline(always)]
+fn left_over(words: &[Lane<u32>; 4], out: &mut Lane<u32>) {
+    for l in 0..LANES {
+        out[l] =
+            words[0][l] & 0x7F | (words[1][l] & 0x7F) << 8 | (words[2][l] & 0x7F) << 16 | (words[3][l] & 0x7F) << 24;
     }
 }
 
@@ -79,6 +94,32 @@ fn gaussian_pairs<T: Real, const FMA: bool>(
 ) {
     for l in 0..LANES {
         (first[l], second[l]) = gaussian_pair::<T, FMA>(radius[l], angle[l]);
+    }
+}
+
+/// Draws what consecutive counters have for four samples each: gaussian numbers, unless there is no room for them, and the
+/// bits that are left over.
+pub(crate) struct DrawSamples<'a, T> {
+    pub drawer: Drawer,
+    pub stream: u32,
+    pub counter: u32,
+    pub numbers: &'a mut [Lane<T>],
+    pub bits: &'a mut [Lane<u32>],
+}
+
+impl<T: Real> Kernel for DrawSamples<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let mut words = [Lane::splat(0_u32); 4];
+        let mut numbers = self.numbers.chunks_exact_mut(4);
+        for (i, bits) in self.bits.iter_mut().enumerate() {
+            self.drawer.words(self.counter.wrapping_add(i as u32), self.stream, &mut words);
+            if let Some(numbers) = numbers.next() {
+                normals::<T, FMA>(&words, numbers);
+            }
+            left_over(&words, bits);
+        }
     }
 }
 

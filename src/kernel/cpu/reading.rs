@@ -5,15 +5,16 @@
 
 use super::flicker::{self, Flicker};
 use super::lanes::{Kernel, LANES, Lane};
+use super::small;
 use super::stretch::Numbers;
 use crate::kernel::fragment::Fragment;
 use crate::kernel::layout::state;
 use crate::kernel::member::{COLUMNS, column};
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
-use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
 use crate::sensor::terms::alike;
+use crate::sensor::{Sense, SensorTerm};
 
 /// Terms that are bias instability.
 const FLICKERS: usize = alike(ErrorLaw::Flicker(Stream::Host), SensorTerm::COUNT);
@@ -62,6 +63,14 @@ pub(super) struct Samples<'a, T> {
     pub out: &'a mut [Lane<T>],
 }
 
+/// Whose counters make what an instrument draws at each sample.
+pub(crate) const fn sample_stream(sense: Sense) -> Stream {
+    match sense {
+        Sense::Accelerometer => Stream::AccelerometerWhite,
+        Sense::Gyro => Stream::GyroWhite,
+    }
+}
+
 /// Adds one term to consecutive samples; laws that act on the reading as a whole are added elsewhere.
 pub(super) fn add<T: Real>(
     term: SensorTerm,
@@ -74,13 +83,15 @@ pub(super) fn add<T: Real>(
     let Samples { felt, out } = samples;
     let (level, scale) = (numbers.level, &columns[column::of(term)]);
     match term.law() {
-        ErrorLaw::White(stream) => level.run(AddWhite { scale, numbers: numbers.each(stream), out }),
+        ErrorLaw::White(stream) => level.run(AddWhite { scale, numbers: numbers.each_and_bits(stream), out }),
         ErrorLaw::Walk(stream) => {
             let walk = &mut state.walks[term.rank()];
-            level.run(AddWalk { scale, numbers: numbers.each(stream), walk, out });
+            let first = numbers.from;
+            level.run(AddWalk { scale, bits: numbers.bits(stream), first, walk, out });
         }
         ErrorLaw::Flicker(stream) => {
-            flicker::add(numbers, stream, &mut state.flickers[term.rank()], amplitudes, scale, out);
+            let steps = sample_stream(term.sense());
+            flicker::add(numbers, [steps, stream], &mut state.flickers[term.rank()], amplitudes, scale, out);
         }
         ErrorLaw::Ramp => level.run(AddRamp { scale, first: numbers.from, out }),
         ErrorLaw::Offset => level.run(AddOffset { scale, out }),
@@ -96,9 +107,10 @@ pub const WHITE: Fragment = Fragment {
     let $term_sigma = column(i, $TERM);
     var $term_numbers = vec4<f32>();
 ",
+    block: "",
     draw: "
         if HAS_$TERM {
-            $term_numbers = gaussians(counter, member, STREAM_$TERM, seed);
+            $term_numbers = normals($sense_words);
         }
 ",
     add: "
@@ -148,14 +160,14 @@ impl<T: Real> Kernel for TakeOff<'_, T> {
 /// A random walk in the shader.
 pub const WALK: Fragment = Fragment {
     begin: "
-    let $term_sigma = column(i, $TERM);
-    var $term_numbers = vec4<f32>();
+    let $term_sigma = EIGHTH * column(i, $TERM);
     var $term_walk = state[STATE_$TERM * stride + i];
 ",
-    draw: WHITE.draw,
+    block: "",
+    draw: "",
     add: "
                 if HAS_$TERM {
-                    $term_walk = fma($term_sigma, pick($term_numbers, number), $term_walk);
+                    $term_walk = fma($term_sigma, small_step($sense_words, number, 0u), $term_walk);
                     $out += $term_walk;
                 }
 ",
@@ -167,7 +179,10 @@ pub const WALK: Fragment = Fragment {
 struct AddWalk<'a, T> {
     /// Deviation of one increment.
     pub scale: &'a Lane<T>,
-    pub numbers: &'a [Lane<T>],
+    /// Of each four samples.
+    pub bits: &'a [Lane<u32>],
+    /// Number of the first of the samples.
+    pub first: u64,
     /// Where it has got to.
     pub walk: &'a mut Lane<T>,
     pub out: &'a mut [Lane<T>],
@@ -177,9 +192,15 @@ impl<T: Real> Kernel for AddWalk<'_, T> {
     type Output = ();
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        for (out, number) in self.out.iter_mut().zip(self.numbers) {
+        let mut scale = *self.scale;
+        for l in 0..LANES {
+            scale[l] = T::of(small::EIGHTH) * scale[l];
+        }
+        for (i, out) in self.out.iter_mut().enumerate() {
+            let sample = self.first + i as u64;
+            let bits = &self.bits[((sample >> 2) - (self.first >> 2)) as usize];
             for l in 0..LANES {
-                self.walk[l] = fma::<T, FMA>(self.scale[l], number[l], self.walk[l]);
+                self.walk[l] = fma::<T, FMA>(scale[l], small::walk(bits[l], sample), self.walk[l]);
                 out[l] = out[l] + self.walk[l];
             }
         }
@@ -191,6 +212,7 @@ pub(crate) const RAMP: Fragment = Fragment {
     begin: "
     let $term_slope = column(i, $TERM);
 ",
+    block: "",
     draw: "",
     add: "
                 if HAS_$TERM {
@@ -227,6 +249,7 @@ pub(crate) const OFFSET: Fragment = Fragment {
     begin: "
     let $term_offset = column(i, $TERM);
 ",
+    block: "",
     draw: "",
     add: "
                 if HAS_$TERM {
@@ -258,6 +281,7 @@ pub(crate) const FORCE: Fragment = Fragment {
     begin: "
     let $term_share = column(i, $TERM);
 ",
+    block: "",
     draw: "",
     add: "
                 if HAS_$TERM {
@@ -270,6 +294,7 @@ pub(crate) const FORCE: Fragment = Fragment {
 /// What follows its square, in the shader.
 pub const FORCE_SQUARED: Fragment = Fragment {
     begin: FORCE.begin,
+    block: "",
     draw: "",
     add: "
                 if HAS_$TERM {

@@ -10,7 +10,7 @@ use super::lanes::{Lane, Level};
 use super::members::{Members, Shared};
 use super::oscillator::{ExactHold, ExponentialRk2, Ideal, ProofMasses, RosenbrockEuler, RungeKutta4, Step};
 use super::reading::{self, Limit, Samples, TakeOff};
-use super::stretch::{Numbers, STRETCH};
+use super::stretch::{Numbers, Room, STRETCH};
 use super::sums::Integrate;
 use crate::kernel::force::Force;
 use crate::kernel::integrator::Integrator;
@@ -48,16 +48,14 @@ pub(crate) struct Simulate<'a, T: Real> {
 
 /// What the samples of a stretch are, phase by phase; those of sample n are at n modulo [`STRETCH`].
 pub(super) struct Stretch<T> {
-    numbers: [Lane<T>; STRETCH],
-    slow: [Lane<T>; STRETCH / 2],
+    room: Room<T>,
     felt: [Lane<T>; STRETCH],
 }
 
 impl<T: Real> Stretch<T> {
     /// Room for a stretch.
     pub(super) fn new() -> Self {
-        let zero = Lane::splat(T::of(0.0));
-        Self { numbers: [zero; STRETCH], slow: [zero; STRETCH / 2], felt: [zero; STRETCH] }
+        Self { room: Room::new(), felt: [Lane::splat(T::of(0.0)); STRETCH] }
     }
 }
 
@@ -124,10 +122,10 @@ impl<T: Real> Simulate<'_, T> {
         let on = m.active;
         let at = (from % STRETCH as u64) as usize;
         let here = at..at + (until - from) as usize;
-        let Stretch { numbers, slow, felt } = stretch;
+        let Stretch { room, felt } = stretch;
         let felt = &mut felt[here.clone()];
         let Errors { error, turn } = out;
-        let mut numbers = Numbers { level, drawer: m.draw, from, until, each: numbers, pairs: slow };
+        let mut numbers = Numbers { level, drawer: m.draw, from, until, room, bits_of: None };
 
         let substeps = shared.substeps as usize;
         let local = (from - self.first) as usize * substeps;

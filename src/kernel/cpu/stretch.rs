@@ -3,13 +3,31 @@
 use std::ops::Range;
 
 use super::lanes::{Lane, Level};
-use super::noise::{Draw, Drawer, stream};
+use super::noise::{Draw, DrawSamples, Drawer, stream};
 use crate::numerics::elementary::Real;
 use crate::rng::Stream;
 
 /// Samples that go through a phase together: few enough that their numbers stay in the first-level cache, enough that
 /// calling a phase costs nothing. A multiple of the four samples that share a counter, and a divisor of `sums::CHUNK`.
 pub(crate) const STRETCH: usize = 16;
+
+/// Room for the numbers of a stretch.
+pub(crate) struct Room<T> {
+    /// One a sample.
+    each: [Lane<T>; STRETCH],
+    /// Two for the stretch.
+    pair: [Lane<T>; 2],
+    /// The bits left over, of each four samples.
+    bits: [Lane<u32>; STRETCH / 4],
+}
+
+impl<T: Real> Room<T> {
+    /// Nothing drawn yet.
+    pub(crate) fn new() -> Self {
+        let zero = Lane::splat(T::of(0.0));
+        Self { each: [zero; STRETCH], pair: [zero; 2], bits: [Lane::splat(0); STRETCH / 4] }
+    }
+}
 
 /// Samples `from` to `until`, all of one stretch, and the room for their numbers.
 pub(crate) struct Numbers<'a, T> {
@@ -18,33 +36,65 @@ pub(crate) struct Numbers<'a, T> {
     pub from: u64,
     /// The sample after the last.
     pub until: u64,
-    /// Room for one number a sample.
-    pub each: &'a mut [Lane<T>; STRETCH],
-    /// Room for two numbers for each four samples.
-    pub pairs: &'a mut [Lane<T>; STRETCH / 2],
+    pub room: &'a mut Room<T>,
+    /// Whose bits there are.
+    pub bits_of: Option<Stream>,
 }
 
 impl<T: Real> Numbers<'_, T> {
-    /// Draws one number a sample and says where in `each` they are.
-    pub(crate) fn renew(&mut self, purpose: Stream) -> Range<usize> {
+    /// First counter and how many.
+    fn counters(&self) -> (u32, usize) {
         let (first, last) = (self.from >> 2, (self.until - 1) >> 2);
-        let counters = (last - first + 1) as usize;
-        let out = &mut self.each[..4 * counters];
-        self.level.run(Draw { drawer: self.drawer, stream: stream(purpose, 0), counter: first as u32, each: 4, out });
+        (first as u32, (last - first + 1) as usize)
+    }
+
+    /// Where the samples are among those of their counters.
+    fn samples(&self) -> Range<usize> {
         let skipped = (self.from & 3) as usize;
         skipped..skipped + (self.until - self.from) as usize
     }
 
     /// Draws one number a sample.
     pub(crate) fn each(&mut self, purpose: Stream) -> &[Lane<T>] {
-        let range = self.renew(purpose);
-        &self.each[range]
+        let (counter, counters) = self.counters();
+        let out = &mut self.room.each[..4 * counters];
+        self.level.run(Draw { drawer: self.drawer, stream: stream(purpose, 0), counter, each: 4, out });
+        &self.room.each[self.samples()]
     }
 
-    /// Draws two numbers for each of `counters` counters from `counter` on, into `pairs`.
-    pub(crate) fn pairs(&mut self, purpose: Stream, term: usize, counter: u64, counters: usize) {
-        let out = &mut self.pairs[..2 * counters];
+    /// Draws one number a sample, and the bits that these leave.
+    pub(crate) fn each_and_bits(&mut self, purpose: Stream) -> &[Lane<T>] {
+        self.draw(purpose, 4);
+        &self.room.each[self.samples()]
+    }
+
+    /// The bits of each four samples that share a counter, from that of the first on, drawn unless they are there.
+    pub(crate) fn bits(&mut self, purpose: Stream) -> &[Lane<u32>] {
+        if self.bits_of != Some(purpose) {
+            self.draw(purpose, 0);
+        }
+        &self.room.bits
+    }
+
+    fn draw(&mut self, purpose: Stream, each: usize) {
+        let (counter, counters) = self.counters();
+        let Room { each: numbers, bits, .. } = &mut *self.room;
+        let (numbers, bits) = (&mut numbers[..each * counters], &mut bits[..counters]);
+        let stream = stream(purpose, 0);
+        self.level.run(DrawSamples { drawer: self.drawer, stream, counter, numbers, bits });
+        self.bits_of = Some(purpose);
+    }
+
+    /// Draws the first two numbers of one counter.
+    pub(crate) fn pair(&mut self, purpose: Stream, term: usize, counter: u64) -> &[Lane<T>; 2] {
+        let out = &mut self.room.pair;
         let stream = stream(purpose, term);
         self.level.run(Draw { drawer: self.drawer, stream, counter: counter as u32, each: 2, out });
+        &self.room.pair
+    }
+
+    /// What was drawn last: two numbers of one counter, and bits.
+    pub(crate) fn drawn(&self) -> (&[Lane<T>; 2], &[Lane<u32>]) {
+        (&self.room.pair, &self.room.bits)
     }
 }

@@ -41,6 +41,14 @@ pub(super) fn declarations() -> String {
             text += &format!("const STATE_{name} = {}u;\n", state::WALKS + term.rank());
         }
     }
+    for sense in [Sense::Accelerometer, Sense::Gyro] {
+        let name = sense.name().to_uppercase();
+        let drawn = SensorTerm::ALL.into_iter().filter(|t| t.sense() == sense && t.law().stream().is_some());
+        let switches: Vec<String> = drawn.map(switch).collect();
+        let stream = reading::sample_stream(sense) as u32;
+        text +=
+            &format!("const STREAM_{name} = {stream}u;\noverride DRAWS_{name}: bool = {};\n", switches.join(" || "));
+    }
     text
 }
 
@@ -50,6 +58,7 @@ pub(crate) fn expand(text: &str) -> String {
     for line in text.lines() {
         let pick: fn(&Fragment) -> &'static str = match line.trim() {
             "#terms begin" => |f| f.begin,
+            "#terms block" => |f| f.block,
             "#terms draw" => |f| f.draw,
             "#terms add accelerometer" | "#terms add gyro" => |f| f.add,
             "#terms end" => |f| f.end,
@@ -83,6 +92,7 @@ fn named(text: &str, term: SensorTerm) -> String {
         .replace("$TERM", &name)
         .replace("$term", &name.to_lowercase())
         .replace("$out", out)
+        .replace("$sense", term.sense().name())
 }
 
 /// Where the flicker terms of a sensor term begin: behind those of earlier sensor terms that are switched on.
