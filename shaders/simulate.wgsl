@@ -75,8 +75,8 @@ fn small_step(words: vec4<u32>, number: u32, place: u32) -> f32 {
 
 // That of the term renewed once in four samples.
 fn fourth_step(words: vec4<u32>) -> f32 {
-    let set = (words >> vec4<u32>(6u)) & vec4<u32>(1u);
-    return f32(set.x + set.y + set.z + set.w) - 2.0;
+    let last = (words >> vec4<u32>(6u)) & vec4<u32>(1u);
+    return f32(last.x + last.y + last.z + last.w) - 2.0;
 }
 
 // Terms 0 and 1 after the renewals of a sample, the third or another of its group of four.
@@ -164,10 +164,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var block = tile.first_sample >> 4u; block <= (stop - 1u) >> 4u; block++) {
 #terms block
     for (var counter = max(4u * block, first_counter); counter <= min(4u * block + 3u, last_counter); counter++) {
-        if DRAWS_ACCELEROMETER {
+        if draws_accelerometer() {
             accelerometer_words = philox(vec4<u32>(counter, member, STREAM_ACCELEROMETER), seed);
         }
-        if DRAWS_GYRO {
+        if draws_gyro() {
             gyro_words = philox(vec4<u32>(counter, member, STREAM_GYRO), seed);
         }
         if HAS_FORCE {

@@ -85,11 +85,11 @@ pub fn outcomes_at(flight: &Flight, members: Range<u64>, control: &Control) -> R
 
 fn quantities(row: &Row) -> Outcome {
     let [north, east, down, ..] = *row;
-    let horizontal = north.hypot(east);
+    let square = north * north + east * east;
     let mut all = [0.0; QUANTITIES];
     all[..9].copy_from_slice(row);
-    all[Quantity::Horizontal.place()] = horizontal;
-    all[Quantity::Spherical.place()] = horizontal.hypot(down);
+    all[Quantity::Horizontal.place()] = square.sqrt();
+    all[Quantity::Spherical.place()] = (square + down * down).sqrt();
     all[Quantity::NorthPlusEast.place()] = north + east;
     all
 }
@@ -108,14 +108,31 @@ pub struct Sums {
 impl Sums {
     /// Sums up members in their order; a row is missing where one failed.
     pub fn of(rows: &[Option<Row>], bins: Option<&[Bins; QUANTITIES]>) -> Self {
+        // Counts are integers, and blocks keep their order: the same for any number of threads.
+        let share = rows.len().div_ceil(BLOCK).div_ceil(parallel::threads()).max(1) * BLOCK;
+        let parts = parallel::map_chunks(rows, share, |_, rows| Self::of_share(rows, bins));
+        let mut sums = Self::default();
+        for part in parts {
+            sums.failed += part.failed;
+            sums.blocks.extend(part.blocks);
+            if sums.histograms.is_empty() {
+                sums.histograms = part.histograms;
+            } else {
+                sums.histograms.iter_mut().zip(&part.histograms).for_each(|(mine, theirs)| mine.merge(&theirs.counts));
+            }
+        }
+        sums
+    }
+
+    fn of_share(rows: &[Option<Row>], bins: Option<&[Bins; QUANTITIES]>) -> Self {
         let mut sums =
             Self { histograms: bins.map_or_else(Vec::new, |b| b.map(Histogram::new).into()), ..Self::default() };
         for block in rows.chunks(BLOCK) {
-            let there = block.iter().flatten().map(quantities);
-            sums.blocks.push(Moments::of_each(there.clone()));
-            sums.failed += (block.len() - there.clone().count()) as u64;
-            for row in there {
-                sums.histograms.iter_mut().zip(row).for_each(|(h, v)| h.add(v));
+            let there: Vec<Outcome> = block.iter().flatten().map(quantities).collect();
+            sums.blocks.push(Moments::of_each(there.iter().copied()));
+            sums.failed += (block.len() - there.len()) as u64;
+            for (q, histogram) in sums.histograms.iter_mut().enumerate() {
+                there.iter().for_each(|row| histogram.add(row[q]));
             }
         }
         sums

@@ -128,11 +128,7 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
             let bits = &self.bits[((sample >> 2) - (self.first >> 2)) as usize];
             let renewed = slow_term(sample + self.place).filter(|&j| sample != 0 && j < terms.len());
             match renewed {
-                Some(1) => {
-                    for l in 0..LANES {
-                        terms[1][l] = fma::<T, FMA>(keep, terms[1][l], new * small::fourth(bits[l]));
-                    }
-                }
+                Some(1) => step_fourth::<T, FMA>(keep, new, &mut terms[1], bits),
                 Some(j) => relax::<T, FMA>(keep, new, &mut terms[j], &self.slow[usize::from(j == 2)]),
                 None => {}
             }
@@ -145,9 +141,7 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
                 }
             }
             let [quick, slow, ..] = &mut terms[..] else { return };
-            for l in 0..LANES {
-                quick[l] = fma::<T, FMA>(keep, quick[l], T::of(RENEWED * small::EIGHTH) * small::fast(bits[l], sample));
-            }
+            step_fast::<T, FMA>(keep, T::of(RENEWED * small::EIGHTH), quick, bits, sample);
             add_sum::<T, FMA>([self.amplitudes[0], self.amplitudes[1]], [quick, slow, slowest], self.scale, out);
         }
     }
@@ -157,6 +151,22 @@ impl<T: Real> Kernel for AddFlicker<'_, T> {
 fn relax<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, number: &Lane<T>) {
     for l in 0..LANES {
         term[l] = fma::<T, FMA>(keep, term[l], new * number[l]);
+    }
+}
+
+// In functions of their own: where a term may be one of several, the compiler does not see that its lanes are apart.
+
+#[inline(always)]
+fn step_fast<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, bits: &Lane<u32>, sample: u64) {
+    for l in 0..LANES {
+        term[l] = fma::<T, FMA>(keep, term[l], new * small::fast(bits[l], sample));
+    }
+}
+
+#[inline(always)]
+fn step_fourth<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, bits: &Lane<u32>) {
+    for l in 0..LANES {
+        term[l] = fma::<T, FMA>(keep, term[l], new * small::fourth(bits[l]));
     }
 }
 

@@ -46,8 +46,8 @@ pub(super) fn declarations() -> String {
         let drawn = SensorTerm::ALL.into_iter().filter(|t| t.sense() == sense && t.law().stream().is_some());
         let switches: Vec<String> = drawn.map(switch).collect();
         let stream = reading::sample_stream(sense) as u32;
-        text +=
-            &format!("const STREAM_{name} = {stream}u;\noverride DRAWS_{name}: bool = {};\n", switches.join(" || "));
+        text += &format!("const STREAM_{name} = {stream}u;\n");
+        text += &format!("fn draws_{}() -> bool {{\n    return {};\n}}\n", sense.name(), switches.join(" || "));
     }
     text
 }
