@@ -178,6 +178,24 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
         taken_turn = vec3<f32>(given[3u * stride + i], given[4u * stride + i], given[5u * stride + i]);
     }
 
+    // Rows as the host has them, read once: memory that a kernel also writes is not kept in registers by itself.
+    var force_rows = mat3x3<f32>();
+    var rate_rows = mat3x3<f32>();
+    var felt_rows = mat3x3<f32>();
+    if COUPLED {
+        force_rows = mat3x3<f32>(coupling(i, 0u), coupling(i, 1u), coupling(i, 2u));
+        rate_rows = mat3x3<f32>(coupling(i, 3u), coupling(i, 4u), coupling(i, 5u));
+        felt_rows = mat3x3<f32>(coupling(i, 6u), coupling(i, 7u), coupling(i, 8u));
+    }
+    var warm_force = array<vec3<f32>, 2>();
+    var warm_rate = array<vec3<f32>, 2>();
+    var offset_s = vec2<f32>();
+    if FOLLOWS {
+        warm_force = array<vec3<f32>, 2>(followed(i, 0u), followed(i, 1u));
+        warm_rate = array<vec3<f32>, 2>(followed(i, 2u), followed(i, 3u));
+        offset_s = vec2<f32>(given[45u * stride + i], given[46u * stride + i]);
+    }
+
     for (var n = 0u; n < flight.samples; n++) {
         let p = passage(n);
         let passed = (flight.since + n) & 63u;
@@ -190,26 +208,18 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
             turn -= taken_turn;
         }
         if COUPLED {
-            error += vec3<f32>(
-                dot(coupling(i, 0u), p.body_force),
-                dot(coupling(i, 1u), p.body_force),
-                dot(coupling(i, 2u), p.body_force),
-            );
-            turn += vec3<f32>(
-                dot(coupling(i, 3u), p.body_rate) + dot(coupling(i, 6u), p.body_force),
-                dot(coupling(i, 4u), p.body_rate) + dot(coupling(i, 7u), p.body_force),
-                dot(coupling(i, 5u), p.body_rate) + dot(coupling(i, 8u), p.body_force),
-            );
+            error += p.body_force * force_rows;
+            turn += p.body_rate * rate_rows + p.body_force * felt_rows;
         }
         if FOLLOWS {
-            var late = given[45u * stride + i];
+            var late = offset_s.x;
             if JITTERS {
                 let sample = flight.first_sample + n;
                 let instants = gaussians(sample >> 2u, member_of(i), STREAM_JITTER, fix.seed);
-                late = fma(given[46u * stride + i], instants[sample & 3u], late);
+                late = fma(offset_s.y, instants[sample & 3u], late);
             }
-            error += p.warmer * (followed(i, 1u) * p.body_force + followed(i, 0u)) - late * p.force_change;
-            turn += p.warmer * (followed(i, 3u) * p.body_rate + followed(i, 2u)) - late * p.rate_change;
+            error += p.warmer * (warm_force[1] * p.body_force + warm_force[0]) - late * p.force_change;
+            turn += p.warmer * (warm_rate[1] * p.body_rate + warm_rate[0]) - late * p.rate_change;
         }
         let f = error * p.attitude;
         let w = turn * p.attitude;
