@@ -63,7 +63,7 @@ pub struct Submission(wgpu::SubmissionIndex);
 /// sets another number.
 const PATIENCE_S: f64 = 60.0;
 
-fn patience() -> Duration {
+fn timeout() -> Duration {
     let given = std::env::var("PROOFMASS_GPU_PATIENCE_S").ok().and_then(|text| text.parse().ok());
     Duration::try_from_secs_f64(given.unwrap_or(PATIENCE_S)).unwrap_or(Duration::from_secs(60))
 }
@@ -327,11 +327,11 @@ impl Gpu {
     }
 
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
-        let patience = patience();
-        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(patience) };
+        let timeout = timeout();
+        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(timeout) };
         self.device.poll(wait).map_err(|e| {
             let cause = match e {
-                wgpu::PollError::Timeout => format!("the device has not answered for {} s", patience.as_secs_f64()),
+                wgpu::PollError::Timeout => format!("the device has not answered for {} s", timeout.as_secs_f64()),
                 other => other.to_string(),
             };
             Error::new(ATTEMPT, cause, USE_CPU)
@@ -367,7 +367,7 @@ impl Gpu {
         });
         let failed = |cause: String| Error::new(ATTEMPT, cause, USE_CPU);
         self.poll(None)?;
-        match receive.recv_timeout(patience()) {
+        match receive.recv_timeout(timeout()) {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(failed(e.to_string())),
             Err(e) => return Err(failed(e.to_string())),

@@ -44,7 +44,7 @@ use crate::error::{Error, Result};
 use crate::motion::{Earth, Place};
 use crate::recording::Recording;
 use crate::units::DEGREE;
-use conclusion::{Found, Told};
+use conclusion::{Examined, Found};
 use course::Case;
 use fit::Fit;
 use integral::Rule;
@@ -65,13 +65,13 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let names = intake::names(recording, model)?;
     let (mut log, began) = intake::log(recording, &names, &mut findings)?;
     intake::units(recording, &log)?;
-    let mut spoilt = vec![false; log.time_s.len()];
-    let limits = [clipping::limits(&log.rate, &mut spoilt), clipping::limits(&log.force, &mut spoilt)];
+    let mut masked = vec![false; log.time_s.len()];
+    let limits = [clipping::limits(&log.rate, &mut masked), clipping::limits(&log.force, &mut masked)];
     let vibration = conclusion::vibration(&log, model);
-    let told = Told { recording, names, findings, limits, vibration, stated: model.noise };
-    let Some(reference) = &model.reference else { return Ok(told.without_reference(&log)) };
-    let mut told = told;
-    let motion = intake::motion(recording, reference, &log, began, &mut told.findings)?;
+    let examined = Examined { recording, names, findings, limits, vibration, stated: model.noise };
+    let Some(reference) = &model.reference else { return Ok(examined.without_reference(&log)) };
+    let mut examined = examined;
+    let motion = intake::motion(recording, reference, &log, began, &mut examined.findings)?;
     let gravity_m_s2 = gravity(model);
     let work = control.stage("aligning the clocks", 0);
     let start = start::start(&log, &motion, gravity_m_s2);
@@ -79,7 +79,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     unswap(&mut log, &start);
     work.rename("searching the library");
     let case =
-        Case { log: &log, motion: &motion, turned: start.turned, gravity_m_s2, spoilt: &spoilt, rule: Rule::Straight };
+        Case { log: &log, motion: &motion, turned: start.turned, gravity_m_s2, masked: &masked, rule: Rule::Straight };
     let library = candidate::terms(motion.has_position);
     // The Earth's rate is too small to bend anything: its slope is judged, and it is never followed.
     let everything: Vec<usize> = selection::with(&selection::base(motion.has_position), library.iter().copied())
@@ -118,7 +118,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let selection = select(&fit)?;
     let fit = about(&fit, &selection)?;
     drop(work);
-    Ok(told.conclude(&Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection }))
+    Ok(examined.conclude(&Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection }))
 }
 
 /// Gravity of the place, m/s².

@@ -300,8 +300,8 @@ fn detectable_words(diagnosis: &Diagnosis) -> String {
          Linearised around the base model; `proofmass trial --like` checks it by planting each candidate.",
         significant(detail.least_over_noise, 2)
     );
-    if !detail.alike.is_empty() {
-        let pairs: Vec<String> = detail.alike.iter().map(|[a, b]| format!("{a} and {b}")).collect();
+    if !detail.indistinguishable.is_empty() {
+        let pairs: Vec<String> = detail.indistinguishable.iter().map(|[a, b]| format!("{a} and {b}")).collect();
         words += &format!(" Indistinguishable in this recording if one of them were present: {}.", pairs.join("; "));
     }
     words

@@ -100,10 +100,11 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
     // Where all members share the error, its mean and not its spread is the answer.
     if mean.abs() > sd {
         let alone = |contribution: &Contribution| contribution.mean_m.last().map_or(0.0, |m| m.abs());
-        let culprit = contributions.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
-        let culprit = culprit.map_or(String::new(), |s| format!(" Most of it is due to the {}.", s.source.name()));
+        let largest_source = contributions.iter().max_by(|a, b| alone(a).total_cmp(&alone(b)));
+        let largest_source =
+            largest_source.map_or(String::new(), |s| format!(" Most of it is due to the {}.", s.source.name()));
         return format!(
-            "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{culprit}",
+            "{after} wrong by {} m on average ({} m standard deviation over {} simulated ones).{largest_source}",
             worth(mean, of_mean),
             worth(sd, of_sd),
             count
@@ -113,12 +114,12 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
         return format!("{after} exact: the study contains no error.");
     }
     let k = drift.budget.time_s.len().saturating_sub(1);
-    let culprit = contributions.first().map_or(String::new(), |contribution| {
+    let largest_source = contributions.first().map_or(String::new(), |contribution| {
         let percent = significant(100.0 * drift.budget.fraction(contribution, k), 2);
         format!(" The {} accounts for {percent} % of that variance.", contribution.source.name())
     });
     format!(
-        "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{culprit}",
+        "{after} wrong by {} m (standard deviation over {} simulated ones); nine in ten lie between {} m and {} m.{largest_source}",
         worth(sd, of_sd),
         count,
         worth(last.percentiles[1], PERCENTILE_DOUBT[1] * of_mean),

@@ -18,7 +18,7 @@ use crate::parallel;
 /// Twice the log-likelihood that a name must gain over one that another channel bears. Before any data each of the nine
 /// candidates is as likely as another, and one that is at work in a neighbour is the likelier by far: 2 ln 9 and a factor
 /// of ten for the latter.
-const PRICE: f64 = 9.0;
+const PENALTY: f64 = 9.0;
 
 /// Goes through the channels once; `selected` are theirs.
 ///
@@ -82,7 +82,7 @@ fn settle(
     let Tried { standings, best } = try_all(channel, &without, environment, control, shared)?;
     let Some(mine) = standings.iter().find(|t| t.cause == cause).map(Standing::merit) else { return Ok(()) };
     let Some((theirs, fitted)) = best else { return Ok(()) };
-    let better_by = mine - theirs.merit() - PRICE;
+    let better_by = mine - theirs.merit() - PENALTY;
     if better_by < 0.0 {
         let chosen = prune(channel, fitted, correction);
         let named = selection::named(channel, &selected[i].base, &chosen, correction, &Vec::new());

@@ -225,8 +225,8 @@ impl<'a> Draft<'a> {
         }
         for (i, channel) in self.channels.iter().enumerate() {
             if self.effects.iter().any(|e| e.is(Cause::GaussMarkov, i)) {
-                let told = telegraph::power(channel, &self.finals[i], REAL / count);
-                self.findings.extend(findings::popcorn(channel, told));
+                let detected = telegraph::power(channel, &self.finals[i], REAL / count);
+                self.findings.extend(findings::popcorn(channel, detected));
             }
         }
     }

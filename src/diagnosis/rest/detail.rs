@@ -112,7 +112,7 @@ pub struct Hops {
     /// Heading of the column that hops.
     pub channel: String,
     /// Distance between the levels, in the unit of the channels.
-    pub apart: f64,
+    pub distance: f64,
     /// Mean time at the lower and at the higher level, s.
     pub dwell_s: [f64; 2],
     /// Number of hops between the levels.

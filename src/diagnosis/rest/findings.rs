@@ -14,12 +14,12 @@ pub(super) fn within_tolerance() -> String {
 }
 
 /// Whether a process named from its spectrum could be hops between two levels, which have the same one.
-pub(super) fn popcorn(channel: &Channel, told: Option<usize>) -> Option<String> {
-    let told = told?;
+pub(super) fn popcorn(channel: &Channel, detected: Option<usize>) -> Option<String> {
+    let detected = detected?;
     Some(format!(
         "`{}`: hops between two levels (popcorn noise) have the spectrum of `gauss-markov`; as strong and as slow as here they \
-         would have shown in {told} of {REPLICAS} simulated recordings{}",
+         would have shown in {detected} of {REPLICAS} simulated recordings{}",
         channel.name,
-        if 10 * told >= 9 * REPLICAS as usize { ", and none show" } else { ": they are not excluded" }
+        if 10 * detected >= 9 * REPLICAS as usize { ", and none show" } else { ": they are not excluded" }
     ))
 }

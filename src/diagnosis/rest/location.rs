@@ -49,15 +49,15 @@ pub(super) fn locate(
         off.into_iter().partition(|i| !described && shown[*i].jump.is_some());
     // A channel may be off by a knock or an exponent alone, which are told apart.
     let remains = |i: &usize| described || shown[*i].p_value * (channels.len() as f64) < REAL;
-    let amiss: Vec<usize> = off.into_iter().filter(remains).collect();
+    let mismatched: Vec<usize> = off.into_iter().filter(remains).collect();
     let location = Location {
         described,
         jumps: jumps(channels, shown, leaping),
         knocks: channels.iter().flat_map(knocks).collect(),
         spikes: channels.iter().filter_map(spiky).collect(),
         hops: hopping.iter().filter_map(|i| Some(hops(&channels[*i], shown[*i].telegraph.as_ref()?))).collect(),
-        mismatches: amiss.iter().take(SPOKEN_OF).map(|i| mismatch(&channels[*i].name, &shown[*i])).collect(),
-        also: amiss.iter().skip(SPOKEN_OF).map(|i| channels[*i].name.clone()).collect(),
+        mismatches: mismatched.iter().take(SPOKEN_OF).map(|i| mismatch(&channels[*i].name, &shown[*i])).collect(),
+        also: mismatched.iter().skip(SPOKEN_OF).map(|i| channels[*i].name.clone()).collect(),
     };
     let time_s = shown[worst].time_s.clone();
     (Places { time_s, frequency_hz, state, state_cells: Vec::new() }, location)
@@ -95,7 +95,7 @@ fn spiky(channel: &Channel) -> Option<Spiky> {
 fn hops(channel: &Channel, hops: &Telegraph) -> Hops {
     Hops {
         channel: channel.name.clone(),
-        apart: hops.apart * channel.scale,
+        distance: hops.distance * channel.scale,
         dwell_s: hops.dwell.map(|samples| samples / channel.rate_hz),
         count: hops.hops,
     }

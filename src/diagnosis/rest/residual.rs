@@ -79,7 +79,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < REAL).map(|(c, _)| *c).collect();
     let least = slowest.iter().filter(|s| s.power_ratio < 1.0).min_by(|a, b| a.p_value.total_cmp(&b.p_value));
     let fading = least.filter(|s| s.p_value * tests < REAL);
-    let amiss = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < REAL).count();
+    let mismatched = of_time.iter().filter(|p| **p * QUESTIONS * (of_time.len() as f64) < REAL).count();
     Residual {
         p_value: smallest.min(1.0),
         p_value_in_time: in_time.min(1.0),
@@ -87,7 +87,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         telegraph: None,
         fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.power_ratio]),
         creep: (p_creep < REAL).then_some(creeping.0),
-        only_there: failing.is_empty() && p_jump.min(p_creep) >= REAL && 4 * amiss <= of_time.len(),
+        only_there: failing.is_empty() && p_jump.min(p_creep) >= REAL && 4 * mismatched <= of_time.len(),
         failing,
         time_s,
         frequency_hz,

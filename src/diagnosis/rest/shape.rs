@@ -17,7 +17,7 @@ use crate::numerics::special::chi_squared_survival;
 /// Values that shapes are searched on, at most.
 const MOST: usize = 4096;
 /// Twice the log-likelihood that a number of the shape must gain: Schwarz's for [`MOST`] values.
-const PRICE: f64 = 8.3;
+const PENALTY: f64 = 8.3;
 /// Lags that are tried, as parts of the recording; shorter than the first is none.
 const LAGS: [f64; 2] = [0.002, 0.3];
 /// Half widths of play that are tried, as parts of the column's range.
@@ -93,7 +93,7 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
         for of in POWERS {
             let numbers = of.len() as f64 + if delay == Delay::None { 0.0 } else { 1.0 };
             let log_likelihood = following(powers(&curve, unit, of));
-            let merit = 2.0 * log_likelihood - PRICE * numbers;
+            let merit = 2.0 * log_likelihood - PENALTY * numbers;
             if best.is_none_or(|b| merit > b.0) {
                 best = Some((merit, log_likelihood, delay, of, numbers));
             }

@@ -31,7 +31,7 @@ const LONGEST: usize = 1 << 13;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Telegraph {
     /// Between the levels, in the channel's scale.
-    pub(super) apart: f64,
+    pub(super) distance: f64,
     /// Mean time at the lower and at the higher level, in samples.
     pub(super) dwell: [f64; 2],
     /// How often it hops.
@@ -112,7 +112,7 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     let order = usize::from(chain.level[0] > chain.level[1]);
     let dwell = chain.leave.map(|l| block as f64 / l);
     Some(Telegraph {
-        apart: (chain.level[1] - chain.level[0]).abs() * own.scale,
+        distance: (chain.level[1] - chain.level[0]).abs() * own.scale,
         dwell: [dwell[order], dwell[1 - order]],
         hops: expected.high.windows(2).filter(|w| (w[0] > 0.5) != (w[1] > 0.5)).count(),
         p_value,
@@ -133,7 +133,7 @@ pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<
     let size = fitted.strength_of(index).0.sqrt();
     let noise = (fitted.white().0 / block as f64).sqrt();
     let count = (channel.values.len() / block).min(LONGEST);
-    let told = (0..REPLICAS).filter(|replica| {
+    let detected = (0..REPLICAS).filter(|replica| {
         let mut rng = Philox::new(1, *replica, Stream::Host);
         let mut level = size;
         let values: Vec<f64> = (0..count)
@@ -149,7 +149,7 @@ pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<
         let law = Term { addition: Addition::Law(Law::Markov(memory)), ..fitted.terms[index].clone() };
         contest(own, vec![law]).is_some_and(|c| c.p_value < p_value)
     });
-    Some(told.count())
+    Some(detected.count())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::candidate::Term;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Account {
     /// Named effects, strongest first.
-    pub named: Vec<Told>,
+    pub named: Vec<NamedEffect>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
     /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings are none.
@@ -19,11 +19,11 @@ pub struct Account {
 
 /// An effect as a sentence names it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct NamedEffect {
     /// Its id in the library of candidates.
     pub id: String,
     /// "misalignment of the gyro".
-    pub spoken: String,
+    pub phrase: String,
     /// Ids that would do as well.
     pub rivals: Vec<String>,
 }

@@ -25,11 +25,11 @@ pub(super) struct Limit {
 }
 
 /// Limits of three axes; every reading that stands at one is marked.
-pub(super) fn limits(readings: &[Vector3<f64>], spoilt: &mut [bool]) -> Vec<Limit> {
-    (0..3).filter_map(|axis| limit(readings, axis, spoilt)).collect()
+pub(super) fn limits(readings: &[Vector3<f64>], masked: &mut [bool]) -> Vec<Limit> {
+    (0..3).filter_map(|axis| limit(readings, axis, masked)).collect()
 }
 
-fn limit(readings: &[Vector3<f64>], axis: usize, spoilt: &mut [bool]) -> Option<Limit> {
+fn limit(readings: &[Vector3<f64>], axis: usize, masked: &mut [bool]) -> Option<Limit> {
     let values = || readings.iter().map(move |r| r[axis]);
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let range = high - low;
@@ -47,7 +47,7 @@ fn limit(readings: &[Vector3<f64>], axis: usize, spoilt: &mut [bool]) -> Option<
         let below = flat.iter().map(|(top, sign)| top - sign * reading[axis]).fold(f64::INFINITY, f64::min);
         if below <= 0.0 {
             samples += 1;
-            spoilt[k] = true;
+            masked[k] = true;
         } else {
             gap = gap.min(below);
         }
@@ -104,10 +104,10 @@ mod tests {
     #[test]
     fn a_flat_top_is_a_limit_and_a_round_one_is_not() {
         let (clipped, whole) = (swinging(1.2), swinging(9.0));
-        let mut spoilt = vec![false; clipped.len()];
-        let found = limits(&clipped[..], &mut spoilt);
+        let mut masked = vec![false; clipped.len()];
+        let found = limits(&clipped[..], &mut masked);
         let x = found.iter().find(|l| l.axis == 0).expect("a limit");
-        assert!((x.value - 1.2).abs() < 1e-12 && spoilt.iter().filter(|s| **s).count() >= x.samples);
+        assert!((x.value - 1.2).abs() < 1e-12 && masked.iter().filter(|s| **s).count() >= x.samples);
         assert!(found.iter().all(|l| l.axis != 1));
         let mut none = vec![false; whole.len()];
         assert_eq!(limits(&whole, &mut none), []);

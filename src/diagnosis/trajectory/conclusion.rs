@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::account::{Account, Hidden, Manoeuvre, Told as ToldEffect};
+use super::account::{Account, Hidden, Manoeuvre, NamedEffect};
 use super::candidate::Term;
 use super::clipping::Limit;
 use super::course::Case;
@@ -51,8 +51,8 @@ pub(super) struct Found<'a> {
     pub selection: &'a Selection,
 }
 
-/// What the readings told by themselves.
-pub(super) struct Told<'a> {
+/// The readings after intake: what they show before any fit.
+pub(super) struct Examined<'a> {
     /// The IMU's file as it was read.
     pub recording: &'a Recording,
     /// Columns of gyro and accelerometer.
@@ -76,7 +76,7 @@ pub(super) fn vibration(log: &Log, model: &Trajectory) -> [Option<Vibration>; 2]
     [vibration::vibration(&log.rate, rate_hz, stated[0]), vibration::vibration(&log.force, rate_hz, stated[1])]
 }
 
-impl Told<'_> {
+impl Examined<'_> {
     /// The verdict without a reference: limits and vibration alone.
     pub(super) fn without_reference(self, log: &Log) -> Answer {
         let none = Evidence { held_out_gain: 0.0, p_value: 1.0 };
@@ -172,16 +172,16 @@ impl Told<'_> {
     }
 
     fn account(&self, effects: &[Effect], selection: Option<&Selection>, held_out: [f64; 2]) -> Account {
-        let spoken = |effect: &Effect| {
+        let phrase = |effect: &Effect| {
             let term = selection.and_then(|s| s.named.iter().find(|n| n.standing.term.id() == effect.id));
             let within = |k: &usize| effect.channels.iter().all(|c| self.names[*k].contains(c));
             let alone = (0..SENSORS.len()).find(within);
             let of = alone.map_or(effect.id.clone(), |k| format!("{} of the {}", effect.id, SENSORS[k].name()));
-            term.map_or(of, |n| n.standing.term.spoken())
+            term.map_or(of, |n| n.standing.term.phrase())
         };
         let named = effects
             .iter()
-            .map(|e| ToldEffect { id: e.id.clone(), spoken: spoken(e), rivals: e.confusable_with.clone() })
+            .map(|e| NamedEffect { id: e.id.clone(), phrase: phrase(e), rivals: e.confusable_with.clone() })
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());

@@ -21,7 +21,7 @@ pub(super) struct Case<'a> {
     /// Gravity of the place, m/s².
     pub gravity_m_s2: f64,
     /// Samples that are no reading (clipped, filled): their time is left out.
-    pub spoilt: &'a [bool],
+    pub masked: &'a [bool],
     /// What is taken to happen between readings.
     pub rule: Rule,
 }

@@ -58,7 +58,7 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
         Some(all)
     };
     let slopes = parallel::map_indices(PARAMETERS, of);
-    rows((log, case.spoilt), bins, 2, &residual, &slopes)
+    rows((log, case.masked), bins, 2, &residual, &slopes)
 }
 
 /// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its double integral.

@@ -60,11 +60,11 @@ impl Bins {
         sums.iter().zip(&self.count).map(|(sum, n)| sum / (*n).max(1) as f64).collect()
     }
 
-    /// Whether each bin has its poses, and no spoilt reading lies in it.
-    fn whole(&self, log: &Log, spoilt: &[bool]) -> Vec<bool> {
+    /// Whether each bin has its poses, and no masked reading lies in it.
+    fn whole(&self, log: &Log, masked: &[bool]) -> Vec<bool> {
         let usual = crate::numerics::order::median(self.count.iter().map(|n| *n as f64).collect()).unwrap_or(1.0);
         let mut whole: Vec<bool> = self.count.iter().map(|n| *n as f64 >= (FULL * usual).max(1.0)).collect();
-        for (time_s, _) in log.time_s.iter().zip(spoilt).filter(|(_, spoilt)| **spoilt) {
+        for (time_s, _) in log.time_s.iter().zip(masked).filter(|(_, masked)| **masked) {
             let bin = ((time_s - self.start_s) / self.width_s).floor();
             if bin >= 0.0
                 && let Some(whole) = whole.get_mut(bin as usize)
@@ -87,7 +87,7 @@ pub(super) fn differenced(means: &[Vector3<f64>], order: usize, width_s: f64) ->
 
 /// Rows out of a residual and its slopes, each given at the poses.
 pub(super) fn rows(
-    (log, spoilt): (&Log, &[bool]),
+    (log, masked): (&Log, &[bool]),
     bins: &Bins,
     order: usize,
     residual: &[Vector3<f64>],
@@ -96,7 +96,7 @@ pub(super) fn rows(
     let of = |values: &[Vector3<f64>]| differenced(&bins.means(values), order, bins.width_s);
     let residual = of(residual);
     let slopes: Vec<Option<Vec<Vector3<f64>>>> = slopes.iter().map(|s| s.as_deref().map(of)).collect();
-    let whole = bins.whole(log, spoilt);
+    let whole = bins.whole(log, masked);
     let row = |(k, residual): (usize, &Vector3<f64>)| Row {
         time_s: bins.start_s + (k as f64 + 0.5 * (order + 1) as f64) * bins.width_s,
         residual: *residual,

@@ -74,7 +74,7 @@ impl Case<'_> {
             ),
             not_expressible: selection
                 .named_terms()
-                .map(|t| format!("{} ({}): a study has one axis and one attitude", t.spoken(), t.candidate.equation))
+                .map(|t| format!("{} ({}): a study has one axis and one attitude", t.phrase(), t.candidate.equation))
                 .collect(),
             vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 0.0 },
             own_cost,

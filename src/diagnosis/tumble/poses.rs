@@ -64,16 +64,16 @@ pub fn read(path: &Path, recording: &Recording) -> Result<Vec<Range<usize>>> {
 /// Stretches of samples in which the IMU lay still, half-open and in order.
 pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
     let window = ((WINDOW_S * imu.rate_hz).round() as usize).max(4);
-    let unrest = unrest(imu, window);
-    if unrest.is_empty() {
+    let activity = activity(imu, window);
+    if activity.is_empty() {
         return Vec::new();
     }
-    let mut sorted = unrest.clone();
+    let mut sorted = activity.clone();
     order::sort(&mut sorted);
     // The quietest hundredth: below it lies chance, above it motion may begin.
     let quiet = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
     let tried: Vec<Vec<Range<usize>>> =
-        MULTIPLES.iter().map(|m| stretches(&unrest, quiet * m, window, imu.rate_hz)).collect();
+        MULTIPLES.iter().map(|m| stretches(&activity, quiet * m, window, imu.rate_hz)).collect();
     // A low threshold breaks poses apart or loses them, a high one swallows the gentle beginnings of motion: the lowest
     // that finds nearly all.
     let most = tried.iter().map(Vec::len).max().unwrap_or(0);
@@ -81,7 +81,7 @@ pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
 }
 
 /// Sum over the axes of the variance in a window centred on each sample, each sensor over its own quiet level.
-fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
+fn activity(imu: &Imu<'_>, window: usize) -> Vec<f64> {
     let samples = imu.accelerometer[0].len();
     if samples < 2 * window {
         return Vec::new();
@@ -119,11 +119,11 @@ fn unrest(imu: &Imu<'_>, window: usize) -> Vec<f64> {
 }
 
 /// Stretches whose windows all stay below the threshold.
-fn stretches(unrest: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec<Range<usize>> {
+fn stretches(activity: &[f64], threshold: f64, window: usize, rate_hz: f64) -> Vec<Range<usize>> {
     let mut out: Vec<Range<usize>> = Vec::new();
     let mut start = None;
-    for k in 0..=unrest.len() {
-        let still = k < unrest.len() && unrest[k] < threshold;
+    for k in 0..=activity.len() {
+        let still = k < activity.len() && activity[k] < threshold;
         match (start, still) {
             (None, true) => start = Some(k),
             (Some(begin), false) => {

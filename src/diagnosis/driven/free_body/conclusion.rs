@@ -200,8 +200,8 @@ impl Models<'_> {
     fn without(&self, law: Law, fitted: &[Range<usize>]) -> Comparison {
         let others: Vec<Law> = self.selection.chosen.iter().copied().filter(|l| *l != law).collect();
         let judged = |m: &Regression| m.held_out(self.motion, &self.data.test);
-        let poorer = last(self.motion, &others, fitted).map_or_else(HeldOut::default, |m| judged(&m));
-        compare(&poorer, &judged(&self.model))
+        let reduced = last(self.motion, &others, fitted).map_or_else(HeldOut::default, |m| judged(&m));
+        compare(&reduced, &judged(&self.model))
     }
 
     fn ranking(&self, channels: &Channels) -> Vec<Ranked> {

@@ -116,8 +116,8 @@ pub(crate) fn search(data: &Data, motion: &MotionAndForce) -> Option<Selection> 
             alone.clone_from(&trials);
         }
         let tried = LAWS.len() as f64;
-        let earns = |t: &&Trial| t.comparison.gain >= LEAST && t.comparison.p_value * tried < LEVEL;
-        let Some(best) = trials.first().filter(earns) else { break };
+        let qualifies = |t: &&Trial| t.comparison.gain >= LEAST && t.comparison.p_value * tried < LEVEL;
+        let Some(best) = trials.first().filter(qualifies) else { break };
         chosen.push(best.law);
     }
     for i in 0..chosen.len() {

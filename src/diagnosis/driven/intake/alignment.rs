@@ -234,9 +234,9 @@ fn look(cause: &[f64], effect: &[f64], most: isize) -> Option<Alignment> {
     let at_rest = best[most as usize];
     let highest = best.iter().copied().fold(at_rest, f64::max);
     // A periodic input fits again a period later: the nearest summit that is nearly as high.
-    let summit = |i: usize| (i == 0 || best[i] >= best[i - 1]) && (i + 1 == lags || best[i] >= best[i + 1]);
+    let is_peak = |i: usize| (i == 0 || best[i] >= best[i - 1]) && (i + 1 == lags || best[i] >= best[i + 1]);
     let index = (0..lags)
-        .filter(|i| summit(*i) && best[*i] >= highest - 0.02 * (highest - at_rest))
+        .filter(|i| is_peak(*i) && best[*i] >= highest - 0.02 * (highest - at_rest))
         .min_by_key(|i| i.abs_diff(most as usize))?;
     let residual_at = |index: usize| {
         let place = places.iter().zip(&all_r_squared).max_by(|a, b| a.1[index].total_cmp(&b.1[index])).map(|(p, _)| *p);

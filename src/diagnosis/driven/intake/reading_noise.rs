@@ -188,12 +188,12 @@ fn period(u: &[f64]) -> Option<usize> {
     inverse.process(&mut bins, &mut product).ok()?;
     let alike = |lag: usize| product[lag] / length as f64 / (n - lag) as f64;
     let most = n / 3;
-    let summit = |lag: &usize| alike(*lag) > 0.98 && alike(*lag) >= alike(lag - 1) && alike(*lag) >= alike(lag + 1);
+    let is_peak = |lag: &usize| alike(*lag) > 0.98 && alike(*lag) >= alike(lag - 1) && alike(*lag) >= alike(lag + 1);
     let repeats = |lag: &usize| {
         let sum: f64 = u[*lag..].iter().zip(u).map(|(a, b)| (a - b).powi(2)).sum();
         (sum / (n - lag) as f64).sqrt() < REPEATS * size
     };
-    (SHORTEST..most).filter(summit).take(TRIED).find(repeats)
+    (SHORTEST..most).filter(is_peak).take(TRIED).find(repeats)
 }
 
 /// By stillness: the scatter about a straight line in the quietest stretch in which the input does not change.

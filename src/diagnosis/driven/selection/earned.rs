@@ -21,32 +21,32 @@ const DOUBT: f64 = 25.0;
 /// Iterations of one fit.
 pub(crate) const ITERATIONS: usize = 14;
 
-/// What speaks for a richer model that has earned its terms against a poorer one: the validation samples, or where these show
+/// Evidence for a larger model against a reduced one that lacks some of its terms: the validation samples, or where these show
 /// less than the fitted ones, all samples in turn.
 pub(crate) fn earned(
     data: &Data,
-    poorer: &Judged,
-    richer: &Judged,
+    reduced: &Judged,
+    larger: &Judged,
     scales: &Scales,
     tried: usize,
 ) -> Option<Comparison> {
-    let least = if richer.fit.structure.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
-    let lead = richer.score() - poorer.score() - (tried.max(1) as f64).ln();
+    let least = if larger.fit.structure.terms.len() > 2 { 4.0 * SMALLEST_GAIN } else { SMALLEST_GAIN };
+    let score_gain = larger.score() - reduced.score() - (tried.max(1) as f64).ln();
     let convinces = |c: &Comparison| c.gain >= least && c.p_value < LEVEL;
-    let plain = compare(&poorer.held_out, &richer.held_out);
-    if lead <= 3.0 || convinces(&plain) {
-        return (lead > 3.0).then_some(plain);
+    let plain = compare(&reduced.held_out, &larger.held_out);
+    if score_gain <= 3.0 || convinces(&plain) {
+        return (score_gain > 3.0).then_some(plain);
     }
-    let in_turn = if lead > DOUBT { in_turn(data, poorer, richer, scales) } else { None };
+    let in_turn = if score_gain > DOUBT { in_turn(data, reduced, larger, scales) } else { None };
     in_turn.filter(convinces)
 }
 
 /// Compares two models on all samples, each third predicted from the others.
-fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Option<Comparison> {
-    let mut both = [poorer.held_out.clone(), richer.held_out.clone()];
+fn in_turn(data: &Data, reduced: &Judged, larger: &Judged, scales: &Scales) -> Option<Comparison> {
+    let mut both = [reduced.held_out.clone(), larger.held_out.clone()];
     for Fold { train, validation } in turned(data) {
         let data = Data { train, validation, ..data.clone() };
-        for (all, model) in both.iter_mut().zip([poorer, richer]) {
+        for (all, model) in both.iter_mut().zip([reduced, larger]) {
             let here = fit(&data, &model.fit.structure, &model.fit.point, scales, ITERATIONS)?;
             all.blocks.extend(held_out(&data, &here, scales, &data.validation).blocks);
         }
@@ -57,14 +57,14 @@ fn in_turn(data: &Data, poorer: &Judged, richer: &Judged, scales: &Scales) -> Op
 /// Drops every term whose absence costs nothing, the cheapest first.
 pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usize) -> Judged {
     while model.fit.structure.terms.len() > 1 {
-        let poorer = parallel::map_indices(model.fit.structure.terms.len(), |i| without(data, &model, i, scales));
-        let cheapest = poorer
+        let reduced = parallel::map_indices(model.fit.structure.terms.len(), |i| without(data, &model, i, scales));
+        let cheapest = reduced
             .into_iter()
             .flatten()
             .filter(|p| earned(data, p, &model, scales, tried).is_none())
             .max_by(|a, b| a.score().total_cmp(&b.score()));
         match cheapest {
-            Some(poorer) => model = poorer,
+            Some(reduced) => model = reduced,
             None => break,
         }
     }

@@ -138,11 +138,11 @@ impl Departing {
     fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
         loop {
             let others = (0..self.judged.fit.structure.terms.len()).filter(|j| *j != self.index);
-            let poorer = others.filter_map(|j| Some((j, without(data, &self.judged, j, scales)?)));
+            let reduced = others.filter_map(|j| Some((j, without(data, &self.judged, j, scales)?)));
             let bar = self.judged.score().max(least) - LEAST_LEAD;
-            let idle = poorer.filter(|(_, p)| p.score() >= bar);
-            let Some((j, poorer)) = idle.max_by(|a, b| a.1.score().total_cmp(&b.1.score())) else { return self };
-            self = Self { judged: poorer, index: self.index - usize::from(j < self.index) };
+            let idle = reduced.filter(|(_, p)| p.score() >= bar);
+            let Some((j, reduced)) = idle.max_by(|a, b| a.1.score().total_cmp(&b.1.score())) else { return self };
+            self = Self { judged: reduced, index: self.index - usize::from(j < self.index) };
         }
     }
 
@@ -205,8 +205,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     }
     let Some((found, like)) = best else { return };
     let fewer = found.judged.fit.structure.terms.len() < chosen.fit.structure.terms.len();
-    let lead = found.judged.score() - chosen.score();
-    if lead < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
+    let score_gain = found.judged.score() - chosen.score();
+    if score_gain < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
         return;
     }
     // Of many terms none but the strongest is named: where freedom in one form does not end them, they stay as details.

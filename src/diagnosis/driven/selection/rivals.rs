@@ -61,10 +61,10 @@ impl Look<'_> {
         let (data, terms) = (self.data, &chosen.fit.structure.terms);
         let open = self.candidates.iter().copied().filter(|t| !chosen.has(t.id()));
         let open: Vec<Term> = open.filter(|t| alike(t, &terms[i]) || alike(t, &terms[j])).collect();
-        let poorer = without(data, chosen, i, self.scales).and_then(|p| without(data, &p, j, self.scales));
-        let Some(poorer) = poorer else { return Ok(None) };
-        let here = refined(data, &poorer.fit, self.scales);
-        let tried = round(data, &poorer, &open, &here, open.len(), self.control)?;
+        let reduced = without(data, chosen, i, self.scales).and_then(|p| without(data, &p, j, self.scales));
+        let Some(reduced) = reduced else { return Ok(None) };
+        let here = refined(data, &reduced.fit, self.scales);
+        let tried = round(data, &reduced, &open, &here, open.len(), self.control)?;
         Ok(tried.into_iter().filter_map(|t| t.judged).find(|j| !j.fit.at_bound(&here)))
     }
 
@@ -125,16 +125,16 @@ impl Look<'_> {
         let chosen = &selection.chosen;
         let term = &chosen.fit.structure.terms[index];
         let alone = chosen.fit.structure.terms.len() == 1;
-        let poorer = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
-        let Some(poorer) = poorer else { return Ok(Vec::new()) };
+        let reduced = if alone { Some(selection.base.clone()) } else { without(data, chosen, index, scales) };
+        let Some(reduced) = reduced else { return Ok(Vec::new()) };
         let mut trials = if alone { selection.alone.clone() } else { Vec::new() };
         let fitted = |t: &Term| trials.iter().any(|other| other.judged.is_some() && other.term == *t);
         let open: Vec<Term> = candidates
             .iter()
             .copied()
-            .filter(|t| !poorer.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
+            .filter(|t| !reduced.has(t.id()) && t.id() != term.id() && alike(t, term) && !fitted(t))
             .collect();
-        trials.extend(round(data, &poorer, &open, scales, open.len(), self.control)?);
+        trials.extend(round(data, &reduced, &open, scales, open.len(), self.control)?);
         Ok(trials)
     }
 

@@ -193,7 +193,7 @@ impl Stepwise<'_> {
         } else {
             FAIR_PART_OF_REST
         };
-        let earning: Vec<(&Judged, f64)> = trials
+        let qualifying: Vec<(&Judged, f64)> = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
             // At the end of its plausible range a law is not what its name says: the others answer without it.
@@ -203,8 +203,8 @@ impl Stepwise<'_> {
             .filter(|(j, gain)| *gain > residual_structure(data, &j.fit).r_squared * rest)
             .collect();
         // Where the fitted samples do not tell the best apart, the others do.
-        let most = earning.first().map_or(0.0, |(j, _)| j.score());
-        let equal = earning.into_iter().filter(|(j, _)| most - j.score() < TIE);
+        let most = qualifying.first().map_or(0.0, |(j, _)| j.score());
+        let equal = qualifying.into_iter().filter(|(j, _)| most - j.score() < TIE);
         let best = equal.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(j, _)| j.clone());
         if first && self.alone.is_empty() {
             self.alone = trials;

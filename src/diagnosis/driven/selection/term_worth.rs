@@ -61,24 +61,24 @@ pub(crate) fn weighed(
     let rounded = rounding(data, model);
     let penalty = |j: &Judged| 0.5 * j.fit.free.len() as f64 * (data.train_len().max(2) as f64).ln();
     let weigh = |index: usize| {
-        let poorer = without(data, model, index, scales).unwrap_or_else(|| base.clone());
+        let reduced = without(data, model, index, scales).unwrap_or_else(|| base.clone());
         let unseen = if validation_is_fitted(data) { &data.test } else { &data.validation };
         let mut comparison =
-            compare(&held_out(data, &poorer.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
+            compare(&held_out(data, &reduced.fit, scales, unseen), &held_out(data, &model.fit, scales, unseen));
         comparison.p_value = (comparison.p_value * selection.tried as f64).min(1.0);
-        let judged = held_out(data, &poorer.fit, scales, &data.test);
+        let judged = held_out(data, &reduced.fit, scales, &data.test);
         Named {
             index,
-            growth: (poorer.fit.variance / model.fit.variance.max(1e-300))
+            growth: (reduced.fit.variance / model.fit.variance.max(1e-300))
                 .max(judged.free() / model.held_out.free().max(1e-300))
                 - 1.0,
             comparison,
             free_without: judged.free(),
-            log_score_without: judged.log_score(poorer.fit.variance),
+            log_score_without: judged.log_score(reduced.fit.variance),
             rounded_lead: rounded.and_then(|l| {
-                let without = lattice(&data.reading[data.hull.clone()], &poorer.fit.linear.residual)?;
+                let without = lattice(&data.reading[data.hull.clone()], &reduced.fit.linear.residual)?;
                 let rows = data.train_len() as f64;
-                Some(rows * (l.log_score - without.log_score) - penalty(model) + penalty(&poorer))
+                Some(rows * (l.log_score - without.log_score) - penalty(model) + penalty(&reduced))
             }),
             rivals: rivals.get(index).cloned().unwrap_or_default(),
         }

@@ -130,7 +130,7 @@ pub fn answer(
         from: data.hull.start,
         surfaces,
         least_over_noise: limits.least_over_noise,
-        alike: limits.alike,
+        indistinguishable: limits.indistinguishable,
         detectable: limits.candidates,
         account,
         named: !c.named.is_empty(),

@@ -35,7 +35,7 @@ pub struct Detail {
     /// Where nothing is named: root-mean-square, over the noise, from which on something would have been.
     pub least_over_noise: f64,
     /// Candidates whose signatures could then not have been told apart.
-    pub alike: Vec<[&'static str; 2]>,
+    pub indistinguishable: Vec<[&'static str; 2]>,
     /// Whether anything was named.
     pub named: bool,
     /// How far named laws depart from their stated form, each with its id.

@@ -37,7 +37,7 @@ pub(super) struct Limits {
     /// Candidate by candidate, in the library's order.
     pub candidates: Vec<Detectable>,
     /// Pairs whose signatures could not have been told apart.
-    pub alike: Vec<[&'static str; 2]>,
+    pub indistinguishable: Vec<[&'static str; 2]>,
 }
 
 /// What one candidate does to the training rows, less what the base model hides of it.
@@ -86,11 +86,11 @@ pub(super) fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Ter
             let product: f64 = a.rows.iter().zip(&b.rows).map(|(x, y)| x * y).sum::<f64>() / rows;
             let seen = a.residual > 1e-6 * a.raw && b.residual > 1e-6 * b.raw;
             if a.term.id() != b.term.id() && seen && product.abs() > ALIKE * a.residual * b.residual {
-                limits.alike.push([a.term.id(), b.term.id()]);
+                limits.indistinguishable.push([a.term.id(), b.term.id()]);
             }
         }
     }
-    limits.alike.dedup();
+    limits.indistinguishable.dedup();
     limits
 }
 

@@ -68,9 +68,9 @@ impl Draft<'_> {
                 self.left_out.push(LeftOut::WeighingAgain);
                 continue;
             }
-            let Some(poorer) = without(self.data, &self.model, index, &self.scales) else { break };
-            let held_out = held_out(self.data, &poorer.fit, &self.scales, &self.data.test);
-            self.model = Judged { held_out, fit: poorer.fit };
+            let Some(reduced) = without(self.data, &self.model, index, &self.scales) else { break };
+            let held_out = held_out(self.data, &reduced.fit, &self.scales, &self.data.test);
+            self.model = Judged { held_out, fit: reduced.fit };
             if index < self.rivals.len() {
                 self.rivals.remove(index);
             }

@@ -41,14 +41,14 @@ impl Draft<'_> {
             if named(self, index) {
                 continue;
             }
-            let poorer =
+            let reduced =
                 if self.named.is_empty() { None } else { without(self.data, &self.model, index, &self.scales) };
-            let Some(poorer) = poorer else {
+            let Some(reduced) = reduced else {
                 self.named.clear();
                 break;
             };
-            let held_out = held_out(self.data, &poorer.fit, &self.scales, &self.data.test);
-            self.model = Judged { held_out, fit: poorer.fit };
+            let held_out = held_out(self.data, &reduced.fit, &self.scales, &self.data.test);
+            self.model = Judged { held_out, fit: reduced.fit };
             self.named.iter_mut().filter(|n| n.index > index).for_each(|n| n.index -= 1);
         }
         if self.named.is_empty() || self.model.held_out.free() > self.base.held_out.free() {
@@ -66,8 +66,8 @@ impl Draft<'_> {
         let bar = FAR_ABOVE * r_squared.max(tolerated);
         // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
         let noisy = self.model.fit.structure.is_noisy();
-        let towers = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
-        let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(towers);
+        let dominates = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
+        let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(dominates);
         for n in others {
             self.drop_term(n.index, Dropped::StandIn);
         }

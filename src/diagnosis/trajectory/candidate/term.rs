@@ -47,7 +47,7 @@ impl Term {
     }
 
     /// "misalignment of the gyro".
-    pub fn spoken(&self) -> String {
+    pub fn phrase(&self) -> String {
         match self.sensor {
             Some(sensor) => format!("{} of the {}", self.id(), sensor.name()),
             None => self.id().to_owned(),

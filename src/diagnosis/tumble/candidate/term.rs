@@ -77,7 +77,7 @@ impl Term {
     }
 
     /// "misalignment of the gyro".
-    pub(crate) fn spoken(&self) -> String {
+    pub(crate) fn phrase(&self) -> String {
         format!("{} of the {}", self.id(), self.sensor.name())
     }
 }

@@ -114,28 +114,28 @@ pub(crate) fn next_experiment(outcome: Outcome, detail: &Detail) -> &'static str
 /// Where the mismatch lives.
 pub(crate) fn place(detail: &Detail) -> String {
     let location = &detail.location;
-    let mut spoken: Vec<String> = Vec::new();
+    let mut sentences: Vec<String> = Vec::new();
     for jump in &location.jumps {
-        spoken.push(format!(
+        sentences.push(format!(
             "{}: the bias jumps, most strongly at {}; no noise or drift law in the library does that.",
             jump.channels.join(", "),
             duration(jump.time_s)
         ));
     }
-    spoken.extend(detail.departures.iter().filter(|d| d.refuted).map(departure));
-    spoken.extend(disturbed(location));
-    spoken.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
+    sentences.extend(detail.departures.iter().filter(|d| d.refuted).map(departure));
+    sentences.extend(disturbed(location));
+    sentences.extend(location.hops.iter().map(|h| hops(h, &detail.unit)));
     if !location.hops.is_empty() {
-        spoken.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
+        sentences.push("A Gaussian drift such as `gauss-markov` may have that spectrum, but not two levels.".into());
     }
-    spoken.extend(location.mismatches.iter().map(|m| mismatch(m, location.described)));
+    sentences.extend(location.mismatches.iter().map(|m| mismatch(m, location.described)));
     if !location.also.is_empty() {
-        spoken.push(format!("Also in {}.", location.also.join(", ")));
+        sentences.push(format!("Also in {}.", location.also.join(", ")));
     }
-    if spoken.is_empty() {
-        spoken.push("Nowhere in particular: no frequency band and no time interval stands out.".into());
+    if sentences.is_empty() {
+        sentences.push("Nowhere in particular: no frequency band and no time interval stands out.".into());
     }
-    spoken.join(" ")
+    sentences.join(" ")
 }
 
 /// Knocks and spikes, channel by channel.
@@ -169,7 +169,7 @@ fn hops(hops: &Hops, unit: &str) -> String {
         "{}: the bias hops between two levels {} {unit} apart (popcorn noise; {} hops, on average after {low} at the lower \
          and {high} at the higher level).",
         hops.channel,
-        short(hops.apart),
+        short(hops.distance),
         hops.count
     )
 }

@@ -8,7 +8,7 @@ use crate::number::short;
 /// One or two sentences for the first screen.
 pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
     let account = &detail.account;
-    let names: Vec<&str> = account.named.iter().map(|n| n.spoken.as_str()).collect();
+    let names: Vec<&str> = account.named.iter().map(|n| n.phrase.as_str()).collect();
     let [before, after] = account.held_out.map(short);
     if !account.with_reference {
         return match names.is_empty() {
@@ -45,7 +45,7 @@ pub(super) fn sentence(outcome: Outcome, detail: &Detail) -> String {
         ),
         Outcome::Undecidable => {
             let tied = account.named.iter().filter(|n| !n.rivals.is_empty());
-            let pairs: Vec<String> = tied.map(|n| format!("{} (or {})", n.spoken, n.rivals.join(", "))).collect();
+            let pairs: Vec<String> = tied.map(|n| format!("{} (or {})", n.phrase, n.rivals.join(", "))).collect();
             match pairs.is_empty() {
                 true => "This motion cannot decide whether anything is missing.".into(),
                 false => format!("Something is missing, but this motion cannot tell what: {}.", pairs.join("; ")),
@@ -78,7 +78,7 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
     let one = |h: &Hidden| {
         format!(
             "this motion does not determine {}: it is known only to ±{} {}; {} would determine it",
-            h.term.spoken(),
+            h.term.phrase(),
             short(h.half_width),
             h.term.unit.name,
             manoeuvre(h.manoeuvre)

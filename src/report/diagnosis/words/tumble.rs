@@ -41,7 +41,7 @@ pub(crate) fn sentence(outcome: Outcome, detail: &Detail) -> String {
             let beyond = account.oversized.iter().map(|(id, sensor)| {
                 format!(
                     " {} would explain it, but only with implausible values: check units and columns.",
-                    spoken(id, *sensor)
+                    phrase(id, *sensor)
                 )
             });
             let still = match account.above.first() {
@@ -181,14 +181,14 @@ pub(crate) fn next_experiment(outcome: Outcome, account: &Account) -> &'static s
 
 /// "misalignment of the gyro", or "misalignment of the gyro or scale-factor" where they are tied.
 fn name(named: &NamedTerm) -> String {
-    std::iter::once(spoken(named.id, named.sensor).as_str())
+    std::iter::once(phrase(named.id, named.sensor).as_str())
         .chain(named.rivals.iter().copied())
         .collect::<Vec<_>>()
         .join(" or ")
 }
 
 /// "misalignment of the gyro".
-fn spoken(id: &str, sensor: Sense) -> String {
+fn phrase(id: &str, sensor: Sense) -> String {
     format!("{id} of the {}", sensor.name())
 }
 
