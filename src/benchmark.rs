@@ -92,7 +92,7 @@ fn kernels<T: Real>(control: &Control) -> Result<Vec<Row>> {
     rows.push(quiet.counted(operations::DUFFING));
     let name = "Duffing, Runge-Kutta 4, one normal number a step";
     let noisy = timed(control, name, T::NAME, members, steps, || problem.run(true, level))?;
-    // Beside the step and its number: the force noise added thrice, and its deviation.
+    // Beside the step and its number: the force noise added three times, and its deviation.
     rows.push(noisy.counted(operations::DUFFING + 4.0 + operations::normal::<T>()));
     let numbers = timed(control, NORMAL, T::NAME, members, steps, || normal::run::<T>(level))?;
     rows.push(numbers.counted(operations::normal::<T>()));

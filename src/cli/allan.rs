@@ -112,11 +112,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
 pub struct Scales {
     /// Columns that are specific force.
     pub accelerometer: Vec<String>,
-    /// Their unit.
+    /// Unit of the accelerometer's columns.
     pub accelerometer_scale: String,
     /// Columns that are angular rate.
     pub gyro: Vec<String>,
-    /// Their unit.
+    /// Unit of the gyro's columns.
     pub gyro_scale: String,
 }
 

@@ -277,7 +277,7 @@ struct Integrals {
     now: f64,
     once: f64,
     twice: f64,
-    thrice: f64,
+    three_times: f64,
 }
 
 impl Integrals {
@@ -289,7 +289,7 @@ impl Integrals {
     /// The same of a gyro's: tilt is its integral, and gravity makes an acceleration of that.
     fn through_tilt(self) -> [f64; 4] {
         let g = STANDARD_GRAVITY_M_S2;
-        [g * self.thrice, g * self.twice, g * self.once, self.once]
+        [g * self.three_times, g * self.twice, g * self.once, self.once]
     }
 }
 
@@ -329,8 +329,8 @@ impl ForceIntegrals {
             }
             now_s = *time_s;
             for p in 0..2 {
-                let (once, twice, thrice) = (velocity[p], position[p], area[p]);
-                integrals[p].push(Integrals { now: before[p], once, twice, thrice });
+                let (once, twice, three_times) = (velocity[p], position[p], area[p]);
+                integrals[p].push(Integrals { now: before[p], once, twice, three_times });
             }
         }
         Self { integrals }

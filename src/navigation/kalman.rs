@@ -1,6 +1,6 @@
 //! The Kalman filter that fuses a gyro's rate with an accelerometer's tilt: two states, tilt and gyro bias.
 //!
-//! Plain, or with the accelerometer weighed by how far |a| departs from g, or with that and an R adapted to how the
+//! Plain, or with the accelerometer weighted by how far |a| departs from g, or with that and an R adapted to how the
 //! innovations scatter. Not for attitude in three axes or with heading.
 
 use nalgebra::{Matrix2, RowVector2, Vector2};

@@ -186,7 +186,7 @@ pub struct Earth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VerticalKind {
-    /// From the inertial sensors alone.
+    /// Height from the inertial sensors alone.
     Free,
     /// Held by an ideal height aid.
     Held,

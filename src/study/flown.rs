@@ -22,11 +22,11 @@ pub struct Flown {
     pub imu: PathBuf,
     /// The poses beside it.
     pub reference: Section,
-    /// From the body's origin to the sensor, m.
+    /// Vector from the body's origin to the sensor, m.
     pub lever_arm_m: Vector3<f64>,
     /// Lengths of the windows, s, increasing.
     pub windows_s: Vec<f64>,
-    /// Where biases come from.
+    /// Source of the biases that are subtracted.
     pub bias: Bias,
     /// Length of the still stretch, s; 0 where none is used.
     pub still_s: f64,

@@ -28,7 +28,7 @@ use crate::units::key::Key;
 /// Members that are asked for the stiffest proof mass.
 const ASKED: u64 = 1000;
 
-/// How many members run, and over what time.
+/// Members and duration of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Run<'a> {
     /// Seed of every random number.
@@ -41,7 +41,7 @@ pub struct Run<'a> {
     pub still_samples: u64,
 }
 
-/// What makes a study one of six axes.
+/// The part of a study that only six axes have.
 #[derive(Clone)]
 pub struct InMotion {
     /// The numbers of each axis, without what it takes from the others.
@@ -256,12 +256,12 @@ fn vibration(name: &str, file: &File, duration_s: f64, seed: u64) -> Result<[Opt
 }
 
 impl InMotion {
-    /// The same along another course.
+    /// The same study along another course.
     pub fn along(&self, course: Arc<Course>) -> Self {
         Self { course, ..self.clone() }
     }
 
-    /// The same with another sensor.
+    /// The same study with another sensor.
     pub fn with_sensor(&self, axes: &[Tolerances; 3]) -> Self {
         Self { tolerances: alone(axes), between: axes.clone(), ..self.clone() }
     }

@@ -45,7 +45,7 @@ pub struct Sensor {
     pub numbers: Numbers,
 }
 
-/// The sections of numbers.
+/// The sections of study.toml that hold numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Section {
     /// Mechanics, sampling and range.

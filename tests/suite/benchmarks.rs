@@ -13,7 +13,7 @@ use super::world::{check, data_test, near, program, test};
 pub fn tests() -> Vec<Trial> {
     vec![
         test("free body: dry friction is named in both units, and not where there is none", free_body),
-        data_test("benchmark: Bouc–Wen: hysteresis named, its numbers right, multisine and sweep foretold", boucwen),
+        data_test("benchmark: Bouc–Wen: hysteresis named, its numbers right, multisine and sweep predicted", boucwen),
         data_test("benchmark: EMPS: dry friction of an axis without a spring, in volts", emps),
     ]
 }

@@ -19,7 +19,7 @@ pub fn tests() -> Vec<Trial> {
         ),
         test("diagnose: bad input is refused with attempt, cause and hint, or survived and mentioned", bad_input),
         test("candidates: the library is complete, consistent and printable", library),
-        data_test("diagnose: Silverbox, official split: spring named, multisine and arrow foretold", silverbox),
+        data_test("diagnose: Silverbox, official split: spring named, multisine and arrow predicted", silverbox),
         data_test("diagnose: Xsens MTi calibrated to its factory values, g-sensitivity named and measured", xsens),
         data_test("diagnose: Xsens MTi without given poses finds them, and the same physics", xsens_poses_found),
     ]

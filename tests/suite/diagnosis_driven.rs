@@ -39,7 +39,7 @@ pub fn tests() -> Vec<Trial> {
         test("driven: a ring-down without input shows its friction or stays silent", ring_down),
         test("driven: bad input is refused in words", refused),
         data_test(
-            "driven: Silverbox, quiet part: spring and force noise named, the loud part foretold",
+            "driven: Silverbox, quiet part: spring and force noise named, the loud part predicted",
             silverbox_quiet,
         ),
         data_test("driven: Silverbox, quietest part: no confident wrong spring", silverbox_quietest),

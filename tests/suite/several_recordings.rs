@@ -14,7 +14,7 @@ use super::world::{check, near, program, test};
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
     vec![
-        test("several recordings: a spring is found in both together and foretells a third", together),
+        test("several recordings: a spring is found in both together and predicts a third", together),
         test("several recordings: what does not belong together is refused by name", refused),
     ]
 }

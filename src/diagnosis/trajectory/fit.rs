@@ -1,4 +1,4 @@
-//! All parameters at once, by Gauss and Newton, each residual weighed as its own colour demands.
+//! All parameters at once, by Gauss and Newton, each residual weighted by its own colour.
 
 use nalgebra::Vector3;
 

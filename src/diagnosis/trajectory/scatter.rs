@@ -125,7 +125,7 @@ pub(super) fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_wa
         let (s, c, n) = kept.fold((0.0, 0.0, 0.0), |t, (_, b)| (t.0 + b.0, t.1 + b.1, t.2 + b.2));
         (s / f64::max(n, 1.0), c / f64::max(s, f64::MIN_POSITIVE))
     };
-    // Specific force over two bins, weighed by a triangle: N² · 2/(3W).
+    // Specific force over two bins, weighted by a triangle: N² · 2/(3W).
     let own = random_walk * 2.0 / (3.0 * width_s);
     let (variance, follows) = sums(usize::MAX);
     let deviation = ((0..blocks.len()).map(|k| (sums(k).0 - variance).powi(2)).sum::<f64>() * (n - 1.0) / n).sqrt();

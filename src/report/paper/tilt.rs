@@ -253,12 +253,12 @@ fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64),
         .with("accelerometer", Ink::Red, Mark::Line, pick(|l| l.1))
         .with("gyro", Ink::Blue, Mark::Line, pick(|l| l.2))
         .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]));
-    let (gyro, weighed, adaptive) = (pick(|l| l.2), pick(|l| l.3[1]), pick(|l| l.3[2]));
-    let small = [&gyro, &weighed, &adaptive].into_iter().flatten().map(|p| p.1.abs()).fold(0.0, f64::max);
+    let (gyro, weighted, adaptive) = (pick(|l| l.2), pick(|l| l.3[1]), pick(|l| l.3[2]));
+    let small = [&gyro, &weighted, &adaptive].into_iter().flatten().map(|p| p.1.abs()).fold(0.0, f64::max);
     let enlarged = chart(&format!("{title}, enlarged"), 1.1 * small.max(1e-3))
         .with("plain filter", Ink::Green, Mark::Line, pick(|l| l.3[0]))
         .with("gyro", Ink::Blue, Mark::Line, gyro)
-        .with("weighted by ||a| − g|", Ink::Purple, Mark::Line, weighed)
+        .with("weighted by ||a| − g|", Ink::Purple, Mark::Line, weighted)
         .with("and adaptive R", Ink::Orange, Mark::Dashed, adaptive);
     [whole.draw(), enlarged.draw()]
 }

@@ -118,14 +118,14 @@ pub(super) fn unpredicted(places: &[usize], input: Option<&[f64]>, errors: &[f64
     places.iter().copied().filter(near).collect()
 }
 
-/// Something that a linear forecast does not foretell.
+/// Something that a linear forecast does not predict.
 struct Surprise {
     row: usize,
     error: f64,
     forecast: f64,
 }
 
-/// Where a sequence goes far from what its past and the input foretell; nowhere where that happens often.
+/// Where a sequence goes far from what its past and the input predict; nowhere where that happens often.
 fn surprises(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<Surprise> {
     let rows = among.start.max(LAGS)..among.end.min(output.len().saturating_sub(LAGS));
     if rows.len() < 40 * LAGS {

@@ -5,7 +5,7 @@
 //! model alone (variable projection: Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; multiple shooting without the
 //! continuity: Voss, Timmer & Kurths, Int. J. Bifurcation Chaos 14, 2004). As innovations stand the recursive residuals
 //! (Brown, Durbin & Evans, J. R. Stat. Soc. B 37, 1975): each sample against what the samples before it in the window and
-//! the model foretell, over the standard deviation of that forecast. They have the same sum of squares and are white
+//! the model predict, over the standard deviation of that forecast. They have the same sum of squares and are white
 //! where the noise is.
 
 use crate::diagnosis::driven::intake::data::Data;
