@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::cells::Cells;
+use super::decimal;
 use crate::error::{Error, Result};
 
 /// How cells are separated and whether the first row names them.
@@ -94,76 +95,16 @@ pub fn reading(value: f64) -> Cell {
     }
 }
 
-/// Powers of ten that double precision holds exactly.
-const TENS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
-    1e21, 1e22,
-];
-
-/// The number that bytes begin with, and its length: digits with at most one point and a sign, whose whole number is exact.
-/// Then one division rounds as it must (Clinger, *How to read floating point numbers accurately*, 1990). `None` for anything
-/// else, which is for the library.
-#[inline]
-pub(super) fn leading_number(bytes: &[u8]) -> Option<(f64, usize)> {
-    let sign = usize::from(bytes.first() == Some(&b'-'));
-    let front = digits(&bytes[sign..], 0);
-    let mut end = sign + front.1;
-    let mut number = front;
-    if bytes.get(end) == Some(&b'.') {
-        number = digits(&bytes[end + 1..], front.0);
-        end += 1 + number.1;
-        number.1 += front.1;
-        if number.1 == 0 || number.1 > MOST_DIGITS || number.0 >= 1 << 53 {
-            return None;
-        }
-        let value = number.0 as f64 / TENS[number.1 - front.1];
-        return Some((if sign == 1 { -value } else { value }, end));
-    }
-    if number.1 == 0 || number.1 > MOST_DIGITS || number.0 >= 1 << 53 {
-        return None;
-    }
-    let value = number.0 as f64;
-    Some((if sign == 1 { -value } else { value }, end))
-}
-
-/// More may not fit into 64 bits.
-const MOST_DIGITS: usize = 17;
-
-/// Digits that bytes begin with, behind those of `whole`: the number of all, and how many there are here. Eight at a time; of
-/// more than [`MOST_DIGITS`] the number has lost its highest ones.
-#[inline]
-fn digits(bytes: &[u8], mut whole: u64) -> (u64, usize) {
-    const WHOLE_TENS: [u64; 9] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
-    let mut taken = 0;
-    while let Some(eight) = bytes.get(taken..taken + 8).and_then(|b| <[u8; 8]>::try_from(b).ok()) {
-        let values = u64::from_le_bytes(eight) ^ 0x3030_3030_3030_3030;
-        // The highest bit of a byte tells that it is no digit; a carry reaches only what lies behind such a byte.
-        let strange = (values.wrapping_add(0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
-        let count = strange.trailing_zeros() / 8;
-        if count == 0 {
-            return (whole, taken);
-        }
-        // Digits move to the end, behind zeros; then pairs, fours and eights are joined.
-        let digits = values << (8 * (8 - count));
-        let pairs = (digits.wrapping_mul(10) + (digits >> 8)) & 0x00ff_00ff_00ff_00ff;
-        let fours = (pairs.wrapping_mul(100) + (pairs >> 16)) & 0x0000_ffff_0000_ffff;
-        let eights = (fours.wrapping_mul(10_000) + (fours >> 32)) & 0xffff_ffff;
-        whole = whole.wrapping_mul(WHOLE_TENS[count as usize]).wrapping_add(eights);
-        taken += count as usize;
-        if count < 8 || taken > MOST_DIGITS {
-            return (whole, taken);
-        }
-    }
-    while let Some(digit) = bytes.get(taken).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
-        whole = whole.wrapping_mul(10).wrapping_add(u64::from(digit));
-        taken += 1;
-    }
-    (whole, taken)
-}
-
 #[inline]
 fn plain(cell: &[u8]) -> Option<f64> {
-    leading_number(cell).filter(|(_, length)| *length == cell.len()).map(|(value, _)| value)
+    decimal::leading_number(cell).filter(|(_, length)| *length == cell.len()).map(|(value, _)| value)
+}
+
+/// Whether [`reading`] leaves a number as it is, or it is missing.
+#[inline]
+pub(super) fn is_reading(value: f64) -> bool {
+    let size = value.abs();
+    size >= SMALLEST && size <= LARGEST || value.to_bits() == 0 || value.is_nan()
 }
 
 /// Reads a cell.

@@ -38,7 +38,11 @@ struct Rail {
 impl Rail {
     const NONE: Rail = Rail { value: f64::NEG_INFINITY, count: 0, next_count: 0, next: f64::NEG_INFINITY };
 
+    #[inline]
     fn push(&mut self, value: f64) {
+        if value < self.next {
+            return;
+        }
         if value > self.value {
             *self = Rail { value, count: 1, next: self.value, next_count: self.count };
         } else if value == self.value {
@@ -82,6 +86,7 @@ impl Watch {
         watch
     }
 
+    #[inline]
     pub(crate) fn push(&mut self, value: f64) {
         self.high.push(value);
         self.low.push(-value);
@@ -105,8 +110,7 @@ impl Watch {
             self.longest = (self.count + 1 - self.run, self.run, value);
         }
         if self.off_grid < ON_GRID {
-            let steps = (value - self.origin) / self.step;
-            self.off_grid = self.off_grid.max((steps - steps.round()).abs());
+            self.off_grid = self.off_grid.max(from_whole((value - self.origin) / self.step));
         }
         self.before = value;
         self.count += 1;
@@ -153,9 +157,31 @@ impl Watch {
     }
 }
 
+/// How far a number is from the nearest whole one.
+#[inline]
+fn from_whole(number: f64) -> f64 {
+    // Above it doubles are whole, so that adding it rounds; what it rounds to at a half is as far off either way.
+    const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
+    let whole = if number.abs() < (1u64 << 51) as f64 { (number + WHOLE) - WHOLE } else { number.round() };
+    (number - whole).abs()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_nearest_whole_number_is_the_librarys() {
+        let mut number = 1e-9;
+        while number < 1e19 {
+            for n in [number, -number, number.floor() + 0.5, -number.floor() - 0.5] {
+                assert_eq!(from_whole(n), (n - n.round()).abs(), "{n}");
+            }
+            number *= 1.37;
+        }
+        assert_ne!(from_whole(2.25), (2.25f64 - 2.25f64.ceil()).abs(), "another whole number is told from it");
+        assert!(from_whole(f64::NAN).is_nan());
+    }
 
     fn judge(values: Vec<f64>) -> Vec<Finding> {
         Watch::of("x", &values).findings()

@@ -216,8 +216,9 @@ impl Meter {
 /// Variances of an inertial sensor in windows.
 #[derive(Default)]
 struct Rest {
-    /// Samples of the six columns that fill the window at hand, sensor by sensor.
-    held: [Vec<[f64; 3]>; 2],
+    /// Samples that fill the window at hand, sensor by sensor and axis by axis, and how many.
+    held: [[[f64; Rest::WIDTH]; 3]; 2],
+    count: usize,
     /// Per window of [`Rest::WIDTH`] samples, the variance of each sensor, all axes together.
     variances: Vec<[f64; 2]>,
 }
@@ -227,16 +228,25 @@ impl Rest {
     const WIDTH: usize = FEWEST;
 
     fn push(&mut self, block: &Block, roles: &Roles) {
+        let sensors = [roles.gyro, roles.accelerometer];
+        if sensors == [None, None] {
+            return;
+        }
         let length = block.columns.first().map_or(0, Vec::len);
-        for k in 0..length {
-            for (held, places) in self.held.iter_mut().zip([roles.gyro, roles.accelerometer]) {
-                let Some(places) = places else { continue };
-                held.push(places.map(|p| block.columns[p][k]));
+        let mut from = 0;
+        while from < length {
+            let to = length.min(from + Self::WIDTH - self.count);
+            let window = self.count..self.count + to - from;
+            for (held, places) in self.held.iter_mut().zip(sensors) {
+                for (axis, place) in held.iter_mut().zip(places.into_iter().flatten()) {
+                    axis[window.clone()].copy_from_slice(&block.columns[place][from..to]);
+                }
             }
-            if self.held.iter().any(|h| h.len() == Self::WIDTH) {
-                let variances = self.held.each_ref().map(|held| variance(held));
-                self.variances.push(variances);
-                self.held.iter_mut().for_each(Vec::clear);
+            (from, self.count) = (to, window.end);
+            if self.count == Self::WIDTH {
+                // Of a sensor that is not there, zeros.
+                self.variances.push(self.held.each_ref().map(variance));
+                self.count = 0;
             }
         }
     }
@@ -279,13 +289,13 @@ impl Rest {
 }
 
 /// Variance about the mean, the three axes together.
-fn variance(rows: &[[f64; 3]]) -> f64 {
-    let n = rows.len().max(1) as f64;
-    let of = |axis: usize| {
-        let mean = rows.iter().map(|r| r[axis]).sum::<f64>() / n;
-        rows.iter().map(|r| (r[axis] - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)
-    };
-    of(0) + of(1) + of(2)
+fn variance(axes: &[[f64; Rest::WIDTH]; 3]) -> f64 {
+    let n = Rest::WIDTH as f64;
+    let [a, b, c] = axes.each_ref().map(|axis| {
+        let mean = axis.iter().sum::<f64>() / n;
+        axis.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)
+    });
+    a + b + c
 }
 
 #[cfg(test)]

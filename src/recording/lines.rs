@@ -83,7 +83,8 @@ impl Lines {
             self.aside.extend_from_slice(&self.piece.bytes[kept]);
         }
         let Some(piece) = self.pieces.take().map_err(|e| failed(&self.input, self.pack, &e))? else { return Ok(false) };
-        (self.piece, self.at, self.line, self.row) = (piece, 0, 0..0, 0);
+        self.pieces.give_back(std::mem::replace(&mut self.piece, piece));
+        (self.at, self.line, self.row) = (0, 0..0, 0);
         Ok(true)
     }
 
@@ -111,7 +112,7 @@ impl Lines {
     #[inline]
     pub fn advance(&mut self) -> Result<bool> {
         loop {
-            if let Some(regular) = &self.piece.regular {
+            if let Some(regular) = self.piece.regular() {
                 if let Some(line) = regular.lines.get(self.row) {
                     self.line = line.start as usize..line.end as usize;
                     self.row += 1;
@@ -153,6 +154,22 @@ impl Lines {
         Ok(true)
     }
 
+    /// Passes lines of the piece at hand that were parsed, at most so many: the piece's rows, and which of them. Never its first
+    /// one, which follows a line of another piece; none where that is next, or nothing was parsed.
+    #[inline]
+    pub fn pass(&mut self, most: usize) -> Option<(&Regular, Range<usize>)> {
+        let rows = self.piece.regular()?;
+        let end = rows.lines.len().min(self.row.saturating_add(most));
+        if self.row == 0 || end <= self.row {
+            return None;
+        }
+        let passed = self.row..end;
+        self.line = rows.lines[end - 1].start as usize..rows.lines[end - 1].end as usize;
+        self.number += passed.len() as u64;
+        self.row = end;
+        Some((self.piece.regular()?, passed))
+    }
+
     /// The line, without its end.
     #[inline]
     pub fn line(&self) -> &[u8] {
@@ -162,7 +179,7 @@ impl Lines {
     /// The numbers of the line at hand, where it was parsed: those of the piece, and its row among them.
     #[inline]
     pub fn regular(&self) -> Option<(&Regular, usize)> {
-        self.piece.regular.as_ref().map(|regular| (regular, self.row.saturating_sub(1)))
+        self.piece.regular().map(|regular| (regular, self.row.saturating_sub(1)))
     }
 
     /// Keeps the line at hand while others are read.

@@ -21,28 +21,46 @@ const AHEAD: usize = 2;
 #[derive(Debug, Default)]
 pub(crate) struct Piece {
     /// The lines, the last one maybe without an end.
-    pub bytes: Vec<u8>,
-    pub regular: Option<Regular>,
+    pub(crate) bytes: Vec<u8>,
+    /// What they hold, and whether that is to be used.
+    rows: Regular,
+    is_regular: bool,
+}
+
+impl Piece {
+    /// Its rows, where they are regular ones.
+    #[inline]
+    pub(crate) fn regular(&self) -> Option<&Regular> {
+        self.is_regular.then_some(&self.rows)
+    }
 }
 
 /// A file being read.
 #[derive(Debug)]
 pub(super) struct Pieces {
+    source: Source,
+    parsers: Option<Parsers>,
+    parsed: VecDeque<Receiver<Piece>>,
+    failed: Option<io::Error>,
+    /// Pieces that were used, for their room.
+    spare: Vec<Piece>,
+}
+
+/// Where the bytes come from.
+#[derive(Debug)]
+struct Source {
     reader: Unpacked,
     /// The beginning of the next piece.
     rest: Vec<u8>,
     ended: bool,
     longest: usize,
-    parsers: Option<Parsers>,
-    parsed: VecDeque<Receiver<Piece>>,
-    failed: Option<io::Error>,
 }
 
 impl Pieces {
     /// Of a reader; a piece without a line's end grows up to `longest` bytes.
     pub(super) fn new(reader: Unpacked, longest: usize) -> Self {
-        let (rest, parsed) = (Vec::new(), VecDeque::new());
-        Self { reader, rest, ended: false, longest, parsers: None, parsed, failed: None }
+        let source = Source { reader, rest: Vec::new(), ended: false, longest };
+        Self { source, parsers: None, parsed: VecDeque::new(), failed: None, spare: Vec::new() }
     }
 
     /// From here on rows have this layout, and are parsed beforehand.
@@ -50,9 +68,14 @@ impl Pieces {
         self.parsers = Parsers::start(layout);
     }
 
+    /// Takes back a piece that was used.
+    pub(super) fn give_back(&mut self, piece: Piece) {
+        self.spare.push(piece);
+    }
+
     /// Bytes of the file itself that were read.
     pub(super) fn bytes_taken(&self) -> u64 {
-        self.reader.bytes_taken()
+        self.source.reader.bytes_taken()
     }
 
     /// The next piece; none at the end. One of more than `longest` bytes is not whole.
@@ -64,13 +87,14 @@ impl Pieces {
             && let Some(parsers) = &self.parsers
             && self.parsed.len() < AHEAD * parsers.threads
         {
-            match read(&mut self.reader, &mut self.rest, &mut self.ended, self.longest) {
-                Ok(Some(bytes)) => {
+            let mut piece = self.spare.pop().unwrap_or_default();
+            match self.source.fill(&mut piece.bytes) {
+                Ok(true) => {
                     let (send, receive) = sync_channel(1);
-                    parsers.jobs.send(Job { bytes, send }).map_err(io::Error::other)?;
+                    parsers.jobs.send(Job { piece, send }).map_err(io::Error::other)?;
                     self.parsed.push_back(receive);
                 }
-                Ok(None) => break,
+                Ok(false) => break,
                 Err(error) => self.failed = Some(error),
             }
         }
@@ -80,51 +104,60 @@ impl Pieces {
         if let Some(error) = self.failed.take() {
             return Err(error);
         }
-        let bytes = read(&mut self.reader, &mut self.rest, &mut self.ended, self.longest)?;
-        Ok(bytes.map(|bytes| Piece { bytes, regular: None }))
+        let mut piece = self.spare.pop().unwrap_or_default();
+        piece.is_regular = false;
+        Ok(self.source.fill(&mut piece.bytes)?.then_some(piece))
     }
 }
 
-/// Whole lines: the beginning that was read already, and what follows it.
-fn read(reader: &mut Unpacked, rest: &mut Vec<u8>, ended: &mut bool, longest: usize) -> io::Result<Option<Vec<u8>>> {
-    let mut bytes = std::mem::take(rest);
-    while !*ended && bytes.len() <= longest {
-        let from = bytes.len();
-        *ended = !append(reader, &mut bytes)?;
-        // Where a return ends the lines, a feed may follow the last one.
-        let end = memchr::memrchr(b'\n', &bytes[from..])
-            .or_else(|| memchr::memrchr(b'\r', &bytes[from..bytes.len().saturating_sub(1).max(from)]));
-        if let Some(end) = end.filter(|_| !*ended) {
-            rest.reserve(PIECE_BYTES + bytes.len() - from);
-            rest.extend_from_slice(&bytes[from + end + 1..]);
-            bytes.truncate(from + end + 1);
-            break;
+impl Source {
+    /// Replaces `bytes` by whole lines: the beginning that was read already, and what follows it. False at the end.
+    fn fill(&mut self, bytes: &mut Vec<u8>) -> io::Result<bool> {
+        // What the room was used for before need not be made zero: it is written over.
+        let mut filled = self.rest.len();
+        if bytes.len() < filled {
+            bytes.resize(filled, 0);
         }
-    }
-    Ok((!bytes.is_empty()).then_some(bytes))
-}
-
-/// Reads so many bytes more; false at the end.
-fn append(reader: &mut Unpacked, bytes: &mut Vec<u8>) -> io::Result<bool> {
-    let mut filled = bytes.len();
-    bytes.resize(filled + PIECE_BYTES, 0);
-    while filled < bytes.len() {
-        match reader.read(&mut bytes[filled..]) {
-            Ok(0) => {
-                bytes.truncate(filled);
-                return Ok(false);
+        bytes[..filled].copy_from_slice(&self.rest);
+        self.rest.clear();
+        while !self.ended && filled <= self.longest {
+            let from = filled;
+            filled = self.append(bytes, filled)?;
+            let new = &bytes[from..filled];
+            // Where a return ends the lines, a feed may follow the last one.
+            let end =
+                memchr::memrchr(b'\n', new).or_else(|| memchr::memrchr(b'\r', &new[..new.len().saturating_sub(1)]));
+            if let Some(end) = end.filter(|_| !self.ended) {
+                self.rest.extend_from_slice(&new[end + 1..]);
+                filled = from + end + 1;
+                break;
             }
-            Ok(count) => filled += count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
         }
+        bytes.truncate(filled);
+        Ok(filled > 0)
     }
-    Ok(true)
+
+    /// Reads so many bytes more behind those that are filled, unless the file ends: how many are filled then.
+    fn append(&mut self, bytes: &mut Vec<u8>, mut filled: usize) -> io::Result<usize> {
+        let room = filled + PIECE_BYTES;
+        if bytes.len() < room {
+            bytes.resize(room, 0);
+        }
+        while filled < room && !self.ended {
+            match self.reader.read(&mut bytes[filled..room]) {
+                Ok(0) => self.ended = true,
+                Ok(count) => filled += count,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(filled)
+    }
 }
 
 /// A piece to parse, and where it goes.
 struct Job {
-    bytes: Vec<u8>,
+    piece: Piece,
     send: SyncSender<Piece>,
 }
 
@@ -145,10 +178,10 @@ impl Parsers {
             let work = move || {
                 loop {
                     let job = receive.lock().unwrap_or_else(PoisonError::into_inner).recv();
-                    let Ok(Job { bytes, send }) = job else { return };
-                    let regular = layout.regular(&bytes);
+                    let Ok(Job { mut piece, send }) = job else { return };
+                    piece.is_regular = layout.read(&piece.bytes, &mut piece.rows);
                     // Nobody waits for it any more where reading was given up.
-                    let _ = send.send(Piece { bytes, regular });
+                    let _ = send.send(piece);
                 }
             };
             thread::Builder::new().spawn(work).is_ok()
@@ -178,13 +211,14 @@ mod tests {
             let mut pieces = pieces(text.as_bytes());
             if parsed {
                 let choice = Choice { time: None, places: vec![1] };
-                pieces.parse(Layout { separator: b',', width: 2, choice });
+                pieces.parse(Layout::new(b',', 2, &choice).expect("a layout"));
             }
             let (mut bytes, mut values) = (Vec::new(), Vec::new());
             while let Some(piece) = pieces.take().expect("read") {
-                assert!(piece.bytes.ends_with(b"\n") && piece.regular.is_some() == parsed);
-                values.extend(piece.regular.map(|r| r.values).unwrap_or_default());
-                bytes.extend(piece.bytes);
+                assert!(piece.bytes.ends_with(b"\n") && piece.regular().is_some() == parsed);
+                values.extend(piece.regular().map(|r| r.columns[0].clone()).unwrap_or_default());
+                bytes.extend_from_slice(&piece.bytes);
+                pieces.give_back(piece);
             }
             assert_eq!(bytes, text.as_bytes());
             let whole: Vec<f64> = (0..100_000).map(|i| 0.25 * f64::from(i)).collect();

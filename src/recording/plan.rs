@@ -12,7 +12,9 @@ use super::limits::RATES_HZ;
 use super::repeats::{Meaning, Repeated, Repeats};
 use super::request::Request;
 use super::rows::{Rows, Wanted};
+use super::run::Run;
 use super::source::FileSummary;
+use crate::control::Progress;
 use crate::error::{Error, Result};
 use crate::progress;
 use crate::signal;
@@ -47,6 +49,15 @@ pub enum Next {
     Stop,
 }
 
+/// What is passed on the way through a file.
+#[derive(Debug)]
+pub enum Passed<'a> {
+    /// One row, at hand.
+    Row(&'a mut Rows),
+    /// Several that need no look one by one.
+    Run(&'a Run<'a>),
+}
+
 /// Goes through the rows within `range`, with a progress bar; those before are passed. What comes behind is left unread.
 ///
 /// # Errors
@@ -59,12 +70,7 @@ pub fn walk(
 ) -> Result<()> {
     let bar = progress::bar("reading", table.length_bytes());
     for row in 0..range.end {
-        if row.is_multiple_of(LOOK) {
-            bar.set(table.bytes_read());
-            if signal::interrupted() {
-                return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
-            }
-        }
+        look(path, table, &bar, row)?;
         if row < range.start {
             if !table.skip()? {
                 break;
@@ -76,6 +82,54 @@ pub fn walk(
         }
     }
     drop(bar);
+    Ok(())
+}
+
+/// The same, with many rows at a time where nothing is to be said of any.
+///
+/// # Errors
+/// As [`walk`].
+pub fn walk_runs(
+    path: &Path,
+    table: &mut Rows,
+    range: &Range<usize>,
+    mut visit: impl FnMut(Passed<'_>) -> Result<Next>,
+) -> Result<()> {
+    let bar = progress::bar("reading", table.length_bytes());
+    let mut row = 0;
+    while row < range.end {
+        look(path, table, &bar, row)?;
+        let is_wanted = row >= range.start;
+        let end = if is_wanted { range.end } else { range.start }.min((row / LOOK + 1) * LOOK);
+        if let Some(run) = table.run(end - row) {
+            row += run.rows.len();
+            if is_wanted && matches!(visit(Passed::Run(&run))?, Next::Stop) {
+                break;
+            }
+            continue;
+        }
+        row += 1;
+        if is_wanted {
+            if !table.advance()? || matches!(visit(Passed::Row(table))?, Next::Stop) {
+                break;
+            }
+        } else if !table.skip()? {
+            break;
+        }
+    }
+    drop(bar);
+    Ok(())
+}
+
+/// Looks at the progress bar and at Ctrl-C every so many rows.
+#[inline]
+fn look(path: &Path, table: &Rows, bar: &Progress, row: usize) -> Result<()> {
+    if row.is_multiple_of(LOOK) {
+        bar.set(table.bytes_read());
+        if signal::interrupted() {
+            return Err(Error::interrupted(format!("could not read {}", path.display()), "start it again"));
+        }
+    }
     Ok(())
 }
 
@@ -189,8 +243,15 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
 /// All stamps of the rows wanted. Where seconds will be cut out, a clock that is set back ends what can be cut.
 fn survey(question: &Question<'_>, mut table: Rows, wanted: &Range<usize>, seconds: bool) -> Result<Survey> {
     let mut survey = Survey::default();
-    walk(question.path, &mut table, wanted, |table| {
-        match survey.push(table.row(), table.stamp()?, table.is_alike()) {
+    walk_runs(question.path, &mut table, wanted, |passed| {
+        let pushed = match passed {
+            Passed::Row(table) => survey.push(table.row(), table.stamp()?, table.is_alike()),
+            Passed::Run(run) => {
+                let mut rows = (run.first..).zip(run.rows.clone());
+                rows.try_for_each(|(row, at)| survey.push(row, run.stamp(at), run.is_alike(at)))
+            }
+        };
+        match pushed {
             Ok(()) => Ok(Next::Go),
             Err(_) if seconds => Ok(Next::Stop),
             Err(back) => Err(question.set_back(&back)),

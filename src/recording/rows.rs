@@ -8,6 +8,7 @@ use super::clock::stamp::Stamp;
 use super::formats::{self, Opened};
 use super::memory::Memory;
 use super::reader::Choice;
+use super::run::Run;
 use super::source::FileSummary;
 use super::table::Table;
 use super::text::Text;
@@ -158,6 +159,15 @@ impl Rows {
         match &mut self.body {
             Body::Text(text) => text.advance(),
             Body::Table(table) => table.advance(),
+        }
+    }
+
+    /// Passes rows that need no look one by one, at most so many; none where the next row must be gone to by
+    /// [`Rows::advance`]. Those that text was asked only stamps of hold no numbers.
+    pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
+        match &mut self.body {
+            Body::Text(text) => text.run(most),
+            Body::Table(table) => table.run(most),
         }
     }
 

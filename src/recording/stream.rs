@@ -2,18 +2,21 @@
 //!
 //! For what needs a whole column at once, see `recording::read`.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::{self, SyncSender};
 use std::thread;
 
 use super::clock::place::{Place, Placer};
+use super::clock::timeline::SetBack;
 use super::clock::{Kind, Question};
 use super::clock_column;
 use super::dropped::{Dropped, Reason, Tally};
 use super::finding::{Finding, Uneven};
 use super::limits::FILL_LIMIT;
-use super::plan::{self, Next, Plan};
+use super::plan::{self, Next, Passed, Plan};
 use super::request::Request;
+use super::run::Run;
 use crate::error::{Error, Result};
 
 /// Holes up to this many samples are bridged by straight lines.
@@ -81,13 +84,20 @@ pub fn read(path: &Path, request: &Request, mut take: impl FnMut(&Block)) -> Res
 /// Reads to the end, in blocks.
 fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>) -> Result<Streamed> {
     let mut table = plan::open(path, request)?;
-    let mut row = vec![0.0; table.names().len()];
-    let mut bridge = Bridge::new(row.len(), send);
-    let mut placer = plan.clock.as_ref().map(Placer::new);
     let heading = table.time().unwrap_or_default().to_owned();
     let question = Question { path, heading: &heading, rate_hz: request.rate_hz };
+    let mut bridge = Bridge::new(table.names().len(), send);
+    let mut placer = plan.clock.as_ref().map(Placer::new);
+    let mut row = vec![0.0; table.names().len()];
     let mut dropped = Tally::default();
-    plan::walk(path, &mut table, &plan.rows, |table| {
+    plan::walk_runs(path, &mut table, &plan.rows, |passed| {
+        let table = match passed {
+            Passed::Row(table) => table,
+            Passed::Run(run) => {
+                pass(run, placer.as_mut(), &mut bridge, &mut dropped).map_err(|back| question.set_back(&back))?;
+                return Ok(Next::Go);
+            }
+        };
         if let Some(placer) = &mut placer {
             let place = placer.place(table.row(), table.stamp()?, table.is_alike());
             match place.map_err(|back| question.set_back(&back))? {
@@ -121,6 +131,38 @@ fn hand_on(path: &Path, request: &Request, plan: Plan, send: &SyncSender<Block>)
     let samples = bridge.given;
     bridge.judge(path, source.rows, &mut findings)?;
     Ok(Streamed { sha256: source.sha256, rows: source.rows, dropped, rate_hz: plan.rate_hz, samples, findings })
+}
+
+/// Hands many rows on: as they lie, as far as each is the next sample.
+fn pass(
+    run: &Run<'_>,
+    placer: Option<&mut Placer>,
+    bridge: &mut Bridge<'_>,
+    dropped: &mut Tally,
+) -> Result<(), SetBack> {
+    let Some(placer) = placer else {
+        bridge.push_run(run, run.rows.clone(), dropped);
+        return Ok(());
+    };
+    let mut from = run.rows.start;
+    for at in run.rows.clone() {
+        let row = run.first + at - run.rows.start;
+        let place = placer.place(row, run.stamp(at), run.is_alike(at))?;
+        if matches!(place, Place::Kept { missing: 0, .. }) {
+            continue;
+        }
+        bridge.push_run(run, from..at, dropped);
+        from = at;
+        match place {
+            Place::Kept { missing, .. } => bridge.missing = bridge.missing.saturating_add(missing),
+            Place::Dropped(reason) => {
+                dropped.add(reason, row);
+                from = at + 1;
+            }
+        }
+    }
+    bridge.push_run(run, from..run.rows.end, dropped);
+    Ok(())
 }
 
 /// Bridges short holes, announces long ones and hands blocks on.
@@ -165,10 +207,40 @@ impl<'a> Bridge<'a> {
         self.given += 1;
         self.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
         self.last.copy_from_slice(values);
+        self.send_full();
+        true
+    }
+
+    /// The rows of a part of a run; those that lack a reading are not used.
+    fn push_run(&mut self, run: &Run<'_>, part: Range<usize>, dropped: &mut Tally) {
+        let mut row = vec![0.0; run.columns.len()];
+        let mut from = part.start;
+        while from < part.end {
+            let to = part.end.min(from + BLOCK - self.columns.first().map_or(0, Vec::len));
+            let is_whole = |column: &Vec<f64>| !column[from..to].iter().fold(false, |nan, v| nan | v.is_nan());
+            if self.missing == 0 && run.columns.iter().all(is_whole) {
+                for ((column, last), values) in self.columns.iter_mut().zip(&mut self.last).zip(run.columns) {
+                    column.extend_from_slice(&values[from..to]);
+                    *last = values[to - 1];
+                }
+                self.given += to - from;
+                from = to;
+                self.send_full();
+                continue;
+            }
+            row.iter_mut().zip(run.columns).for_each(|(value, column)| *value = column[from]);
+            if !self.push(&row) {
+                dropped.add(Reason::MissingReading, run.first + from - run.rows.start);
+            }
+            from += 1;
+        }
+    }
+
+    /// Hands on a block that is full.
+    fn send_full(&mut self) {
         if self.columns.first().is_some_and(|c| c.len() >= BLOCK) {
             self.send(false);
         }
-        true
     }
 
     /// Hands on what has gathered.

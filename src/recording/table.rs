@@ -6,6 +6,7 @@ use super::finding::Finding;
 use super::format::{self, Cell};
 use super::input::{Checksum, Input};
 use super::reader::{Block, Reader};
+use super::run::Run;
 use super::source::FileSummary;
 use crate::error::{Error, Result};
 
@@ -18,6 +19,8 @@ pub struct Table {
     digested: bool,
     checksum: Option<Checksum>,
     block: Block,
+    /// Whether its numbers are readings as they are, once that was looked at.
+    ordinary: Option<bool>,
     /// Row of the block that is at hand, and whether there is one.
     at: usize,
     /// Rows of the blocks before.
@@ -42,6 +45,7 @@ impl Table {
             input,
             reader,
             block: Block::new(width),
+            ordinary: None,
             at: 0,
             before: 0,
             begun: false,
@@ -81,6 +85,18 @@ impl Table {
         self.next_block()
     }
 
+    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The last of them is at hand then.
+    pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
+        let next = self.at + 1;
+        let end = self.block.rows.min(next.saturating_add(most));
+        if !self.begun || end <= next || !*self.ordinary.get_or_insert_with(|| is_ordinary(&self.block)) {
+            return None;
+        }
+        self.at = end - 1;
+        let Block { stamps, columns, .. } = &self.block;
+        Some(Run { first: self.before + next, rows: next..end, stamps, columns, alike: None })
+    }
+
     #[cold]
     fn next_block(&mut self) -> Result<bool> {
         if self.ended {
@@ -104,7 +120,7 @@ impl Table {
                 break;
             }
         }
-        self.at = 0;
+        (self.at, self.ordinary) = (0, None);
         for (known, found) in self.rounded.iter_mut().zip(&self.block.rounded) {
             *known = known.or(found.map(|row| self.before + row));
         }
@@ -195,4 +211,9 @@ impl Table {
         };
         Ok(FileSummary { sha256, length_bytes, rows: self.before + lost, dropped, findings })
     }
+}
+
+/// Whether no number of a block is infinite, larger or smaller than any reading, or the zero that has a sign.
+fn is_ordinary(block: &Block) -> bool {
+    block.columns.iter().all(|column| column.iter().all(|value| format::is_reading(*value)))
 }

@@ -18,6 +18,7 @@ use super::lines::Lines;
 use super::pack::Pack;
 use super::reader::Choice;
 use super::regular::Layout;
+use super::run::Run;
 use super::source::FileSummary;
 use crate::error::{Error, Result};
 
@@ -171,9 +172,23 @@ impl Text {
         let long = self.lines.length_bytes() > LONG_BYTES;
         if long && self.separator != b' ' {
             let places = if self.stamps_only { Vec::new() } else { self.choice.places.clone() };
-            let (separator, width, choice) = (self.separator, self.width, Choice { time: self.choice.time, places });
-            self.lines.parse(Layout { separator, width, choice });
+            let choice = Choice { time: self.choice.time, places };
+            if let Some(layout) = Layout::new(self.separator, self.width, &choice) {
+                self.lines.parse(layout);
+            }
         }
+    }
+
+    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The last of them is at hand then.
+    pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
+        let before = self.rows;
+        let (regular, rows) = self.lines.pass(most)?;
+        self.rows += rows.len();
+        for (row, column) in regular.rounded.iter().filter(|(row, _)| rows.contains(row)) {
+            self.rounded[*column].get_or_insert(before + row - rows.start);
+        }
+        let (stamps, columns, alike) = (&regular.stamps, &regular.columns, Some(&regular.alike[..]));
+        Some(Run { first: before, rows, stamps, columns, alike })
     }
 
     /// Where the time stamp lies in the line at hand.
@@ -263,9 +278,8 @@ impl Text {
     /// A cell that is no number, with its line and column.
     pub fn values(&mut self, values: &mut [f64]) -> Result<()> {
         if let Some((regular, row)) = self.lines.regular() {
-            let from = row * values.len();
-            if let Some(found) = regular.values.get(from..from + values.len()) {
-                values.copy_from_slice(found);
+            if regular.columns.len() == values.len() {
+                values.iter_mut().zip(&regular.columns).for_each(|(value, column)| *value = column[row]);
                 for (_, column) in regular.rounded.iter().filter(|(at, _)| *at == row) {
                     self.rounded[*column].get_or_insert(self.rows - 1);
                 }

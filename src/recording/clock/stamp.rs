@@ -1,5 +1,6 @@
 //! A time stamp as it is printed: whole units and the rest, so that 19 digits keep their precision.
 
+use crate::recording::decimal;
 use crate::recording::format;
 use crate::recording::time_unit::TimeUnit;
 
@@ -28,6 +29,15 @@ impl Stamp {
         })
     }
 
+    /// The stamp that bytes begin with, and its length, where it is digits with at most one point; `None` for anything else.
+    #[inline]
+    pub fn leading(bytes: &[u8]) -> Option<(Self, usize)> {
+        let (whole, rest, decimals, length) = decimal::leading_parts(bytes)?;
+        let fraction = rest as f64 / decimal::ten(decimals);
+        let stamp = Self { whole: whole as i64, fraction, decimals: decimals as u8 };
+        (fraction < 1.0).then_some((stamp, length))
+    }
+
     /// A whole number.
     pub fn of_integer(whole: i64) -> Self {
         Self { whole, fraction: 0.0, decimals: 0 }
@@ -50,8 +60,13 @@ impl Stamp {
     }
 
     /// Time since another stamp, in the file's unit.
+    #[inline]
     pub fn since(&self, origin: &Self) -> f64 {
-        (i128::from(self.whole) - i128::from(origin.whole)) as f64 + (self.fraction - origin.fraction)
+        let whole = match self.whole.checked_sub(origin.whole) {
+            Some(whole) => whole as f64,
+            None => (i128::from(self.whole) - i128::from(origin.whole)) as f64,
+        };
+        whole + (self.fraction - origin.fraction)
     }
 
     /// Whole seconds, and the rest below one, of a stamp in this unit.
@@ -119,6 +134,20 @@ mod tests {
         assert_eq!((next.since(&first), first.value() == next.value()), (1.0, true), "a double cannot tell them apart");
         assert!((stamp("1403715523.917143040").since(&stamp("1403715523.912143104")) - 0.004_999_936).abs() < 1e-15);
         assert_eq!(stamp("9223372036854775807").since(&stamp("-9223372036854775807")), 2f64.powi(64));
+    }
+
+    #[test]
+    fn a_leading_stamp_is_the_one_that_is_parsed() {
+        let texts = ["0.005000", "24999.995000", "7", "7.", ".25", "1403715523.912143104", "99999999999999999"];
+        for text in texts {
+            let behind = format!("{text},1234567.25,8");
+            let (found, length) = Stamp::leading(behind.as_bytes()).unwrap_or_else(|| unreachable!("{text}"));
+            assert_eq!((found, length), (stamp(text), text.len()), "{text}");
+            assert_ne!(found, stamp(&format!("{text}1")), "another stamp is told from it");
+        }
+        for text in ["-1.5", "1403715523912143104", "0.999999999999999999", "", "noon"] {
+            assert_eq!(Stamp::leading(text.as_bytes()), None, "{text}");
+        }
     }
 
     #[test]

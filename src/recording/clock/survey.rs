@@ -5,7 +5,6 @@
 
 use super::stamp::Stamp;
 use super::timeline::{SetBack, Timeline};
-use crate::numerics::order;
 
 /// Rows of the shortest stretch.
 const SHORTEST: usize = 32;
@@ -19,8 +18,12 @@ const MOST_BREAKS: usize = 1 << 20;
 pub const UNEVEN: f64 = 0.25;
 
 /// Ticks that a step lasts.
+#[inline]
 pub fn advance(step: f64, tick: f64) -> f64 {
-    (step / tick + UNEVEN).floor().max(1.0)
+    let ticks = step / tick + UNEVEN;
+    // A call of the library's is spared where it would be the same.
+    let whole = if (0.0..1e15).contains(&ticks) { ticks as i64 as f64 } else { ticks.floor() };
+    whole.max(1.0)
 }
 
 /// Some rows in a row; times in the file's unit.
@@ -128,6 +131,8 @@ pub struct Survey {
     joined: usize,
     /// Steps of the stretch that is gathered: end row, step, elapsed.
     open: Vec<(usize, f64, f64)>,
+    /// Room for its steps forward.
+    forward: Vec<f64>,
     /// Usual step of the last stretch that had any.
     usual: f64,
     part: Stretch,
@@ -260,11 +265,13 @@ impl Survey {
     }
 
     fn close_stretch(&mut self) {
-        let mut forward: Vec<f64> = self.open.iter().map(|s| s.1).filter(|s| *s > 0.0).collect();
-        order::sort(&mut forward);
-        if let Some(lower) = forward.len().checked_sub(1).map(|last| forward[last / 2]) {
-            self.usual = lower;
+        let mut forward = std::mem::take(&mut self.forward);
+        forward.clear();
+        forward.extend(self.open.iter().map(|s| s.1).filter(|s| *s > 0.0));
+        if let Some(last) = forward.len().checked_sub(1) {
+            self.usual = *forward.select_nth_unstable_by(last / 2, f64::total_cmp).1;
         }
+        self.forward = forward;
         let usual = self.usual;
         let open = std::mem::take(&mut self.open);
         let mut stretch = Stretch { first_row: open[0].0, from: open[0].2, ..Stretch::default() };
