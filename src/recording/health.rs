@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_nearest_whole_number_is_the_librarys() {
-        let mut number = 1e-9;
+        let mut number: f64 = 1e-9;
         while number < 1e19 {
             for n in [number, -number, number.floor() + 0.5, -number.floor() - 0.5] {
                 assert_eq!(from_whole(n), (n - n.round()).abs(), "{n}");
