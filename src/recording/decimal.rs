@@ -160,7 +160,7 @@ mod tests {
         let mut state = 1u64;
         (0..200_000).map(move |i| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let digits = format!("{}", state >> (state >> 8) % 60);
+            let digits = format!("{}", state >> ((state >> 8) % 60));
             let at = (state >> 20) as usize % (digits.len() + 1);
             let sign = if i % 3 == 0 { "-" } else { "" };
             let power = match i % 5 {

@@ -58,8 +58,13 @@ pub(crate) fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>
             let mut source = from;
             let mut out = Vec::new();
             while let Some(mut frame) = zstandard::Frame::next(source).map_err(|e| e.to_string())? {
-                out.append(&mut whole(&mut frame, size, "Zstandard")?);
+                let mut content = whole(&mut frame, size, "Zstandard")?;
                 source = frame.source;
+                if out.is_empty() {
+                    out = content;
+                } else {
+                    out.append(&mut content);
+                }
                 if out.len() as u64 > size {
                     break;
                 }
@@ -87,7 +92,7 @@ pub(crate) fn decompress(codec: Codec, from: &[u8], size: u64) -> Result<Vec<u8>
 /// All that a decoder gives, and no more than one byte beyond what is expected.
 #[allow(dead_code, reason = "without features nothing is compressed")]
 fn whole(decoder: impl Read, size: u64, name: &str) -> Result<Vec<u8>, String> {
-    let mut out = Vec::new();
+    let mut out = Vec::with_capacity(usize::try_from(size + 1).map_err(|e| e.to_string())?);
     decoder.take(size + 1).read_to_end(&mut out).map_err(|e| format!("damaged {name} data: {e}"))?;
     Ok(out)
 }
