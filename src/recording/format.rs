@@ -104,7 +104,7 @@ fn plain(cell: &[u8]) -> Option<f64> {
 #[inline]
 pub(super) fn is_reading(value: f64) -> bool {
     let size = value.abs();
-    size >= SMALLEST && size <= LARGEST || value.to_bits() == 0 || value.is_nan()
+    (SMALLEST..=LARGEST).contains(&size) || value.to_bits() == 0 || value.is_nan()
 }
 
 /// Reads a cell.
