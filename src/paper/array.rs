@@ -111,7 +111,7 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
         ),
         Check::near(
             "single over array at about 30 min",
-            "from the laws of the planted noise, nearly 1: what the sensors fraction does not average out; four standard errors \
+            "from the laws of the planted noise, nearly 1: what the sensors share does not average out; four standard errors \
              of one curve, since both hold the same walk",
             beyond,
             ratio(long).0,

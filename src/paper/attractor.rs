@@ -95,10 +95,14 @@ pub fn compute(control: &Control) -> Result<Attractor, Stopped> {
         Exhibit::simulated(
             17,
             "Phase portrait in the chaotic regime",
-            seventeen(&radian, &hertz, &exponents, &spectra),
+            figure_17_checks(&radian, &hertz, &exponents, &spectra),
         ),
-        Exhibit::simulated(18, "Poincaré section: a strange attractor", eighteen(kaplan_yorke, &boxes, &views[0])),
-        Exhibit::simulated(19, "The section enlarged, twice", nineteen(&parts, &views[0], kaplan_yorke)),
+        Exhibit::simulated(
+            18,
+            "Poincaré section: a strange attractor",
+            figure_18_checks(kaplan_yorke, &boxes, &views[0]),
+        ),
+        Exhibit::simulated(19, "The section enlarged, twice", figure_19_checks(&parts, &views[0], kaplan_yorke)),
     ];
     // Fine enough that its loops are round.
     let portrait = portrait(&PAPER, &drive, 4 * steps_per_period, 200, 30);
@@ -129,7 +133,7 @@ fn view(orbits: &[Orbit], window: Window) -> View {
     View { window, cloud, correlation: correlation(&groups, Scales { coarse: 2, fine: 6 }) }
 }
 
-fn seventeen(radian: &Scan, hertz: &Scan, exponents: &[f64], spectra: &[[f64; 2]]) -> Vec<Check> {
+fn figure_17_checks(radian: &Scan, hertz: &Scan, exponents: &[f64], spectra: &[[f64; 2]]) -> Vec<Check> {
     let lanes = Estimate::of_mean(exponents);
     let oracle = Estimate::of_mean(&spectra.iter().map(|s| s[0]).collect::<Vec<_>>());
     let chaotic = exponents.iter().filter(|e| **e > 0.0).count() as f64 / exponents.len() as f64;
@@ -173,7 +177,7 @@ fn seventeen(radian: &Scan, hertz: &Scan, exponents: &[f64], spectra: &[[f64; 2]
     ]
 }
 
-fn eighteen(kaplan_yorke: Estimate, boxes: &Dimension, whole: &View) -> Vec<Check> {
+fn figure_18_checks(kaplan_yorke: Estimate, boxes: &Dimension, whole: &View) -> Vec<Check> {
     let correlation = whole.correlation.estimate;
     let joint = 4.0 * correlation.standard_error.hypot(kaplan_yorke.standard_error);
     vec![
@@ -210,7 +214,7 @@ fn parts(orbits: &[Orbit], whole: &Window, factor: f64) -> Estimate {
     Estimate::of_mean(&dimensions)
 }
 
-fn nineteen(parts: &[Estimate; 2], whole: &View, kaplan_yorke: Estimate) -> Vec<Check> {
+fn figure_19_checks(parts: &[Estimate; 2], whole: &View, kaplan_yorke: Estimate) -> Vec<Check> {
     let [eighth, sixty_fourth] = parts;
     let whole = whole.correlation.estimate;
     let joint = 4.0 * eighth.standard_error.hypot(sixty_fourth.standard_error);

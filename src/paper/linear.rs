@@ -76,9 +76,9 @@ pub fn compute() -> Linear {
         Exhibit::simulated(
             13,
             "A linear accelerometer under a rectangle of acceleration",
-            thirteen(&oscillator, &residuals),
+            figure_13_checks(&oscillator, &residuals),
         ),
-        Exhibit::simulated(14, "The edges enlarged: overshoot and lag", fourteen(&oscillator)),
+        Exhibit::simulated(14, "The edges enlarged: overshoot and lag", figure_14_checks(&oscillator)),
         Exhibit::simulated(
             15,
             "The distance error of a perfect linear sensor",
@@ -88,7 +88,7 @@ pub fn compute() -> Linear {
     Linear { runge_kutta: runge_kutta(&oscillator, 0.25, END_S), exact, residuals, error_by_time_constant, exhibits }
 }
 
-fn thirteen(oscillator: &Oscillator, residuals: &[(f64, f64, f64)]) -> Vec<Check> {
+fn figure_13_checks(oscillator: &Oscillator, residuals: &[(f64, f64, f64)]) -> Vec<Check> {
     let at_end = rectangle_response(oscillator, RECTANGLE, END_S);
     let map = exact_hold(oscillator, 0.1);
     let held = (0..(END_S / 0.1).round() as u32)
@@ -127,7 +127,7 @@ fn thirteen(oscillator: &Oscillator, residuals: &[(f64, f64, f64)]) -> Vec<Check
     ]
 }
 
-fn fourteen(oscillator: &Oscillator) -> Vec<Check> {
+fn figure_14_checks(oscillator: &Oscillator) -> Vec<Check> {
     let zeta = oscillator.damping_kg_s / (2.0 * (oscillator.stiffness_n_m * oscillator.mass_kg).sqrt());
     let peak = runge_kutta(oscillator, 0.01, 8.0).iter().map(|p| p.1).fold(0.0, f64::max);
     // Mean lag of the speed while the rectangle lasts, over the second half, where whole swings average out.

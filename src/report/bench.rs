@@ -182,7 +182,7 @@ fn parts(rows: &[Row]) -> Option<String> {
 }
 
 const SIZES_WORDS: &str = "The full path (Runge-Kutta 4, force noise, two integrations) from one sensor to millions, \
-including parameter draws and statistics. Sixty-four members fraction a group of lanes, so fewer cost the same.";
+including parameter draws and statistics. Sixty-four members share a group of lanes, so fewer cost the same.";
 
 /// The page: what was measured and on what.
 pub(crate) fn page(rows: &[Row], others: Option<f64>) -> Page {

@@ -16,9 +16,9 @@ use crate::paper::linear::END_S;
 use crate::paper::parting::{NOISE_N_RTS, Parting};
 
 pub(super) fn write(page: &mut Page, paper: &Paper) {
-    seventeen(page, &paper.attractor);
-    eighteen(page, &paper.attractor);
-    nineteen(page, &paper.attractor);
+    figure_17(page, &paper.attractor);
+    figure_18(page, &paper.attractor);
+    figure_19(page, &paper.attractor);
     if let Some(atlas) = &paper.atlas {
         page.section("The map: where chaos begins");
         page.paragraph(
@@ -44,7 +44,7 @@ fn scan(title: &str, scan: &Scan) -> Figure {
         .draw()
 }
 
-fn seventeen(page: &mut Page, attractor: &Attractor) {
+fn figure_17(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[0]);
     let (radian, hertz) = (&attractor.radian, &attractor.hertz);
     let (fraction, fading) = hertz.early_and_fading();
@@ -114,7 +114,7 @@ fn cloud(title: &str, view: &View, inner: Option<&View>) -> Figure {
     chart.draw()
 }
 
-fn eighteen(page: &mut Page, attractor: &Attractor) {
+fn figure_18(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[1]);
     page.paragraph(
         "Sample the motion once per period of the force. A periodic motion would give one dot or a few; this one \
@@ -151,7 +151,7 @@ fn eighteen(page: &mut Page, attractor: &Attractor) {
     checks(page, &attractor.exhibits[1]);
 }
 
-fn nineteen(page: &mut Page, attractor: &Attractor) {
+fn figure_19(page: &mut Page, attractor: &Attractor) {
     head(page, &attractor.exhibits[2]);
     page.paragraph(
         "A part, enlarged eight times, shows the same folded sheets; a part of the part, enlarged eight times again, \

@@ -62,10 +62,10 @@ pub(super) fn three_figures(
 }
 
 fn linear(page: &mut Page, linear: &Linear) {
-    let [thirteen, fourteen, fifteen] = &linear.exhibits;
+    let [exhibit_13, exhibit_14, exhibit_15] = &linear.exhibits;
     let oscillator = PAPER.linear();
     let ideal = |t| RECTANGLE.ideal(t);
-    head(page, thirteen);
+    head(page, exhibit_13);
     page.paragraph(
         "Now a sensor without any noise. Inside it a proof mass hangs on a spring: eq. 4, m x″ + D₀x′ + kx = F₀. The reading is \
          not the force but the spring's answer, kx. A step of force makes the mass swing before it settles.",
@@ -97,9 +97,9 @@ fn linear(page: &mut Page, linear: &Linear) {
         residual is zero.",
         ),
     ]);
-    checks(page, thirteen);
+    checks(page, exhibit_13);
 
-    head(page, fourteen);
+    head(page, exhibit_14);
     let [a, b, c] = three_figures(&oscillator, &linear.exact, 10.0, (&ideal, Some(&linear.runge_kutta)));
     page.figure_row(&[
         (&a, "The first ten seconds of figure 13: the reading overshoots by 85 % and rings at the proof mass's own frequency. \
@@ -107,9 +107,9 @@ fn linear(page: &mut Page, linear: &Linear) {
         (&b, "The speed lags: on average by D₀/k = 0.1 s of the true one."),
     ]);
     page.figure(&c, "So does the distance, by an increasing amount.");
-    checks(page, fourteen);
+    checks(page, exhibit_14);
 
-    head(page, fifteen);
+    head(page, exhibit_15);
     page.paragraph(
         "At low frequency the sensor's transfer function is 1 − (D₀/k)s + …: a delay by the time constant D₀/k. The distance is \
          late by that time at the speed reached. No filter, no averaging and no better electronics removes it, only a stiffer \
@@ -144,7 +144,7 @@ fn linear(page: &mut Page, linear: &Linear) {
         exact solution.",
         ),
     ]);
-    checks(page, fifteen);
+    checks(page, exhibit_15);
 }
 
 fn cubic(page: &mut Page, cubic: &Cubic) {

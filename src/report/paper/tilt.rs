@@ -33,8 +33,8 @@ fn pitches(title: &str, force: &[(f64, f64)], gyro: &[(f64, f64)]) -> Chart {
 }
 
 fn moving(page: &mut Page, pitch: &Pitch) {
-    let [five, six, ..] = &pitch.exhibits;
-    head(page, five);
+    let [exhibit_5, exhibit_6, ..] = &pitch.exhibits;
+    head(page, exhibit_5);
     page.paragraph(
         "Tilt can be read from gravity itself: eq. 3, pitch = atan(a_x/√(a_y² + a_z²)), needs no integration and so cannot \
          drift. But it mistakes every acceleration for gravity.",
@@ -50,9 +50,9 @@ fn moving(page: &mut Page, pitch: &Pitch) {
             pitch.origin
         ),
     );
-    checks(page, five);
+    checks(page, exhibit_5);
 
-    head(page, six);
+    head(page, exhibit_6);
     page.paragraph(
         "The gyro feels no acceleration. Its pitch starts from the mean of the pose before and is carried through the move by \
          the measured rate, turning the direction of gravity in three dimensions. Each new pose confirms it.",
@@ -66,12 +66,12 @@ fn moving(page: &mut Page, pitch: &Pitch) {
         "The move of the recording on which accelerometer and gyro disagree most. The gyro's curve is the true motion to about \
          a tenth of a degree, as its agreement with the next pose shows; the rest of the orange curve is the hand.",
     );
-    checks(page, six);
+    checks(page, exhibit_6);
 }
 
 fn still(page: &mut Page, pitch: &Pitch) {
-    let [_, _, seven, eight, nine, _] = &pitch.exhibits;
-    head(page, seven);
+    let [_, _, exhibit_7, exhibit_8, exhibit_9, _] = &pitch.exhibits;
+    head(page, exhibit_7);
     page.paragraph(
         "At rest the roles are exchanged: the gyro's pitch is an integral, and an integral of noise wanders.",
     );
@@ -83,9 +83,9 @@ fn still(page: &mut Page, pitch: &Pitch) {
         "The motionless start of the recording: the rate, minus the offset that the calibration found over all poses, \
         integrated. Nothing moves, and the angle does.",
     );
-    checks(page, seven);
+    checks(page, exhibit_7);
 
-    head(page, eight);
+    head(page, exhibit_8);
     page.paragraph(
         "Side by side: the accelerometer scatters about the truth and stays there; the gyro is smooth and leaves.",
     );
@@ -94,9 +94,9 @@ fn still(page: &mut Page, pitch: &Pitch) {
         "The same stretch. Orange: eq. 3 minus its mean. Blue: as in figure 7. What the paper calls bias may equally \
         be random walk here: white rate noise alone explains a final drift of this size.",
     );
-    checks(page, eight);
+    checks(page, exhibit_8);
 
-    head(page, nine);
+    head(page, exhibit_9);
     let n = &pitch.angle_walk;
     let hourly = |v: f64| significant(v / DEGREE * 60.0, 3);
     page.paragraph(&format!(
@@ -133,12 +133,12 @@ fn still(page: &mut Page, pitch: &Pitch) {
         (&allan, "Slope −½ is white noise of the rate; its height at 1 s is N. Beyond ten seconds few independent \
         averages remain."),
     ]);
-    checks(page, nine);
+    checks(page, exhibit_9);
 }
 
 fn distributions(page: &mut Page, pitch: &Pitch) {
-    let ten = &pitch.exhibits[5];
-    head(page, ten);
+    let exhibit_10 = &pitch.exhibits[5];
+    head(page, exhibit_10);
     let tenth = |v: f64| v / DEGREE;
     page.paragraph(&format!(
         "The paper prefers the gyro's distribution because it is narrower. That is true only for a while: the accelerometer's \
@@ -175,7 +175,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
     .with("gyro, mean rate removed", Ink::Black, Mark::Bars(width), histogram(&pitch.still_walk))
     .draw();
     // What makes the teeth is known for the recording alone; the simulation does not round.
-    let teeth = match ten.source {
+    let teeth = match exhibit_10.source {
         Provenance::Recorded => " The comb in the accelerometer's distribution is its quantisation.",
         Provenance::Simulated => "",
     };
@@ -188,7 +188,7 @@ fn distributions(page: &mut Page, pitch: &Pitch) {
              would give another shape.{teeth}"
         ),
     );
-    checks(page, ten);
+    checks(page, exhibit_10);
 }
 
 fn figure_11(page: &mut Page, fusion: &Fusion) {
