@@ -5,6 +5,7 @@ pub mod banded;
 pub mod butterworth;
 pub mod cosine;
 pub mod elementary;
+pub(crate) mod exponential;
 pub mod lagrange;
 pub mod least_squares;
 pub mod moments;

@@ -99,8 +99,9 @@ impl Law for EndStop {
         sum: T,
     ) -> T {
         // Sides as factors: a branch in the loop over lanes keeps it from becoming vector code.
-        let [upper, lower] = [Side::Lower, Side::Upper].map(|other| T::of(if self.0 == other { 0.0 } else { 1.0 }));
-        let zero = T::of(0.0);
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let upper = if self.0 == Side::Lower { zero } else { one };
+        let lower = if self.0 == Side::Upper { zero } else { one };
         let (above, below) = ((at.x - p[1]).max(zero), (-at.x - p[1]).max(zero));
         fma::<T, FMA>(-p[0], upper * above - lower * below, sum)
     }

@@ -4,12 +4,14 @@
 //! (`diagnosis::driven::selection::forms`). Its values are those of a fit alone; a study cannot run it.
 
 use crate::numerics::elementary::{Real, fma};
+use crate::numerics::exponential;
 
 use super::candidate::Candidate;
 use super::end_stop::Side;
 use super::law::{Law, Role};
 use super::scales::{Coordinate, Scales};
-use super::state::{Instant, MOST_STAGED, MOST_VALUES};
+use super::side_by_side::each;
+use super::state::{Instant, Instants, MOST_STAGED, MOST_VALUES};
 use super::{
     coulomb_friction, cubic_stiffness, drive_nonlinearity, end_stop, quadratic_damping, quadratic_stiffness,
     squeeze_film_damping,
@@ -121,10 +123,17 @@ impl Freed {
     }
 }
 
-/// A function of the standard library at a number of either width.
+/// A function of f64 at a number of either width.
 #[inline(always)]
 fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
     T::of(f(value.f64()))
+}
+
+/// base^exponent of a base above 0, within e^±40.
+#[inline(always)]
+fn bounded_power<T: Real>(base: T, exponent: T) -> T {
+    let log = exponent * by(base, exponential::ln);
+    by(log.max(T::of(-40.0)).min(T::of(40.0)), exponential::exp)
 }
 
 impl FreeForm {
@@ -132,27 +141,61 @@ impl FreeForm {
     #[inline(always)]
     pub fn curve<T: Real, const FMA: bool>(&self, p: &[T], a: T) -> T {
         let zero = T::of(0.0);
+        let [first, second, third, fourth] = [p[0], p[1], p[2], p[3]];
         match self.law {
             Freed::Friction => {
-                let fading = if p[3] > zero { by(-a.abs() / p[3], |v| v.max(-700.0).exp()) } else { zero };
-                by(a / p[1], f64::tanh) * fma::<T, FMA>(p[2], fading, p[0])
+                let fading = if fourth > zero { by(-a.abs() / fourth, exponential::exp) } else { zero };
+                by(a / second, exponential::tanh) * fma::<T, FMA>(third, fading, first)
             }
             Freed::Stop(side) => {
-                let push = |depth: T| {
-                    let deep = (depth / T::of(self.size)).max(T::of(LEAST));
-                    p[0] * depth.max(zero) * by(p[2] * by(deep, f64::ln), |v| v.clamp(-40.0, 40.0).exp())
-                };
-                let upper = if side == Side::Lower { zero } else { push(a - p[1]) };
-                let gap = if side == Side::Both { p[1] + p[3] } else { p[1] };
-                let lower = if side == Side::Upper { zero } else { push(-a - gap) };
+                let gap = if side == Side::Both { second + fourth } else { second };
+                let upper = if side == Side::Lower { zero } else { self.push([first, third], a - second) };
+                let lower = if side == Side::Upper { zero } else { self.push([first, third], -a - gap) };
                 upper - lower
             }
             law => {
                 let s = (a.abs() / T::of(self.size)).max(T::of(LEAST));
-                let bent = by(p[1] * by(s, f64::ln), |v| v.clamp(-40.0, 40.0).exp());
-                let side = if a < zero { -p[3] } else { p[3] };
-                law.power(a) * bent * (fma::<T, FMA>(p[2], s - T::of(PIVOT), p[0]) + side)
+                let side = if a < zero { -fourth } else { fourth };
+                law.power(a) * bounded_power(s, second) * (fma::<T, FMA>(third, s - T::of(PIVOT), first) + side)
             }
+        }
+    }
+
+    /// What a stop of this stiffness and further exponent pushes at a depth.
+    #[inline(always)]
+    fn push<T: Real>(&self, [stiffness, exponent]: [T; 2], depth: T) -> T {
+        let deep = (depth / T::of(self.size)).max(T::of(LEAST));
+        stiffness * depth.max(T::of(0.0)) * bounded_power(deep, exponent)
+    }
+
+    /// Adds the forces on N masses to their accelerations: one loop for each form, as a choice among them inside the loop
+    /// keeps it from becoming vector code.
+    #[inline(always)]
+    pub(super) fn forces<T: Real, const N: usize, const FMA: bool>(
+        &self,
+        at: &Instants<'_, T, N>,
+        p: &[[T; N]],
+        own: &[[T; N]],
+        rates: &mut [[T; N]],
+        acceleration: &mut [T; N],
+    ) {
+        macro_rules! one_of {
+            ($($law:pat => $form:expr),* $(,)?) => {
+                match self.law {
+                    $($law => each::<_, T, N, FMA>(&Self { law: $form, ..*self }, at, p, own, rates, acceleration)),*
+                }
+            };
+        }
+        one_of! {
+            Freed::CubicSpring => Freed::CubicSpring,
+            Freed::QuadraticSpring => Freed::QuadraticSpring,
+            Freed::Drag => Freed::Drag,
+            Freed::Film => Freed::Film,
+            Freed::Drive => Freed::Drive,
+            Freed::Friction => Freed::Friction,
+            Freed::Stop(Side::Both) => Freed::Stop(Side::Both),
+            Freed::Stop(Side::Lower) => Freed::Stop(Side::Lower),
+            Freed::Stop(Side::Upper) => Freed::Stop(Side::Upper),
         }
     }
 

@@ -49,7 +49,7 @@ macro_rules! library {
             ) {
                 match self {
                     $(Self::$law(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration),)*
-                    $(Self::$other(law) => each::<_, T, N, FMA>(law, at, p, own, rates, acceleration)),*
+                    $(Self::$other(law) => law.forces::<T, N, FMA>(at, p, own, rates, acceleration)),*
                 }
             }
 

@@ -19,19 +19,20 @@ pub(crate) fn each<L: Law, T: Real, const N: usize, const FMA: bool>(
     acceleration: &mut [T; N],
 ) {
     let (values, states) = (law.values(), law.states().min(MOST_STAGED));
-    // Slices are opened before the loop: a bounds check inside keeps it from becoming vector code.
     let (Some(p), Some(own), Some(rates)) = (p.get(..values), own.get(..states), rates.get_mut(..states)) else {
         return;
     };
+    let (p, own) = (whole::<T, N, MOST_VALUES>(p), whole::<T, N, MOST_STAGED>(own));
+    let mut all = [[T::default(); N]; MOST_STAGED];
     for l in 0..N {
-        let (at, p) = (at.lane(l), picked::<T, N, MOST_VALUES>(p, l));
-        let z = picked::<T, N, MOST_STAGED>(own, l);
+        let (at, p, z) = (at.lane(l), lane(&p, l), lane(&own, l));
         acceleration[l] = law.force::<T, FMA>(&at, &p, &z, acceleration[l]);
         let rate = law.rates::<T, FMA>(&at, &p, &z);
-        for (rates, rate) in rates.iter_mut().zip(rate) {
-            rates[l] = rate;
+        for i in 0..MOST_STAGED {
+            all[i][l] = rate[i];
         }
     }
+    rates.copy_from_slice(&all[..states]);
 }
 
 /// Lets a law change the readings of N masses.
@@ -45,18 +46,31 @@ pub(super) fn each_reading<L: Law, const N: usize>(
 ) {
     let (values, states) = (law.values(), law.states().min(MOST_STAGED));
     let (Some(p), Some(own)) = (p.get(..values), own.get(..states)) else { return };
+    let (p, own) = (whole::<f64, N, MOST_VALUES>(p), whole::<f64, N, MOST_STAGED>(own));
     for l in 0..N {
-        let (p, z) = (picked::<f64, N, MOST_VALUES>(p, l), picked::<f64, N, MOST_STAGED>(own, l));
-        y[l] = law.reading(&at.lane(l), &p, &z, y[l]);
+        y[l] = law.reading(&at.lane(l), &lane(&p, l), &lane(&own, l), y[l]);
     }
 }
 
-/// One lane of some rows, zero beyond them.
+/// Rows with zeros to the fixed number that a law is given: where a form of a law decides on their number, the loop over lanes
+/// would otherwise gather them one by one.
 #[inline(always)]
-fn picked<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]], l: usize) -> [T; MOST] {
+fn whole<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]]) -> [[T; N]; MOST] {
+    let mut all = [[T::default(); N]; MOST];
+    for i in 0..MOST {
+        if i < rows.len() {
+            all[i] = rows[i];
+        }
+    }
+    all
+}
+
+/// One lane of all rows.
+#[inline(always)]
+fn lane<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]; MOST], l: usize) -> [T; MOST] {
     let mut out = [T::default(); MOST];
-    for (out, row) in out.iter_mut().zip(rows) {
-        *out = row[l];
+    for i in 0..MOST {
+        out[i] = rows[i][l];
     }
     out
 }
