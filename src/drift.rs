@@ -5,6 +5,7 @@
 //! `report` shows it.
 
 pub mod budget;
+pub(crate) mod carried;
 pub mod compare;
 pub mod disturbance;
 pub mod divided;

@@ -248,7 +248,7 @@ impl Study {
             Some(_) => Err(Error::new(
                 format!("could not simulate {} along one axis", self.name),
                 "it has a [trajectory]",
-                "shards, --digits and samples are for one axis: run it without them, or remove the [trajectory]",
+                "samples and ranks of MPI are for one axis: run it without them, or remove the [trajectory]",
             )),
         }
     }

@@ -55,6 +55,7 @@ mod suite {
     pub mod schema;
     pub mod several_recordings;
     pub mod shards;
+    pub mod shards_in_motion;
     pub mod shards_map_trial;
     pub mod single_sine;
     pub mod start_search;
@@ -111,6 +112,7 @@ fn main() {
         suite::invariance::tests(),
         // shards: divided runs merge to the bits of one, and what does not belong together is refused by name.
         suite::shards::tests(),
+        suite::shards_in_motion::tests(),
         suite::shards_map_trial::tests(),
         suite::single_sine::tests(),
         // emit: scripts for batch systems run by a plain shell.

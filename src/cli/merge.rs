@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::numbers;
-use super::study::answer;
-use crate::drift::divided as study;
+use super::study::{answer, in_motion};
+use crate::drift::{carried, divided as study};
 use crate::error::{Error, Result};
 use crate::map::divided as map;
 use crate::output::{self, Folder};
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     are_whole(&found, &arguments.shards)?;
     let out = arguments.out.as_deref().map(|path| (path, arguments.force));
     match found[0].header.run.command.as_str() {
-        study::COMMAND => of_study(&found, arguments, json),
+        carried::COMMAND => of_study(&found, arguments, json),
         map::COMMAND => super::map::merge(&found, &arguments.shards, out, json),
         trial::COMMAND => super::trial::shard::merge(&found, &arguments.shards, out, json),
         other => {
@@ -60,8 +60,13 @@ fn of_study(found: &[Found], arguments: &Arguments, json: bool) -> Result<()> {
         force: arguments.force,
         keeps: false,
     };
+    let study = carried::study(found)?;
+    if let Some(motion) = &study.in_motion {
+        let out = arguments.out.as_deref().map(|path| (path, request()));
+        return in_motion::merge(&study, motion, found, out, json);
+    }
     let folder = arguments.out.as_deref().map(|path| Folder::open(path, request())).transpose()?;
-    let (study, drift) = study::merged(found, &progress::terminal())?;
+    let drift = study::merged(&study, found, &progress::terminal())?;
     answer::print(&study, &drift, None, Some(found.len()), json)?;
     if let Some(mut folder) = folder {
         answer::write(&mut folder, &study, &drift, None)?;

@@ -2,7 +2,7 @@
 
 pub mod answer;
 mod emit;
-mod in_motion;
+pub(super) mod in_motion;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod shard;
@@ -56,8 +56,8 @@ pub struct Arguments {
     /// Simulate at several values of a key with the same members: a curve; given twice, a map
     #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
     pub sweep: Vec<Axis>,
-    /// Use as many members as needed for the last position error (mean, standard uncertainty, both ends of the 95 %
-    /// interval) to be stable to this many digits of the uncertainty (JCGM 101)
+    /// Use as many members as needed for the last position error, along a trajectory the horizontal one (mean, standard
+    /// uncertainty, both ends of the 95 % interval) to be stable to this many digits of the uncertainty (JCGM 101)
     #[arg(long, value_name = "N", conflicts_with_all = ["members", "sweep"],
           value_parser = clap::value_parser!(u32).range(1..=4))]
     pub digits: Option<u32>,
@@ -108,9 +108,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     let source = source(arguments)?;
     let study = source.study()?;
-    if arguments.shard.is_some() || arguments.emit.is_some() || arguments.digits.is_some() {
-        study.along_one_axis()?;
-    }
     let path = folder(arguments, &study);
     if let (Some(target), Some(shards)) = (arguments.emit, arguments.shards) {
         let study = of_one_value(study)?;
@@ -124,7 +121,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         let study = of_one_value(study)?;
         let Arguments { backend, force, resume, .. } = *arguments;
         let request = shard::Request { shard, input: arguments.study.as_deref(), out: &path, backend, force, resume };
-        return shard::run(&study, &request, json);
+        return match &study.in_motion {
+            Some(motion) => in_motion::shard(&study, motion, &request, json),
+            None => shard::run(&study, &request, json),
+        };
     }
     launched::refuse_ranks("study")?;
     let asked = sweep::Asked {
@@ -150,7 +150,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let path = folder(arguments, &study);
     if let Some(motion) = &study.in_motion {
         let request = outputs(arguments, &study);
-        let asked = in_motion::Asked { request, resume: arguments.resume, backend: arguments.backend, path: &path };
+        let Arguments { resume, backend, digits, .. } = *arguments;
+        let asked = in_motion::Asked { request, resume, backend, digits, path: &path };
         return in_motion::run(asked, &study, motion, json);
     }
     let mut keeper = match arguments.resume {

@@ -5,11 +5,13 @@
 
 use super::values::{Place, Work};
 use super::watched::Watched;
+use crate::backend::flight::Quantity;
 use crate::control::Control;
 use crate::drift::Drift;
 use crate::error::{Error, Result};
 use crate::statistics::jcgm101::{self, BLOCK, BLOCKS, Linear, Need, Stated};
 use crate::statistics::quantity;
+use crate::strapdown::answer::Answer;
 use crate::study::{Study, StudyText};
 
 /// How many members it takes.
@@ -45,6 +47,13 @@ pub fn sized(source: &StudyText, digits: u32, control: &Control) -> Result<Study
     let need = need(&study, digits, control)?;
     control.remark(&format!("{} members for {digits} stable digits", need.trials));
     source.with_members(need.trials)
+}
+
+/// The horizontal error at the last report time of a study in motion, stated with so many digits. Without a linear answer
+/// beside it: a distance is no linear function of the errors.
+pub fn stated_in_motion(answer: &Answer, digits: u32) -> Option<Stated> {
+    let last = answer.report.last()?;
+    Some(Stated::of_summary(answer.ensemble.summary(*last, Quantity::Horizontal), digits))
 }
 
 /// The position error at the last report time, stated with so many digits, and the linear (GUM) answer beside it.

@@ -35,24 +35,7 @@ impl Kept {
     /// # Errors
     /// There is none, it is damaged, or it belongs to another run.
     pub fn resume(place: Place, header: Header) -> Result<Self> {
-        let path = place.path();
-        let refuse = |cause: String, hint: &str| {
-            Err(Error::new(format!("could not resume from {}", path.display()), cause, hint))
-        };
-        let anew = "leave --resume out to start over, or give the --out of the interrupted run";
-        if !path.exists() {
-            return refuse("there is no interrupted run of this shard".into(), anew);
-        }
-        let contents = Contents::read(path)?;
-        let same = contents.header.pieces.iter().map(|p| &p.piece).eq(header.pieces.iter().map(|p| &p.piece));
-        if contents.header.run != header.run || !same {
-            let cause = "it belongs to another run: the study, the file that it replays, the seed, the number of members or \
-                         the version of the program is not the same";
-            return refuse(
-                cause.into(),
-                "leave --resume out to start over, or give the study, seed and members of that run",
-            );
-        }
+        let contents = Contents::resumed(&place, &header)?;
         let results = contents.pieces().map(|(_, bytes)| bytes.to_vec()).collect();
         Ok(Self { results, header: contents.header, ..Self::new(place, header) })
     }

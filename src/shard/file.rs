@@ -224,6 +224,28 @@ impl Contents {
         Ok(Self { header, bytes, from })
     }
 
+    /// The file of a shard that is to be gone on with.
+    ///
+    /// # Errors
+    /// There is none, it is damaged, or it belongs to another run than the header.
+    pub(crate) fn resumed(place: &Place, header: &Header) -> Result<Self> {
+        let path = place.path();
+        let refuse =
+            |cause: &str, hint: &str| Err(Error::new(format!("could not resume from {}", path.display()), cause, hint));
+        if !path.exists() {
+            let hint = "leave --resume out to start over, or give the --out of the interrupted run";
+            return refuse("there is no interrupted run of this shard", hint);
+        }
+        let contents = Self::read(path)?;
+        let same = contents.header.pieces.iter().map(|p| &p.piece).eq(header.pieces.iter().map(|p| &p.piece));
+        if contents.header.run != header.run || !same {
+            let cause = "it belongs to another run: the study, the file that it replays, the seed, the number of members or \
+                         the version of the program is not the same";
+            return refuse(cause, "leave --resume out to start over, or give the study, seed and members of that run");
+        }
+        Ok(contents)
+    }
+
     /// Each piece with its results.
     pub fn pieces(&self) -> impl Iterator<Item = (&Progress, &[u8])> {
         let mut at = self.from;

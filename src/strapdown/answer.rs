@@ -102,12 +102,39 @@ pub fn answer_kept(
 ) -> Result<Answer> {
     // Refused before the work, not after it.
     let compared = windows::compare(motion, control)?;
+    let flight = flight(study, motion)?;
+    let ensemble = run_kept(choice, &flight, kept, control)?;
+    of_ensemble(study, motion, flight, ensemble, compared)
+}
+
+/// The samples after which a study is summed: its report times, the points of the curves, and those around outages.
+fn samples(study: &Study, motion: &InMotion) -> Vec<u64> {
     let mut samples = curve_samples(&study.clock);
     samples.extend(outages::samples(motion.aiding.as_ref()));
     samples.sort_unstable();
     samples.dedup();
-    let flight = aiding::flight(study, motion, samples.clone())?;
-    let ensemble = run_kept(choice, &flight, kept, control)?;
+    samples
+}
+
+/// The ensemble that a study asks for.
+///
+/// # Errors
+/// Mechanics that no integrator can step.
+pub(crate) fn flight(study: &Study, motion: &InMotion) -> Result<Flight> {
+    aiding::flight(study, motion, samples(study, motion))
+}
+
+/// The answer from the ensemble.
+///
+/// # Errors
+/// Members all of which diverge.
+pub(super) fn of_ensemble(
+    study: &Study,
+    motion: &InMotion,
+    flight: Flight,
+    ensemble: Ensemble,
+    compared: Option<Compared>,
+) -> Result<Answer> {
     if ensemble.failed + 2 > ensemble.members {
         return Err(Error::new(
             format!("could not simulate {}", study.name),
@@ -115,6 +142,7 @@ pub fn answer_kept(
             "some error or spring is far too large; check the exponents and units of the study",
         ));
     }
+    let samples = samples(study, motion);
     let covariance = covariance::of(motion, &flight);
     let own = flight.fixes.is_empty().then(|| covariance::own_error(motion, &flight));
     let outages = outages::outages(motion.aiding.as_ref(), &study.clock, &samples);

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::kept::Kept;
-use super::run::{Ensemble, run};
-use crate::backend::flight::FlightCpu;
+use super::run::{Ensemble, integrate, run};
+use super::share::Share;
+use crate::backend::flight::{FlightBackend, FlightCpu};
 use crate::backend::gpu::Gpu;
 use crate::backend::gpu::flight::Flights;
 use crate::control::Control;
@@ -28,6 +29,21 @@ pub fn run_on(choice: Choice, flight: &Flight, control: &Control) -> Result<Ense
 /// # Errors
 /// As [`run_on`]; a state that cannot be gone on with.
 pub fn run_kept(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Control) -> Result<Ensemble> {
+    on(choice, flight, kept, control, run)
+}
+
+/// Integrates the share of a shard, which ends in its file.
+///
+/// # Errors
+/// As [`run_on`]; a state that cannot be gone on with, a folder that cannot be written.
+pub(crate) fn run_share(choice: Choice, flight: &Flight, share: Share, control: &Control) -> Result<()> {
+    on(choice, flight, &mut Kept::share(share), control, integrate).map(drop)
+}
+
+/// Some work on a backend.
+type Work<R> = fn(&Flight, &mut dyn FlightBackend, &mut Kept, &Control) -> Result<R>;
+
+fn on<R>(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Control, work: Work<R>) -> Result<R> {
     let gpu = match choice {
         Choice::Cpu => None,
         Choice::Gpu => Some(Gpu::open()?),
@@ -37,13 +53,13 @@ pub fn run_kept(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Cont
             None
         }),
     };
-    let Some(gpu) = gpu.map(Arc::new) else { return run(flight, &mut FlightCpu::default(), kept, control) };
-    match run(flight, &mut Flights::on(gpu.clone()), kept, control) {
+    let Some(gpu) = gpu.map(Arc::new) else { return work(flight, &mut FlightCpu::default(), kept, control) };
+    match work(flight, &mut Flights::on(gpu.clone()), kept, control) {
         Err(error) if choice == Choice::Auto && gpu.has_failed() => {
             control
                 .remark(&format!("note: {} failed: {}. The run restarts on the CPU.", gpu.adapter.name, error.cause));
             kept.restart();
-            run(flight, &mut FlightCpu::default(), kept, control)
+            work(flight, &mut FlightCpu::default(), kept, control)
         }
         done => done,
     }

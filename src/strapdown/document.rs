@@ -11,6 +11,7 @@ use super::windows;
 use super::windows::document::{Entry, Flight};
 use crate::backend::flight::Quantity;
 use crate::drift::document::{Backend, Distribution, SCHEMA};
+use crate::statistics::jcgm101::Stated;
 use crate::study::Study;
 
 /// The whole document; every list runs along `time_s`.
@@ -41,6 +42,12 @@ pub struct Document {
     findings: Vec<String>,
     member_steps: u64,
     seconds: f64,
+    /// What is stated of the last horizontal error, where digits were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jcgm101: Option<Stated>,
+    /// Files that the answer was put together from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shards: Option<usize>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -136,6 +143,18 @@ impl Document {
             findings,
             member_steps: ensemble.member_steps,
             seconds: ensemble.seconds,
+            jcgm101: None,
+            shards: None,
         }
+    }
+
+    /// The same with what is stated of its last horizontal error.
+    pub(crate) fn with_digits(self, jcgm101: Option<Stated>) -> Self {
+        Self { jcgm101, ..self }
+    }
+
+    /// The same, put together from so many files.
+    pub(crate) fn from_shards(self, shards: Option<usize>) -> Self {
+        Self { shards, ..self }
     }
 }

@@ -1,17 +1,20 @@
 //! What a study in motion has summed so far, in a file: a run that was stopped goes on after the last whole batch, and ends
 //! with the bits of one that was not.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::share::{Results, Share};
 use super::totals::Totals;
 use crate::control::{Control, Stopped};
 use crate::document::{hexadecimal, write_whole};
 use crate::error::{Error, Result};
 use crate::kernel::flight::Flight;
+use crate::shard::file::damaged;
 use crate::statistics::Machine;
 
 /// The file.
@@ -39,6 +42,8 @@ struct State {
 #[derive(Debug)]
 pub struct Kept {
     folder: Option<PathBuf>,
+    /// A shard, whose file it is instead.
+    share: Option<Share>,
     identity: String,
     resume: bool,
     interval: Duration,
@@ -87,6 +92,7 @@ impl Kept {
         let given = std::env::var("PROOFMASS_STATE_INTERVAL_S").ok().and_then(|text| text.parse().ok());
         Self {
             folder: folder.map(Path::to_owned),
+            share: None,
             identity: identity.to_owned(),
             resume,
             interval: Duration::try_from_secs_f64(given.unwrap_or(INTERVAL_S)).unwrap_or(Duration::MAX),
@@ -95,8 +101,28 @@ impl Kept {
         }
     }
 
+    /// Keeps a shard in its file.
+    pub(crate) fn share(share: Share) -> Self {
+        Self { share: Some(share), ..Self::of(None, "", false) }
+    }
+
+    /// Members that the run integrates.
+    pub(super) fn members(&self, flight: &Flight) -> Range<u64> {
+        self.share.as_ref().map_or(0..flight.members(), Share::members)
+    }
+
     /// A run that begins or, where a stopped one is to be gone on with, what that has summed.
     pub(super) fn begin(&mut self, flight: &Flight, machine: &Machine) -> Result<Progress> {
+        if let Some(share) = &mut self.share {
+            let (next_member, before) = share.begun(machine)?;
+            return match before {
+                None => Ok(Progress { next_member, ..Progress::default() }),
+                Some(Results { seconds, totals, .. }) if totals.fit(flight) => {
+                    Ok(Progress { next_member, seconds, totals })
+                }
+                Some(_) => Err(damaged(share.path(), "its sums are not at the times of this study")),
+            };
+        }
         let Some(path) = self.folder.as_ref().map(|folder| folder.join(FILE)).filter(|_| self.resume) else {
             return Ok(Progress::default());
         };
@@ -126,6 +152,7 @@ impl Kept {
     /// A run that begins anew on another machine, after the first has failed.
     pub(super) fn restart(&mut self) {
         self.resume = false;
+        self.share.iter_mut().for_each(Share::restart);
     }
 
     fn fingerprint(&self, flight: &Flight, machine: &Machine) -> String {
@@ -149,7 +176,7 @@ impl Kept {
 
     /// Writes the sums, if it is time. A run goes on where that fails, and says so once.
     pub(super) fn keep_if_due(&mut self, flight: &Flight, machine: &Machine, so_far: &Progress, control: &Control) {
-        if self.folder.is_none() || self.last.elapsed() < self.interval {
+        if self.place().is_none() || self.last.elapsed() < self.interval {
             return;
         }
         self.last = Instant::now();
@@ -163,7 +190,24 @@ impl Kept {
         }
     }
 
+    /// Where the sums are kept, for messages.
+    fn place(&self) -> Option<&Path> {
+        self.share.as_ref().map(Share::path).or(self.folder.as_deref())
+    }
+
+    /// Writes the file of a shard, which is its result and stays.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub(super) fn finish(&self, flight: &Flight, machine: &Machine, so_far: &Progress) -> Result<()> {
+        if self.share.is_some() { self.write(flight, machine, so_far) } else { Ok(()) }
+    }
+
     fn write(&self, flight: &Flight, machine: &Machine, so_far: &Progress) -> Result<()> {
+        if let Some(share) = &self.share {
+            let Progress { next_member, seconds, ref totals } = *so_far;
+            return share.write(next_member, &Results { machine: machine.clone(), seconds, totals: totals.clone() });
+        }
         let Some(path) = self.folder.as_ref().map(|folder| folder.join(FILE)) else { return Ok(()) };
         let unwritten = |e: serde_json::Error| {
             Error::new(format!("could not write {}", path.display()), e.to_string(), "run again")
@@ -182,7 +226,7 @@ impl Kept {
 
     /// The error of a run that was stopped: what it has summed is kept, and the hint says how to go on.
     pub(super) fn stopped(&self, flight: &Flight, machine: &Machine, so_far: &Progress, by: Stopped) -> Error {
-        let hint = match (&self.folder, so_far.totals.is_empty()) {
+        let hint = match (self.place(), so_far.totals.is_empty()) {
             (Some(folder), false) => match self.write(flight, machine, so_far) {
                 Ok(()) => {
                     format!("progress is kept in {}: the same command with --resume continues", folder.display())

@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use super::kept::Kept;
+use super::kept::{Kept, Progress};
 use super::totals::Totals;
 use crate::backend::flight::{FlightBackend, FlightBatch, FlightCpu, QUANTITIES, Quantity};
 use crate::control::Control;
@@ -38,6 +38,21 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
+    /// All members of a flight, from their sums.
+    pub(super) fn of(flight: &Flight, totals: &Totals, machine: Machine, seconds: f64) -> Self {
+        let clock = flight.clock();
+        let time_s = |n: &u64| (n - clock.still_samples) as f64 * clock.sample_s();
+        Self {
+            members: flight.members(),
+            failed: totals.failed(),
+            time_s: clock.report_samples.iter().map(time_s).collect(),
+            at: totals.summed(),
+            member_steps: flight.member_steps(),
+            seconds,
+            machine,
+        }
+    }
+
     /// Summary of a quantity at a report time.
     pub fn summary(&self, report: usize, quantity: Quantity) -> &Summary {
         &self.at[report][quantity.place()]
@@ -60,12 +75,27 @@ const BATCH_STEPS: u64 = 1 << 30;
 /// # Errors
 /// A member that the integrator cannot step; a device that was lost; a state that cannot be gone on with; stopped.
 pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, kept: &mut Kept, control: &Control) -> Result<Ensemble> {
+    let (so_far, machine) = integrate(flight, backend, kept, control)?;
+    Ok(Ensemble::of(flight, &so_far.totals, machine, so_far.seconds))
+}
+
+/// Integrates the members that the keeper says, all or a shard's, going on with what was kept of them.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn integrate(
+    flight: &Flight,
+    backend: &mut dyn FlightBackend,
+    kept: &mut Kept,
+    control: &Control,
+) -> Result<(Progress, Machine)> {
     let begun = Instant::now();
-    let (members, machine) = (flight.members(), backend.machine(flight));
-    let pilot = members.min(PILOT);
+    let (members, machine) = (kept.members(flight), backend.machine(flight));
+    let pilot = if members.is_empty() { 0 } else { flight.members().min(PILOT) };
     let mut so_far = kept.begin(flight, &machine)?;
     let before_s = so_far.seconds;
-    let progress = control.stage("simulating", (members + pilot).saturating_mul(flight.clock().samples));
+    let work = members.end - members.start + pilot;
+    let progress = control.stage("simulating", work.saturating_mul(flight.clock().samples));
     let batch = |on: &mut dyn FlightBackend, members, bins: &[[Bins; QUANTITIES]]| {
         let work = FlightBatch {
             flight,
@@ -76,20 +106,20 @@ pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, kept: &mut Kept, co
         };
         on.run(&work)
     };
-    if so_far.totals.is_empty() {
-        // Always on the CPU: the same for every backend.
+    if so_far.totals.is_empty() && pilot > 0 {
+        // Always on the CPU, and the same members: the same bins for every backend and every shard.
         let sums = batch(&mut FlightCpu::default(), 0..pilot, &[])?;
         control.go_on().map_err(|by| kept.stopped(flight, &machine, &so_far, by))?;
         so_far.totals = Totals::new(&sums.unwrap_or_default());
     } else {
-        progress.add((pilot + so_far.next_member).saturating_mul(flight.clock().samples));
+        progress.add((pilot + so_far.next_member - members.start).saturating_mul(flight.clock().samples));
     }
     let bins = so_far.totals.bins();
     let least = LEAST_MEMBERS.max(2 * LANES as u64 * parallel::threads() as u64);
     let most = (BATCH_STEPS / flight.clock().samples.max(1)).max(least).next_multiple_of(BLOCK as u64);
-    while so_far.next_member < members {
+    while so_far.next_member < members.end {
         let from = so_far.next_member;
-        let until = members.min(from + backend.batch_members().min(most));
+        let until = members.end.min(from + backend.batch_members().min(most));
         let sums = batch(backend, from..until, &bins)?;
         so_far.seconds = before_s + begun.elapsed().as_secs_f64();
         let Some(sums) = sums else {
@@ -100,15 +130,7 @@ pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, kept: &mut Kept, co
         so_far.next_member = until;
         kept.keep_if_due(flight, &machine, &so_far, control);
     }
-    let clock = flight.clock();
-    let sample_s = clock.sample_s();
-    Ok(Ensemble {
-        members,
-        failed: so_far.totals.failed(),
-        time_s: clock.report_samples.iter().map(|n| (n - clock.still_samples) as f64 * sample_s).collect(),
-        at: so_far.totals.summed(),
-        member_steps: flight.member_steps(),
-        seconds: before_s + begun.elapsed().as_secs_f64(),
-        machine,
-    })
+    so_far.seconds = before_s + begun.elapsed().as_secs_f64();
+    kept.finish(flight, &machine, &so_far)?;
+    Ok((so_far, machine))
 }

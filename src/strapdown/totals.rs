@@ -65,6 +65,19 @@ impl Totals {
         }
     }
 
+    /// Adds the sums of other members; `false` where their bins are not these.
+    pub(super) fn absorb(&mut self, other: &Self) -> bool {
+        if self.bins() != other.bins() {
+            return false;
+        }
+        for (mine, theirs) in self.reports.iter_mut().zip(&other.reports) {
+            mine.moments.iter_mut().zip(&theirs.moments).for_each(|(mine, theirs)| mine.absorb(theirs));
+            mine.histograms.iter_mut().zip(&theirs.histograms).for_each(|(mine, theirs)| mine.merge(&theirs.counts));
+            mine.failed += theirs.failed;
+        }
+        true
+    }
+
     /// Members that had failed by the last report.
     pub(super) fn failed(&self) -> u64 {
         self.reports.last().map_or(0, |report| report.failed)

@@ -48,7 +48,7 @@ pub fn print(
         (false, _) => {
             screen(format_args!("{}", page::terminal(study, drift)))?;
             stated.map_or(Ok(()), |(stated, linear)| {
-                sayln!("{}", page::jcgm101::sentence(stated))?;
+                sayln!("{}", page::jcgm101::sentence("Position", stated))?;
                 sayln!("{}", page::jcgm101::validation(linear, &drift.expected.left_out))
             })
         }

@@ -2,16 +2,26 @@
 
 use std::path::Path;
 
+use super::shard;
 use crate::cli::say::{say, sayln};
+use crate::cli::sharded::tell;
+use crate::decision::digits;
 use crate::document::to_json;
 use crate::ensemble::{Choice, Keeper};
 use crate::error::Result;
 use crate::output::{self, Folder};
 use crate::progress;
 use crate::report::strapdown as page;
-use crate::strapdown::answer::answer_kept;
+use crate::report::study::jcgm101::sentence;
+use crate::shard::file::Place;
+use crate::shard::gather::Found;
+use crate::statistics::jcgm101::Stated;
+use crate::strapdown::answer::{Answer, answer_kept, flight};
+use crate::strapdown::backends::run_share;
+use crate::strapdown::divided;
 use crate::strapdown::document::Document;
 use crate::strapdown::kept::Kept;
+use crate::strapdown::share::Share;
 use crate::study::Study;
 use crate::study::in_motion::InMotion;
 
@@ -26,6 +36,8 @@ pub(super) struct Asked<'a> {
     pub resume: bool,
     /// Backend to integrate on.
     pub backend: Choice,
+    /// Digits to which its last horizontal error is to be stated.
+    pub digits: Option<u32>,
     /// Folder of the results.
     pub path: &'a Path,
 }
@@ -35,28 +47,82 @@ pub(super) struct Asked<'a> {
 /// # Errors
 /// As `study`; there is no stopped run to resume.
 pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool) -> Result<()> {
-    let Asked { request, resume, backend, path } = asked;
+    let Asked { request, resume, backend, digits, path } = asked;
     let mut kept = match resume {
         true => Kept::resume(path, &study.identity)?,
         false => Kept::new(path, &study.identity),
     };
-    let writes =
-        if motion.flown.is_some() { vec![REPORT.to_owned(), INFLATED.to_owned()] } else { vec![REPORT.to_owned()] };
-    let mut folder = Folder::open(path, output::Request { writes, ..request })?;
+    let mut folder = Folder::open(path, output::Request { writes: files(motion), ..request })?;
     folder.state(Keeper::FILES, resume)?;
     let answer = answer_kept(study, motion, backend, &mut kept, &progress::terminal())?;
-    if json {
-        sayln!("{}", to_json(&Document::of(study, &answer, page::findings(&answer)))?)?;
-    } else {
-        say(format_args!("{}", page::terminal(&answer)))?;
-    }
-    folder.write(REPORT, page::page(study, &answer).finish().as_bytes())?;
-    if let Some(inflated) = page::inflated_toml(study, &answer) {
-        folder.write(INFLATED, inflated.as_bytes())?;
-    }
-    folder.finish()?;
+    let stated = digits.and_then(|digits| digits::stated_in_motion(&answer, digits));
+    print(study, &answer, stated.as_ref(), None, json)?;
+    write(&mut folder, study, &answer)?;
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;
     }
     kept.forget()
+}
+
+/// What is written of an answer.
+fn files(motion: &InMotion) -> Vec<String> {
+    let inflated = motion.flown.is_some().then_some(INFLATED);
+    [REPORT].into_iter().chain(inflated).map(str::to_owned).collect()
+}
+
+fn print(study: &Study, answer: &Answer, stated: Option<&Stated>, shards: Option<usize>, json: bool) -> Result<()> {
+    if json {
+        let document = Document::of(study, answer, page::findings(answer));
+        return sayln!("{}", to_json(&document.with_digits(stated.cloned()).from_shards(shards))?);
+    }
+    say(format_args!("{}", page::terminal(answer)))?;
+    stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))
+}
+
+fn write(folder: &mut Folder, study: &Study, answer: &Answer) -> Result<()> {
+    folder.write(REPORT, page::page(study, answer).finish().as_bytes())?;
+    if let Some(inflated) = page::inflated_toml(study, answer) {
+        folder.write(INFLATED, inflated.as_bytes())?;
+    }
+    folder.finish()
+}
+
+/// Integrates a shard and says where its state is.
+///
+/// # Errors
+/// As [`shard::run`].
+pub(super) fn shard(study: &Study, motion: &InMotion, request: &shard::Request<'_>, json: bool) -> Result<()> {
+    let header = divided::header(study, motion, request.input, request.shard)?;
+    let place = Place::take(request.out, &header, request.force)?;
+    let path = place.path().to_path_buf();
+    let share = match request.resume {
+        true => Share::resume(place, &header)?,
+        false => Share::new(place, header.clone()),
+    };
+    run_share(request.backend, &flight(study, motion)?, share, &progress::terminal())?;
+    tell(&header, "", &path, json)
+}
+
+/// Puts shards together, prints the answer and, where it is to be written, writes the report.
+///
+/// # Errors
+/// As [`divided::merged`]; a folder that cannot be written.
+pub(in crate::cli) fn merge(
+    study: &Study,
+    motion: &InMotion,
+    found: &[Found],
+    out: Option<(&Path, output::Request)>,
+    json: bool,
+) -> Result<()> {
+    let open = |(path, request)| Folder::open(path, output::Request { writes: files(motion), ..request });
+    let folder = out.map(open).transpose()?;
+    let answer = divided::merged(study, motion, found, &progress::terminal())?;
+    print(study, &answer, None, Some(found.len()), json)?;
+    if let Some(mut folder) = folder {
+        write(&mut folder, study, &answer)?;
+        if !json {
+            sayln!("report:     {}", folder.path().join(REPORT).display())?;
+        }
+    }
+    Ok(())
 }

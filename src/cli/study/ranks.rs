@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::answer;
 use crate::control::Control;
+use crate::drift::carried;
 use crate::drift::divided::{Divided, merged};
 use crate::ensemble::divided::run_pieces;
 use crate::ensemble::{Backends, Choice, Keeper, Kept, Options};
@@ -228,7 +229,8 @@ fn remove_others(header: &Header, out: &Path) -> Result<()> {
 fn answer(asked: Asked, found: &[Found], control: &Control, json: bool) -> Result<()> {
     are_whole(found, std::slice::from_ref(&asked.out))?;
     let mut folder = Folder::open(&asked.out, asked.outputs)?;
-    let (study, drift) = merged(found, control)?;
+    let study = carried::study(found)?;
+    let drift = merged(&study, found, control)?;
     answer::print(&study, &drift, None, Some(found.len()), json)?;
     answer::write(&mut folder, &study, &drift, None)?;
     if json { Ok(()) } else { answer::point_to(&asked.out) }

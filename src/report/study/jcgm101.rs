@@ -18,12 +18,12 @@ fn stated(value: f64, tolerance: f64) -> String {
     format!("{rounded:.decimals$}").replacen('-', "−", 1)
 }
 
-/// The result in a sentence.
-pub(crate) fn sentence(of: &Stated) -> String {
+/// The result in a sentence on an error: "Position".
+pub(crate) fn sentence(error: &str, of: &Stated) -> String {
     let number = |value: f64| stated(value, of.tolerance);
     let [low, high] = of.interval95.symmetric;
     format!(
-        "Position error at the last report time: {} m, standard uncertainty {} m, 95 % coverage interval {} m to {} m; stable \
+        "{error} error at the last report time: {} m, standard uncertainty {} m, 95 % coverage interval {} m to {} m; stable \
          to {} significant digits of the uncertainty ({} trials).",
         number(of.estimate),
         number(of.standard_uncertainty),
@@ -53,7 +53,7 @@ pub fn validation(linear: &Linear, left_out: &[String]) -> String {
 /// The section of the page.
 pub(crate) fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
     page.section("The result as JCGM 101 states it");
-    page.paragraph(&sentence(of));
+    page.paragraph(&sentence("Position", of));
     let number = |value: f64| stated(value, of.tolerance);
     let mut table = Table::new(&["how", "estimate / m", "standard uncertainty / m", "95 % from / m", "to / m"]);
     let mut row = |how: &str, estimate: f64, u: f64, [low, high]: [f64; 2]| {
