@@ -154,7 +154,7 @@ impl Document {
     }
 
     /// The same, put together from so many files.
-    pub(crate) fn from_shards(self, shards: Option<usize>) -> Self {
+    pub(crate) fn with_shards(self, shards: Option<usize>) -> Self {
         Self { shards, ..self }
     }
 }

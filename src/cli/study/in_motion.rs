@@ -73,7 +73,7 @@ fn files(motion: &InMotion) -> Vec<String> {
 fn print(study: &Study, answer: &Answer, stated: Option<&Stated>, shards: Option<usize>, json: bool) -> Result<()> {
     if json {
         let document = Document::of(study, answer, page::findings(answer));
-        return sayln!("{}", to_json(&document.with_digits(stated.cloned()).from_shards(shards))?);
+        return sayln!("{}", to_json(&document.with_digits(stated.cloned()).with_shards(shards))?);
     }
     say(format_args!("{}", page::terminal(answer)))?;
     stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))
