@@ -1,5 +1,5 @@
-//! `cargo bench`: the rows of `proofmass bench` on the CPU, by the same harness, for changes that one wants to see to a
-//! per cent. `cargo bench -- gpu` adds those of the best adapter.
+//! `cargo bench`: the rows of `proofmass bench` on the CPU, by the same harness, for changes that
+//! one wants to see to a per cent. `cargo bench -- gpu` adds those of the best adapter.
 
 use std::sync::Arc;
 

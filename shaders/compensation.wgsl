@@ -1,5 +1,6 @@
-// Is compensation alive on this device? numbers: a small one, a large one, zero, zero. Afterwards: what a plain and a
-// compensated sum keep of the small one when the large one is added and taken away again.
+// Is compensation alive on this device? numbers: a small one, a large one, zero, zero. Afterwards:
+// what a plain and a compensated sum keep of the small one when the large one is added and taken
+// away again.
 
 @group(0) @binding(0) var<storage, read_write> numbers: array<f32>;
 

@@ -1,5 +1,5 @@
-// Carries orbits and one tangent vector each, and sums the logarithm of its growth once per period of the force.
-// CPU twin: src/kernel/cpu/lyapunov.rs.
+// Carries orbits and one tangent vector each, and sums the logarithm of its growth once per period
+// of the force. CPU twin: src/kernel/cpu/lyapunov.rs.
 
 // Rates of x, v and of the tangent's x and v.
 fn rates(o: Oscillator, s: vec4<f32>, force: f32) -> vec4<f32> {

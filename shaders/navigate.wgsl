@@ -1,6 +1,7 @@
-// One tile: each invocation takes one member from reading errors in three axes to errors of attitude, velocity and position.
-// Twin of `src/kernel/cpu/navigate.rs`; see there for the equations, their names and their sources. The readings' errors
-// are those that `simulate` has traced, axis by axis.
+// One tile: each invocation takes one member from reading errors in three axes to errors of
+// attitude, velocity and position. Twin of `src/kernel/cpu/navigate.rs`; see there for the
+// equations, their names and their sources. The readings' errors are those that `simulate` has
+// traced, axis by axis.
 
 override ROUND: bool = false;
 override COUPLED: bool = false;
@@ -143,7 +144,8 @@ fn tilted(sigma: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return (share * 0.5) * twice + (share * (1.0 - square)) * once;
 }
 
-// Rotation vector of σ: 4 atan(|σ|/4) along it. Two halvings of the angle leave a series that is exact in f32.
+// Rotation vector of σ: 4 atan(|σ|/4) along it. Two halvings of the angle leave a series that is
+// exact in f32.
 fn rotation_vector(sigma: vec3<f32>) -> vec3<f32> {
     let size = sqrt(dot(sigma, sigma));
     let t = 0.25 * size;
@@ -178,7 +180,8 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
         taken_turn = vec3<f32>(given[3u * stride + i], given[4u * stride + i], given[5u * stride + i]);
     }
 
-    // Rows as the host has them, read once: memory that a kernel also writes is not kept in registers by itself.
+    // Rows as the host has them, read once: memory that a kernel also writes is not kept in
+    // registers by itself.
     var force_rows = mat3x3<f32>();
     var rate_rows = mat3x3<f32>();
     var felt_rows = mat3x3<f32>();

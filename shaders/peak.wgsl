@@ -1,5 +1,5 @@
-// Nothing but multiply-adds, eight independent chains per invocation: the most that the device can do. numbers[0] is the
-// factor and numbers[1] the term, so that nothing is known before it runs.
+// Nothing but multiply-adds, eight independent chains per invocation: the most that the device can
+// do. numbers[0] is the factor and numbers[1] the term, so that nothing is known before it runs.
 
 @group(0) @binding(0) var<storage, read_write> numbers: array<f32>;
 

@@ -1,4 +1,5 @@
-// Carries orbits over periods of the force and records them once per period. CPU twin: src/kernel/cpu/poincare.rs.
+// Carries orbits over periods of the force and records them once per period. CPU twin:
+// src/kernel/cpu/poincare.rs.
 
 @group(0) @binding(4) var<storage, read_write> strobes: array<vec2<f32>>;
 

@@ -1,7 +1,8 @@
-// From errors of members to partial sums: one workgroup per block of 256 members. Twin of `src/kernel/cpu/reduce.rs`.
+// From errors of members to partial sums: one workgroup per block of 256 members. Twin of
+// `src/kernel/cpu/reduce.rs`.
 //
-// Sums run in a fixed order, deviations are taken from the block's own mean, and counts are integers: the same members
-// give the same bits whatever the batch.
+// Sums run in a fixed order, deviations are taken from the block's own mean, and counts are
+// integers: the same members give the same bits whatever the batch.
 
 @group(0) @binding(0) var<uniform> report: Report;
 @group(0) @binding(1) var<storage, read> errors: array<f32>;
@@ -11,8 +12,9 @@
 
 const BINS = 4096u;
 
-// An invocation takes four members of the block, their four quantities side by side, before the tree begins: barriers are
-// what this kernel costs on software adapters, and 64 invocations are no more than two subgroups of a card.
+// An invocation takes four members of the block, their four quantities side by side, before the
+// tree begins: barriers are what this kernel costs on software adapters, and 64 invocations are no
+// more than two subgroups of a card.
 const WORKGROUP = 64u;
 const EACH = 4u;
 

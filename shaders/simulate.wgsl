@@ -1,7 +1,8 @@
 // One tile: each invocation takes one member through the samples, from state to state. Twin of
-// `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …` are replaced by what
-// the sensor terms have to say there, see `src/kernel/source/terms.rs`; lines `#trace …` by the writing of every reading's
-// errors, where `navigate` reads them, and by nothing elsewhere.
+// `src/kernel/cpu/simulate.rs`; see there for what happens in which order and why. Lines `#terms …`
+// are replaced by what the sensor terms have to say there, see `src/kernel/source/terms.rs`; lines
+// `#trace …` by the writing of every reading's errors, where `navigate` reads them, and by nothing
+// elsewhere.
 
 override INTEGRATOR: u32 = 0u;
 override SUBSTEPS: u32 = 1u;
@@ -15,8 +16,8 @@ override HAS_STILL: bool = false;
 @group(0) @binding(1) var<storage, read> columns: array<f32>;
 @group(0) @binding(2) var<storage, read> turns: array<u32>;
 @group(0) @binding(3) var<storage, read_write> state: array<f32>;
-// Per substep: end, middle, middle less begin, end less begin; the first entry holds where the first begins. Uniform
-// memory, because all members read the same place at the same time.
+// Per substep: end, middle, middle less begin, end less begin; the first entry holds where the
+// first begins. Uniform memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
 #trace declare
@@ -56,7 +57,8 @@ fn place(i: u32) -> u32 {
     return ((group * SPREAD) & PLACE_MASK) << 4u;
 }
 
-// Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group of eight begins.
+// Sum of the terms 2 and slower after the renewal of one of them, which is due only where a group
+// of eight begins.
 fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
     let zeros = countTrailingZeros(n + place(i));
     let j = (zeros + 1u) >> 1u;
@@ -68,7 +70,8 @@ fn renew_slowest(i: u32, base: u32, n: u32, number: f32, sum: f32) -> f32 {
     return sum_slowest(i, base);
 }
 
-// A small step of a sample: three bits that no gaussian number looks at, from bit `place` of its word on.
+// A small step of a sample: three bits that no gaussian number looks at, from bit `place` of its
+// word on.
 fn small_step(words: vec4<u32>, number: u32, place: u32) -> f32 {
     return f32((words[number] >> place) & 7u) - 3.5;
 }
@@ -155,8 +158,10 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var gyro_words = vec4<u32>();
     var error = 0.0;
 
-    // Four samples at a time, which one draw serves, and sixteen, in which the slow terms are renewed twice. The four are a loop of known length, so that a compiler unrolls it,
-    // and samples outside the tile are masked: software adapters run both sides of a branch and gain nothing by skipping.
+    // Four samples at a time, which one draw serves, and sixteen, in which the slow terms are
+    // renewed twice. The four are a loop of known length, so that a compiler unrolls it, and
+    // samples outside the tile are masked: software adapters run both sides of a branch and gain
+    // nothing by skipping.
     let stop = tile.first_sample + tile.samples;
     let first_counter = tile.first_sample >> 2u;
     let last_counter = (stop - 1u) >> 2u;
@@ -213,7 +218,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
                     error = max(min(error, range - felt), -range - felt);
                 }
                 if HAS_QUANTISATION {
-                    // Opaque, so that no compiler fuses what must round to the same whole number everywhere.
+                    // Opaque, so that no compiler fuses what must round to the same whole number
+                    // everywhere.
                     let reading = opaque((opaque(felt, zero) + error) * steps, zero);
                     error = fma(lsb, round(reading) - reading, error);
                 }
@@ -275,7 +281,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 #terms end
 
-    // Errors at the end of the tile: position, velocity, acceleration, tilt, and whether the member failed.
+    // Errors at the end of the tile: position, velocity, acceleration, tilt, and whether the member
+    // failed.
     let since = f32((tile.first_sample + tile.samples) & 63u);
     let moved = position_total.x + (fma(since, velocity_total.x, position) + (position_total.y + since * velocity_total.y));
     if (bitcast<u32>(error) & 0x7FFFFFFFu) > bound {
@@ -284,8 +291,8 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     errors[i] = tile.sample_s * tile.sample_s * moved;
     errors[stride + i] = tile.sample_s * (velocity_total.x + (velocity + velocity_total.y));
     errors[2u * stride + i] = error;
-    // Levelling by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean; a drawn tilt
-    // is the one that lets its share in.
+    // Levelling by an accelerometer that errs by its mean leaves a tilt whose share of gravity
+    // hides that mean; a drawn tilt is the one that lets its share in.
     errors[3u * stride + i] = fma(tile.level, initial_tilt_offset - mean, tile.sample_s * (rate_total.x + (rate + rate_total.y)));
     errors[4u * stride + i] = failed;
 }

@@ -11,11 +11,14 @@
 //!
 //! # To add a law
 //!
-//! 1. Write `physics/<id with underscores>.rs`: a `CANDIDATE`, a type, `impl Law` for it. A force needs `force`, and `rates`
-//!    where it has states; a change of the reading needs `reading`; the role says which. Write it once, for one mass and any
-//!    number type. Test it against a closed form (see `test_problem`).
-//! 2. Add it to the list in [`library`], where candidates are named in public order, and its `mod` line here.
-//! 3. Where a study shall run it, give it a `study` key per parameter, with a slot that no other has, and `wgsl`.
+//! 1. Write `physics/<id with underscores>.rs`: a `CANDIDATE`, a type, `impl Law` for it. A force
+//!    needs `force`, and `rates` where it has states; a change of the reading needs `reading`; the
+//!    role says which. Write it once, for one mass and any number type. Test it against a closed
+//!    form (see `test_problem`).
+//! 2. Add it to the list in [`library`], where candidates are named in public order, and its `mod`
+//!    line here.
+//! 3. Where a study shall run it, give it a `study` key per parameter, with a slot that no other
+//!    has, and `wgsl`.
 //! 4. Plant it in the trial: its own equation in `trial::equation`, which must not use this one.
 //!
 //! Tests then hold it against the trial's equation, in f64, in f32 and on the GPU

@@ -1,8 +1,9 @@
 //! Recordings: columns of numbers from a file, with what is wrong with them found and said.
 //!
-//! [`read`](fn@read) brings the columns asked for into memory on a uniform clock; [`stream`] passes a file of any length. Both look
-//! through the file first ([`plan`]), so they agree on its clock; rows in the file = rows used + rows `dropped`. Not for
-//! judging physics: a gap or a clipped rail is reported here, what it means is `diagnosis`' business.
+//! [`read`](fn@read) brings the columns asked for into memory on a uniform clock; [`stream`] passes
+//! a file of any length. Both look through the file first ([`plan`]), so they agree on its clock;
+//! rows in the file = rows used + rows `dropped`. Not for judging physics: a gap or a clipped rail
+//! is reported here, what it means is `diagnosis`' business.
 
 pub mod array;
 pub mod bytes;

@@ -43,8 +43,8 @@ pub(crate) fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4
 pub enum Stream {
     /// Tolerances: one draw per member and parameter.
     Tolerance = 0,
-    /// Each sample of the accelerometer: its white noise and, of the bits that this leaves, the steps of its walk and of its
-    /// fastest Gauss–Markov terms.
+    /// Each sample of the accelerometer: its white noise and, of the bits that this leaves, the
+    /// steps of its walk and of its fastest Gauss–Markov terms.
     AccelerometerWhite = 1,
     /// Slow Gauss–Markov terms of the accelerometer's bias instability.
     AccelerometerFlicker = 2,

@@ -1,5 +1,6 @@
-// Sums longer than f32: a pair whose second part is what the first lost. Compilers may reassociate and then optimise the
-// compensation away (Mesa does); exclusive or with a zero that only the host knows forbids it.
+// Sums longer than f32: a pair whose second part is what the first lost. Compilers may reassociate
+// and then optimise the compensation away (Mesa does); exclusive or with a zero that only the host
+// knows forbids it.
 
 fn opaque(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);

@@ -1,4 +1,5 @@
-// Twin of `src/numerics/elementary.rs`: WGSL promises sin and cos to 2^-11 only, so these are our own.
+// Twin of `src/numerics/elementary.rs`: WGSL promises sin and cos to 2^-11 only, so these are our
+// own.
 
 const TAU: f32 = 6.2831853071795864;
 

@@ -1,5 +1,6 @@
-// What host and device agree on; the mirrors stand in `src/kernel/layout.rs`, and a test compares them. Places in a
-// member's column and state, streams and codes are constants that `src/kernel/source.rs` writes in front of this file.
+// What host and device agree on; the mirrors stand in `src/kernel/layout.rs`, and a test compares
+// them. Places in a member's column and state, streams and codes are constants that
+// `src/kernel/source.rs` writes in front of this file.
 
 // One tile: samples of a batch of members.
 struct Tile {
@@ -19,7 +20,8 @@ struct Tile {
     sample_s: f32,
     // Zero, which no compiler knows: it keeps compensated sums from being optimised away.
     zero: u32,
-    // Samples of the still start, one over that, and the tilt that hides an error of 1 m/s² when levelling, rad.
+    // Samples of the still start, one over that, and the tilt that hides an error of 1 m/s² when
+    // levelling, rad.
     still_samples: u32,
     still_share: f32,
     level: f32,

@@ -1,5 +1,5 @@
-// What `lyapunov` and `poincare` share: forced Duffing oscillators, one per invocation, time counted in steps per period
-// of the force. CPU twin: src/kernel/cpu/poincare.rs. Needs `philox`.
+// What `lyapunov` and `poincare` share: forced Duffing oscillators, one per invocation, time
+// counted in steps per period of the force. CPU twin: src/kernel/cpu/poincare.rs. Needs `philox`.
 
 struct OrbitTile {
     seed: vec2<u32>,
@@ -11,14 +11,16 @@ struct OrbitTile {
     // First period of this tile, and how many.
     begin: u32,
     periods: u32,
-    // lyapunov: whether growth is counted. poincare: whether strobes are recorded, from place `strobe` on.
+    // lyapunov: whether growth is counted. poincare: whether strobes are recorded, from place
+    // `strobe` on.
     counted: u32,
     strobe: u32,
     padding: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> tile: OrbitTile;
-// Columns of `points` numbers: damping, stiffness, cubic, amplitude, step, deviation of the force noise.
+// Columns of `points` numbers: damping, stiffness, cubic, amplitude, step, deviation of the force
+// noise.
 @group(0) @binding(1) var<storage, read> parameters: array<f32>;
 // cos ωt at every half step of a period.
 @group(0) @binding(2) var<storage, read> cosines: array<f32>;

@@ -1,6 +1,6 @@
-// Twin of `src/kernel/cpu/oscillator.rs` and `src/kernel/cpu/general.rs`: one substep of the proof mass in error coordinates.
-// The state is (e, q): the error of the reading, and the reading's rate times the substep. The cubic spring is that of
-// `src/physics/cubic_stiffness.rs`.
+// Twin of `src/kernel/cpu/oscillator.rs` and `src/kernel/cpu/general.rs`: one substep of the proof
+// mass in error coordinates. The state is (e, q): the error of the reading, and the reading's rate
+// times the substep. The cubic spring is that of `src/physics/cubic_stiffness.rs`.
 
 struct Coefficients {
     low: vec4<f32>,
@@ -38,7 +38,8 @@ fn runge_kutta_4(k: Coefficients, s: vec2<f32>, f: Force, w: f32) -> vec2<f32> {
     return vec2<f32>(fma(1.0 / 6.0, once, end + s.y), fma(1.0 / 6.0, once + twice + d4, s.y));
 }
 
-// What the laws of `src/physics` are given, with the substep as unit of time and the reading as displacement.
+// What the laws of `src/physics` are given, with the substep as unit of time and the reading as
+// displacement.
 struct Instant {
     x: f32,
     v: f32,

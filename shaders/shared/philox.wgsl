@@ -1,5 +1,6 @@
-// Philox4x32-10 (Salmon et al., SC 2011), bit for bit that of `src/rng.rs`. Needs `multiply_wide`, which stands in
-// philox_multiply_16.wgsl or, where the adapter has 64-bit integers, in philox_multiply_64.wgsl.
+// Philox4x32-10 (Salmon et al., SC 2011), bit for bit that of `src/rng.rs`. Needs `multiply_wide`,
+// which stands in philox_multiply_16.wgsl or, where the adapter has 64-bit integers, in
+// philox_multiply_64.wgsl.
 
 fn philox(counter: vec4<u32>, key: vec2<u32>) -> vec4<u32> {
     var c = counter;

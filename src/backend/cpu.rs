@@ -1,5 +1,5 @@
-//! The CPU backend: lanes × threads. Members in groups of 64 go to the threads; time is cut into tiles so that the
-//! table of the excitation stays small and Ctrl-C is heard.
+//! The CPU backend: lanes × threads. Members in groups of 64 go to the threads; time is cut into
+//! tiles so that the table of the excitation stays small and Ctrl-C is heard.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,8 +51,8 @@ impl Default for Cpu {
 
 /// Member-steps per thread that a batch is to take: some seconds of the full path.
 const WORK_PER_THREAD: u64 = 4_000_000_000;
-/// Fewest members of a batch, however much work each is: the table of the excitation, which every batch makes anew, then
-/// costs a hundredth of the steps (20 ns to 0.4 ns a member).
+/// Fewest members of a batch, however much work each is: the table of the excitation, which every
+/// batch makes anew, then costs a hundredth of the steps (20 ns to 0.4 ns a member).
 const FEWEST_MEMBERS: u64 = 4096;
 
 /// Substeps tabulated at a time: 20 bytes each, so that the table stays in the second-level cache.
@@ -150,8 +150,8 @@ impl Cpu {
         Ok(Ran::Part(Unfinished { members: members.clone(), samples, partials, state: state(&mut groups) }))
     }
 
-    /// Takes the groups through the run, tile by tile from sample `from` on, until its end or until a tile after which it is
-    /// asked to `stop`; returns the samples done.
+    /// Takes the groups through the run, tile by tile from sample `from` on, until its end or until
+    /// a tile after which it is asked to `stop`; returns the samples done.
     fn tiles<T: Real>(
         &self,
         job: &Job,
@@ -249,7 +249,8 @@ fn partial<T: Real>(
     whole
 }
 
-/// The four errors of every member at the end of a run that fits the memory, for comparisons member by member.
+/// The four errors of every member at the end of a run that fits the memory, for comparisons member
+/// by member.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.
@@ -257,8 +258,9 @@ pub fn outcomes<T: Real>(job: &Job, control: &Control) -> Result<Vec<[f64; 4]>> 
     outcomes_at::<T>(job, 0..job.members, job.clock.samples, control)
 }
 
-/// The four errors of some members, which begin at a multiple of 256, after `samples`: a report time of the job, or its end.
-/// Members that have failed by then are NaN. The members must fit the memory together.
+/// The four errors of some members, which begin at a multiple of 256, after `samples`: a report
+/// time of the job, or its end. Members that have failed by then are NaN. The members must fit the
+/// memory together.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.

@@ -1,6 +1,7 @@
 //! Six-axis ensembles on the CPU: lanes × threads, as `cpu` has them for one axis.
 //!
-//! What every member is summed to stands here as well. Not for batches, pilots or progress over them: that is `strapdown`.
+//! What every member is summed to stands here as well. Not for batches, pilots or progress over
+//! them: that is `strapdown`.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,8 +58,8 @@ impl Quantity {
 /// What is summed, of one member.
 type Outcome = [f64; QUANTITIES];
 
-/// The errors of these members themselves at the flight's only report time, in f32, in their order; NaN of those that have
-/// failed. The range begins at a multiple of 256.
+/// The errors of these members themselves at the flight's only report time, in f32, in their order;
+/// NaN of those that have failed. The range begins at a multiple of 256.
 ///
 /// # Errors
 /// A member that the integrator cannot step; stopped.
@@ -214,7 +215,8 @@ impl FlightBackend for FlightCpu {
 }
 
 impl FlightCpu {
-    /// Integrates a batch and hands over the members' errors at every report time; `false` where it was stopped.
+    /// Integrates a batch and hands over the members' errors at every report time; `false` where it
+    /// was stopped.
     ///
     /// # Errors
     /// A member that the integrator cannot step.

@@ -1,7 +1,9 @@
-//! A compute device: adapters, buffers, kernels made when first asked for, dispatches. The only file that names wgpu.
+//! A compute device: adapters, buffers, kernels made when first asked for, dispatches. The only
+//! file that names wgpu.
 //!
-//! Nothing here knows what is computed; `gpu::simulate` and the map kernels build on it. A device that is lost or refuses
-//! is an `Err`, never a panic: every call of wgpu that can fail goes through `guard`. Opening costs tens of milliseconds, so nothing is opened before it is used.
+//! Nothing here knows what is computed; `gpu::simulate` and the map kernels build on it. A device
+//! that is lost or refuses is an `Err`, never a panic: every call of wgpu that can fail goes
+//! through `guard`. Opening costs tens of milliseconds, so nothing is opened before it is used.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,8 +61,8 @@ pub struct Dispatch<'a> {
 #[derive(Debug)]
 pub struct Submission(wgpu::SubmissionIndex);
 
-/// No submission is meant to take longer than 100 ms; one that takes this many seconds has hung. `PROOFMASS_GPU_PATIENCE_S`
-/// sets another number.
+/// No submission is meant to take longer than 100 ms; one that takes this many seconds has hung.
+/// `PROOFMASS_GPU_PATIENCE_S` sets another number.
 const PATIENCE_S: f64 = 60.0;
 
 fn timeout() -> Duration {
@@ -166,12 +168,14 @@ impl Gpu {
         Ok(Self { adapter: described, device, queue, lost, failed: AtomicBool::new(false), kernels: Mutex::default() })
     }
 
-    /// Whether anything has failed on this device since it was opened. It must not be used any more.
+    /// Whether anything has failed on this device since it was opened. It must not be used any
+    /// more.
     pub fn has_failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Does something with the device; whatever goes wrong, a panic of the library included, is an error and noted.
+    /// Does something with the device; whatever goes wrong, a panic of the library included, is an
+    /// error and noted.
     fn guarded<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let done = guard::guarded(work).unwrap_or_else(|said| Err(Error::new(ATTEMPT, said, USE_CPU)));
         done.inspect_err(|_| self.failed.store(true, Ordering::Relaxed))
@@ -215,7 +219,8 @@ impl Gpu {
     /// # Errors
     /// The driver refuses it.
     pub fn kernel(&self, shader: &Shader, constants: &[(&str, f64)]) -> Result<Kernel> {
-        // The text belongs to the key: shaders of one name differ by the laws that they were assembled from.
+        // The text belongs to the key: shaders of one name differ by the laws that they were
+        // assembled from.
         let key = format!("{} {constants:?}\n{}", shader.name, shader.text);
         if let Some(kernel) = locked(&self.kernels).get(&key) {
             return Ok(kernel.clone());
@@ -228,7 +233,8 @@ impl Gpu {
             // A second counter in every loop costs 6 % of the full path on llvmpipe.
             let checks =
                 wgpu::ShaderRuntimeChecks { force_loop_bounding: false, ..wgpu::ShaderRuntimeChecks::checked() };
-            // SAFETY: indices stay checked, and every loop of our shaders counts to a bound: a test reads each of them.
+            // SAFETY: indices stay checked, and every loop of our shaders counts to a bound: a test
+            // reads each of them.
             let module = unsafe { self.device.create_shader_module_trusted(described, checks) };
             Kernel(self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(shader.name),
@@ -376,8 +382,8 @@ impl Gpu {
         Ok(view.to_vec())
     }
 
-    /// What a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away again: 0 and 1 where compensation
-    /// is alive.
+    /// What a plain and a compensated f32 sum keep of 1 when 2²⁵ is added and taken away again: 0
+    /// and 1 where compensation is alive.
     ///
     /// # Errors
     /// As a dispatch.

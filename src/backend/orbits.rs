@@ -1,5 +1,5 @@
-//! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector unit the
-//! host has, or on a GPU.
+//! Runs the map kernels: on the CPU in blocks of 64 lanes over all threads with the widest vector
+//! unit the host has, or on a GPU.
 
 use super::gpu::{self, Gpu};
 use crate::control::{Control, Stopped};
@@ -32,7 +32,8 @@ pub fn explore_on(device: Device<'_>, points: &[Point], plan: &Plan, control: &C
     }
 }
 
-/// Integrates every point; the result does not depend on the number of threads. `T` is f32, or f64 for references.
+/// Integrates every point; the result does not depend on the number of threads. `T` is f32, or f64
+/// for references.
 ///
 /// # Errors
 /// Stopped.

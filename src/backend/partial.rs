@@ -1,4 +1,5 @@
-//! What a batch is summed to, and what has to be kept of one between two tiles so that it goes on with the same bits.
+//! What a batch is summed to, and what has to be kept of one between two tiles so that it goes on
+//! with the same bits.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Dispatch arithmetic: how a run is cut into tiles of samples. Pure, and the same for every backend.
+//! Dispatch arithmetic: how a run is cut into tiles of samples. Pure, and the same for every
+//! backend.
 
 use std::ops::Range;
 
@@ -16,9 +17,9 @@ pub struct Tile {
     pub report: Option<usize>,
 }
 
-/// The tile that begins at sample `from`: at most `most` samples (rounded down to a multiple of four, the numbers that
-/// one draw gives, unless fewer are allowed), and never beyond the end of the still start, a report time or the end of the
-/// run.
+/// The tile that begins at sample `from`: at most `most` samples (rounded down to a multiple of
+/// four, the numbers that one draw gives, unless fewer are allowed), and never beyond the end of
+/// the still start, a report time or the end of the run.
 pub fn next(clock: &Clock, from: u64, most: u64) -> Option<Tile> {
     if from >= clock.samples {
         return None;
@@ -34,8 +35,9 @@ pub fn next(clock: &Clock, from: u64, most: u64) -> Option<Tile> {
     Some(Tile { samples: from..stop, report })
 }
 
-/// The tiles of one submission: from sample `from` on, each of at most `most` samples, `budget` samples in all and at most
-/// [`MOST_TILES`]. So what a submission costs does not depend on how many report times it passes.
+/// The tiles of one submission: from sample `from` on, each of at most `most` samples, `budget`
+/// samples in all and at most [`MOST_TILES`]. So what a submission costs does not depend on how
+/// many report times it passes.
 pub fn submission(clock: &Clock, from: u64, budget: u64, most: u64) -> Vec<Tile> {
     let (mut at, end) = (from, from.saturating_add(budget));
     let mut tiles: Vec<Tile> = Vec::new();
@@ -47,7 +49,8 @@ pub fn submission(clock: &Clock, from: u64, budget: u64, most: u64) -> Vec<Tile>
     tiles
 }
 
-/// The number of samples that brings a submission to `target_s`, from how long the last one took: at most doubled or halved.
+/// The number of samples that brings a submission to `target_s`, from how long the last one took:
+/// at most doubled or halved.
 pub fn adapt(samples: u64, took_s: f64, target_s: f64) -> u64 {
     let ratio = (target_s / took_s.max(1e-6)).clamp(0.5, 2.0);
     ((samples as f64 * ratio) as u64 & !3).max(4)

@@ -1,5 +1,6 @@
-//! 256 Euler–Maruyama steps of a stochastic equation with three states, du = a u dt + b u dW with noises of their own: the
-//! size of problem on which solvers for GPUs publish their speed. Every step draws three normal numbers.
+//! 256 Euler–Maruyama steps of a stochastic equation with three states, du = a u dt + b u dW with
+//! noises of their own: the size of problem on which solvers for GPUs publish their speed. Every
+//! step draws three normal numbers.
 //!
 //! A yardstick; the tool itself solves no such equation.
 

@@ -1,7 +1,9 @@
-//! The work unit that other tools are measured on: 8192 Duffing oscillators, 4096 classic Runge–Kutta steps of 1 ms from
-//! rest, a shared force, with or without one normal number per step held as a force. Final displacement of the first.
+//! The work unit that other tools are measured on: 8192 Duffing oscillators, 4096 classic
+//! Runge–Kutta steps of 1 ms from rest, a shared force, with or without one normal number per step
+//! held as a force. Final displacement of the first.
 //!
-//! In displacement coordinates, as the others have it; the ensemble's own kernel works on the error and does more.
+//! In displacement coordinates, as the others have it; the ensemble's own kernel works on the error
+//! and does more.
 
 use crate::kernel::cpu::lanes::{Kernel, LANES, Lane, Level};
 use crate::kernel::cpu::noise::{Draw, Drawer};
@@ -95,7 +97,8 @@ impl<T: Real> Kernel for Quiet<'_, T> {
     }
 }
 
-/// Steps for which numbers are drawn at a time, in phases like the ensemble's own: a stretch of them, then the steps.
+/// Steps for which numbers are drawn at a time, in phases like the ensemble's own: a stretch of
+/// them, then the steps.
 const STRETCH: usize = 16;
 
 impl<T: Real> Noisy<'_, T> {

@@ -1,5 +1,5 @@
-//! 1000 Runge–Kutta steps of Lorenz systems, the setting in which solvers for GPUs publish their speed: σ = 10, β = 8/3,
-//! ρ from 0 to 21, one ρ per system, steps of 0.01.
+//! 1000 Runge–Kutta steps of Lorenz systems, the setting in which solvers for GPUs publish their
+//! speed: σ = 10, β = 8/3, ρ from 0 to 21, one ρ per system, steps of 0.01.
 //!
 //! A yardstick; the tool itself solves no Lorenz system.
 
@@ -79,7 +79,8 @@ mod tests {
 
     #[test]
     fn a_system_below_the_bifurcation_comes_to_rest_where_it_must() {
-        // Below ρ = 1 the origin attracts; above, C± = (±√(β(ρ−1)), ±√(β(ρ−1)), ρ−1) (Lorenz, J. Atmos. Sci. 20, 1963).
+        // Below ρ = 1 the origin attracts; above, C± = (±√(β(ρ−1)), ±√(β(ρ−1)), ρ−1) (Lorenz, J.
+        // Atmos. Sci. 20, 1963).
         let end = |rho: f64| Level::best().run(Systems { rho: Lane::splat(rho), steps: 5000 });
         assert!(end(0.5).iter().all(|v| v.abs() < 1e-9));
         let [x, y, z] = end(10.0);

@@ -1,4 +1,5 @@
-//! Normal numbers alone, as many as the noisy Duffing unit needs: the generator's part of an ensemble's time.
+//! Normal numbers alone, as many as the noisy Duffing unit needs: the generator's part of an
+//! ensemble's time.
 
 use super::duffing::{MEMBERS, STEPS};
 use crate::kernel::cpu::lanes::{LANES, Lane, Level};

@@ -1,5 +1,5 @@
-//! How much other programs took of the processors while something was measured: what a figure from a busy machine owes its
-//! reader. Linux only; elsewhere nothing is known.
+//! How much other programs took of the processors while something was measured: what a figure from
+//! a busy machine owes its reader. Linux only; elsewhere nothing is known.
 
 /// A reading of the counters, in clock ticks since the machine and the program began.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,8 @@ impl Ticks {
             machine.lines().next()?.split_whitespace().skip(1).take(8).flat_map(str::parse).collect();
         let idle = counts.get(3)? + counts.get(4)?;
         let all: u64 = counts.iter().sum();
-        // The name in parentheses may hold anything; user and system time are the 12th and 13th field after it.
+        // The name in parentheses may hold anything; user and system time are the 12th and 13th
+        // field after it.
         let fields: Vec<&str> = own.rsplit_once(')')?.1.split_whitespace().collect();
         let own = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
         Some(Self { all, busy: all - idle, own })

@@ -1,4 +1,5 @@
-//! The most multiply-adds per second that this machine can do, measured: what a kernel's speed is a share of.
+//! The most multiply-adds per second that this machine can do, measured: what a kernel's speed is a
+//! share of.
 
 use std::hint::black_box;
 
@@ -31,7 +32,8 @@ impl<T: Real, const N: usize> Kernel for Chains<T, N> {
 
 /// Runs `N` × 64 chains on every thread; returns the multiply-adds done, for a clock to divide.
 ///
-/// Which `N` fills the registers without spilling depends on the machine: take the best of 1, 2 and 3.
+/// Which `N` fills the registers without spilling depends on the machine: take the best of 1, 2
+/// and 3.
 pub(crate) fn multiply_adds<T: Real, const N: usize>() -> f64 {
     let threads = parallel::threads();
     let one = |_| Level::best().run(Chains::<T, N>(black_box(T::of(0.999_999))));

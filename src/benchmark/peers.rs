@@ -1,4 +1,5 @@
-//! The work unit that other tools print too, as rows of CSV, so that all can be timed by one script.
+//! The work unit that other tools print too, as rows of CSV, so that all can be timed by one
+//! script.
 
 use std::time::Instant;
 
@@ -8,7 +9,8 @@ use crate::control::Control;
 use crate::kernel::cpu::lanes::Level;
 use crate::numerics::elementary::Real;
 
-/// Rows `peer,config,dtype,work,seconds_per_run,others_cpu_fraction,x_check` of the work unit that other tools print too.
+/// Rows `peer,config,dtype,work,seconds_per_run,others_cpu_fraction,x_check` of the work unit that
+/// other tools print too.
 pub fn rows() -> Vec<String> {
     fn unit<T: Real>(dtype: &str) -> Vec<String> {
         let problem = duffing::Problem::<T>::new();

@@ -1,10 +1,11 @@
-//! What the full path should reach on a card that is not at hand: its lanes times its boost clock over the kernel's
-//! counted instructions. A prediction from a roofline, never a measurement.
+//! What the full path should reach on a card that is not at hand: its lanes times its boost clock
+//! over the kernel's counted instructions. A prediction from a roofline, never a measurement.
 
 use super::operations::FULL_GPU;
 
-/// A card, as its maker describes it. Lanes and clock were compared with independent lists of specifications, as the
-/// makers' own sheets were not at hand; the products are the 15.7, 82.6 and 67 TFLOP/s that those sheets are quoted with.
+/// A card, as its maker describes it. Lanes and clock were compared with independent lists of
+/// specifications, as the makers' own sheets were not at hand; the products are the 15.7, 82.6 and
+/// 67 TFLOP/s that those sheets are quoted with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Card {
     /// Name of the card.
@@ -22,7 +23,8 @@ pub(crate) const CARDS: [Card; 3] = [
     Card { name: "NVIDIA H200 SXM", lanes: 16_896, boost_ghz: 1.98 },
 ];
 
-/// Share of the issue bound at which a compute-bound kernel of this kind is expected: a guess, stated as such.
+/// Share of the issue bound at which a compute-bound kernel of this kind is expected: a guess,
+/// stated as such.
 pub(crate) const EXPECTED_SHARE: f64 = 0.45;
 
 impl Card {

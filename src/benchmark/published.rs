@@ -1,10 +1,11 @@
-//! What others have published for GPUs, to stand beside what this machine does. Copied figures, not measurements of ours:
-//! another machine, another clock, and where noted another scheme.
+//! What others have published for GPUs, to stand beside what this machine does. Copied figures, not
+//! measurements of ours: another machine, another clock, and where noted another scheme.
 //!
-//! Both come from the raw timings that the authors of DiffEqGPU.jl publish with their article (Utkarsh et al., Computer
-//! Methods in Applied Mechanics and Engineering, 2024, doi 10.1016/j.cma.2023.116591): the repository
-//! utkarsh530/GPUODEBenchmarks, largest ensemble of each file, ensemble × steps over seconds. MPGOS is F. Hegedűs's
-//! (Communications in Nonlinear Science and Numerical Simulation, 2021, doi 10.1016/j.cnsns.2021.105732).
+//! Both come from the raw timings that the authors of DiffEqGPU.jl publish with their article
+//! (Utkarsh et al., Computer Methods in Applied Mechanics and Engineering, 2024, doi
+//! 10.1016/j.cma.2023.116591): the repository utkarsh530/GPUODEBenchmarks, largest ensemble of each
+//! file, ensemble × steps over seconds. MPGOS is F. Hegedűs's (Communications in Nonlinear Science
+//! and Numerical Simulation, 2021, doi 10.1016/j.cnsns.2021.105732).
 
 /// A speed that others have published.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +34,8 @@ impl Published {
 }
 
 pub(crate) const PUBLISHED: [Published; 2] = [
-    // The card is not written in the file; the timings of DiffEqGPU.jl committed with it are those that the article's
-    // artifacts keep under Tesla_V100, number for number.
+    // The card is not written in the file; the timings of DiffEqGPU.jl committed with it are those
+    // that the article's artifacts keep under Tesla_V100, number for number.
     Published {
         work: super::LORENZ,
         solver: "MPGOS (CUDA C++), f32",

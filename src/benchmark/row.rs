@@ -38,8 +38,8 @@ impl Row {
     }
 }
 
-/// Runs until half a second and three runs have passed, or once if that takes over three seconds; the shortest time of one.
-/// A short first run is not counted.
+/// Runs until half a second and three runs have passed, or once if that takes over three seconds;
+/// the shortest time of one. A short first run is not counted.
 fn shortest_s(control: &Control, mut run: impl FnMut() -> Result<()>) -> Result<f64> {
     let go_on = || control.go_on().map_err(|s| s.during("could not finish the measurements", "run them again"));
     let begun = Instant::now();

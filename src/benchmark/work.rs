@@ -40,7 +40,8 @@ fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Jo
     }
 }
 
-/// Runge–Kutta 4 with force noise, two integrations, sums every 256 steps; fewer steps for very many members.
+/// Runge–Kutta 4 with force noise, two integrations, sums every 256 steps; fewer steps for very
+/// many members.
 pub fn full(members: u64) -> Job {
     let mass = ProofMass { force_noise_m_s_rts: 4e-4, ..duffing(30.0, 0.7) };
     let sensor = Sensor { proof_mass: Some(mass), ..Sensor::default() };
@@ -54,7 +55,8 @@ pub(super) fn noiseless(members: u64) -> Job {
     Job { draw: Arc::new(move |_| Member { sensor, sine: None }), ..full(members) }
 }
 
-/// The full path over that many samples, one report at its end: what cost per member-step depends on if it is not constant.
+/// The full path over that many samples, one report at its end: what cost per member-step depends
+/// on if it is not constant.
 pub(crate) fn long(members: u64, samples: u64) -> Job {
     let mut job = full(members);
     (job.clock.samples, job.clock.report_samples) = (samples, vec![samples]);

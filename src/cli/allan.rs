@@ -27,8 +27,8 @@ pub struct Arguments {
     /// Sampling rate, Hz
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: Option<f64>,
-    /// Column that holds the time, instead of or in addition to the rate; its heading may name the unit: t_s, t_ms,
-    /// t_us, t_ns
+    /// Column that holds the time, instead of or in addition to the rate; its heading may name the
+    /// unit: t_s, t_ms, t_us, t_ns
     #[arg(long, value_name = "NAME")]
     time: Option<String>,
     /// Columns to analyse in the file's own unit [default: every column of numbers but the clock]
@@ -43,7 +43,8 @@ pub struct Arguments {
     /// Columns that are angular rate
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     gyro: Vec<String>,
-    /// Scale of the gyro columns: rad/s, deg/s, mdeg/s or deg/h, optionally with a factor (0.05deg/s)
+    /// Scale of the gyro columns: rad/s, deg/s, mdeg/s or deg/h, optionally with a factor
+    /// (0.05deg/s)
     #[arg(long, value_name = "SCALE", default_value = "rad/s", requires = "gyro")]
     gyro_scale: String,
     /// Use the recording from this many seconds after its first row
@@ -55,11 +56,12 @@ pub struct Arguments {
     /// Folder for report.html, sensor.toml and, if a scale is given, a study.toml ready to run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Also write the sensor as this tool's configuration: into DIR, or without --out only to stdout; see
-    /// `proofmass export --list`
+    /// Also write the sensor as this tool's configuration: into DIR, or without --out only to
+    /// stdout; see `proofmass export --list`
     #[arg(long, value_name = "TARGET")]
     to: Option<String>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     force: bool,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
@@ -75,7 +77,8 @@ const EXAMPLES: &str = "Examples:
 /// Runs it.
 ///
 /// # Errors
-/// A recording that cannot be read, a scale that is none, a column named twice, a folder that cannot be written.
+/// A recording that cannot be read, a scale that is none, a column named twice, a folder that
+/// cannot be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let asked = Asked::new(arguments.request(), &arguments.scales())?;
     let target = arguments.to.as_deref().map(export::target).transpose()?;
@@ -263,7 +266,8 @@ impl Arguments {
     }
 }
 
-/// The sensor of the accelerometers and gyros, three of each by axis, or the first of each, as a tool's configuration: its file's name and text.
+/// The sensor of the accelerometers and gyros, three of each by axis, or the first of each, as a
+/// tool's configuration: its file's name and text.
 fn configuration(target: &Target, file: &str, noise: &Noise) -> Result<(String, String)> {
     let axes: Vec<Imu> = report::fragments(file, noise)
         .iter()

@@ -18,13 +18,15 @@ use crate::report::bench;
 /// Arguments of `bench`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// What to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes software GPUs
+    /// What to measure: `auto` is the CPU and, if present, a hardware GPU; `gpu` includes software
+    /// GPUs
     #[arg(long, value_enum, default_value_t)]
     backend: Choice,
     /// Folder for report.html, summary.md and its figures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     force: bool,
     /// Print rows of the work unit that other tools are measured on, as CSV

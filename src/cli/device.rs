@@ -1,4 +1,5 @@
-//! Which device a command computes on, how that is chosen on the command line, and what it does when that device fails.
+//! Which device a command computes on, how that is chosen on the command line, and what it does
+//! when that device fails.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -41,7 +42,8 @@ pub(super) fn open(choice: Choice) -> Result<Option<Gpu>> {
     }
 }
 
-/// Does `work` on the device of the choice. Where the choice is automatic and a GPU fails, the CPU does it from the beginning.
+/// Does `work` on the device of the choice. Where the choice is automatic and a GPU fails, the CPU
+/// does it from the beginning.
 ///
 /// # Errors
 /// As [`open`] and `work`.

@@ -17,7 +17,8 @@ use crate::report::diagnosis::{self as page, Diagnosis};
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The recording: text with a header row, an array, a table or a robot's log; several of one sensor are fitted together (kind = "driven")
+    /// The recording: text with a header row, an array, a table or a robot's log; several of one
+    /// sensor are fitted together (kind = "driven")
     #[arg(required = true, value_name = "RECORDING")]
     pub recordings: Vec<PathBuf>,
     /// Recordings of the same sensor used for validation only, never fitted (kind = "driven")
@@ -38,7 +39,8 @@ pub struct Arguments {
     /// Where to write report.html, verdict.json, repaired.toml, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     pub force: bool,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv

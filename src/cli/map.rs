@@ -58,10 +58,12 @@ pub struct Arguments {
     /// Where to write report.html, one CSV per map, the figures and their numbers
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
+    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for
+    /// `proofmass merge DIR`
     #[arg(long, value_name = "K/N", requires = "out")]
     pub shard: Option<Shard>,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv

@@ -35,7 +35,8 @@ pub struct Arguments {
 /// Merges.
 ///
 /// # Errors
-/// Shards that overlap, are missing, damaged, not finished or of another run; a folder that cannot be written.
+/// Shards that overlap, are missing, damaged, not finished or of another run; a folder that cannot
+/// be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let found = find(&arguments.shards)?;
     are_whole(&found, &arguments.shards)?;

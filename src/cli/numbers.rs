@@ -1,4 +1,5 @@
-//! A page into a folder, with the numbers behind its figures beside it: `numbers/FIGURE.csv`, and Parquet on request.
+//! A page into a folder, with the numbers behind its figures beside it: `numbers/FIGURE.csv`, and
+//! Parquet on request.
 
 use crate::columns::Format;
 use crate::error::Result;

@@ -21,7 +21,8 @@ pub struct Arguments {
     /// Where to write report.html and the data of its figures
     #[arg(long, value_name = "DIR", default_value = "reports/paper")]
     pub out: PathBuf,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long)]
     pub force: bool,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv

@@ -1,4 +1,5 @@
-//! `proofmass require`: a study and a requirement in, which value of a key meets it, or which parts do, out.
+//! `proofmass require`: a study and a requirement in, which value of a key meets it, or which parts
+//! do, out.
 
 use std::path::PathBuf;
 
@@ -46,7 +47,8 @@ pub struct Arguments {
     /// What must hold, e.g. 'p95(position_error_m, 60) < 10'
     #[arg(long, value_name = "EXPR")]
     pub limit: Limit,
-    /// Key to vary: a dotted path of study.toml, e.g. the sd of a draw; several keys are scaled by one common factor
+    /// Key to vary: a dotted path of study.toml, e.g. the sd of a draw; several keys are scaled by
+    /// one common factor
     #[arg(long, value_name = "KEY", num_args = 1..)]
     pub vary: Vec<String>,
     /// Parts to rank by whether they meet the requirement (parts.toml)
@@ -64,7 +66,8 @@ pub struct Arguments {
     /// Where to write report.html; without it, nothing is written
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     pub force: bool,
 }

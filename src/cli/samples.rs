@@ -25,7 +25,8 @@ pub(super) struct Request<'a> {
 /// Writes the recording, if one is asked for.
 ///
 /// # Errors
-/// No number of members, an ending that is not known, too many numbers; FILE is the user's or cannot be written.
+/// No number of members, an ending that is not known, too many numbers; FILE is the user's or
+/// cannot be written.
 pub(super) fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
     let [count, file] = asked.samples else { return Ok(()) };
     let fail = |cause: String, hint: &str| Err(Error::new("could not write samples", cause, hint));

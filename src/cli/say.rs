@@ -1,5 +1,6 @@
-//! What a command answers, on stdout. A disk that is full or a stream that is closed is an error here and not a panic, as
-//! it would be in `println!`; control characters in names are shown, not sent.
+//! What a command answers, on stdout. A disk that is full or a stream that is closed is an error
+//! here and not a panic, as it would be in `println!`; control characters in names are shown, not
+//! sent.
 
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
@@ -17,8 +18,8 @@ pub fn say(text: Arguments<'_>) -> Result<()> {
     out.write_all(terminal(&text).as_bytes()).and_then(|()| out.flush()).map_err(|e| not_printed(&e))
 }
 
-/// Writes an answer to stdout: on a terminal in colour, its first sentence above all, unless `NO_COLOR` asks for none
-/// (no-color.org).
+/// Writes an answer to stdout: on a terminal in colour, its first sentence above all, unless
+/// `NO_COLOR` asks for none (no-color.org).
 ///
 /// # Errors
 /// As [`say`].

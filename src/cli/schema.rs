@@ -1,4 +1,5 @@
-//! `proofmass schema`: the keys of a file as JSON Schema (draft 2020-12), for editors that complete and check.
+//! `proofmass schema`: the keys of a file as JSON Schema (draft 2020-12), for editors that complete
+//! and check.
 //!
 //! Made of the structs and key tables that the files are read with, so that it knows the same keys.
 

@@ -1,4 +1,5 @@
-//! `proofmass completions` and `proofmass man`: what a shell and a manual need, made from the command line itself.
+//! `proofmass completions` and `proofmass man`: what a shell and a manual need, made from the
+//! command line itself.
 
 use clap_complete::Shell;
 

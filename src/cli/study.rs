@@ -1,4 +1,5 @@
-//! `proofmass study`: a study in, how far its sensors drift out. Without any subcommand: the default study.
+//! `proofmass study`: a study in, how far its sensors drift out. Without any subcommand: the
+//! default study.
 
 pub mod answer;
 mod emit;
@@ -56,8 +57,9 @@ pub struct Arguments {
     /// Simulate at several values of a key with the same members: a curve; given twice, a map
     #[arg(long, value_name = "KEY=FROM:TO:N|logN")]
     pub sweep: Vec<Axis>,
-    /// Use as many members as needed for the last position error, along a trajectory the horizontal one (mean, standard
-    /// uncertainty, both ends of the 95 % interval) to be stable to this many digits of the uncertainty (JCGM 101)
+    /// Use as many members as needed for the last position error, along a trajectory the horizontal
+    /// one (mean, standard uncertainty, both ends of the 95 % interval) to be stable to this many
+    /// digits of the uncertainty (JCGM 101)
     #[arg(long, value_name = "N", conflicts_with_all = ["members", "sweep"],
           value_parser = clap::value_parser!(u32).range(1..=4))]
     pub digits: Option<u32>,
@@ -67,10 +69,12 @@ pub struct Arguments {
     /// Where to write report.html and the figures [default: reports/NAME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long)]
     pub force: bool,
-    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
+    /// Compute only this part of the work, e.g. 3/16: writes DIR/shard-3-of-16.state for
+    /// `proofmass merge DIR`
     #[arg(long, value_name = "K/N", conflicts_with_all = ["sweep", "digits", "limit"])]
     pub shard: Option<Shard>,
     /// Print a batch script that runs all shards and then the merge; with --out, write it into DIR
@@ -83,7 +87,8 @@ pub struct Arguments {
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
     #[arg(long)]
     pub parquet: bool,
-    /// Also write simulated readings of N members as a recording: FILE ends in .csv, .parquet or .npy
+    /// Also write simulated readings of N members as a recording: FILE ends in .csv, .parquet or
+    /// .npy
     #[arg(long, num_args = 2, value_names = ["N", "FILE"], allow_negative_numbers = true)]
     pub samples: Vec<OsString>,
     /// Resume a run that was stopped by Ctrl-C
@@ -94,7 +99,8 @@ pub struct Arguments {
 /// Runs a study, prints the answer and writes the report.
 ///
 /// # Errors
-/// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be written.
+/// A study that cannot be used, a backend that is not there, Ctrl-C, a folder that cannot be
+/// written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     #[cfg(feature = "mpi")]
     if launched::ranks().is_some() && arguments.shard.is_none() && arguments.emit.is_none() {

@@ -36,7 +36,8 @@ pub(super) struct Asked<'a> {
     pub resume: bool,
 }
 
-/// What is swept: the keys of the command line, else those of the study; nothing where neither names any.
+/// What is swept: the keys of the command line, else those of the study; nothing where neither
+/// names any.
 ///
 /// # Errors
 /// More than two keys; a limit that is none, or without a sweep.
@@ -71,7 +72,8 @@ pub(super) fn plan(asked: &Asked<'_>, study: &Study) -> Result<Option<Plan>> {
 /// Sweeps, prints the answer and writes the report.
 ///
 /// # Errors
-/// A value that the study refuses, a backend that is not there, Ctrl-C, a folder that cannot be written.
+/// A value that the study refuses, a backend that is not there, Ctrl-C, a folder that cannot be
+/// written.
 pub(super) fn run(asked: &Asked<'_>, source: &StudyText, study: &Study, plan: &Plan, json: bool) -> Result<()> {
     let usual = || Path::new("reports").join(format!("{}-sweep", study.name));
     let path = asked.out.map_or_else(usual, Path::to_path_buf);

@@ -1,4 +1,5 @@
-//! `proofmass trial`: how often the diagnosis is right, on cases whose truth is sealed until the last verdict.
+//! `proofmass trial`: how often the diagnosis is right, on cases whose truth is sealed until the
+//! last verdict.
 
 mod answer;
 mod independent;
@@ -38,7 +39,8 @@ pub struct Arguments {
     /// Where to write the sealed truth, verdicts, report.html, trial.json, summary.md and figures
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace files in DIR even if they are not from an earlier run of this command on the same input
+    /// Replace files in DIR even if they are not from an earlier run of this command on the same
+    /// input
     #[arg(long, requires = "out")]
     pub force: bool,
     /// Also write the data of the figures as Parquet, next to numbers/FIGURE.csv
@@ -47,12 +49,12 @@ pub struct Arguments {
     /// Fewer and shorter recordings: at most two minutes instead of twenty
     #[arg(long)]
     pub quick: bool,
-    /// Unconcealed effects: each candidate alone at 1 % and 5 % of the output, two at once, unknown physics, 300
-    /// recordings with nothing planted; 20,000 rows each
+    /// Unconcealed effects: each candidate alone at 1 % and 5 % of the output, two at once, unknown
+    /// physics, 300 recordings with nothing planted; 20,000 rows each
     #[arg(long, conflicts_with = "quick")]
     pub planted: bool,
-    /// Cases of a second generator, mostly outside the library: modified laws, unknown physics, real noise; driven, at
-    /// rest and turned by hand
+    /// Cases of a second generator, mostly outside the library: modified laws, unknown physics,
+    /// real noise; driven, at rest and turned by hand
     #[arg(long, conflicts_with_all = ["planted", "like", "recordings"])]
     pub independent: bool,
     /// Resume the trial in --out
@@ -73,10 +75,12 @@ pub struct Arguments {
     /// The model.toml of that recording
     #[arg(long, value_name = "MODEL", requires = "like")]
     pub model: Option<PathBuf>,
-    /// Also diagnose the real recordings listed in this file (data from PROOFMASS_DATA or ../shared/data)
+    /// Also diagnose the real recordings listed in this file (data from PROOFMASS_DATA or
+    /// ../shared/data)
     #[arg(long, value_name = "RECIPE")]
     pub recordings: Option<PathBuf>,
-    /// Run only this part of the cases, e.g. 3/16: writes DIR/shard-3-of-16.state for `proofmass merge DIR`
+    /// Run only this part of the cases, e.g. 3/16: writes DIR/shard-3-of-16.state for
+    /// `proofmass merge DIR`
     #[arg(long, value_name = "K/N", requires = "out", conflicts_with_all = ["independent", "like", "recordings", "case"])]
     pub shard: Option<Shard>,
     /// Run only this case: write its recording, model and truth to --out and print the verdict

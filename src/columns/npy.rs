@@ -1,4 +1,5 @@
-//! Columns as a NumPy array file, version 1.0 (numpy.org, *NPY format*): doubles, rows × columns, headings lost.
+//! Columns as a NumPy array file, version 1.0 (numpy.org, *NPY format*): doubles, rows × columns,
+//! headings lost.
 
 use super::table::{Columns, Values};
 

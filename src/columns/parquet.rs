@@ -1,6 +1,7 @@
 //! Columns as an Apache Parquet file: parquet.apache.org/docs/file-format.
 //!
-//! The plainest that every reader takes: data pages of version 1, plain encoding, no compression, no dictionary.
+//! The plainest that every reader takes: data pages of version 1, plain encoding, no compression,
+//! no dictionary.
 
 use super::table::{Column, Columns, Values};
 use super::thrift::Value;

@@ -1,4 +1,5 @@
-//! Thrift's compact protocol, written: of it Parquet's metadata are made (apache.org/thrift, *compact protocol*).
+//! Thrift's compact protocol, written: of it Parquet's metadata are made
+//! (apache.org/thrift, *compact protocol*).
 
 /// A value of a field.
 #[derive(Debug, Clone)]
@@ -50,7 +51,8 @@ impl Value {
             Self::Struct(fields) => {
                 let mut before = 0;
                 for (id, value) in fields {
-                    // Steps of up to 15 share a byte with the kind; Parquet's fields take no longer ones.
+                    // Steps of up to 15 share a byte with the kind; Parquet's fields take no longer
+                    // ones.
                     out.push(((id - before) as u8) << 4 | value.kind());
                     value.write(out);
                     before = *id;

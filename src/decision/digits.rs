@@ -1,7 +1,8 @@
-//! A study with as many members as it takes for its last position error to be stable to so many digits.
+//! A study with as many members as it takes for its last position error to be stable to so many
+//! digits.
 //!
-//! The first blocks of members say how many that are (`statistics::jcgm101`); the study then runs with that many like any
-//! other, so that it can be stopped and resumed.
+//! The first blocks of members say how many that are (`statistics::jcgm101`); the study then runs
+//! with that many like any other, so that it can be stopped and resumed.
 
 use super::values::{Place, Work};
 use super::watched::Watched;
@@ -49,14 +50,15 @@ pub fn sized(source: &StudyText, digits: u32, control: &Control) -> Result<Study
     source.with_members(need.trials)
 }
 
-/// The horizontal error at the last report time of a study in motion, stated with so many digits. Without a linear answer
-/// beside it: a distance is no linear function of the errors.
+/// The horizontal error at the last report time of a study in motion, stated with so many digits.
+/// Without a linear answer beside it: a distance is no linear function of the errors.
 pub fn stated_in_motion(answer: &Answer, digits: u32) -> Option<Stated> {
     let last = answer.report.last()?;
     Some(Stated::of_summary(answer.ensemble.summary(*last, Quantity::Horizontal), digits))
 }
 
-/// The position error at the last report time, stated with so many digits, and the linear (GUM) answer beside it.
+/// The position error at the last report time, stated with so many digits, and the linear (GUM)
+/// answer beside it.
 pub fn stated(drift: &Drift, digits: u32) -> Option<(Stated, Linear)> {
     let summary = drift.at_report(quantity::POSITION).pop()?;
     let stated = Stated::of_summary(summary, digits);

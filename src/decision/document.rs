@@ -18,7 +18,8 @@ pub struct Document {
     /// Whether a value, or a part, meets the requirement.
     meets: bool,
     vary: Vec<Varied>,
-    /// Which side of the value meets the requirement: "below", "above" or "all"; absent where none does.
+    /// Which side of the value meets the requirement: "below", "above" or "all"; absent where none
+    /// does.
     #[serde(skip_serializing_if = "Option::is_none")]
     side: Option<&'static str>,
     /// The statistic at the value, or at the best one tried.

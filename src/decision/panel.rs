@@ -1,8 +1,10 @@
-//! The same members at two neighbouring values, and where between and around them a statistic crosses its limit.
+//! The same members at two neighbouring values, and where between and around them a statistic
+//! crosses its limit.
 //!
-//! Each member's error is taken as linear in the value across the pair, which it is for every additive error and nearly so for
-//! any other over a few per cent. A crossing's interval is where the statistic, a standard error times 1.96 higher or lower,
-//! crosses: the interval of the statistic carried over to the value, without a slope.
+//! Each member's error is taken as linear in the value across the pair, which it is for every
+//! additive error and nearly so for any other over a few per cent. A crossing's interval is where
+//! the statistic, a standard error times 1.96 higher or lower, crosses: the interval of the
+//! statistic carried over to the value, without a slope.
 
 use super::statistic::{Estimate, Statistic, Z95};
 
@@ -28,7 +30,8 @@ const REACH: f64 = 2.0;
 const STEPS: usize = 20;
 
 impl Panel {
-    /// Errors of the same members at two increasing values; members that failed at either are left out.
+    /// Errors of the same members at two increasing values; members that failed at either are left
+    /// out.
     pub fn new(at: [f64; 2], low: &[f64], high: &[f64]) -> Self {
         let pairs = low.iter().zip(high).map(|(low, high)| [*low, *high]);
         Self { at, pairs: pairs.filter(|pair| pair.iter().all(|v| v.is_finite())).collect() }
@@ -98,7 +101,8 @@ mod tests {
     use crate::numerics::special::exact_interval;
     use crate::rng::{Philox, Stream};
 
-    /// x = v·z: the 95 % quantile crosses L at L/1.645; the interval holds it as often as it says, and not another value.
+    /// x = v·z: the 95 % quantile crosses L at L/1.645; the interval holds it as often as it says,
+    /// and not another value.
     #[test]
     fn the_crossing_of_a_scaled_normal_is_covered_as_stated() {
         let (repeats, truth) = (300, 10.0 / 1.644_853_6);

@@ -1,4 +1,5 @@
-//! parts.toml: sensors that one can buy, each judged by whether a study with it in place of its own sensor meets a requirement.
+//! parts.toml: sensors that one can buy, each judged by whether a study with it in place of its own
+//! sensor meets a requirement.
 //!
 //! Every part gets the same members; those far from the limit are decided by few of them.
 
@@ -90,8 +91,8 @@ pub struct Asked<'a> {
     pub most: Option<u64>,
 }
 
-/// Judges every part; those that meet the requirement come first, the cheapest of them before all, and the others by how far
-/// they miss it. Also the members that it took.
+/// Judges every part; those that meet the requirement come first, the cheapest of them before all,
+/// and the others by how far they miss it. Also the members that it took.
 ///
 /// # Errors
 /// A part that cannot be simulated, a time outside the run; stopped.

@@ -1,10 +1,11 @@
-//! Which value of a key, or which common factor of several, meets a requirement: a sequential search that spends members where
-//! they decide.
+//! Which value of a key, or which common factor of several, meets a requirement: a sequential
+//! search that spends members where they decide.
 //!
-//! Few members find between which two values, a factor of four apart, the statistic crosses its limit, and then about where.
-//! There, the same members at two neighbouring values give the crossing with its interval ([`Panel`]); each stage estimates
-//! from the width of that interval how many members the wanted one takes (Stein, *Ann. Math. Stat.* 16, 243, 1945), and stops
-//! when it is reached.
+//! Few members find between which two values, a factor of four apart, the statistic crosses its
+//! limit, and then about where. There, the same members at two neighbouring values give the
+//! crossing with its interval ([`Panel`]); each stage estimates from the width of that interval how
+//! many members the wanted one takes (Stein, *Ann. Math. Stat.* 16, 243, 1945), and stops when it
+//! is reached.
 
 use super::panel::{Crossing, Panel};
 use super::statistic::{Estimate, Limit};
@@ -14,7 +15,8 @@ use crate::error::{Error, Kind, Result};
 use crate::numerics::order;
 use crate::study::{Assignment, Study, StudyText};
 
-/// Ratio of neighbouring values of the first search, and how many of them there are in each direction.
+/// Ratio of neighbouring values of the first search, and how many of them there are in each
+/// direction.
 const RATIO: f64 = 4.0;
 const RUNGS: i32 = 12;
 /// Where the second search ends: the ratio of two values.
@@ -57,7 +59,8 @@ pub struct Value {
 pub enum Outcome {
     /// The statistic crosses the limit.
     Crosses {
-        /// Whether values below the crossing meet the requirement, as for an error; else those above it.
+        /// Whether values below the crossing meet the requirement, as for an error; else those
+        /// above it.
         below: bool,
     },
     /// All values that were tried meet it.
@@ -79,7 +82,8 @@ pub struct Answer {
     pub at: Option<f64>,
     /// The statistic at the value, or where no value meets the requirement, at the best one tried.
     pub statistic: Estimate,
-    /// Values tried, over the study's own value (over one where it gives none), and the statistic there; values increase.
+    /// Values tried, over the study's own value (over one where it gives none), and the statistic
+    /// there; values increase.
     pub tried: Vec<(f64, f64)>,
     /// Members integrated, each as often as it was.
     pub members: u64,
@@ -189,7 +193,8 @@ pub struct Crossed {
 }
 
 impl Between<'_> {
-    /// The crossing, to the usual tolerance; `below` says that the requirement is met at the smaller value.
+    /// The crossing, to the usual tolerance; `below` says that the requirement is met at the
+    /// smaller value.
     ///
     /// # Errors
     /// As [`answer`].
@@ -275,24 +280,28 @@ impl Search<'_> {
         point.1 < self.question.limit.below
     }
 
-    /// Whether so many members leave open that a factor at which the limit seems to be missed meets it.
+    /// Whether so many members leave open that a factor at which the limit seems to be missed meets
+    /// it.
     fn is_open(&mut self, factor: f64, members: u64) -> Result<bool> {
         Ok(self.estimate(factor, members)?.ci95[0] < self.question.limit.below)
     }
 
-    /// The first search: rungs of a ladder, away from the study's own value, until the limit lies between two.
+    /// The first search: rungs of a ladder, away from the study's own value, until the limit lies
+    /// between two.
     fn bracket(&mut self, members: u64) -> Result<Found> {
         let start = self.look(1.0, members)?;
         let met = self.meets(start);
         let mut ends = vec![start];
-        // More of an error is worse: what meets the limit is followed upward first, what misses it downward.
+        // More of an error is worse: what meets the limit is followed upward first, what misses it
+        // downward.
         for up in [met, !met] {
             let mut before = start;
             for rung in 1..=RUNGS {
                 let point = match self.look(RATIO.powi(if up { rung } else { -rung }), members) {
                     Ok(point) => point,
                     Err(error) if error.kind == Kind::Interrupted => return Err(error),
-                    // No sensor has that, or the study's other numbers do not go with it: the range ends here.
+                    // No sensor has that, or the study's other numbers do not go with it: the range
+                    // ends here.
                     Err(_) => break,
                 };
                 if self.meets(point) != met {
@@ -306,8 +315,9 @@ impl Search<'_> {
         Ok(if met { Found::Always(ends.iter().fold(1.0, |most, end| most.max(end.0))) } else { Found::Never(best) })
     }
 
-    /// The second search, by bisection, and the third: the crossing with its interval, between two increasing factors of which
-    /// the smaller, or else the larger one, meets the limit. The larger one is positive.
+    /// The second search, by bisection, and the third: the crossing with its interval, between two
+    /// increasing factors of which the smaller, or else the larger one, meets the limit. The larger
+    /// one is positive.
     fn settle(&mut self, mut low: f64, mut high: f64, met_below: bool) -> Result<Settled> {
         let mut steps = 0;
         while (low <= 0.0 || high / low >= NEAR) && steps < BISECTIONS {

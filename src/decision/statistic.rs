@@ -1,8 +1,9 @@
 //! A statistic of an ensemble and the requirement that limits it: `p95(position_error_m, 60) < 10`.
 //!
-//! Intervals: a quantile's from the ranks that the binomial distribution puts around its own (normal approximation; David &
-//! Nagaraja, *Order Statistics*, 3rd ed., §7.1), free of any distribution; a mean's from the standard error; a standard
-//! deviation's from the fourth moment, so that it holds for any law that has one.
+//! Intervals: a quantile's from the ranks that the binomial distribution puts around its own
+//! (normal approximation; David & Nagaraja, *Order Statistics*, 3rd ed., §7.1), free of any
+//! distribution; a mean's from the standard error; a standard deviation's from the fourth moment,
+//! so that it holds for any law that has one.
 
 use std::fmt;
 use std::str::FromStr;
@@ -24,7 +25,8 @@ pub enum Statistic {
     Quantile(f64),
     /// Quantile of its absolute value.
     Absolute(f64),
-    /// Circular error probable: radius of the circle about the truth that holds this fraction of the members.
+    /// Circular error probable: radius of the circle about the truth that holds this fraction of
+    /// the members.
     Circular(f64),
 }
 
@@ -48,8 +50,8 @@ impl Statistic {
         NAMES.iter().find(|(_, statistic)| *statistic == self).map_or("quantile", |(name, _)| name)
     }
 
-    /// The statistic of some values, `shift` standard errors higher: 0 for itself, ±[`Z95`] for the ends of its 95 %
-    /// interval. NaN of none. The values are put in another order.
+    /// The statistic of some values, `shift` standard errors higher: 0 for itself, ±[`Z95`] for the
+    /// ends of its 95 % interval. NaN of none. The values are put in another order.
     pub fn shifted(self, values: &mut [f64], shift: f64) -> f64 {
         let n = values.len() as f64;
         match self {
@@ -59,7 +61,8 @@ impl Statistic {
             }
             Self::Sd => {
                 let (_, variance, fourth_moment) = central(values);
-                // Cramér, Mathematical Methods of Statistics, §27.4: var s² ≈ (μ₄ − σ⁴)/n; s by the delta method.
+                // Cramér, Mathematical Methods of Statistics, §27.4: var s² ≈ (μ₄ − σ⁴)/n; s by the
+                // delta method.
                 let of_variance = ((fourth_moment - variance * variance).max(0.0) / n).sqrt();
                 let sd = variance.sqrt();
                 if sd > 0.0 { sd + shift * of_variance / (2.0 * sd) } else { 0.0 }
@@ -200,8 +203,8 @@ mod tests {
         }
     }
 
-    /// The 95 % intervals of 400 samples of 2000 exponentials, whose mean, deviation and quantiles are known, hold the truth
-    /// as often as they say; those of another number do not.
+    /// The 95 % intervals of 400 samples of 2000 exponentials, whose mean, deviation and quantiles
+    /// are known, hold the truth as often as they say; those of another number do not.
     #[test]
     fn intervals_hold_what_they_say_for_a_skewed_law() {
         let (repeats, members) = (400, 2000);

@@ -5,7 +5,8 @@ use crate::statistics::Summary;
 use crate::statistics::histogram::BINS;
 
 impl Statistic {
-    /// The statistic of a summary, to a bin of its histogram (1/256 of a standard deviation), with its 95 % interval.
+    /// The statistic of a summary, to a bin of its histogram (1/256 of a standard deviation), with
+    /// its 95 % interval.
     pub fn summarised(self, summary: &Summary) -> Estimate {
         let n = summary.count as f64;
         let quantile = |p: f64| summary.histogram.quantile(p.clamp(0.0, 1.0), summary.min, summary.max);

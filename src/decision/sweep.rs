@@ -1,5 +1,5 @@
-//! How the drift of a study moves along one key, or over two: every value with the same members and random numbers, and
-//! where a requirement is just met.
+//! How the drift of a study moves along one key, or over two: every value with the same members and
+//! random numbers, and where a requirement is just met.
 
 use super::require::{self, Crossed};
 use super::statistic::{Estimate, Limit, Statistic};
@@ -52,7 +52,8 @@ pub struct Sweep {
     pub plan: Plan,
     /// Report times from the end of the still start, s.
     pub time_s: Vec<f64>,
-    /// What is followed: the limit's statistic, else how far the study has drifted at the last report time.
+    /// What is followed: the limit's statistic, else how far the study has drifted at the last
+    /// report time.
     pub followed: Followed,
     /// The errors of each point.
     pub quantities: Vec<Watched>,
@@ -76,8 +77,8 @@ pub struct Followed {
 }
 
 impl Followed {
-    /// Where no limit is given: the standard deviation of position, along a trajectory the circle that holds half of the
-    /// members.
+    /// Where no limit is given: the standard deviation of position, along a trajectory the circle
+    /// that holds half of the members.
     fn usual(study: &Study, time_s: f64) -> Self {
         let statistic = if study.in_motion.is_some() { Statistic::Circular(0.50) } else { Statistic::Sd };
         Self { statistic, quantity: Watched::drift(study), time_s }
@@ -103,7 +104,8 @@ pub struct Summed {
 /// Sweeps. `run` integrates the ensemble of a point.
 ///
 /// # Errors
-/// A key that the study does not have, a value that it refuses, a time outside the run; whatever stops a run.
+/// A key that the study does not have, a value that it refuses, a time outside the run; whatever
+/// stops a run.
 pub fn run(
     source: &StudyText,
     plan: &Plan,

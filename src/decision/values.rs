@@ -1,6 +1,7 @@
 //! The errors of the members themselves, at one time: what an ensemble's sums do not keep.
 //!
-//! Members are the study's own, so that the same ones come at every value of a key. On the CPU, in f32, batch by batch.
+//! Members are the study's own, so that the same ones come at every value of a key. On the CPU, in
+//! f32, batch by batch.
 
 use std::ops::Range;
 
@@ -15,7 +16,8 @@ use crate::study::Study;
 
 /// Members of the first look at a study.
 pub const FIRST: u64 = 1024;
-/// Most integration steps of one study along one axis, and along a trajectory: some minutes on two cores.
+/// Most integration steps of one study along one axis, and along a trajectory: some minutes on two
+/// cores.
 const MOST_STEPS: [u64; 2] = [20_000_000_000, 4_000_000_000];
 /// Between these lies the most members of one study.
 const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
@@ -41,7 +43,8 @@ impl Place {
         Ok(Self { quantity: limit.quantity, samples: Self::at(limit.time_s, study)? })
     }
 
-    /// Most members of a study that is integrated up to here: those asked for, else some minutes' work.
+    /// Most members of a study that is integrated up to here: those asked for, else some minutes'
+    /// work.
     pub fn most_members(self, study: &Study, asked: Option<u64>) -> u64 {
         if let Some(most) = asked {
             return most.clamp(4 * FIRST, u64::from(u32::MAX)).next_multiple_of(256);
@@ -88,7 +91,8 @@ impl<'a> Work<'a> {
         self.members
     }
 
-    /// One error of each of these members, NaN of those that have failed. The range begins at a multiple of 256.
+    /// One error of each of these members, NaN of those that have failed. The range begins at a
+    /// multiple of 256.
     ///
     /// # Errors
     /// A member that cannot be stepped; stopped.

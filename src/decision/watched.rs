@@ -1,6 +1,8 @@
-//! Which error a requirement limits: one of a study along one axis, or one of a study along a trajectory.
+//! Which error a requirement limits: one of a study along one axis, or one of a study along a
+//! trajectory.
 //!
-//! Names are those of `study --json`; an entry of an object there is named by its path: `position_error_ned_m.north`.
+//! Names are those of `study --json`; an entry of an object there is named by its path:
+//! `position_error_ned_m.north`.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! What a diagnosis found, whatever the kind of recording: numbers and typed reasons. The words, and with them the public
-//! document, are made in `report::diagnosis`.
+//! What a diagnosis found, whatever the kind of recording: numbers and typed reasons. The words,
+//! and with them the public document, are made in `report::diagnosis`.
 
 use super::candidate::Kind;
 use super::repair::Repair;
@@ -16,7 +16,8 @@ pub struct Answer {
     pub outcome: Outcome,
     /// File, size and rate of the recording.
     pub recording: RecordingInfo,
-    /// The base model's own numbers, fitted together with the named effects; empty where a kind does not give them.
+    /// The base model's own numbers, fitted together with the named effects; empty where a kind
+    /// does not give them.
     pub base: Vec<Estimate>,
     /// Named effects, strongest first.
     pub effects: Vec<Effect>,
@@ -30,8 +31,9 @@ pub struct Answer {
     pub findings: Vec<String>,
     /// Every candidate that was tried, best first, named or not.
     pub ranking: Vec<Ranked>,
-    /// The sensor with and without the named physics, for a study and for the cost in metres. `None` where nothing a
-    /// study could run came out, e.g. when the base model could not be fitted.
+    /// The sensor with and without the named physics, for a study and for the cost in metres.
+    /// `None` where nothing a study could run came out, e.g. when the base model could not be
+    /// fitted.
     pub repair: Option<Repair>,
     /// What only this kind of recording has: numbers behind its figures, reasons behind its words.
     pub detail: Detail,
@@ -64,7 +66,8 @@ pub enum Detail {
 }
 
 impl Detail {
-    /// What would have been named: of driven recordings where nothing is. At rest, in poses and in motion it is not worked out.
+    /// What would have been named: of driven recordings where nothing is. At rest, in poses and in
+    /// motion it is not worked out.
     pub fn detectable(&self) -> &[Detectable] {
         match self {
             Self::Driven(detail) => &detail.detectable,

@@ -1,7 +1,9 @@
-//! What the omission costs in metres: position error after 10 s and 60 s, with and without the named physics.
+//! What the omission costs in metres: position error after 10 s and 60 s, with and without the
+//! named physics.
 //!
-//! Constant and random errors by their closed forms, the proof mass under the stated vibration by `rectification`. One axis,
-//! flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml for distributions.
+//! Constant and random errors by their closed forms, the proof mass under the stated vibration by
+//! `rectification`. One axis, flat earth. Not an ensemble: `proofmass study` runs DIR/repaired.toml
+//! for distributions.
 
 use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
@@ -22,7 +24,8 @@ struct Drift {
     mechanical: [f64; 2],
 }
 
-/// The cost table: with the model as it was, with the named physics, the difference between the two, then the kind's rows.
+/// The cost table: with the model as it was, with the named physics, the difference between the
+/// two, then the kind's rows.
 ///
 /// # Errors
 /// Stopped.
@@ -71,8 +74,8 @@ impl Drift {
         std::array::from_fn(|n| (self.random[n] + self.mechanical[n].powi(2)).sqrt())
     }
 
-    /// What the two do not share. A driven base model counts its whole mismatch as noise; that is no drift that it missed,
-    /// so with a proof mass only noise that was added counts.
+    /// What the two do not share. A driven base model counts its whole mismatch as noise; that is
+    /// no drift that it missed, so with a proof mass only noise that was added counts.
     fn beyond(&self, before: &Self, has_proof_mass: bool) -> [f64; 2] {
         std::array::from_fn(|n| {
             let random = self.random[n] - before.random[n];
@@ -82,7 +85,8 @@ impl Drift {
     }
 }
 
-/// Position variance of everything but the mechanics. Bias instability counts as a constant: over a minute it is one.
+/// Position variance of everything but the mechanics. Bias instability counts as a constant: over a
+/// minute it is one.
 fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
     let force_noise = sensor.proof_mass.map_or(0.0, |p| p.force_noise_m_s_rts);
     let variance = |term: SensorTerm| {
@@ -105,8 +109,9 @@ fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The textbook's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro bias g b t³/6, angle random walk
-    /// g N t^2.5/√20; the paper's 0.034 m/s² makes 1.7 m after 10 s.
+    /// The textbook's closed forms, written out: bias ½bt², velocity random walk N t^1.5/√3, gyro
+    /// bias g b t³/6, angle random walk g N t^2.5/√20; the paper's 0.034 m/s² makes 1.7 m after 10
+    /// s.
     #[test]
     fn each_error_alone_costs_its_closed_form() {
         type Set = fn(&mut Sensor);

@@ -1,7 +1,9 @@
-//! A verdict's numbers against each other, before it is written: what contradicts itself is not said.
+//! A verdict's numbers against each other, before it is written: what contradicts itself is not
+//! said.
 //!
-//! One row a rule, the same for every kind. A verdict that claims more than its own numbers bear falls to `unexplained`; a
-//! number that has no meaning is left out. Not for the evidence behind a verdict (`ruling`).
+//! One row a rule, the same for every kind. A verdict that claims more than its own numbers bear
+//! falls to `unexplained`; a number that has no meaning is left out. Not for the evidence behind a
+//! verdict (`ruling`).
 
 use super::answer::Answer;
 use super::verdict::{Outcome, Score};

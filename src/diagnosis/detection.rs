@@ -1,8 +1,9 @@
-//! Is what is left more than noise? How much of a sequence of innovations can still be predicted from its own past, from the
-//! input and from the state: white noise gives nothing away.
+//! Is what is left more than noise? How much of a sequence of innovations can still be predicted
+//! from its own past, from the input and from the state: white noise gives nothing away.
 //!
-//! With very many samples every model is rejected by a significance test alone; so the answer is a *fraction* of the variance (R²)
-//! with its p-value, and the caller decides which fraction matters. Not for naming what was predicted.
+//! With very many samples every model is rejected by a significance test alone; so the answer is
+//! a *fraction* of the variance (R²) with its p-value, and the caller decides which fraction
+//! matters. Not for naming what was predicted.
 
 use crate::numerics::least_squares::Linear;
 use crate::numerics::special;
@@ -10,8 +11,8 @@ use crate::numerics::special;
 /// The predictable part of a sequence of innovations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Structure {
-    /// Share of the variance that a linear forecast from everything offered removes, adjusted for the number of regressors;
-    /// 0 for white noise on average.
+    /// Share of the variance that a linear forecast from everything offered removes, adjusted for
+    /// the number of regressors; 0 for white noise on average.
     pub r_squared: f64,
     /// Of the F test that all regressors together give nothing.
     pub p_value: f64,
@@ -19,7 +20,8 @@ pub struct Structure {
     pub own_r_squared: f64,
     /// Of the F test that its own past gives nothing.
     pub own_p_value: f64,
-    /// Smallest R² that would have been found 95 times in 100 at the 1 % level: the power of a silence.
+    /// Smallest R² that would have been found 95 times in 100 at the 1 % level: the power of a
+    /// silence.
     pub detectable_r_squared: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Input and output of one proof mass, or its free ring-down: which physics its model leaves out.
 //!
-//! One room per stage, each of which imports only those before it: `intake` → `simulation` → `identification` → `selection` →
-//! `verdict`, over the laws in `physics`.
+//! One room per stage, each of which imports only those before it: `intake` → `simulation` →
+//! `identification` → `selection` → `verdict`, over the laws in `physics`.
 
 pub mod base;
 pub mod free_body;
@@ -41,7 +41,8 @@ use verdict::conclude::{self, Conclusion};
 pub use verdict::detail::Detail;
 use verdict::{answer, findings};
 
-/// Part of the reading's power that free simulation of the base model must leave before the response is asked for chaos.
+/// Part of the reading's power that free simulation of the base model must leave before the
+/// response is asked for chaos.
 const MUCH: f64 = 0.05;
 
 /// Diagnoses it.
@@ -78,7 +79,8 @@ pub(crate) fn diagnose_all(recordings: Recordings<'_>, model: &model::Driven, co
     Ok(answer::answer(&asked, &data, &scales, &selection, &conclusion, notes))
 }
 
-/// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of it.
+/// A diagnosis under way. Terms are chosen on a stretch of a long recording and fitted to all of
+/// it.
 struct Course {
     data: Data,
     /// What terms are chosen on: the loudest stretch of a long recording, else all of it.
@@ -131,7 +133,8 @@ impl Course {
         Ok((base, scales))
     }
 
-    /// The base model in windows, where the response is chaotic and its free simulation therefore leaves much.
+    /// The base model in windows, where the response is chaotic and its free simulation therefore
+    /// leaves much.
     fn chaotic(&mut self, free: Option<&Fit>) -> Option<(Fit, Scales)> {
         let rows = || self.narrow.train.iter().flat_map(|r| &self.narrow.reading[r.clone()]).copied();
         let power = mean_sd(&rows().collect::<Vec<f64>>()).1.powi(2);
@@ -155,7 +158,8 @@ impl Course {
         Some((base, scales))
     }
 
-    /// The terms that the recording asks for; searched again where another way of the input between its samples fits better.
+    /// The terms that the recording asks for; searched again where another way of the input between
+    /// its samples fits better.
     fn select(&mut self, base: Fit, scales: &Scales, control: &Control) -> Result<Selection, Stopped> {
         let candidates = self.candidates(scales);
         let base = self.with_what_is_rare(base, scales);
@@ -173,12 +177,14 @@ impl Course {
     /// Terms that can be tried on this recording.
     fn candidates(&self, scales: &Scales) -> Vec<Term> {
         let all = Term::tried(self.data.environments, self.data.input.is_some());
-        // A window begins from a displacement and a velocity: what has states beside them begins unknown each time.
+        // A window begins from a displacement and a velocity: what has states beside them begins
+        // unknown each time.
         let begins = |t: &Term| self.data.windows.is_none() || (t.states() == 0 && t.noise().is_none());
         all.into_iter().filter(|t| !self.notes.broken && begins(t) && !t.starts(scales).is_empty()).collect()
     }
 
-    /// The base model fitted to what is rare, where that lies in samples that were to judge: others judge then.
+    /// The base model fitted to what is rare, where that lies in samples that were to judge: others
+    /// judge then.
     fn with_what_is_rare(&mut self, base: Fit, scales: &Scales) -> Fit {
         let rare = if self.narrow.windows.is_some() { None } else { folds::fold_with_rare_events(&self.narrow, &base) };
         let Some(Fold { train, validation }) = rare else { return base };
@@ -194,7 +200,8 @@ impl Course {
         fit::fit(&self.narrow, &base.structure, &base.point, scales, 25).unwrap_or(base)
     }
 
-    /// The base model with the input going another way between its samples, where that fits better than the terms chosen.
+    /// The base model with the input going another way between its samples, where that fits better
+    /// than the terms chosen.
     fn on_another_input(&mut self, selection: &Selection, scales: &Scales) -> Option<Judged> {
         if self.narrow.windows.is_some() {
             return None;
@@ -217,7 +224,8 @@ impl Course {
         }
     }
 
-    /// What may be said of the model chosen, fitted to all samples but those that the model file keeps for the test.
+    /// What may be said of the model chosen, fitted to all samples but those that the model file
+    /// keeps for the test.
     fn conclude(&mut self, selection: &Selection, scales: &Scales) -> Conclusion {
         let data = &mut self.data;
         if self.own_test {

@@ -1,4 +1,5 @@
-//! model.toml: what a recording is and what the engineer believes of it. Paths are relative to the file.
+//! model.toml: what a recording is and what the engineer believes of it. Paths are relative to the
+//! file.
 
 mod asked;
 mod driven;
@@ -23,7 +24,8 @@ use crate::document::{from_table, parse_toml, read_text};
 use crate::error::Result;
 use crate::recording::Recording;
 
-/// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this many.
+/// Longer recordings of a sensor at rest are averaged over neighbouring samples to at most this
+/// many.
 pub const MOST_AT_REST: usize = 1 << 19;
 
 /// Memory that a diagnosis at rest takes per value: six channels of 500,000 values took 775 MB.
@@ -80,8 +82,8 @@ struct Head {
 /// As `document::parse_toml`.
 pub fn parse(name: &str, text: &str) -> Result<Model> {
     let kind = parse_toml::<Head>(name, text)?.kind;
-    // A choice by a key inside the table would lose the line and column of every other mistake; so the key is blanked, and
-    // the rest is read as what it is.
+    // A choice by a key inside the table would lose the line and column of every other mistake; so
+    // the key is blanked, and the rest is read as what it is.
     let end = kind.span().end.min(text.len());
     let start = text[..end].rfind('\n').map_or(0, |i| i + 1);
     let rest = format!("{}{}{}", &text[..start], " ".repeat(end - start), &text[end..]);
@@ -126,7 +128,8 @@ pub fn read(path: &Path) -> Result<Model> {
     Ok(model)
 }
 
-/// What a diagnosis of this recording will take of memory, where that is much: for a word beforehand.
+/// What a diagnosis of this recording will take of memory, where that is much: for a word
+/// beforehand.
 pub fn memory_note(recording: &Recording, model: &Model) -> Option<String> {
     let values: usize = recording.columns.iter().map(|c| c.values.len().min(MOST_AT_REST)).sum();
     let bytes = values as f64 * BYTES_PER_VALUE;

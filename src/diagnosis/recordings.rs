@@ -1,4 +1,5 @@
-//! The recordings of one sensor that a diagnosis is given: those that are fitted together, and those that only judge.
+//! The recordings of one sensor that a diagnosis is given: those that are fitted together, and
+//! those that only judge.
 
 use crate::recording::Recording;
 

@@ -1,9 +1,11 @@
-//! How far a proof mass alone carries the position off under a sine: what a nonlinear spring or damper rectifies.
+//! How far a proof mass alone carries the position off under a sine: what a nonlinear spring or
+//! damper rectifies.
 //!
-//! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The equation of motion is
-//! integrated in f64 (Runge–Kutta 4) until the motion repeats from one period of the vibration to the next. Then a period
-//! adds the same velocity and the same displacement every time, so that the rest of the minute is a sum in closed form:
-//! exact, and as fast for a resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
+//! The user integrates a = ω₀²x twice; the error is what that differs by from the true motion. The
+//! equation of motion is integrated in f64 (Runge–Kutta 4) until the motion repeats from one period
+//! of the vibration to the next. Then a period adds the same velocity and the same displacement
+//! every time, so that the rest of the minute is a sum in closed form: exact, and as fast for a
+//! resonance at 100 kHz as for one at 10 Hz. Motion that never repeats is integrated to the end.
 
 use super::repair::Vibration;
 use crate::control::{Control, Stopped};
@@ -13,10 +15,11 @@ use crate::physics::library::Term;
 use crate::physics::state::{Base, Instants, MOST_VALUES};
 use crate::sensor::ProofMass;
 
-/// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres stated.
+/// Steps per radian of the fastest motion: Runge–Kutta 4 then errs by less than 1e-6 in the metres
+/// stated.
 const STEPS_PER_RADIAN: f64 = 12.0;
-/// The motion repeats when neither position nor velocity changes by more than this share of its size in a period: what it
-/// still changes by is multiplied by the square of the periods left.
+/// The motion repeats when neither position nor velocity changes by more than this share of its
+/// size in a period: what it still changes by is multiplied by the square of the periods left.
 const REPEATS: f64 = 1e-13;
 /// More steps than this no user waits for: then the last period stands for all others.
 const MOST_STEPS: usize = 30_000_000;
@@ -37,8 +40,8 @@ struct VibratedSensor<'a> {
     steps_per_period: usize,
 }
 
-/// Position error (m, with its sign) at the stated times, in ascending order. Infinite where the mass runs away, as behind
-/// the hill of a softening spring; zero where nothing vibrates.
+/// Position error (m, with its sign) at the stated times, in ascending order. Infinite where the
+/// mass runs away, as behind the hill of a softening spring; zero where nothing vibrates.
 ///
 /// # Errors
 /// Stopped.
@@ -65,7 +68,8 @@ pub(crate) fn position_error_m(
     for (time_s, out) in times_s.into_iter().zip(&mut out) {
         let whole = (time_s * vibration.frequency_hz).floor();
         while periods < whole {
-            // Velocity and position are counted from the period's own start, so that two periods can be compared.
+            // Velocity and position are counted from the period's own start, so that two periods
+            // can be compared.
             let [x, v, velocity, position] = state;
             let [next_x, next_v, gained, moved] =
                 motion.advance([x, v, 0.0, 0.0], 0.0, steps_per_period, &mut taken)?;
@@ -181,8 +185,8 @@ mod tests {
         (size * phase.sin(), size * omega * phase.cos(), size)
     }
 
-    /// From the equation of motion: ω₀²x − f = −x″ − 2ζω₀x′, so the position error is −x − 2ζω₀∫x, and
-    /// ω₀²∫x = ∫f − x′ − 2ζω₀x. The time is no whole number of periods.
+    /// From the equation of motion: ω₀²x − f = −x″ − 2ζω₀x′, so the position error is −x − 2ζω₀∫x,
+    /// and ω₀²∫x = ∫f − x′ − 2ζω₀x. The time is no whole number of periods.
     #[test]
     fn a_linear_sensor_errs_by_its_closed_form() {
         for (natural, zeta) in [(400.0, 0.5), (2e4, 0.7), (60.0, 0.1)] {
@@ -199,7 +203,8 @@ mod tests {
         }
     }
 
-    /// A quadratic spring rectifies: the mean of αx² is αX²/2, a bias that drifts as ½ b t² = −αX²t²/4.
+    /// A quadratic spring rectifies: the mean of αx² is αX²/2, a bias that drifts as ½ b t² =
+    /// −αX²t²/4.
     #[test]
     fn a_quadratic_spring_drifts_as_the_bias_that_it_rectifies() {
         let mut mass = mass(400.0, 0.5);
@@ -214,7 +219,8 @@ mod tests {
         assert!(((bent[1] - straight[1]) / expected - 1.0).abs() < 2e-3, "{bent:?} {straight:?} {expected}");
     }
 
-    /// A cubic spring is odd: under a sine it shifts no mean, and leaves no drift that grows with t².
+    /// A cubic spring is odd: under a sine it shifts no mean, and leaves no drift that grows with
+    /// t².
     #[test]
     fn a_cubic_spring_rectifies_nothing() {
         let mut mass = mass(400.0, 0.5);

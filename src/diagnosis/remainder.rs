@@ -1,17 +1,18 @@
-//! What a repaired model leaves, in the words that all kinds share: every test of the residual, with the probability that
-//! noise alone would do as much and the size of what was found.
+//! What a repaired model leaves, in the words that all kinds share: every test of the residual,
+//! with the probability that noise alone would do as much and the size of what was found.
 //!
-//! How a residual is tested differs by kind (bands of a spectrum at rest, innovations of a filter when driven, poses of an
-//! IMU turned by hand). What counts as real, and what counts as white, is defined here once. Not for the verdict that
-//! follows: see `ruling`.
+//! How a residual is tested differs by kind (bands of a spectrum at rest, innovations of a filter
+//! when driven, poses of an IMU turned by hand). What counts as real, and what counts as white, is
+//! defined here once. Not for the verdict that follows: see `ruling`.
 
 use super::verdict::Whiteness;
 
-/// A mismatch is real where noise alone would show as much with less than this probability, corrected for all tests and
-/// channels of the diagnosis.
+/// A mismatch is real where noise alone would show as much with less than this probability,
+/// corrected for all tests and channels of the diagnosis.
 pub(super) const REAL: f64 = 0.004;
-/// The residual is called coloured by a test whose probability, corrected for all tests and channels, is below this, if what it
-/// found is more than negligible: in enough rows every test finds something.
+/// The residual is called coloured by a test whose probability, corrected for all tests and
+/// channels, is below this, if what it found is more than negligible: in enough rows every test
+/// finds something.
 pub const WHITE: f64 = 0.05;
 
 /// How much was found, against what the noise model of the kind can promise.
@@ -41,7 +42,8 @@ impl Size {
 /// A test of the residual for structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Test {
-    /// Probability of as much by chance, corrected for all tests and channels of the diagnosis; may exceed one.
+    /// Probability of as much by chance, corrected for all tests and channels of the diagnosis; may
+    /// exceed one.
     pub p_value: f64,
     /// Size of the structure that the test sees.
     pub size: Size,
@@ -94,7 +96,8 @@ mod tests {
     #[test]
     fn a_size_counts_only_where_chance_does_not_account_for_it() {
         let test = |p_value, size| Test { p_value, size };
-        // Probability, size, what is found. The first row of each pair is the control of the second.
+        // Probability, size, what is found. The first row of each pair is the control of the
+        // second.
         let rows = [
             (0.1, Size::Material, Size::Negligible),
             (1e-9, Size::Material, Size::Material),
@@ -114,7 +117,8 @@ mod tests {
     fn white_is_five_per_cent_after_correction_unless_what_was_found_is_negligible() {
         let white = |p_value, size| Remainder::of([Test { p_value, size }]).whiteness().white;
         assert_eq!([0.0, 0.049, 0.05, 0.9, 7.0].map(|p| white(p, Size::Faint)), [false, false, true, true, true]);
-        // In a recording twice as long the same departure has a smaller probability and the same size.
+        // In a recording twice as long the same departure has a smaller probability and the same
+        // size.
         assert_eq!([0.2, 1e-3, 1e-30].map(|p| white(p, Size::Negligible)), [true; 3]);
     }
 

@@ -27,13 +27,16 @@ pub struct Repair {
     pub before: Sensor,
     /// The sensor with the named physics, all fitted together.
     pub after: Sensor,
-    /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1 m/s²".
+    /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
+    /// m/s²".
     pub relation: String,
     /// Named terms that a study cannot run; written as comments.
     pub not_expressible: Vec<String>,
-    /// As strong as the recording's own excitation, so that the sensor is used where it was identified.
+    /// As strong as the recording's own excitation, so that the sensor is used where it was
+    /// identified.
     pub vibration: Vibration,
-    /// Drift that the omission costs, computed by the kind itself because no study expresses the term.
+    /// Drift that the omission costs, computed by the kind itself because no study expresses the
+    /// term.
     pub own_cost: Vec<Cost>,
 }
 
@@ -70,7 +73,8 @@ pub struct Cost {
 /// Comments in repaired.toml are broken at this many characters.
 const COMMENT_WIDTH: usize = 100;
 
-/// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments, so that nothing named is lost.
+/// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments,
+/// so that nothing named is lost.
 pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
     let mut text = String::new();
@@ -128,7 +132,8 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     text + "\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n"
 }
 
-/// The next round rate (1, 2 or 5 times a power of ten, at least 100 Hz), so that a minute is a whole number of samples.
+/// The next round rate (1, 2 or 5 times a power of ten, at least 100 Hz), so that a minute is a
+/// whole number of samples.
 fn round_rate(rate_hz: f64) -> f64 {
     let rate_hz = rate_hz.clamp(100.0, 1e6);
     let power = 10f64.powf(rate_hz.log10().floor());

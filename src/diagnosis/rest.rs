@@ -1,8 +1,9 @@
 //! A sensor at rest, its noise and its drift: which physics its model leaves out.
 //!
-//! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is judged alone (`selection`),
-//! then by what its neighbours bear (`agreement`) and all together for drift that they share (`common`), then what is left
-//! (`residual`). Not for coefficients alone: those come faster, and with the classical curve, from `recording::noise`.
+//! Base: a constant and white noise, or the noise that a datasheet promises. Every channel is
+//! judged alone (`selection`), then by what its neighbours bear (`agreement`) and all together for
+//! drift that they share (`common`), then what is left (`residual`). Not for coefficients alone:
+//! those come faster, and with the classical curve, from `recording::noise`.
 
 mod agreement;
 mod blocks;

@@ -1,24 +1,29 @@
-//! From evidence to one of the four verdicts: a pure function, the same for every kind of recording.
+//! From evidence to one of the four verdicts: a pure function, the same for every kind of
+//! recording.
 //!
-//! What the verdicts mean: `adequate`, nothing is missing that this recording could show; `explained`, named effects bring
-//! the residual to the noise; `unexplained`, the mismatch is real and no candidate, alone or together with others, accounts
-//! for it; `undecidable`, two or more candidates fit equally, or the excitation is too weak. The order in which the
-//! questions are asked follows from that:
+//! What the verdicts mean: `adequate`, nothing is missing that this recording could show;
+//! `explained`, named effects bring the residual to the noise; `unexplained`, the mismatch is real
+//! and no candidate, alone or together with others, accounts for it; `undecidable`, two or more
+//! candidates fit equally, or the excitation is too weak. The order in which the questions are
+//! asked follows from that:
 //!
-//! 1. *Is the base model determined?* If the recording cannot even fix the base model's own parameters, no candidate could
-//!    be judged beside them. That nothing in the library accounts for the mismatch cannot be said then: `undecidable`.
-//! 2. *Do the named effects account for the mismatch?* If what is left is real, no candidate does, alone or together:
-//!    `unexplained`. This comes **before** ties. Two tied candidates that both leave more than noise fit equally badly;
-//!    `undecidable` would claim that the truth is one of them and send the reader to an experiment that parts two
-//!    candidates of which neither is right. Effects that hold in spite of the remainder keep their names.
+//! 1. *Is the base model determined?* If the recording cannot even fix the base model's own
+//!    parameters, no candidate could be judged beside them. That nothing in the library accounts
+//!    for the mismatch cannot be said then: `undecidable`.
+//! 2. *Do the named effects account for the mismatch?* If what is left is real, no candidate does,
+//!    alone or together: `unexplained`. This comes **before** ties. Two tied candidates that both
+//!    leave more than noise fit equally badly; `undecidable` would claim that the truth is one of
+//!    them and send the reader to an experiment that parts two candidates of which neither is
+//!    right. Effects that hold in spite of the remainder keep their names.
 //! 3. *Is one of them tied?* Now the candidates do fit, and equally: `undecidable`.
 //! 4. Otherwise `explained`; and where nothing is named and nothing is left, `adequate`.
 //!
-//! Something faint without a name is a recording too weak to decide, not a failure of the library: `undecidable`. Silence
-//! counts as `adequate` only where an effect of some size would have been seen.
+//! Something faint without a name is a recording too weak to decide, not a failure of the library:
+//! `undecidable`. Silence counts as `adequate` only where an effect of some size would have been
+//! seen.
 //!
-//! Not for deciding which effects hold: that is the kind's selection. Not for what counts as a real mismatch: see
-//! `remainder`. Not for words: see `report::diagnosis`.
+//! Not for deciding which effects hold: that is the kind's selection. Not for what counts as a real
+//! mismatch: see `remainder`. Not for words: see `report::diagnosis`.
 
 use super::remainder::Size;
 use super::verdict::Outcome;
@@ -36,18 +41,20 @@ pub struct Evidence {
     pub departs: bool,
     /// Effects among them in whose place another candidate does as well.
     pub tied: usize,
-    /// Whether terms that look alike, or too many to be told apart, do the work of something that the library lacks.
+    /// Whether terms that look alike, or too many to be told apart, do the work of something that
+    /// the library lacks.
     pub stand_ins: bool,
     /// Relative fall of the error's variance by terms that earned no name.
     pub nameless: f64,
     /// Size of the structure that the final model leaves.
     pub remainder: Size,
-    /// Fraction of the base model's held-out error variance that is gone with the named effects; zero where unknown.
+    /// Fraction of the base model's held-out error variance that is gone with the named effects;
+    /// zero where unknown.
     pub removed: f64,
     /// Whether a model with a named law errs more on held-out data than the base model.
     pub predicts_worse: bool,
-    /// Root-mean-square error on held-out data with the named effects over that of the base model, the lower end of its
-    /// 95 % interval; 1 where it is not known.
+    /// Root-mean-square error on held-out data with the named effects over that of the base model,
+    /// the lower end of its 95 % interval; 1 where it is not known.
     pub held_out_ratio: f64,
     /// Whether the search ended by itself, not because its budget was spent.
     pub search_complete: bool,
@@ -55,10 +62,12 @@ pub struct Evidence {
 
 /// Variance that terms without a name may remove while the base model still counts as adequate.
 const NAMELESS: f64 = 0.05;
-/// A model whose held-out error is larger by this factor than the base model's, beyond chance, explains nothing. Noise terms
-/// weigh the samples differently and may raise the error of free simulation by a few per cent.
+/// A model whose held-out error is larger by this factor than the base model's, beyond chance,
+/// explains nothing. Noise terms weigh the samples differently and may raise the error of free
+/// simulation by a few per cent.
 const WORSE: f64 = 1.05;
-/// Fraction of the held-out error that must be gone before a structured remainder counts as a detail.
+/// Fraction of the held-out error that must be gone before a structured remainder counts as a
+/// detail.
 const NEARLY_ALL: f64 = 0.99;
 
 impl Default for Evidence {
@@ -106,7 +115,8 @@ fn silent(evidence: &Evidence) -> Outcome {
     }
 }
 
-/// Whether the named effects bring the residual to the noise, or so close that the rest is a detail.
+/// Whether the named effects bring the residual to the noise, or so close that the rest is a
+/// detail.
 fn accounts_for_all(evidence: &Evidence) -> bool {
     let a_detail = evidence.search_complete && evidence.removed > NEARLY_ALL;
     let noise = evidence.remainder == Size::Negligible || a_detail;

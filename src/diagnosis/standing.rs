@@ -1,8 +1,10 @@
-//! How a candidate stands after a search, as data: what it gained, on which data, and what became of it.
+//! How a candidate stands after a search, as data: what it gained, on which data, and what became
+//! of it.
 //!
-//! The kinds share the vocabulary. A *standing* is what one candidate does to a model without it. A *selection* holds the
-//! base model, the model chosen, and its terms that are *named*, each with the evidence that it rests on and the *rivals*
-//! that would do as well in its place. Words for people are made from these in `report::diagnosis`.
+//! The kinds share the vocabulary. A *standing* is what one candidate does to a model without it.
+//! A *selection* holds the base model, the model chosen, and its terms that are *named*, each with
+//! the evidence that it rests on and the *rivals* that would do as well in its place. Words for
+//! people are made from these in `report::diagnosis`.
 
 use super::driven::verdict::dropped::Dropped;
 use super::tumble::account::Fate;
@@ -11,8 +13,8 @@ use super::tumble::group::Group;
 /// Fraction of the error that a candidate removes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gain {
-    /// On data that were not fitted: the share of the error above the noise that goes away, or of the log-likelihood that
-    /// can be gained there; 1 is all of it.
+    /// On data that were not fitted: the share of the error above the noise that goes away, or of
+    /// the log-likelihood that can be gained there; 1 is all of it.
     HeldOut {
         /// The share.
         value: f64,

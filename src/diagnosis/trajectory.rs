@@ -1,10 +1,12 @@
 //! An IMU in motion, beside a reference of that motion: which physics a calibrated IMU leaves out.
 //!
-//! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses on one clock, and whether they agree;
-//! attitude and position of the reference against dead reckoning, linear in every parameter (`attitude`, `position`), made
-//! white (`whitening`) and summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the verdict.
-//! The base model has constant biases, gravity of the place and the IMU's stamps and axes as they are given. Not for motion
-//! without sensors (`motion`), nor for how far a sensor drifts (`strapdown`).
+//! `start` → `intake` → `fit` → `conclusion`: clocks, axes and biases roughly; readings and poses
+//! on one clock, and whether they agree; attitude and position of the reference against dead
+//! reckoning, linear in every parameter (`attitude`, `position`), made white (`whitening`) and
+//! summed in blocks of time (`blocks`); candidates judged on blocks that were held out; the
+//! verdict. The base model has constant biases, gravity of the place and the IMU's stamps and axes
+//! as they are given. Not for motion without sensors (`motion`), nor for how far a sensor drifts
+//! (`strapdown`).
 
 pub mod account;
 mod attitude;
@@ -58,7 +60,8 @@ const CLEARLY: f64 = 0.8;
 /// Diagnoses a recording of an IMU in motion.
 ///
 /// # Errors
-/// Readings or a reference that cannot be used, which do not overlap or do not move alike; when stopped.
+/// Readings or a reference that cannot be used, which do not overlap or do not move alike; when
+/// stopped.
 pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Control) -> Result<Answer> {
     let stopped = |s: Stopped| s.during(format!("could not finish {}", recording.path.display()), "start it again");
     let mut findings = recording.sentences();
@@ -81,7 +84,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let case =
         Case { log: &log, motion: &motion, turned: start.turned, gravity_m_s2, masked: &masked, rule: Rule::Straight };
     let library = candidate::terms(motion.has_position);
-    // The Earth's rate is too small to bend anything: its slope is judged, and it is never followed.
+    // The Earth's rate is too small to bend anything: its slope is judged, and it is never
+    // followed.
     let everything: Vec<usize> = selection::with(&selection::base(motion.has_position), library.iter().copied())
         .into_iter()
         .filter(|p| !EARTH_RATE.contains(p))
@@ -90,7 +94,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     point[OFFSET] = start.offset_s;
     point[GYRO_BIAS].copy_from_slice(start.gyro_bias.as_slice());
     point[FORCE_BIAS].copy_from_slice(start.force_bias.as_slice());
-    // Vibration asks for the one; for the other only motion so quick that the reference follows it clearly more closely.
+    // Vibration asks for the one; for the other only motion so quick that the reference follows it
+    // clearly more closely.
     let straight = Fit::new(&case, &point, &everything, control).map_err(stopped)?;
     let smooth = Case { rule: Rule::Cubic, ..case };
     let cubic = Fit::new(&smooth, &point, &everything, control).map_err(stopped)?;
@@ -103,8 +108,8 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
             "are reference and recording from the same run, and are the reference's quaternions body to world?",
         ));
     }
-    // Weighed for everything first, so that no effect counts as noise; then about what was named, so that no noise of the
-    // reference counts as an effect.
+    // Weighed for everything first, so that no effect counts as noise; then about what was named,
+    // so that no noise of the reference counts as an effect.
     let select = |fit: &Fit| {
         let allowed = Allowed { has_position: motion.has_position, tilt_rad: fit.tilt_rad() };
         selection::select(&fit.linear, &library, &allowed, control).map_err(stopped)

@@ -1,8 +1,8 @@
 //! An IMU in many still poses: which physics its calibration model leaves out.
 //!
-//! In every pose |f| = g and the rate is zero; the moves between poses carry gravity's direction along by the gyro. The base
-//! model has per axis an offset and per sensor one common scale, the axes orthogonal and shared by both sensors.
-//! Not for motion beside a reference trajectory.
+//! In every pose |f| = g and the rate is zero; the moves between poses carry gravity's direction
+//! along by the gyro. The base model has per axis an offset and per sensor one common scale, the
+//! axes orthogonal and shared by both sensors. Not for motion beside a reference trajectory.
 
 pub mod account;
 mod by_pose;
@@ -51,7 +51,8 @@ use selection::Folds;
 /// Diagnoses a tumble recording.
 ///
 /// # Errors
-/// Columns that do not behave as what they are called, poses that cannot be used or found, too few of them; when stopped.
+/// Columns that do not behave as what they are called, poses that cannot be used or found, too few
+/// of them; when stopped.
 pub fn diagnose(recording: &Recording, model: &model::Tumble, control: &Control) -> Result<Answer> {
     let given = model.poses.as_ref().map(|path| poses::read(path, recording)).transpose()?;
     diagnose_in(recording, model, given, control)
@@ -91,8 +92,8 @@ pub fn diagnose_in(
     Ok(case.conclude(found))
 }
 
-/// The search, with poses that disagree with all others left out where the rest then agrees, and with the noise between
-/// poses raised where it is more than the noise inside them says.
+/// The search, with poses that disagree with all others left out where the rest then agrees, and
+/// with the noise between poses raised where it is more than the noise inside them says.
 fn searched(
     observed: &mut Observed<'_>,
     guess: &calibration::Point,
@@ -151,8 +152,9 @@ fn columns<'a>(recording: &'a Recording, model: &model::Tumble, findings: &mut V
     })
 }
 
-/// Calibrates an IMU from its poses with everything that a careful engineer would fit: offsets, a scale per axis,
-/// misalignment and the gyro's g-sensitivity. No selection, no verdict: for using a recording, not for judging one.
+/// Calibrates an IMU from its poses with everything that a careful engineer would fit: offsets, a
+/// scale per axis, misalignment and the gyro's g-sensitivity. No selection, no verdict: for using a
+/// recording, not for judging one.
 ///
 /// # Errors
 /// Fewer poses than the fit needs.

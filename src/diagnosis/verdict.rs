@@ -1,4 +1,5 @@
-//! The verdict as the public document `proofmass.verdict/1`: what is named, where it shows, how sure we are.
+//! The verdict as the public document `proofmass.verdict/1`: what is named, where it shows, how
+//! sure we are.
 
 use serde::Serialize;
 
@@ -78,7 +79,8 @@ pub struct Estimate {
 /// Why an effect is believed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evidence {
-    /// Share of the held-out mean-square error (beyond the noise floor) or log-score gain that it removes.
+    /// Share of the held-out mean-square error (beyond the noise floor) or log-score gain that it
+    /// removes.
     pub held_out_gain: f64,
     /// Corrected for the number of candidates tried.
     pub p_value: f64,
@@ -93,7 +95,8 @@ pub struct Form {
     pub departure: f64,
     /// Its 95 % interval; from zero where the stated form predicts as well.
     pub ci95: [f64; 2],
-    /// Argument and value of the law with a free form, without what the base model's own parameters do.
+    /// Argument and value of the law with a free form, without what the base model's own parameters
+    /// do.
     pub curve: Vec<[f64; 2]>,
     /// The stated form at the same arguments.
     #[serde(skip)]
@@ -125,7 +128,8 @@ pub struct Effect {
     pub confusable_with: Vec<String>,
 }
 
-/// Names with their channels, one effect in several channels said once: "random-walk (ax, ay); warm-up (az)".
+/// Names with their channels, one effect in several channels said once: "random-walk (ax, ay);
+/// warm-up (az)".
 pub fn named(effects: &[Effect]) -> String {
     let mut all: Vec<(&str, Vec<&str>)> = Vec::new();
     for effect in effects {
@@ -229,8 +233,9 @@ pub struct RecordingScore {
     /// RMSE with the named effects; absent where nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rmse_after: Option<f64>,
-    /// Of a body without a spring, whose errors above are of windows restarted every second: root mean square of the difference
-    /// between the input and the input that its motion takes, over that of the input, below a twenty-fifth of the sampling rate.
+    /// Of a body without a spring, whose errors above are of windows restarted every second: root
+    /// mean square of the difference between the input and the input that its motion takes, over
+    /// that of the input, below a twenty-fifth of the sampling rate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force_error_before: Option<f64>,
     /// The same with the named effects; absent where nothing is named.

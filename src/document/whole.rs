@@ -33,8 +33,8 @@ impl Staged {
         Self::within(folder_of(path), path, bytes)
     }
 
-    /// Writes the bytes in a folder above `path` on the same disk, down to the disk; what lies between is made when the file
-    /// is put in its place.
+    /// Writes the bytes in a folder above `path` on the same disk, down to the disk; what lies
+    /// between is made when the file is put in its place.
     ///
     /// # Errors
     /// The folder cannot be made or written.
@@ -42,7 +42,8 @@ impl Staged {
         std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(UNFINISHED);
-        // Of what any program may do with a new file, the user's umask takes away what it should not.
+        // Of what any program may do with a new file, the user's umask takes away what it should
+        // not.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = builder.tempfile_in(folder).map_err(|e| Error::io("write in", folder, &e))?;

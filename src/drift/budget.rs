@@ -1,7 +1,9 @@
-//! Which source owns how much of the position error: the same members, the same random numbers, one source at a time.
+//! Which source owns how much of the position error: the same members, the same random numbers, one
+//! source at a time.
 //!
-//! Sources that act by themselves are simulated alone; those that need the others (rounding, saturation) are switched
-//! off, and own what the variance loses. Independent sources add up to the whole; `rest` is what they do not.
+//! Sources that act by themselves are simulated alone; those that need the others (rounding,
+//! saturation) are switched off, and own what the variance loses. Independent sources add up to the
+//! whole; `rest` is what they do not.
 
 use std::sync::Arc;
 
@@ -46,7 +48,8 @@ impl Budget {
     }
 }
 
-/// The ensembles of a budget: the sensor whole, where a source needs the others, and each source by itself.
+/// The ensembles of a budget: the sensor whole, where a source needs the others, and each source by
+/// itself.
 struct Ensembles {
     whole: Option<Job>,
     sources: Vec<(ErrorSource, Job)>,

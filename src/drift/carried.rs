@@ -1,7 +1,9 @@
-//! A study divided among machines, as each shard's file carries it: the study itself, so that whoever merges needs nothing else.
+//! A study divided among machines, as each shard's file carries it: the study itself, so that
+//! whoever merges needs nothing else.
 //!
-//! Recordings that it reads must stand where they stood. Not for what is summed: a shard of one axis packs ensembles
-//! (`ensemble::divided`), one along a trajectory its sums (`strapdown::divided`).
+//! Recordings that it reads must stand where they stood. Not for what is summed: a shard of one
+//! axis packs ensembles (`ensemble::divided`), one along a trajectory its sums
+//! (`strapdown::divided`).
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,9 @@
-//! The first comparison of simulation and recording: the Allan deviation of a static log beside that of simulated sensors,
-//! and, where the study asks for windows, its drift beside theirs.
+//! The first comparison of simulation and recording: the Allan deviation of a static log beside
+//! that of simulated sensors, and, where the study asks for windows, its drift beside theirs.
 //!
-//! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest, as often as the kernel
-//! has lanes, for as long as the log lasts. Not a diagnosis: it says where the two leave each other, `diagnose` says why.
+//! Each axis of the log is simulated with the study's sensor (or the axis' own sections) at rest,
+//! as often as the kernel has lanes, for as long as the log lasts. Not a diagnosis: it says where
+//! the two leave each other, `diagnose` says why.
 
 use super::windows::{self, Cut, Drifted};
 use crate::backend::cpu;
@@ -77,8 +78,8 @@ pub struct Comparison {
 }
 
 impl Likeness {
-    /// Where simulation and recording leave each other: stretches of two or more neighbouring averaging times outside the
-    /// band, since one in ten single points lies outside by chance.
+    /// Where simulation and recording leave each other: stretches of two or more neighbouring
+    /// averaging times outside the band, since one in ten single points lies outside by chance.
     pub fn departures(&self) -> Vec<Departure> {
         let outside = |k: usize| self.recorded[k] < self.simulated[0][k] || self.recorded[k] > self.simulated[2][k];
         let mut found: Vec<Departure> = Vec::new();
@@ -98,10 +99,12 @@ impl Likeness {
     }
 }
 
-/// Compares, if the study asks for it and the log is there. `simulate` integrates the ensembles of the windows.
+/// Compares, if the study asks for it and the log is there. `simulate` integrates the ensembles of
+/// the windows.
 ///
 /// # Errors
-/// A log that is there and cannot be read, columns that are not in it, a log too short for its windows, Ctrl-C.
+/// A log that is there and cannot be read, columns that are not in it, a log too short for its
+/// windows, Ctrl-C.
 pub fn run(
     study: &Study,
     control: &Control,

@@ -1,9 +1,10 @@
 //! What disturbs a log at rest: knocks, jumps of the level, and gaps that were filled.
 //!
-//! Noise of any colour sets its own scale here: each test compares one value with the robust spread of all its like in the
-//! log, so that a log of Gaussian noise, flicker and random walk has none (two in a billion values pass six deviations).
-//! Readings coarser than their noise are not Gaussian; their jumps are also held against the plain spread.
-//! Not a diagnosis: it says which stretches of a log are not noise, so that results can be shown with and without them.
+//! Noise of any colour sets its own scale here: each test compares one value with the robust spread
+//! of all its like in the log, so that a log of Gaussian noise, flicker and random walk has none
+//! (two in a billion values pass six deviations). Readings coarser than their noise are not
+//! Gaussian; their jumps are also held against the plain spread. Not a diagnosis: it says which
+//! stretches of a log are not noise, so that results can be shown with and without them.
 
 use std::ops::Range;
 
@@ -53,7 +54,8 @@ pub struct Disturbance {
     pub samples: Range<usize>,
 }
 
-/// The disturbed stretches of a channel sampled at `rate_hz`; `filled` are those that were not recorded.
+/// The disturbed stretches of a channel sampled at `rate_hz`; `filled` are those that were not
+/// recorded.
 pub fn find(values: &[f64], rate_hz: f64, filled: &[Range<usize>]) -> Vec<Disturbance> {
     let mut found: Vec<Disturbance> =
         filled.iter().map(|samples| Disturbance { kind: Kind::Gap, samples: samples.clone() }).collect();
@@ -89,7 +91,8 @@ fn knocks(values: &[f64], rate_hz: f64) -> Vec<Disturbance> {
         .collect();
     let changes = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|c| *c > 0.0);
     let step = changes.fold(f64::INFINITY, f64::min);
-    // Readings that seldom leave their median have no robust spread; what little they do have is theirs.
+    // Readings that seldom leave their median have no robust spread; what little they do have is
+    // theirs.
     let usual = if spread(&away) > 0.0 { spread(&away) } else { rms(&away) };
     let limit = (KNOCK * usual).max(if step.is_finite() { STEPS * step } else { 0.0 });
     let mut found: Vec<Disturbance> = Vec::new();
@@ -111,7 +114,8 @@ fn jumps(values: &[f64], block: usize) -> Vec<Disturbance> {
     let limit = JUMP * spread(&differences).max(rms(&differences));
     let mut found: Vec<Disturbance> = Vec::new();
     for (k, _) in differences.iter().enumerate().filter(|(_, d)| limit > 0.0 && d.abs() > limit) {
-        // Between the middles of the two blocks: a jump inside a block shows in the differences on both of its sides.
+        // Between the middles of the two blocks: a jump inside a block shows in the differences on
+        // both of its sides.
         let samples = k * block + block / 2..(k + 1) * block + block / 2;
         match found.last_mut() {
             Some(last) if samples.start <= last.samples.end => last.samples.end = samples.end,

@@ -1,4 +1,5 @@
-//! A study of one axis divided among machines: its ensembles, and the answer from the files of all shards.
+//! A study of one axis divided among machines: its ensembles, and the answer from the files of all
+//! shards.
 
 use std::ops::Range;
 use std::path::Path;

@@ -33,7 +33,8 @@ pub struct Document {
     closed_form: ClosedForm,
     growth: Vec<Power>,
     error_budget: Vec<BudgetRow>,
-    /// The recorded log in windows beside the prediction; absent where the study asks for none, empty without the log.
+    /// The recorded log in windows beside the prediction; absent where the study asks for none,
+    /// empty without the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     windows: Option<Vec<Windows>>,
     /// The same without windows that hold a knock, a jump or a filled gap, where there are such.
@@ -62,7 +63,8 @@ pub struct Backend {
     driver: String,
     precision: String,
     fused_multiply_add: String,
-    /// Which members were integrated where, and why; left out where it was all of them, here, as asked.
+    /// Which members were integrated where, and why; left out where it was all of them, here, as
+    /// asked.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     parts: Vec<Part>,
 }
@@ -106,8 +108,8 @@ struct Moments {
     sd: Vec<f64>,
 }
 
-/// Windows of one length of one axis: the share of them inside the central 50, 90 and 99 % of the prediction, and standard
-/// deviations in m (accelerometer) or rad (gyro, tilt).
+/// Windows of one length of one axis: the share of them inside the central 50, 90 and 99 % of the
+/// prediction, and standard deviations in m (accelerometer) or rad (gyro, tilt).
 #[derive(Debug, Clone, Serialize)]
 struct Windows {
     axis: String,

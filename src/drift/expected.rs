@@ -1,7 +1,9 @@
-//! What theory says of a study: mean and variance of every error quantity at every time, source by source, in closed form.
+//! What theory says of a study: mean and variance of every error quantity at every time, source by
+//! source, in closed form.
 //!
-//! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding without noise, a scale
-//! error on a sine drawn per member) is left out and said. See `navigation::closed_form` for the laws.
+//! Independent sources add in variance. What has no closed form (mechanics, saturation, rounding
+//! without noise, a scale error on a sine drawn per member) is left out and said. See
+//! `navigation::closed_form` for the laws.
 
 use crate::excitation::plan::Variation;
 use crate::excitation::{self, Waveform};
@@ -30,9 +32,11 @@ pub struct Moment {
 pub struct Expected {
     /// Times from the end of the still start, s.
     pub time_s: Vec<f64>,
-    /// Sources with a closed form, each with its moments per time, in the order of `statistics::QUANTITIES`.
+    /// Sources with a closed form, each with its moments per time, in the order of
+    /// `statistics::QUANTITIES`.
     pub sources: Vec<(ErrorSource, Vec<[Moment; 4]>)>,
-    /// Variance of the constant bias that the still start leaves of a source, (m/s²)² or (rad/s)²; nothing without one.
+    /// Variance of the constant bias that the still start leaves of a source, (m/s²)² or (rad/s)²;
+    /// nothing without one.
     pub bias_left: Vec<(ErrorSource, f64)>,
     /// Names of the errors without a closed form.
     pub left_out: Vec<String>,
@@ -111,8 +115,9 @@ fn now_or_later(process: Process, still_s: f64, integrations: u32, time_s: f64, 
     }
 }
 
-/// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by g where it is a gyro's.
-/// `levelled` is the mean of an accelerometer's source over a still start: the tilt of that much gravity hides it.
+/// How often a source is integrated on its way to position, velocity, acceleration and tilt, and by
+/// g where it is a gyro's. `levelled` is the mean of an accelerometer's source over a still start:
+/// the tilt of that much gravity hides it.
 fn chain(
     source: ErrorSource,
     time_s: &[f64],
@@ -140,8 +145,9 @@ fn power(n: u32, time_s: f64) -> f64 {
     Process::Constant(1.0).variance(n, time_s).sqrt()
 }
 
-/// A constant 1 that has been integrated `integrals` times since the beginning of the run, after `n` more from the end of the
-/// still start, which has taken off its mean: (T + t)ᵏ/k! less that mean, by powers of t.
+/// A constant 1 that has been integrated `integrals` times since the beginning of the run, after
+/// `n` more from the end of the still start, which has taken off its mean: (T + t)ᵏ/k! less that
+/// mean, by powers of t.
 fn grown(integrals: u32, still_s: f64, n: u32, time_s: f64) -> f64 {
     if still_s == 0.0 {
         return power(n + integrals, time_s);
@@ -214,7 +220,8 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             let white = |other: &SensorTerm| matches!(other.law(), ErrorLaw::White(_)) && other.sense() == term.sense();
             let noise = SensorTerm::ALL.into_iter().find(white).and_then(|t| study.tolerances.given(t));
             let noise_si = noise.map_or(0.0, |key| level(study, key)) / study.sample_s().sqrt();
-            // Widrow & Kollár, Quantization Noise (2008), §20: rounding is white with q²/12 once σ is half a step.
+            // Widrow & Kollár, Quantization Noise (2008), §20: rounding is white with q²/12 once σ
+            // is half a step.
             match noise_si >= 0.5 * level_si {
                 true => Law::Random(vec![Process::White(level_si / 12f64.sqrt() * study.sample_s().sqrt())]),
                 false => Law::None("with less noise than half a step, the rounding error depends on the motion"),
@@ -237,7 +244,8 @@ const MOST_PLACES: u64 = 256;
 /// The sum of held processes that the kernels make bias instability of.
 fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
     let term = |j: usize| {
-        // The mean over the places at which groups of members begin is that of as many processes of a share each.
+        // The mean over the places at which groups of members begin is that of as many processes of
+        // a share each.
         let (hold, firsts) = flicker::hold_and_firsts(j, MOST_PLACES);
         let sigma = instability * flicker::amplitude(j) / (firsts.len() as f64).sqrt();
         let (sample_s, hold_s) = (study.sample_s(), hold as f64 * study.sample_s());
@@ -301,7 +309,8 @@ struct ForceIntegrals {
 }
 
 impl ForceIntegrals {
-    /// By the trapezoidal rule on the integration steps, or on ten million of them where there are more.
+    /// By the trapezoidal rule on the integration steps, or on ten million of them where there are
+    /// more.
     fn of(study: &Study, time_s: &[f64]) -> Self {
         let waveform: &dyn Waveform = study.excitation.waveform.as_ref();
         let mut integrals = [Vec::new(), Vec::new()];
@@ -341,7 +350,8 @@ impl ForceIntegrals {
 mod tests {
     use super::*;
 
-    /// A ramp from the beginning of a still start of T is T/2 + t from its end on, less what it was in the mean.
+    /// A ramp from the beginning of a still start of T is T/2 + t from its end on, less what it was
+    /// in the mean.
     #[test]
     fn a_ramp_after_a_still_start_is_what_the_start_has_not_taken_off() {
         let (still_s, t) = (10.0, 7.0f64);

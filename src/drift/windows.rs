@@ -1,10 +1,10 @@
-//! Predicted, and what the sensor then did: a recorded static log cut into windows and integrated, beside the simulated
-//! sensors of the same axis.
+//! Predicted, and what the sensor then did: a recorded static log cut into windows and integrated,
+//! beside the simulated sensors of the same axis.
 //!
-//! Windows do not overlap. Each begins with a still start of its own, whose mean is taken off; what is left of an
-//! accelerometer is integrated twice, into position, and of a gyro once, into tilt. The simulated members do the same
-//! with the axis' own coefficients and nothing else: the log holds one channel. A log of n samples lasts n − 1 sample
-//! periods.
+//! Windows do not overlap. Each begins with a still start of its own, whose mean is taken off; what
+//! is left of an accelerometer is integrated twice, into position, and of a gyro once, into tilt.
+//! The simulated members do the same with the axis' own coefficients and nothing else: the log
+//! holds one channel. A log of n samples lasts n − 1 sample periods.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -141,7 +141,8 @@ impl Drifted {
 /// How a log is cut, for each length that the study asks for; none where it asks for no windows.
 ///
 /// # Errors
-/// A log that is shorter than a still start or than two windows with theirs; windows below one sample.
+/// A log that is shorter than a still start or than two windows with theirs; windows below one
+/// sample.
 pub(super) fn cuts(study: &Study, compare: &Compare, log: &Recording) -> Result<Vec<Cut>> {
     let (Some(windows_s), Alignment::Still { .. }) = (&compare.windows_s, study.alignment) else {
         return Ok(Vec::new());
@@ -207,8 +208,9 @@ pub(super) fn cuts(study: &Study, compare: &Compare, log: &Recording) -> Result<
     windows_s.iter().map(cut).collect()
 }
 
-/// The errors of one window after its still start, in units of samples (s = 1): once integrated, and twice. As the kernels
-/// have it: the error is held over a sample, its first integral a trapezium.
+/// The errors of one window after its still start, in units of samples (s = 1): once integrated,
+/// and twice. As the kernels have it: the error is held over a sample, its first integral a
+/// trapezium.
 fn integrals(values: &[f64], still: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
     let mean = values[..still].iter().sum::<f64>() / still as f64;
     let (mut once, mut twice) = (0.0, 0.0);
@@ -303,7 +305,8 @@ pub fn ensemble(study: &Study, axis: &Axis, log: &Recording, cuts: &[Cut]) -> Re
     job(study, axis, log, cuts.first().map_or(0, |c| c.still), &points(cuts).1)
 }
 
-/// The members of one axis: at rest after a still start, with the errors of that sensor and of no other.
+/// The members of one axis: at rest after a still start, with the errors of that sensor and of no
+/// other.
 fn job(study: &Study, axis: &Axis, log: &Recording, still: usize, points: &[usize]) -> Result<Job> {
     let (sense, _) = axis.unit();
     let samples = points.last().copied().unwrap_or(1) as u64;
@@ -335,7 +338,8 @@ mod tests {
     #[test]
     fn a_constant_leaves_nothing_and_a_ramp_its_integrals() {
         assert!(integrals(&[3.0; 50], 10).all(|both| both == [0.0, 0.0]));
-        // From its middle over the still start a ramp of 1 per sample runs on: after n samples n·(still/2) + n²/2.
+        // From its middle over the still start a ramp of 1 per sample runs on: after n samples
+        // n·(still/2) + n²/2.
         let ramp: Vec<f64> = (0..1100).map(f64::from).collect();
         let last = integrals(&ramp, 100).last().expect("a thousand samples");
         let (n, lead) = (1000.0, 50.0);

@@ -1,7 +1,9 @@
-//! Bifurcation diagrams: strobed displacement against forcing amplitude, following the attractor up and down.
+//! Bifurcation diagrams: strobed displacement against forcing amplitude, following the attractor up
+//! and down.
 //!
-//! A sweep carries the state from one amplitude to the next, so that where two attractors coexist the way up and the way
-//! down differ (hysteresis). That makes it sequential; for independent starts see `map`.
+//! A sweep carries the state from one amplitude to the next, so that where two attractors coexist
+//! the way up and the way down differ (hysteresis). That makes it sequential; for independent
+//! starts see `map`.
 
 use super::duffing::{Drive, Oscillator, State};
 use crate::control::{Control, Stopped};

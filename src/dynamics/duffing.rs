@@ -1,4 +1,5 @@
-//! The paper's equation 6, m x″ + D₀x′ + kx + εx³ = F, stepped by classic Runge–Kutta; ε = 0 is equation 4.
+//! The paper's equation 6, m x″ + D₀x′ + kx + εx³ = F, stepped by classic Runge–Kutta; ε = 0 is
+//! equation 4.
 //!
 //! Not for stiff proof masses of real sensors: those have integrators of their own in `kernel`.
 
@@ -48,7 +49,8 @@ impl Oscillator {
         self.stiffness_n_m + tangent_stiffness(self.cubic_n_m3, x_m)
     }
 
-    /// One step of classic Runge–Kutta (order 4) with the force at the step's beginning, middle and end.
+    /// One step of classic Runge–Kutta (order 4) with the force at the step's beginning, middle and
+    /// end.
     #[inline]
     pub fn step(&self, state: State, step_s: f64, force_n: [f64; 3]) -> State {
         let slope = |s: State, f| State { x_m: s.v_m_s, v_m_s: self.acceleration_m_s2(s, f) };
@@ -63,7 +65,8 @@ impl Oscillator {
         }
     }
 
-    /// Where a constant force holds the mass: the one real root of kx + εx³ = F for k, ε ≥ 0, by Newton's method.
+    /// Where a constant force holds the mass: the one real root of kx + εx³ = F for k, ε ≥ 0, by
+    /// Newton's method.
     pub fn equilibrium_m(&self, force_n: f64) -> f64 {
         let (k, e) = (self.stiffness_n_m, self.cubic_n_m3);
         // Starting beyond the root, where the curve is convex, Newton descends to it monotonically.
@@ -74,10 +77,12 @@ impl Oscillator {
         x
     }
 
-    /// Steps per forcing period that keep ωh near 0.2 at the stiffest point of an orbit driven with this amplitude.
+    /// Steps per forcing period that keep ωh near 0.2 at the stiffest point of an orbit driven with
+    /// this amplitude.
     ///
-    /// The spring is stiffest at the largest displacement. That is bounded here by twice the static deflection under the
-    /// force (or by the linear resonance where that is nearer), where ω² = (k + 3εx²)/m.
+    /// The spring is stiffest at the largest displacement. That is bounded here by twice the static
+    /// deflection under the force (or by the linear resonance where that is nearer), where ω² =
+    /// (k + 3εx²)/m.
     pub fn steps_per_period(&self, amplitude_n: f64, omega_rad_s: f64) -> u32 {
         let x = 2.0 * self.equilibrium_m(amplitude_n.abs());
         let stiffest = (self.tangent_stiffness_n_m(x) / self.mass_kg).abs().sqrt();
@@ -102,7 +107,8 @@ impl Drive {
         self.amplitude_n * (self.omega_rad_s * time_s).cos()
     }
 
-    /// What an ideal sensor of unit mass that starts at rest would report: reading, speed and distance.
+    /// What an ideal sensor of unit mass that starts at rest would report: reading, speed and
+    /// distance.
     pub fn ideal(&self, time_s: f64) -> (f64, f64, f64) {
         let (a, w) = (self.amplitude_n, self.omega_rad_s);
         (self.at_n(time_s), a / w * (w * time_s).sin(), a / (w * w) * (1.0 - (w * time_s).cos()))
@@ -113,7 +119,8 @@ impl Drive {
         2.0 * std::f64::consts::PI / self.omega_rad_s
     }
 
-    /// The force at every half step of one period: `2 steps + 1` values, the last equal to the first.
+    /// The force at every half step of one period: `2 steps + 1` values, the last equal to the
+    /// first.
     pub fn table_n(&self, steps: u32) -> Vec<f64> {
         let halves = 2 * steps;
         let angle = |j: u32| 2.0 * std::f64::consts::PI * f64::from(j % halves) / f64::from(halves);

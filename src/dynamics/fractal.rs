@@ -1,8 +1,10 @@
-//! How much of the plane a cloud of points fills: box-counting dimension and correlation dimension, with intervals.
+//! How much of the plane a cloud of points fills: box-counting dimension and correlation dimension,
+//! with intervals.
 //!
-//! Both are slopes over a stated range of scales. Their error joins the scatter between independent groups of points with
-//! the scatter of the local slopes along the scales, because a real attractor's slope undulates. Sources: Grassberger and
-//! Procaccia, Physica D 9 (1983); Falconer, Fractal Geometry, ch. 2. Not for time series: points are taken as given.
+//! Both are slopes over a stated range of scales. Their error joins the scatter between independent
+//! groups of points with the scatter of the local slopes along the scales, because a real
+//! attractor's slope undulates. Sources: Grassberger and Procaccia, Physica D 9 (1983); Falconer,
+//! Fractal Geometry, ch. 2. Not for time series: points are taken as given.
 
 use super::estimate::{Estimate, slope};
 
@@ -31,8 +33,9 @@ pub(crate) fn box_counting(groups: &[Vec<[f64; 2]>], scales: Scales) -> Dimensio
         levels.map(|level| (f64::from(level), occupied(groups, level) as f64)).map(|(l, n)| (l, n.log2())).collect()
     };
     let all = curve(&groups.iter().collect::<Vec<_>>());
-    // Half of the points is the leanest replicate that is still dense at the finest scale: leave-one-group-out instead,
-    // whose scatter is inflated to that of the whole (the delete-one jackknife).
+    // Half of the points is the leanest replicate that is still dense at the finest scale:
+    // leave-one-group-out instead, whose scatter is inflated to that of the whole (the delete-one
+    // jackknife).
     let without: Vec<f64> = (0..groups.len())
         .map(|k| {
             let kept: Vec<_> = groups.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, g)| g).collect();
@@ -59,7 +62,8 @@ fn occupied(groups: &[&Vec<[f64; 2]>], level: u32) -> usize {
     boxes.iter().map(|b| b.count_ones() as usize).sum()
 }
 
-/// Correlation dimension of groups of points in the unit square (distance: the larger coordinate difference).
+/// Correlation dimension of groups of points in the unit square (distance: the larger coordinate
+/// difference).
 ///
 /// Each group counts its own pairs; points of one group should come from different times or orbits.
 pub fn correlation(groups: &[Vec<[f64; 2]>], scales: Scales) -> Dimension {
@@ -100,8 +104,8 @@ mod tests {
     use crate::rng::{Philox, Stream};
     use rand::RngExt;
 
-    /// Known shapes: the Sierpiński gasket (each pair of binary digits is 00, 01 or 10, so 3ᵏ boxes of side 2⁻ᵏ are
-    /// met exactly), the square, a line: dimension ln 3/ln 2, 2, 1.
+    /// Known shapes: the Sierpiński gasket (each pair of binary digits is 00, 01 or 10, so 3ᵏ boxes
+    /// of side 2⁻ᵏ are met exactly), the square, a line: dimension ln 3/ln 2, 2, 1.
     fn cloud(kind: usize, group: u64) -> Vec<[f64; 2]> {
         let mut random = Philox::new(7, group, Stream::Host);
         let mut gasket = || {

@@ -1,5 +1,6 @@
-//! The linear proof mass under a rectangular force, exactly: closed form by the characteristic roots, and the exact-hold
-//! map by matrix exponential. Equation 5 of the paper as printed stands here too, to be confronted with equation 4.
+//! The linear proof mass under a rectangular force, exactly: closed form by the characteristic
+//! roots, and the exact-hold map by matrix exponential. Equation 5 of the paper as printed stands
+//! here too, to be confronted with equation 4.
 //!
 //! Not for noise or for cubic springs.
 
@@ -51,14 +52,16 @@ pub(crate) fn roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     [(-root - d) / (2.0 * m), (root - d) / (2.0 * m)]
 }
 
-/// The exponents ±½√(D₀² − 4km/m − D₀²/m) that stand in equation 5 as printed, everything under one root.
+/// The exponents ±½√(D₀² − 4km/m − D₀²/m) that stand in equation 5 as printed, everything under one
+/// root.
 pub(crate) fn printed_roots(oscillator: &Oscillator) -> [Complex<f64>; 2] {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let half = Complex::new(d * d - 4.0 * k * m / m - d * d / m, 0.0).sqrt() * 0.5;
     [-half, half]
 }
 
-/// Equation 5 with given exponents: F₀/k + c₁e^(r₁t) + c₂e^(r₂t), where rest at t = 0 fixes c₁ and c₂.
+/// Equation 5 with given exponents: F₀/k + c₁e^(r₁t) + c₂e^(r₂t), where rest at t = 0 fixes c₁ and
+/// c₂.
 ///
 /// The exponents must differ; at critical damping the form itself does not exist.
 fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> MassResponse {
@@ -78,7 +81,8 @@ fn step_response(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64
     }
 }
 
-/// What is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ + kx − F₀, N.
+/// What is left when equation 5 with these exponents is put into equation 4: m x″ + D₀x′ + kx − F₀,
+/// N.
 pub(crate) fn residual_n(oscillator: &Oscillator, roots: [Complex<f64>; 2], force_n: f64, time_s: f64) -> f64 {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let [r1, r2] = roots;
@@ -102,7 +106,8 @@ pub(crate) fn rectangle_response(oscillator: &Oscillator, rectangle: Rectangle, 
     }
 }
 
-/// The exact-hold map: over one step of constant force, `[x, v, ∫x, ∬x, F]` is multiplied by this matrix.
+/// The exact-hold map: over one step of constant force, `[x, v, ∫x, ∬x, F]` is multiplied by this
+/// matrix.
 pub(crate) fn exact_hold(oscillator: &Oscillator, step_s: f64) -> Matrix5<f64> {
     let Oscillator { mass_kg: m, damping_kg_s: d, stiffness_n_m: k, .. } = *oscillator;
     let mut rate = Matrix5::zeros();

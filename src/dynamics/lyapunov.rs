@@ -1,7 +1,9 @@
-//! Both Lyapunov exponents of the forced Duffing oscillator, in f64, one orbit at a time: the oracle of the lanes.
+//! Both Lyapunov exponents of the forced Duffing oscillator, in f64, one orbit at a time: the
+//! oracle of the lanes.
 //!
-//! Two tangent vectors are carried along and made orthogonal again once per forcing period (Benettin et al., Meccanica 15,
-//! 1980; Wolf et al., Physica D 16, 1985). The third exponent of the forced system, along time, is zero. Not for maps.
+//! Two tangent vectors are carried along and made orthogonal again once per forcing period
+//! (Benettin et al., Meccanica 15, 1980; Wolf et al., Physica D 16, 1985). The third exponent of
+//! the forced system, along time, is zero. Not for maps.
 
 use super::duffing::{Drive, Oscillator, State};
 
@@ -16,7 +18,8 @@ pub struct Span {
     pub periods: u32,
 }
 
-/// The exponents λ₁ ≥ λ₂, 1/s. Their sum is −D₀/m for every orbit (the divergence of the flow), whatever the force.
+/// The exponents λ₁ ≥ λ₂, 1/s. Their sum is −D₀/m for every orbit (the divergence of the flow),
+/// whatever the force.
 pub fn spectrum(oscillator: &Oscillator, drive: &Drive, start: State, span: Span) -> [f64; 2] {
     let table = drive.table_n(span.steps_per_period);
     let h = drive.period_s() / f64::from(span.steps_per_period);
@@ -47,7 +50,8 @@ type Tangents = [[f64; 2]; 2];
 
 /// One Runge–Kutta step of the orbit and both tangent vectors.
 fn step(oscillator: &Oscillator, state: State, tangents: Tangents, h: f64, force: [f64; 3]) -> (State, Tangents) {
-    // Six numbers, one slope function: the tangents follow the derivative of equation 6 along the orbit.
+    // Six numbers, one slope function: the tangents follow the derivative of equation 6 along the
+    // orbit.
     let slope = |y: [f64; 6], f: f64| {
         let [x, v, a, b, c, d] = y;
         let acceleration = oscillator.acceleration_m_s2(State { x_m: x, v_m_s: v }, f);

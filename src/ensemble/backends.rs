@@ -1,4 +1,5 @@
-//! Which backend a job gets. A GPU is looked for only where it could pay, and opened once however many jobs follow.
+//! Which backend a job gets. A GPU is looked for only where it could pay, and opened once however
+//! many jobs follow.
 
 use std::sync::Arc;
 
@@ -15,12 +16,14 @@ use crate::kernel::job::Job;
 use crate::parallel;
 use crate::statistics::Statistics;
 
-/// Member-steps per second and thread of the full path on the CPU: what `proofmass bench` finds on a Zen 5, rounded down.
+/// Member-steps per second and thread of the full path on the CPU: what `proofmass bench` finds on
+/// a Zen 5, rounded down.
 const CPU_PER_THREAD_PER_S: f64 = 1e9;
-/// Seconds to find and open an adapter and to compile a kernel for it: on Mesa's lavapipe 0.04 and about 0.1.
+/// Seconds to find and open an adapter and to compile a kernel for it: on Mesa's lavapipe 0.04 and
+/// about 0.1.
 const START_S: f64 = 0.2;
-/// Seconds that a step takes on a GPU however few members there are: some sixty instructions that wait for each other, at
-/// four to six cycles each and 1.5 GHz. Computed, not measured.
+/// Seconds that a step takes on a GPU however few members there are: some sixty instructions that
+/// wait for each other, at four to six cycles each and 1.5 GHz. Computed, not measured.
 const STEP_S: f64 = 2e-7;
 
 /// Whether the CPU would take longer than a GPU must at the least.
@@ -42,17 +45,18 @@ pub struct Backends {
 }
 
 impl Backends {
-    /// Backends on the GPU of this number, where there are several of the best kind: processes that share a machine take one
-    /// each.
+    /// Backends on the GPU of this number, where there are several of the best kind: processes that
+    /// share a machine take one each.
     pub fn on_nth(nth: usize) -> Self {
         Self { nth, ..Self::default() }
     }
 
-    /// Integrates an ensemble and sums it up; `keeper` keeps the sums. Where the choice is automatic and the GPU fails, the
-    /// CPU goes on.
+    /// Integrates an ensemble and sums it up; `keeper` keeps the sums. Where the choice is
+    /// automatic and the GPU fails, the CPU goes on.
     ///
     /// # Errors
-    /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state files that do not fit.
+    /// Impossible jobs, adapters that are not there, Ctrl-C (the hint says how to go on), state
+    /// files that do not fit.
     pub fn run(&mut self, job: &Job, options: &Options, keeper: &mut Keeper) -> Result<Statistics> {
         check(job)?;
         let Some(gpu) = self.open(job, options)? else {
@@ -96,7 +100,8 @@ impl Backends {
     }
 }
 
-/// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and left.
+/// What looking for a GPU in hardware finds. One that is there and cannot be opened is said, and
+/// left.
 fn hardware(nth: usize, control: &Control) -> (Option<Option<Arc<Gpu>>>, Option<String>) {
     match Gpu::hardware_nth(nth) {
         Ok(gpu) => (Some(gpu.map(Arc::new)), None),

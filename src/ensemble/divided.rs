@@ -1,4 +1,5 @@
-//! A study divided among shards: how its ensembles are cut, what a shard does, and the whole put together again.
+//! A study divided among shards: how its ensembles are cut, what a shard does, and the whole put
+//! together again.
 
 use std::path::Path;
 
@@ -46,7 +47,8 @@ pub(crate) fn run_pieces<'a>(
 /// Files read at a time.
 const AT_A_TIME: usize = 16;
 
-/// Puts the ensembles of a study together from the files of its shards, which must be the whole of it.
+/// Puts the ensembles of a study together from the files of its shards, which must be the whole of
+/// it.
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, or is another run's.

@@ -1,4 +1,5 @@
-//! One part of a run on one backend, batch by batch: summed as it comes, kept when it is time, stopped between two tiles.
+//! One part of a run on one backend, batch by batch: summed as it comes, kept when it is time,
+//! stopped between two tiles.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -51,8 +52,8 @@ pub(super) fn run_part(
     Ok(summed(job, keeper.part(), begun.elapsed().as_secs_f64()))
 }
 
-/// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on. The report then says who
-/// did what, and why.
+/// As [`run_kept`]; what `device` does not get done because it fails, the CPU does from there on.
+/// The report then says who did what, and why.
 ///
 /// # Errors
 /// As [`run_kept`], but for failures of the device.
@@ -94,8 +95,8 @@ fn integrate(
     let length = (members.end - members.start + pilot).saturating_mul(samples);
     let watched = Watched { control: &options.control, progress: options.control.stage("simulating", length) };
     if keeper.part().bins.is_empty() {
-        // Always on the CPU: the same for every backend of the same precision. And always of the first members: the same for
-        // every shard.
+        // Always on the CPU: the same for every backend of the same precision. And always of the
+        // first members: the same for every shard.
         let mut cpu = Cpu { precision: options.precision, ..Cpu::default() };
         let partials = batch(job, &mut cpu, 0..pilot, keeper, &watched)?;
         keeper.part_mut().set_bins(partials.iter().map(bins).collect());
@@ -122,7 +123,8 @@ struct Watched<'a> {
     progress: Progress,
 }
 
-/// The next members, or those of a batch that was under way; kept when it is time, half-way through a tile or not.
+/// The next members, or those of a batch that was under way; kept when it is time, half-way through
+/// a tile or not.
 fn batch(
     job: &Job,
     backend: &mut dyn Backend,

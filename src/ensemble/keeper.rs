@@ -1,8 +1,9 @@
-//! Where a run of several parts keeps what it has summed up, so that it goes on after a stop, a kill or a fault.
+//! Where a run of several parts keeps what it has summed up, so that it goes on after a stop, a
+//! kill or a fault.
 //!
-//! One file per part, written when [`INTERVAL_S`] seconds of work are not kept yet and when the run is stopped, and removed by
-//! [`Keeper::forget`], after the caller has written everything that the run was for. A shard keeps all its pieces in one
-//! file, which is its result and stays.
+//! One file per part, written when [`INTERVAL_S`] seconds of work are not kept yet and when the run
+//! is stopped, and removed by [`Keeper::forget`], after the caller has written everything that the
+//! run was for. A shard keeps all its pieces in one file, which is its result and stays.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -17,7 +18,8 @@ use crate::kernel::job::Job;
 
 /// Seconds of work after which it is kept. `PROOFMASS_STATE_INTERVAL_S` sets another number.
 const INTERVAL_S: f64 = 30.0;
-/// Most parts of a run: an ensemble and its error budget have some twenty, a map over two keys has 64 × 64 points.
+/// Most parts of a run: an ensemble and its error budget have some twenty, a map over two keys has
+/// 64 × 64 points.
 const MOST_PARTS: usize = 4096;
 
 /// The states of a run.
@@ -52,7 +54,8 @@ impl Keeper {
         Self::of(None, "", false)
     }
 
-    /// Keeps the run of this `identity` in a folder. States of an earlier run there give way to the first one written.
+    /// Keeps the run of this `identity` in a folder. States of an earlier run there give way to the
+    /// first one written.
     pub fn new(folder: &Path, identity: &str) -> Self {
         Self::of(Some(folder), identity, false)
     }
@@ -127,7 +130,8 @@ impl Keeper {
         &mut self.part
     }
 
-    /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is let finish.
+    /// Whether a batch that has `begun` then should stop to be kept. One that has hardly begun is
+    /// let finish.
     pub(super) fn is_due_within(&self, begun: Instant) -> bool {
         self.keeps() && self.last.elapsed() >= self.interval && begun.elapsed() >= self.interval / 6
     }

@@ -40,7 +40,8 @@ impl Kept {
         Ok(Self { results, header: contents.header, ..Self::new(place, header) })
     }
 
-    /// A shard that keeps what its file holds, as far as it has come, and goes on with the pieces of the head.
+    /// A shard that keeps what its file holds, as far as it has come, and goes on with the pieces
+    /// of the head.
     pub fn behind(place: Place, mut header: Header, before: Option<&Contents>) -> Self {
         let mut pieces = Vec::new();
         let mut results = Vec::new();

@@ -1,9 +1,9 @@
 //! A state in few bytes: what a shard's file holds of each of its pieces.
 //!
-//! Most bins of most histograms are empty, and counts are small: a histogram is its non-empty bins, as the gap to the one
-//! before and the count, in seven bits a byte. Subtrees of a fold are five numbers per quantity. Everything that is small
-//! anyway is JSON. Unpacking adds to a state that may hold other members already, so that a thousand pieces need the memory
-//! of one.
+//! Most bins of most histograms are empty, and counts are small: a histogram is its non-empty bins,
+//! as the gap to the one before and the count, in seven bits a byte. Subtrees of a fold are five
+//! numbers per quantity. Everything that is small anyway is JSON. Unpacking adds to a state that
+//! may hold other members already, so that a thousand pieces need the memory of one.
 
 use std::ops::Range;
 

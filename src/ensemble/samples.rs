@@ -1,7 +1,9 @@
-//! Simulated readings of some members, as a recording: what the sensors would have written to a log.
+//! Simulated readings of some members, as a recording: what the sensors would have written to a
+//! log.
 //!
-//! A reading is the truth plus the error that the kernels integrate: the specific force along the axis, and a rate of zero.
-//! A still start is part of the log; what it takes off belongs to the navigation and not to the sensor.
+//! A reading is the truth plus the error that the kernels integrate: the specific force along the
+//! axis, and a rate of zero. A still start is part of the log; what it takes off belongs to the
+//! navigation and not to the sensor.
 
 use crate::backend::cpu;
 use crate::columns::Columns;
@@ -14,11 +16,13 @@ use crate::number::rounded;
 /// Most numbers of a recording that is made in memory.
 const MOST: u64 = 30_000_000;
 
-/// Time, then the gyros and the accelerometers of the first `members` members, SI: `t_s`, `gyro_1_rad_s` …,
-/// `accelerometer_1_m_s2` …; without a number where there is one member. A reading of a member that diverged is missing.
+/// Time, then the gyros and the accelerometers of the first `members` members, SI: `t_s`,
+/// `gyro_1_rad_s` …, `accelerometer_1_m_s2` …; without a number where there is one member. A
+/// reading of a member that diverged is missing.
 ///
 /// # Errors
-/// No members or more than the job has, more numbers than fit the memory, a member that cannot be stepped; stopped.
+/// No members or more than the job has, more numbers than fit the memory, a member that cannot be
+/// stepped; stopped.
 pub fn samples(job: &Job, members: u64, control: &Control) -> Result<Columns> {
     let refuse = |cause: String, hint: String| Err(Error::new("could not write samples", cause, hint));
     if members == 0 || members > job.members {

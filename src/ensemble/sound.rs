@@ -1,4 +1,5 @@
-//! Whether the sums of a state can be what it says they are: as many members counted as were summed, numbers that are some.
+//! Whether the sums of a state can be what it says they are: as many members counted as were
+//! summed, numbers that are some.
 
 use std::ops::Range;
 
@@ -85,8 +86,8 @@ fn sums(moments: &[Moments; 4], histograms: &[Histogram], failed: u64, members: 
     Ok(())
 }
 
-/// Far beyond what a member may reach before it has failed (10⁷ m/s², for the longest of runs), and so that squares of sums
-/// stay in the range of numbers.
+/// Far beyond what a member may reach before it has failed (10⁷ m/s², for the longest of runs), and
+/// so that squares of sums stay in the range of numbers.
 const LARGEST: f64 = 1e150;
 
 fn possible(m: &Moments) -> bool {

@@ -42,13 +42,15 @@ pub(super) struct State {
     pub bins: Vec<[Bins; 4]>,
     /// Sums per report time.
     pub reports: Vec<Report>,
-    /// A batch that was stopped between two tiles, of the pilot where there are no bins yet, and its machine.
+    /// A batch that was stopped between two tiles, of the pilot where there are no bins yet, and
+    /// its machine.
     pub(super) under_way: Option<(Machine, Unfinished)>,
 }
 
 pub(super) const SCHEMA: &str = "proofmass.state/3";
 
-/// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be mixed, and say so.
+/// A part of a run, as far as its numbers depend on it. Not the backend: sums from several may be
+/// mixed, and say so.
 pub(super) struct Run<'a> {
     /// Digest of the study.
     pub identity: &'a str,

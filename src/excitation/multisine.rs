@@ -1,6 +1,7 @@
 //! A random-phase multisine: equal lines, evenly spaced over a band, with seeded phases.
 //!
-//! The excitation of frequency-response measurements (Pintelon & Schoukens, *System Identification*, 2nd ed., ch. 5).
+//! The excitation of frequency-response measurements (Pintelon & Schoukens, *System
+//! Identification*, 2nd ed., ch. 5).
 
 use std::f64::consts::TAU;
 
@@ -40,7 +41,8 @@ pub(crate) struct Multisine {
 }
 
 impl Multisine {
-    /// `lines` sines from `from_hz` to `to_hz` inclusive whose sum has the root mean square `rms_m_s2`.
+    /// `lines` sines from `from_hz` to `to_hz` inclusive whose sum has the root mean square
+    /// `rms_m_s2`.
     pub(crate) fn new(rms_m_s2: f64, from_hz: f64, to_hz: f64, lines: u32, seed: u64) -> Self {
         let mut rng = Philox::new(seed, 0, Stream::Excitation);
         let spacing_hz = if lines > 1 { (to_hz - from_hz) / f64::from(lines - 1) } else { 0.0 };

@@ -1,4 +1,5 @@
-//! An excitation as a study runs it: a waveform that all members share, and what each member has of its own.
+//! An excitation as a study runs it: a waveform that all members share, and what each member has of
+//! its own.
 
 use std::sync::Arc;
 
@@ -79,7 +80,8 @@ impl Plan {
 }
 
 impl Plan {
-    /// Refuses a line that steps of this length cannot see, and says of a band that part of it folds back.
+    /// Refuses a line that steps of this length cannot see, and says of a band that part of it
+    /// folds back.
     ///
     /// # Errors
     /// A line at or above half the rate of the steps; `source` is where the study was read from.

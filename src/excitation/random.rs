@@ -1,8 +1,9 @@
-//! Random vibration from a table of power spectral density, as in environmental test standards (MIL-STD-810, DO-160).
+//! Random vibration from a table of power spectral density, as in environmental test standards
+//! (MIL-STD-810, DO-160).
 //!
-//! One seeded realisation, shared by all members: fixed line amplitudes from the table and random phases, so that the
-//! realisation's own spectrum and Grms are the table's, and its values are normal by the many lines. Beyond one period
-//! (`LONGEST` points) it repeats.
+//! One seeded realisation, shared by all members: fixed line amplitudes from the table and random
+//! phases, so that the realisation's own spectrum and Grms are the table's, and its values are
+//! normal by the many lines. Beyond one period (`LONGEST` points) it repeats.
 
 use std::f64::consts::TAU;
 
@@ -45,15 +46,18 @@ fn table(given: &Reader<'_>) -> Result<Spectrum> {
     Ok(spectrum)
 }
 
-/// Points per cycle of the highest line; cubic interpolation between them then errs by less than 0.3 % there.
+/// Points per cycle of the highest line; cubic interpolation between them then errs by less than
+/// 0.3 % there.
 const OVERSAMPLING: f64 = 10.0;
 /// Longest period kept, in points (32 MiB).
 const LONGEST: usize = 1 << 22;
 
-/// One-sided power spectral density over frequency, straight lines on log-log axes between its points, zero outside.
+/// One-sided power spectral density over frequency, straight lines on log-log axes between its
+/// points, zero outside.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spectrum {
-    /// (frequency in Hz, density in g²/Hz), frequencies increasing, both positive, at least two points.
+    /// (frequency in Hz, density in g²/Hz), frequencies increasing, both positive, at least two
+    /// points.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -109,7 +113,8 @@ impl RandomVibration {
         let line = |k: usize| {
             let phase_rad = TAU * rng.random::<f64>();
             let density = spectrum.density_g2_hz(k as f64 * spacing_hz);
-            // A line of amplitude A carries A²/2 = density × spacing; realfft's inverse sums both halves unscaled.
+            // A line of amplitude A carries A²/2 = density × spacing; realfft's inverse sums both
+            // halves unscaled.
             Complex::from_polar(0.5 * STANDARD_GRAVITY_M_S2 * (2.0 * density * spacing_hz).sqrt(), phase_rad)
         };
         let mut lines: Vec<Complex<f64>> = (0..=points / 2).map(line).collect();
@@ -163,7 +168,8 @@ mod tests {
             (0..n).map(|k| vibration.specific_force_m_s2(k as f64 / rate_hz) / STANDARD_GRAVITY_M_S2).collect();
         let rms = (g.iter().map(|v| v * v).sum::<f64>() / n as f64).sqrt();
         assert!((rms / table.grms() - 1.0).abs() < 0.03, "{rms}");
-        // Welch: Hann window, half overlap, 2048 points (8 Hz bins), 63 segments: 14 % scatter per bin, less in bands.
+        // Welch: Hann window, half overlap, 2048 points (8 Hz bins), 63 segments: 14 % scatter per
+        // bin, less in bands.
         let welch = spectrum::welch(&g, rate_hz, 2048);
         for band in [(48.0, 80.0), (100.0, 300.0), (400.0, 800.0), (1000.0, 1900.0)] {
             let bins = welch.frequency_hz.iter().zip(&welch.density).filter(|(f, _)| (band.0..band.1).contains(*f));

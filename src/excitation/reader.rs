@@ -1,4 +1,5 @@
-//! What the kinds of excitation read their keys with, and the errors that name the key and the kind.
+//! What the kinds of excitation read their keys with, and the errors that name the key and the
+//! kind.
 
 use std::path::{Path, PathBuf};
 

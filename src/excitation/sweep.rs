@@ -47,7 +47,8 @@ mod tests {
         let sweep = Sweep { amplitude_m_s2: 1.0, from_hz: 1.0, to_hz: 11.0, length_s: 10.0 };
         let signs: Vec<bool> = (0..1_000_000).map(|k| sweep.specific_force_m_s2(k as f64 * 1e-5) >= 0.0).collect();
         let crossings = |from: usize, to: usize| signs[from..to].windows(2).filter(|w| w[0] != w[1]).count();
-        // Cycles are the integral of the frequency: 4 of the 60 in the first 2 s, 20 in the last 2 s, two crossings each.
+        // Cycles are the integral of the frequency: 4 of the 60 in the first 2 s, 20 in the last 2
+        // s, two crossings each.
         assert_eq!(crossings(1, 200_000), 7);
         assert!((39..=41).contains(&crossings(800_000, 1_000_000)));
     }

@@ -1,4 +1,5 @@
-//! AirSim's settings.json: N for white noise, and a bias that walks by stability/√τ (class ImuSimple).
+//! AirSim's settings.json: N for white noise, and a bias that walks by stability/√τ (class
+//! ImuSimple).
 
 use super::drift::{self, Form};
 use super::imu::Imu;

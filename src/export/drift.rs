@@ -1,5 +1,5 @@
-//! What stands for a slowly moving bias in tools that know one process for it: a random walk, or a first-order Gauss–Markov
-//! process; and how far its Allan deviation is from that of the sensor.
+//! What stands for a slowly moving bias in tools that know one process for it: a random walk, or a
+//! first-order Gauss–Markov process; and how far its Allan deviation is from that of the sensor.
 
 use super::imu::Errors;
 use crate::number::short;
@@ -17,7 +17,8 @@ pub(crate) enum Form {
 /// The bias process written for a sensor, and what is to be said of it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Process {
-    /// Strength of the white noise that drives it, unit/√s: the random walk K at times short against the correlation time.
+    /// Strength of the white noise that drives it, unit/√s: the random walk K at times short
+    /// against the correlation time.
     pub drive: f64,
     /// Correlation time, s; [`WALK_S`] for a random walk.
     pub correlation_s: f64,
@@ -25,14 +26,15 @@ pub(crate) struct Process {
     pub remark: String,
 }
 
-/// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation is 0.04 % low.
+/// Correlation time that makes a Gauss–Markov process a random walk: at 1000 s its Allan deviation
+/// is 0.04 % low.
 const WALK_S: f64 = 1e6;
 /// Where a substitute for bias instability agrees with it, s.
 const AGREES_S: f64 = 100.0;
 /// Allan deviation of bias instability over B: √(2 ln 2/π).
 const FLAT: f64 = 0.664_28;
-/// Averaging time of a Gauss–Markov process' largest Allan deviation over its correlation time, and that deviation over
-/// drive × √(correlation time) (IEEE 952, annex C).
+/// Averaging time of a Gauss–Markov process' largest Allan deviation over its correlation time, and
+/// that deviation over drive × √(correlation time) (IEEE 952, annex C).
 const PEAK: (f64, f64) = (1.892, 0.4365);
 
 /// The nearest to the sensor's random walk and bias instability.

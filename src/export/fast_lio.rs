@@ -1,4 +1,5 @@
-//! FAST-LIO: covariances, which it multiplies by Δt² at each step: acc_cov is a sample's variance N²/Δt, b_acc_cov K²/Δt.
+//! FAST-LIO: covariances, which it multiplies by Δt² at each step: acc_cov is a sample's variance
+//! N²/Δt, b_acc_cov K²/Δt.
 
 use super::drift::{self, Form};
 use super::imu::Imu;

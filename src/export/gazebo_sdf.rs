@@ -1,5 +1,6 @@
-//! Gazebo's `<sensor>`: gz-sensors' GaussianNoiseModel draws `stddev` per sample, whatever the rate, and drives the bias with
-//! `dynamic_bias_stddev` as a continuous density: σ_d² = σ²τ/2 (1 − e^(−2Δt/τ)), which is K²Δt for long τ.
+//! Gazebo's `<sensor>`: gz-sensors' GaussianNoiseModel draws `stddev` per sample, whatever the
+//! rate, and drives the bias with `dynamic_bias_stddev` as a continuous density: σ_d² = σ²τ/2 (1 −
+//! e^(−2Δt/τ)), which is K²Δt for long τ.
 
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu, Value};
@@ -85,7 +86,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<Imu> {
             if number_of_axis == 0 {
                 return Err(fail(format!("it has no <{tag}> with an <x>")));
             }
-            // An axis that is left out has no noise in Gazebo; a sensor that gives x alone means x for all.
+            // An axis that is left out has no noise in Gazebo; a sensor that gives x alone means x
+            // for all.
             axes[number_of_axis][sense] = axes[0][sense];
             continue;
         };

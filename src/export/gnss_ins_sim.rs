@@ -1,5 +1,5 @@
-//! gnss-ins-sim's `imu_err`: N for white noise, and a first-order Gauss–Markov bias by its stationary σ and correlation time
-//! τ, which walks with K for σ = K√(τ/2) (function `bias_drift`).
+//! gnss-ins-sim's `imu_err`: N for white noise, and a first-order Gauss–Markov bias by its
+//! stationary σ and correlation time τ, which walks with K for σ = K√(τ/2) (function `bias_drift`).
 
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu};

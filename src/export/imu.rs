@@ -1,4 +1,5 @@
-//! The part of a sensor that configurations speak of, in SI units: noise by its law, bias, and what else was given.
+//! The part of a sensor that configurations speak of, in SI units: noise by its law, bias, and what
+//! else was given.
 
 use crate::error::{Error, Result};
 use crate::sensor::error_law::ErrorLaw;
@@ -16,7 +17,8 @@ pub struct Value {
     pub sd: f64,
 }
 
-/// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes or of one of them.
+/// The errors of an accelerometer (unit m/s²) or a gyro (unit rad/s), alike on all axes or of one
+/// of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
     /// Name of the unit, for messages.
@@ -59,7 +61,8 @@ pub struct Imu {
     pub gyro: Errors,
     /// Other terms given, without those that are zero.
     pub others: Vec<Other>,
-    /// Accelerometer and gyro of x, y and z where they differ; `accelerometer` and `gyro` are then their root mean squares.
+    /// Accelerometer and gyro of x, y and z where they differ; `accelerometer` and `gyro` are then
+    /// their root mean squares.
     pub axes: Option<[[Errors; 2]; 3]>,
 }
 
@@ -83,14 +86,16 @@ impl Imu {
         self.axes.and_then(|axes| axes.get(axis).copied()).unwrap_or([self.accelerometer, self.gyro])
     }
 
-    /// The same unit with these axes: noise and steps by their root mean square, biases by their mean, the smallest range.
+    /// The same unit with these axes: noise and steps by their root mean square, biases by their
+    /// mean, the smallest range.
     pub fn with_axes(mut self, axes: [[Errors; 2]; 3]) -> Self {
         [self.accelerometer, self.gyro] = [0, 1].map(|sense| together(axes.map(|axis| axis[sense])));
         self.axes = (axes[0] != axes[1] || axes[0] != axes[2]).then_some(axes);
         self
     }
 
-    /// The sensor of a study.toml, a sensor.toml or a repaired.toml; recordings that it names are not read.
+    /// The sensor of a study.toml, a sensor.toml or a repaired.toml; recordings that it names are
+    /// not read.
     ///
     /// # Errors
     /// Text that is no such file, numbers that make no sense, or a file without noise.

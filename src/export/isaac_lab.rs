@@ -1,4 +1,5 @@
-//! Isaac Lab's noise models: Gaussian noise per sample, and a bias that is drawn at each reset and then constant.
+//! Isaac Lab's noise models: Gaussian noise per sample, and a bias that is drawn at each reset and
+//! then constant.
 
 use super::drift::{self, Form};
 use super::imu::Imu;

@@ -1,4 +1,5 @@
-//! Kalibr's flat imu.yaml: continuous-time densities, which it makes discrete with √rate (wiki, "IMU Noise Model").
+//! Kalibr's flat imu.yaml: continuous-time densities, which it makes discrete with √rate (wiki,
+//! "IMU Noise Model").
 
 use super::drift::{self, Form};
 use super::imu::{Imu, Value};

@@ -1,5 +1,5 @@
-//! KF-GINS: biases as first-order Gauss–Markov processes with stationary σ and one correlation time T for all; its filter
-//! drives them with 2σ²/T, which is K² for σ = K√(T/2).
+//! KF-GINS: biases as first-order Gauss–Markov processes with stationary σ and one correlation time
+//! T for all; its filter drives them with 2σ²/T, which is K² for σ = K√(T/2).
 
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu};

@@ -1,5 +1,5 @@
-//! LIO-SAM: GTSAM's preintegration takes continuous-time covariances, σ² = imuAccNoise², and bias factors get
-//! √Δt × imuAccBiasN.
+//! LIO-SAM: GTSAM's preintegration takes continuous-time covariances, σ² = imuAccNoise², and bias
+//! factors get √Δt × imuAccBiasN.
 
 use super::drift::{self, Form};
 use super::imu::Imu;

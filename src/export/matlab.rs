@@ -1,5 +1,6 @@
-//! MATLAB's imuSensor: with NoiseType "double-sided", white noise of NoiseDensity × √SampleRate per sample and a bias that
-//! walks by RandomWalk/√SampleRate: N and K. ("single-sided", older releases' only way, divides the first by √2.)
+//! MATLAB's imuSensor: with NoiseType "double-sided", white noise of NoiseDensity × √SampleRate per
+//! sample and a bias that walks by RandomWalk/√SampleRate: N and K. ("single-sided", older
+//! releases' only way, divides the first by √2.)
 
 use super::drift::{self, Form};
 use super::imu::{Errors, Imu, Value};
@@ -86,7 +87,8 @@ fn properties(code: &[&str], variable: &str, errors: &mut Errors) -> Result<(), 
         }
     }
     if one_sided {
-        // A one-sided density n is N = n/√2; imuSensor's walk then steps by RandomWalk/√(SampleRate/2).
+        // A one-sided density n is N = n/√2; imuSensor's walk then steps by
+        // RandomWalk/√(SampleRate/2).
         errors.white.mean *= std::f64::consts::FRAC_1_SQRT_2;
         errors.walk.mean *= std::f64::consts::SQRT_2;
     }

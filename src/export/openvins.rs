@@ -1,5 +1,5 @@
-//! OpenVINS' kalibr_imu_chain.yaml: Kalibr's four numbers under `imu0`. Its simulator draws σ/√Δt per sample and σ_b√Δt per
-//! step of the bias (class Simulator).
+//! OpenVINS' kalibr_imu_chain.yaml: Kalibr's four numbers under `imu0`. Its simulator draws σ/√Δt
+//! per sample and σ_b√Δt per step of the bias (class Simulator).
 
 use super::imu::Imu;
 use super::kalibr;

@@ -1,4 +1,5 @@
-//! ORB-SLAM3: continuous-time densities. Inside, noise is multiplied by √frequency and walks are divided by it.
+//! ORB-SLAM3: continuous-time densities. Inside, noise is multiplied by √frequency and walks are
+//! divided by it.
 
 use super::drift::{self, Form};
 use super::imu::Imu;

@@ -1,4 +1,5 @@
-//! PX4's SITL for Gazebo Classic, `gazebo_imu_plugin`: continuous densities, made discrete exactly (Maybeck 4-114).
+//! PX4's SITL for Gazebo Classic, `gazebo_imu_plugin`: continuous densities, made discrete exactly
+//! (Maybeck 4-114).
 
 use super::drift::{self, Form};
 use super::imu::Imu;

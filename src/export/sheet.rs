@@ -1,4 +1,5 @@
-//! A configuration being written: numbers in the tool's syntax, and beside each its unit, convention and source.
+//! A configuration being written: numbers in the tool's syntax, and beside each its unit,
+//! convention and source.
 
 use super::drift::Process;
 use super::imu::{Errors, Imu};
@@ -12,7 +13,8 @@ pub(super) enum Syntax {
     Yaml,
     /// `<key>value</key>`, `<!-- comment -->`.
     Xml,
-    /// `"key": value,`; JSON has no comments, so they stand as values of keys that the tool does not read.
+    /// `"key": value,`; JSON has no comments, so they stand as values of keys that the tool does
+    /// not read.
     Json,
     /// `key = value`, `# comment`.
     Python,
@@ -38,7 +40,8 @@ pub(super) const WHITE: &str = "continuous noise density as sigma: the two-sided
 /// Continuous-time random walk as K.
 pub(super) const WALK: &str = "continuous random walk K of the bias as sigma (IEEE 952), not per sample";
 
-/// A number in nine digits, in a form that every target reads: YAML wants a point and a signed exponent.
+/// A number in nine digits, in a form that every target reads: YAML wants a point and a signed
+/// exponent.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0.0".into();
@@ -152,7 +155,8 @@ impl Sheet {
         self.line(&line);
     }
 
-    /// What is to be said of the processes that stand for the accelerometer's and the gyro's moving bias.
+    /// What is to be said of the processes that stand for the accelerometer's and the gyro's moving
+    /// bias.
     pub(super) fn remarks(&mut self, accelerometer: &Process, gyro: &Process) {
         for (name, process) in [("accelerometer", accelerometer), ("gyro", gyro)] {
             if !process.remark.is_empty() {

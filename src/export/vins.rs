@@ -1,6 +1,6 @@
-//! VINS-Mono and VINS-Fusion. `IntegrationBase` forms the covariance of a step Δt of midpoint integration with two
-//! independent samples, ½Δt each, and the bias' with Δt: ½ acc_n² Δt² and acc_w² Δt². They are N²Δt and K²Δt for
-//! acc_n = N√(2/Δt) and acc_w = K/√Δt.
+//! VINS-Mono and VINS-Fusion. `IntegrationBase` forms the covariance of a step Δt of midpoint
+//! integration with two independent samples, ½Δt each, and the bias' with Δt: ½ acc_n² Δt² and
+//! acc_w² Δt². They are N²Δt and K²Δt for acc_n = N√(2/Δt) and acc_w = K/√Δt.
 
 use super::drift::{self, Form};
 use super::imu::Imu;

@@ -1,9 +1,11 @@
-//! The kernels on the host: 64 members side by side in plain loops that the compiler turns into vector instructions.
+//! The kernels on the host: 64 members side by side in plain loops that the compiler turns into
+//! vector instructions.
 //!
-//! Twins of `shaders/`: same file names, same order of operations, generic over f32 (the twin) and f64 (the oracle).
-//! Not for threads or batches: that is `backend::cpu`.
+//! Twins of `shaders/`: same file names, same order of operations, generic over f32 (the twin) and
+//! f64 (the oracle). Not for threads or batches: that is `backend::cpu`.
 
-// Lanes are indexed in plain loops over several arrays at once: the form that the compiler turns into vector code.
+// Lanes are indexed in plain loops over several arrays at once: the form that the compiler turns
+// into vector code.
 #![allow(clippy::needless_range_loop)]
 
 mod fix;

@@ -1,12 +1,14 @@
-//! A measurement that aids the navigation: which errors it sees, with what noise, and how they are corrected by it.
+//! A measurement that aids the navigation: which errors it sees, with what noise, and how they are
+//! corrected by it.
 //!
-//! The gains are the same for all members, made on the host before the run (`strapdown::aiding`). Here is only what the kernels
-//! need of them; the twins that apply them are `cpu::fix` and `shaders/shared/fix.wgsl`.
+//! The gains are the same for all members, made on the host before the run (`strapdown::aiding`).
+//! Here is only what the kernels need of them; the twins that apply them are `cpu::fix` and
+//! `shaders/shared/fix.wgsl`.
 
 /// Errors that a fix may see: velocity and position in north-east-down.
 pub const SEEN: usize = 6;
-/// What it may correct: attitude, velocity and position in north-east-down, then what is taken off the readings of the
-/// accelerometers and of the gyros in body axes.
+/// What it may correct: attitude, velocity and position in north-east-down, then what is taken off
+/// the readings of the accelerometers and of the gyros in body axes.
 pub const CORRECTED: usize = 15;
 
 /// One measurement of position, velocity or both, and the gains it is applied with.
@@ -16,7 +18,8 @@ pub struct Fix {
     pub sample: u64,
     /// Standard deviation of what it sees, m/s and m; `None` where it sees nothing.
     pub sd: [Option<f64>; SEEN],
-    /// Correction per unit of what is seen: taken off the nine errors, added to what is taken off the readings.
+    /// Correction per unit of what is seen: taken off the nine errors, added to what is taken off
+    /// the readings.
     pub gain: [[f64; SEEN]; CORRECTED],
 }
 

@@ -1,13 +1,15 @@
 //! Bias instability: a sum of first-order Gauss–Markov processes whose Allan deviation is flat.
 //!
-//! Term j is held over 4ʲ samples and then relaxes by e⁻¹ (its exact discretisation: time constant = time held), so all
-//! terms are one process at different speeds and the sum costs little more than one new number per sample: the slow ones
-//! take turns (Voss and McCartney), and the two fast ones, whose sum over a time is that of many numbers, take small steps that
-//! are not normal (`cpu::small`). It starts from its stationary law, each group of 64 members at a place of its own in the
-//! schedule of renewals: at the same place for all, a slow term would change at the same time in every member, and a drift
-//! over few seconds would be that of one moment of the process and not of any (15 % short of 1/f noise over 10 s after 10 s
-//! of still start; with the places spread, within 0.3 %). With the weights below, the Allan deviation
-//! stays within 2 % of 0.664 B from one sample to the length of the run, whatever that is; the test computes it.
+//! Term j is held over 4ʲ samples and then relaxes by e⁻¹ (its exact discretisation: time
+//! constant = time held), so all terms are one process at different speeds and the sum costs little
+//! more than one new number per sample: the slow ones take turns (Voss and McCartney), and the two
+//! fast ones, whose sum over a time is that of many numbers, take small steps that are not normal
+//! (`cpu::small`). It starts from its stationary law, each group of 64 members at a place of its
+//! own in the schedule of renewals: at the same place for all, a slow term would change at the same
+//! time in every member, and a drift over few seconds would be that of one moment of the process
+//! and not of any (15 % short of 1/f noise over 10 s after 10 s of still start; with the places
+//! spread, within 0.3 %). With the weights below, the Allan deviation stays within 2 % of 0.664 B
+//! from one sample to the length of the run, whatever that is; the test computes it.
 
 use crate::numerics::allan::law::FLICKER_FLOOR;
 
@@ -18,8 +20,8 @@ pub(super) const RENEWED: f64 = 0.929_873_495_032_193_7;
 /// Most terms a kernel carries: 4¹⁵ samples, 124 days at 100 Hz.
 pub(crate) const MOST_TERMS: usize = 16;
 
-/// Variance of term j for a unit Allan variance. The fast end has no faster neighbours and differs from the rest; found
-/// by non-negative fitting of the Allan variance in the test below.
+/// Variance of term j for a unit Allan variance. The fast end has no faster neighbours and differs
+/// from the rest; found by non-negative fitting of the Allan variance in the test below.
 const VARIANCE: [f64; 6] = [1.262, 1.060, 0.957, 1.028, 0.984, 0.996];
 
 /// Terms needed for a run: until one is held for longer than it.
@@ -32,9 +34,11 @@ pub(crate) fn amplitude(term: usize) -> f64 {
     FLICKER_FLOOR * VARIANCE[term.min(VARIANCE.len() - 1)].sqrt()
 }
 
-/// Places in the schedule at which runs begin are multiples of this many samples, a stretch of the CPU's kernel.
+/// Places in the schedule at which runs begin are multiples of this many samples, a stretch of the
+/// CPU's kernel.
 const PLACES: u64 = 16;
-/// Places spread over by a Weyl sequence: the golden ratio of 2³², odd, so that any power of two of groups has all places.
+/// Places spread over by a Weyl sequence: the golden ratio of 2³², odd, so that any power of two of
+/// groups has all places.
 pub(crate) const SPREAD: u32 = 0x9E37_79B9;
 /// Places up to the longest time a term is held, 4¹⁵ samples.
 pub(super) const PLACE_MASK: u32 = (1 << 26) - 1;
@@ -44,8 +48,9 @@ pub(crate) fn place(first_member: u64) -> u64 {
     PLACES * u64::from(((first_member / 64) as u32).wrapping_mul(SPREAD) & PLACE_MASK)
 }
 
-/// For how long term j is held, and when it may first be renewed, in samples: one first renewal for each of the places at
-/// which a run may begin, all equally likely; an even selection of at most `most`.
+/// For how long term j is held, and when it may first be renewed, in samples: one first renewal for
+/// each of the places at which a run may begin, all equally likely; an even selection of at most
+/// `most`.
 pub(crate) fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
     let hold = 4_u64.pow(term as u32);
     let places = (hold / PLACES).max(1);
@@ -61,8 +66,9 @@ pub(crate) fn hold_and_firsts(term: usize, most: u64) -> (u64, Vec<u64>) {
     (hold, (0..shown).map(first).collect())
 }
 
-/// Which slow term (1, 2, …) is renewed at place n of the schedule: those with n = 4ʲ/2 + a multiple of 4ʲ. At most one per sample, and
-/// at most two in four: term 1 at 4m + 2, term 2 at 16m + 8, another perhaps at 16m. Term 0 is renewed at every sample.
+/// Which slow term (1, 2, …) is renewed at place n of the schedule: those with n = 4ʲ/2 + a
+/// multiple of 4ʲ. At most one per sample, and at most two in four: term 1 at 4m + 2, term 2 at
+/// 16m + 8, another perhaps at 16m. Term 0 is renewed at every sample.
 #[inline(always)]
 pub(super) fn slow_term(sample: u64) -> Option<usize> {
     let zeros = sample.trailing_zeros() as usize;
@@ -73,7 +79,8 @@ pub(super) fn slow_term(sample: u64) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Allan variance at m samples of a unit term held over 4ʲ, averaged over where the averaging begins.
+    /// Allan variance at m samples of a unit term held over 4ʲ, averaged over where the averaging
+    /// begins.
     fn allan_variance(term: usize, m: i64) -> f64 {
         let hold = 4_f64.powi(term as i32);
         let covariance = |lag: i64| {

@@ -1,8 +1,9 @@
-//! One ensemble of six-axis sensors carried along a course: three one-axis jobs, what couples their axes, and how each member
-//! is aligned at the start.
+//! One ensemble of six-axis sensors carried along a course: three one-axis jobs, what couples their
+//! axes, and how each member is aligned at the start.
 //!
-//! Each axis is a [`Job`] of its own, an accelerometer and a gyro, whose readings the one-axis kernel makes; `navigate`
-//! makes position of them. Axes differ in their seed, so that the same numbers are drawn apart.
+//! Each axis is a [`Job`] of its own, an accelerometer and a gyro, whose readings the one-axis
+//! kernel makes; `navigate` makes position of them. Axes differ in their seed, so that the same
+//! numbers are drawn apart.
 
 use std::sync::Arc;
 
@@ -14,8 +15,9 @@ use super::job::{Clock, Job};
 use super::passage::Course;
 use crate::rng::{Philox, Stream};
 
-/// The seed of an axis: the ensemble's own for the first, so that it draws what a study of one axis draws. Keys of Philox may
-/// be anything; the odd constant (2⁶⁴ over the golden ratio) keeps those of neighbouring seeds apart.
+/// The seed of an axis: the ensemble's own for the first, so that it draws what a study of one axis
+/// draws. Keys of Philox may be anything; the odd constant (2⁶⁴ over the golden ratio) keeps those
+/// of neighbouring seeds apart.
 pub fn axis_seed(seed: u64, axis: u64) -> u64 {
     seed ^ axis.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
@@ -30,12 +32,14 @@ pub enum Vertical {
     Held,
 }
 
-/// What a reading of one instrument takes from another axis or from the other instrument, SI. Rows are the axes that read.
+/// What a reading of one instrument takes from another axis or from the other instrument, SI. Rows
+/// are the axes that read.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Coupling {
     /// Accelerometer reading per specific force along each axis, 1: misalignment.
     pub force_to_force: Matrix3<f64>,
-    /// Gyro reading per rate about each axis, 1: scale factor on the diagonal, misalignment beside it.
+    /// Gyro reading per rate about each axis, 1: scale factor on the diagonal, misalignment beside
+    /// it.
     pub rate_to_rate: Matrix3<f64>,
     /// Gyro reading per specific force along each axis, rad/s per m/s²: g-sensitivity.
     pub force_to_rate: Matrix3<f64>,
@@ -52,7 +56,8 @@ impl Coupling {
     }
 }
 
-/// Standard deviations of the attitude that a member begins with, about the axes of north-east-down, rad.
+/// Standard deviations of the attitude that a member begins with, about the axes of
+/// north-east-down, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Misalignment {
     /// About north and east. After a still start, levelling takes its place.
@@ -114,8 +119,9 @@ impl Flight {
         self.members().saturating_mul(self.clock().samples)
     }
 
-    /// The navigation's start of a member whose axes' own mean errors over the still start are these: accelerometer (m/s²) and
-    /// gyro (rad/s) of each. What couples the axes stands still as well.
+    /// The navigation's start of a member whose axes' own mean errors over the still start are
+    /// these: accelerometer (m/s²) and gyro (rad/s) of each. What couples the axes stands still as
+    /// well.
     pub fn aligned(&self, member: u64, means: [(f64, f64); 3]) -> Begin {
         let mut mean = (Vector3::from_fn(|i, _| means[i].0), Vector3::from_fn(|i, _| means[i].1));
         if let Some(coupling) = &self.coupling {
@@ -136,11 +142,12 @@ impl Flight {
         self.course.heading_rad(sample)
     }
 
-    /// The navigation's start of a member whose mean reading errors over the still start are these (m/s², rad/s), in body
-    /// axes.
+    /// The navigation's start of a member whose mean reading errors over the still start are these
+    /// (m/s², rad/s), in body axes.
     ///
-    /// Levelling turns the mean specific force into the vertical; what its size then departs from gravity by is taken for a
-    /// bias along it. The gyros' mean, less the Earth's rate as the levelled attitude sees it, is taken for their bias.
+    /// Levelling turns the mean specific force into the vertical; what its size then departs from
+    /// gravity by is taken for a bias along it. The gyros' mean, less the Earth's rate as the
+    /// levelled attitude sees it, is taken for their bias.
     pub fn begin(&self, member: u64, mean: Option<(Vector3<f64>, Vector3<f64>)>) -> Begin {
         let mut draw = Philox::new(self.seed(), member, Stream::Start);
         let [north, east, down] = std::array::from_fn(|_| draw.normal());
@@ -165,8 +172,8 @@ impl Flight {
     }
 }
 
-/// Four times the modified Rodrigues vector of a rotation: tan(angle/4) along its axis, times four. Near zero, the rotation
-/// vector.
+/// Four times the modified Rodrigues vector of a rotation: tan(angle/4) along its axis, times four.
+/// Near zero, the rotation vector.
 fn rodrigues(turn: &UnitQuaternion<f64>) -> [f64; 3] {
     let (w, v) = if turn.w < 0.0 { (-turn.w, -turn.imag()) } else { (turn.w, turn.imag()) };
     (v * (4.0 / (1.0 + w))).into()

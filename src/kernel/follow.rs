@@ -1,14 +1,16 @@
-//! What readings take from the temperature and from stamps that come late: errors that follow the run, the same law for all
-//! members with numbers of their own.
+//! What readings take from the temperature and from stamps that come late: errors that follow the
+//! run, the same law for all members with numbers of their own.
 //!
-//! A reading that is stamped τ late was taken τ earlier: its error is −τ times the rate of change of what it reads.
+//! A reading that is stamped τ late was taken τ earlier: its error is −τ times the rate of change
+//! of what it reads.
 
 use nalgebra::Vector3;
 
 /// One member's numbers, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Follow {
-    /// Change per kelvin of the accelerometers' biases (m/s²) and scale factors (1), and of the gyros' (rad/s and 1).
+    /// Change per kelvin of the accelerometers' biases (m/s²) and scale factors (1), and of the
+    /// gyros' (rad/s and 1).
     pub per_kelvin: [[f64; 3]; 4],
     /// How late the stamps are, s.
     pub late_s: f64,
@@ -26,8 +28,8 @@ impl Follow {
         std::array::from_fn(|i| if i < 12 { self.per_kelvin[i / 3][i % 3] } else { times[i - 12] })
     }
 
-    /// Mean reading errors of accelerometers and gyros that stand still with this force and rate, so much warmer than the
-    /// reference.
+    /// Mean reading errors of accelerometers and gyros that stand still with this force and rate,
+    /// so much warmer than the reference.
     pub fn standing(&self, [force, rate]: [Vector3<f64>; 2], warmer_k: f64) -> [Vector3<f64>; 2] {
         let [bias, scale, gyro_bias, gyro_scale] = self.per_kelvin.map(Vector3::from);
         [(bias + scale.component_mul(&force)) * warmer_k, (gyro_bias + gyro_scale.component_mul(&rate)) * warmer_k]

@@ -1,5 +1,5 @@
-//! The shared excitation over one tile, tabulated once in f64 for all members: at the beginning, the middle and the end
-//! of each substep, and the differences, which f32 would lose.
+//! The shared excitation over one tile, tabulated once in f64 for all members: at the beginning,
+//! the middle and the end of each substep, and the differences, which f32 would lose.
 
 use super::job::Job;
 use crate::numerics::elementary::Real;

@@ -1,9 +1,10 @@
 //! The WGSL of one law of reading errors, in the places that the ensemble shader has for it.
 //!
-//! It stands beside the law's CPU code, in `cpu::reading` and `cpu::flicker`; `source` puts it together.
+//! It stands beside the law's CPU code, in `cpu::reading` and `cpu::flicker`; `source` puts it
+//! together.
 
-/// WGSL of one law. In it, `$TERM` and `$term` stand for the term's name, `$out` for the error it is added to, `$sense` for the
-/// instrument and `$base` for where its flicker terms begin.
+/// WGSL of one law. In it, `$TERM` and `$term` stand for the term's name, `$out` for the error it
+/// is added to, `$sense` for the instrument and `$base` for where its flicker terms begin.
 pub struct Fragment {
     /// Before the samples: coefficients and state.
     pub begin: &'static str,

@@ -1,4 +1,5 @@
-//! Which way of stepping the proof mass: a pure choice with its reason, and the refusal of steps that would blow up.
+//! Which way of stepping the proof mass: a pure choice with its reason, and the refusal of steps
+//! that would blow up.
 //!
 //! The steps themselves stand in `cpu::oscillator` and `shaders/shared/oscillator.wgsl`.
 
@@ -10,8 +11,8 @@ use crate::sensor::ProofMass;
 pub enum Integrator {
     /// No mechanics: the reading follows the force at once.
     Ideal,
-    /// Linear: the exact map for a force that is linear and a noise that is constant over a step, in error coordinates;
-    /// one step whatever the resonance.
+    /// Linear: the exact map for a force that is linear and a noise that is constant over a step,
+    /// in error coordinates; one step whatever the resonance.
     ExactHold,
     /// Cubic with ω₀h small: classic Runge–Kutta, order 4.
     RungeKutta4 {
@@ -28,7 +29,8 @@ pub enum Integrator {
         /// Substeps per integration step.
         substeps: u32,
     },
-    /// Stiff hardening cubic, Q ≥ 10: exponential Rosenbrock–Euler, order 2 (Hochbruck and Ostermann 2006).
+    /// Stiff hardening cubic, Q ≥ 10: exponential Rosenbrock–Euler, order 2 (Hochbruck and
+    /// Ostermann 2006).
     RosenbrockEuler {
         /// Substeps per integration step.
         substeps: u32,
@@ -61,7 +63,8 @@ pub struct Method {
     pub moves: bool,
     /// The proof masses that it can step.
     pub reach: Reach,
-    /// Above this ω₀h it grows without bound on an undamped oscillator; infinity where the linear part is exact.
+    /// Above this ω₀h it grows without bound on an undamped oscillator; infinity where the linear
+    /// part is exact.
     pub stable_below: f64,
 }
 
@@ -112,7 +115,8 @@ impl Method {
 
 /// The largest ω₀h at which classic Runge–Kutta is accurate: 25 steps per period.
 const RK4_ACCURATE: f64 = 0.25;
-/// Above this ω₀h classic Runge–Kutta grows without bound on an undamped oscillator (2√2, less a margin).
+/// Above this ω₀h classic Runge–Kutta grows without bound on an undamped oscillator (2√2, less a
+/// margin).
 const RK4_STABLE: f64 = 2.7;
 
 /// A choice and why.
@@ -127,7 +131,8 @@ pub struct Choice {
 impl Integrator {
     /// The integrator for this proof mass and step (s).
     ///
-    /// Give it the stiffest member of an ensemble (largest ω₀, any nonlinearity that some member has).
+    /// Give it the stiffest member of an ensemble (largest ω₀, any nonlinearity that some member
+    /// has).
     pub fn choose(proof_mass: Option<&ProofMass>, step_s: f64) -> Choice {
         let choice = |integrator, because: String| Choice { integrator, because };
         let Some(m) = proof_mass else {
@@ -199,8 +204,8 @@ impl Integrator {
         }
     }
 
-    /// What the noise of the force is multiplied by, given W = (ω₀h)²: Runge–Kutta wants it as it stands in the equation, W·w;
-    /// the others as the reading that it is.
+    /// What the noise of the force is multiplied by, given W = (ω₀h)²: Runge–Kutta wants it as it
+    /// stands in the equation, W·w; the others as the reading that it is.
     pub fn force_scale(self, w: f64) -> f64 {
         match self {
             Self::RungeKutta4 { .. } | Self::RungeKutta4General { .. } => w,
@@ -224,7 +229,8 @@ impl Integrator {
     /// Refuses a proof mass that this integrator cannot step.
     ///
     /// # Errors
-    /// Runge–Kutta at ω₀h > 2.7, naming the step that would do; terms that the integrator does not have.
+    /// Runge–Kutta at ω₀h > 2.7, naming the step that would do; terms that the integrator does not
+    /// have.
     pub fn check(self, proof_mass: Option<&ProofMass>, step_s: f64) -> Result<()> {
         let Some(m) = proof_mass else { return Ok(()) };
         // Every member of an ensemble is checked: nothing is written unless it fails.

@@ -6,7 +6,8 @@ pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
 use crate::sensor::Sensor;
 
-/// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of samples.
+/// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of
+/// samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
     /// Integration step h, s.
@@ -15,10 +16,12 @@ pub struct Clock {
     pub steps_per_sample: u32,
     /// Length of the run in samples.
     pub samples: u64,
-    /// Samples after which statistics are taken, increasing, 1-based (the last one is usually `samples`).
+    /// Samples after which statistics are taken, increasing, 1-based (the last one is usually
+    /// `samples`).
     pub report_samples: Vec<u64>,
-    /// How many of the first samples are a still start: the sensor stands still, and at their end the mean errors of
-    /// accelerometer and gyro are taken off and the integrals begin. Zero for an ideal start.
+    /// How many of the first samples are a still start: the sensor stands still, and at their end
+    /// the mean errors of accelerometer and gyro are taken off and the integrals begin. Zero for an
+    /// ideal start.
     pub still_samples: u64,
 }
 
@@ -68,8 +71,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// The tilt, per m/s² of accelerometer error, that levelling by that accelerometer leaves: its share of gravity hides
-    /// the error, rad/(m/s²). Zero without gravity.
+    /// The tilt, per m/s² of accelerometer error, that levelling by that accelerometer leaves: its
+    /// share of gravity hides the error, rad/(m/s²). Zero without gravity.
     pub fn level_rad_per_m_s2(&self) -> f64 {
         if self.gravity_m_s2 == 0.0 { 0.0 } else { 1.0 / self.gravity_m_s2 }
     }

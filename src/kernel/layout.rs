@@ -1,5 +1,6 @@
-//! The one file of mirrors: what host and device share in memory. `shaders/shared/layout.wgsl` is the source; a test in
-//! `mirror` compares names, offsets and sizes, because a wrong size is accepted in silence by the device.
+//! The one file of mirrors: what host and device share in memory. `shaders/shared/layout.wgsl` is
+//! the source; a test in `mirror` compares names, offsets and sizes, because a wrong size is
+//! accepted in silence by the device.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -13,7 +14,8 @@ pub const FORCES: usize = 4096;
 pub const REDUCE_WORKGROUP: u32 = 64;
 /// Members that a workgroup of `reduce` sums up.
 pub const BLOCK: u32 = 256;
-/// Places in a member's state, emitted into the shader as `STATE_…`. Totals are two numbers each: a sum and what it lost.
+/// Places in a member's state, emitted into the shader as `STATE_…`. Totals are two numbers each: a
+/// sum and what it lost.
 pub mod state {
     use crate::rng::Stream;
     use crate::sensor::SensorTerm;
@@ -89,7 +91,8 @@ pub struct Tile {
 
 /// Invocations of a workgroup of `navigate`.
 pub const NAVIGATE_WORKGROUP: u32 = 64;
-/// Numbers of a member's state in `navigate`: three vectors of parts, three compensated totals, and whether it failed.
+/// Numbers of a member's state in `navigate`: three vectors of parts, three compensated totals, and
+/// whether it failed.
 pub const NAVIGATE_STATE: usize = 28;
 /// Where the totals of the attitude begin in it.
 pub const NAVIGATE_ATTITUDE: usize = 9;

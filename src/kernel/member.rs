@@ -1,7 +1,8 @@
 //! One member as the kernels see it: a column of numbers, derived in f64 from its sensor.
 //!
-//! Per-sample levels are σ = N√f_s and K√T; the proof mass is scaled so that a substep is the unit of time and the
-//! reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + γa³) = W(f + w) with W = (ω₀h)², C = 2ζω₀h, γ = β/ω₀⁶.
+//! Per-sample levels are σ = N√f_s and K√T; the proof mass is scaled so that a substep is the unit
+//! of time and the reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + γa³) = W(f + w) with W =
+//! (ω₀h)², C = 2ζω₀h, γ = β/ω₀⁶.
 
 use super::flicker;
 use super::integrator::{Integrator, Reach};
@@ -57,8 +58,8 @@ pub mod column {
 pub struct Column {
     /// Its numbers, in the order of the module [`column`](mod@column).
     pub values: [f64; COLUMNS],
-    /// Coefficients of its laws with the substep as unit of time and the reading as displacement, where the integrator takes
-    /// them one by one; else 0.
+    /// Coefficients of its laws with the substep as unit of time and the reading as displacement,
+    /// where the integrator takes them one by one; else 0.
     pub laws: [f64; coefficients::MOST],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],
@@ -91,7 +92,8 @@ impl Column {
             values[column::SINE] = sine.amplitude_m_s2;
             let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
             let step = fixed(sine.frequency_hz * 0.5 * substep_s);
-            // Its phase is that at the end of a still start. Turns wrap, as the kernels' arithmetic on them does.
+            // Its phase is that at the end of a still start. Turns wrap, as the kernels' arithmetic
+            // on them does.
             let substeps = u64::from(clock.steps_per_sample) * u64::from(integrator.substeps());
             let before = (2 * clock.still_samples * substeps) as u32;
             let phase = fixed(sine.phase_rad / std::f64::consts::TAU);
@@ -111,9 +113,10 @@ pub(crate) fn absent(term: SensorTerm) -> f64 {
     term.law().per_sample(term.law().neutral(), 1.0)
 }
 
-/// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a GPU's own division may be
-/// off by 2.5 units in the last place, and one that multiplied by a reciprocal took one member in 150 to another step within
-/// 50 samples, and with them a 99th percentile by 0.011 sd.
+/// What a reading is multiplied by to count it in steps, 0 without steps. Divided here, once: a
+/// GPU's own division may be off by 2.5 units in the last place, and one that multiplied by a
+/// reciprocal took one member in 150 to another step within 50 samples, and with them a 99th
+/// percentile by 0.011 sd.
 fn steps_per_m_s2(quantisation_m_s2: f64) -> f64 {
     const SMALLEST: f64 = 1e-30;
     if quantisation_m_s2 > SMALLEST { 1.0 / quantisation_m_s2 } else { 0.0 }

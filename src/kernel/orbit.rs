@@ -1,7 +1,9 @@
-//! The contract of the two map kernels, `lyapunov` and `poincare`: a forced Duffing oscillator per lane.
+//! The contract of the two map kernels, `lyapunov` and `poincare`: a forced Duffing oscillator per
+//! lane.
 //!
-//! All lanes of a job share the phase of the force: time is counted in steps per forcing period, so the cosine is a table
-//! and a step's length in seconds may differ from lane to lane. Not for ensembles of sensors, see `job`.
+//! All lanes of a job share the phase of the force: time is counted in steps per forcing period, so
+//! the cosine is a table and a step's length in seconds may differ from lane to lane. Not for
+//! ensembles of sensors, see `job`.
 
 use crate::dynamics::duffing::{Drive, Oscillator};
 
@@ -18,7 +20,8 @@ pub struct Point {
     pub amplitude_m_s2: f64,
     /// Angular frequency of the force ω, rad/s.
     pub omega_rad_s: f64,
-    /// White force noise w per unit mass, two-sided coefficient N (σ = N/√h held over a step h), m/s²·√s.
+    /// White force noise w per unit mass, two-sided coefficient N (σ = N/√h held over a step h),
+    /// m/s²·√s.
     pub noise_m_s2_rts: f64,
     /// Initial displacement, m.
     pub x_m: f64,
@@ -68,16 +71,17 @@ pub struct Orbit {
     pub strobes: Vec<[f32; 2]>,
 }
 
-/// Displacements beyond this count as lost, m. The cubic spring holds any orbit far inside; only a step too long for it
-/// leaves.
+/// Displacements beyond this count as lost, m. The cubic spring holds any orbit far inside; only a
+/// step too long for it leaves.
 pub(super) const LOST_M: f64 = 1e6;
 
-/// Periods during which the tangent vector turns into its growing direction before growth is counted.
+/// Periods during which the tangent vector turns into its growing direction before growth is
+/// counted.
 pub(crate) const ALIGN_PERIODS: u32 = 8;
 
 impl Orbit {
-    /// Period in forcing periods, up to half the recorded strobes: the smallest shift that maps the strobes onto
-    /// themselves within `tolerance` of their size. `None`: longer, or chaotic.
+    /// Period in forcing periods, up to half the recorded strobes: the smallest shift that maps the
+    /// strobes onto themselves within `tolerance` of their size. `None`: longer, or chaotic.
     pub fn period(&self, tolerance: f32) -> Option<u32> {
         let size = self.strobes.iter().flatten().fold(1e-6f32, |s, v| s.max(v.abs()));
         let near = |a: &[f32; 2], b: &[f32; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) <= tolerance * size;

@@ -1,7 +1,9 @@
-//! What the truth is while one sample passes, shared by all members: what the navigation errors are integrated about.
+//! What the truth is while one sample passes, shared by all members: what the navigation errors are
+//! integrated about.
 //!
-//! Tabulated in f64 from the samples of a [`Truth`] and rounded once. Attitude is that in the middle of the sample, forces
-//! and rates are means of its two ends. Not for readings: the axes' own force is a [`Waveform`], see [`Along`].
+//! Tabulated in f64 from the samples of a [`Truth`] and rounded once. Attitude is that in the
+//! middle of the sample, forces and rates are means of its two ends. Not for readings: the axes'
+//! own force is a [`Waveform`], see [`Along`].
 
 use std::sync::Arc;
 
@@ -31,7 +33,8 @@ pub struct Passage<T> {
     pub curvature: [T; 2],
     /// Tangent of latitude.
     pub tangent: T,
-    /// Longitude rate over the cosine of latitude: what a latitude error adds to the level's rate about down, rad/s.
+    /// Longitude rate over the cosine of latitude: what a latitude error adds to the level's rate
+    /// about down, rad/s.
     pub convergence: T,
     /// The Earth's rate times the sine and the cosine of latitude, rad/s.
     pub earth_rate: [T; 2],
@@ -49,7 +52,8 @@ pub struct Passage<T> {
     pub rate_change: [T; 3],
 }
 
-/// Numbers of a passage as `shaders/navigate.wgsl` has them: eleven vectors of four, the last two numbers unused.
+/// Numbers of a passage as `shaders/navigate.wgsl` has them: eleven vectors of four, the last two
+/// numbers unused.
 pub const NUMBERS: usize = 44;
 
 /// A truth with its Earth, and the places it passes.
@@ -109,7 +113,8 @@ impl Course {
         self.truth.samples.get(at).map_or(0.0, |s| (s.attitude * self.mounting.inverse()).euler_angles().2)
     }
 
-    /// What accelerometers that stand still at the start read, without error, m/s², and what gyros do, rad/s.
+    /// What accelerometers that stand still at the start read, without error, m/s², and what gyros
+    /// do, rad/s.
     pub fn standing(&self) -> [Vector3<f64>; 2] {
         let place = self.place(0);
         let up = Vector3::new(0.0, 0.0, -self.earth.gravity_m_s2(place));
@@ -231,8 +236,9 @@ impl Passage<f64> {
     }
 }
 
-/// The specific force along one body axis of a truth, straight between its samples. What a reading at the end of a sample
-/// sees is the force in its middle: a reading is the mean over its sample, and the attitude that turns it is the middle's.
+/// The specific force along one body axis of a truth, straight between its samples. What a reading
+/// at the end of a sample sees is the force in its middle: a reading is the mean over its sample,
+/// and the attitude that turns it is the middle's.
 pub struct Along {
     /// True motion.
     pub truth: Arc<Truth>,

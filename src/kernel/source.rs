@@ -1,6 +1,7 @@
 //! The shaders as text: shared parts first, then the kernel.
 //!
-//! Not for running them: `backend::gpu` does. Its tests, in `mirror`, hold them against the host with naga.
+//! Not for running them: `backend::gpu` does. Its tests, in `mirror`, hold them against the host
+//! with naga.
 
 pub mod laws;
 #[cfg(test)]
@@ -36,7 +37,8 @@ const OSCILLATOR: &str = include_str!("../../shaders/shared/oscillator.wgsl");
 const FIX: &str = include_str!("../../shaders/shared/fix.wgsl");
 const ACCUMULATE: &str = include_str!("../../shaders/shared/accumulate.wgsl");
 
-/// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has 64-bit integers.
+/// A kernel's own text behind random numbers and elementary functions; `int64`: the adapter has
+/// 64-bit integers.
 fn with_random_numbers(name: &'static str, text: &str, int64: bool) -> Shader {
     let multiply = if int64 { MULTIPLY_64 } else { MULTIPLY_16 };
     Shader { name, text: [multiply, PHILOX, ELEMENTARY, text].join("\n") }
@@ -83,7 +85,8 @@ fn advance() -> String {
     text + "    return s;\n}\n"
 }
 
-/// What the host knows by number, so that no number is written twice: columns, states, streams and bounds.
+/// What the host knows by number, so that no number is written twice: columns, states, streams and
+/// bounds.
 fn constants() -> String {
     let mut text = terms::declarations();
     for (name, place) in column::NAMED {

@@ -18,15 +18,16 @@ pub struct Bifurcation {
 }
 
 impl Bifurcation {
-    /// How far apart the means of two sweeps count as different, m: a twentieth of the range of all strobes.
+    /// How far apart the means of two sweeps count as different, m: a twentieth of the range of all
+    /// strobes.
     pub fn apart_m(&self) -> f64 {
         let strobes = self.up.iter().chain(&self.down).map(|p| p.1).filter(|x| x.is_finite());
         let (low, high) = strobes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         0.05 * (high - low).max(0.0)
     }
 
-    /// Amplitudes at which the way down stands elsewhere than the way up: hysteresis. In N, from the smallest; the means of
-    /// all strobes are compared, against [`Bifurcation::apart_m`].
+    /// Amplitudes at which the way down stands elsewhere than the way up: hysteresis. In N, from
+    /// the smallest; the means of all strobes are compared, against [`Bifurcation::apart_m`].
     pub fn hysteresis_n(&self) -> Vec<f64> {
         let tolerance_m = self.apart_m();
         let strobes = self.diagram.strobes as usize;

@@ -1,7 +1,8 @@
-//! A map divided among machines: rows of its grids and whole diagrams, and the atlas from all files.
+//! A map divided among machines: rows of its grids and whole diagrams, and the atlas from all
+//! files.
 //!
-//! Results in a file: of a grid, exponent and period of each cell and the range of its steps per period; of a diagram,
-//! its points on the way up and down.
+//! Results in a file: of a grid, exponent and period of each cell and the range of its steps per
+//! period; of a diagram, its points on the way up and down.
 
 use std::path::{Path, PathBuf};
 
@@ -32,7 +33,8 @@ struct Carried {
     device: String,
 }
 
-/// Orbits on one processor lane cost this much less than one that is swept alone: 64 lanes, half of them lost to waiting.
+/// Orbits on one processor lane cost this much less than one that is swept alone: 64 lanes, half of
+/// them lost to waiting.
 const ALONE: u64 = 32;
 
 /// Grids by rows, then diagrams.
@@ -61,8 +63,8 @@ fn run(document: &Document) -> Run {
     }
 }
 
-/// The head of a shard's file: of a document with its text and the file that it stands in; without the
-/// device, one that is not computed yet.
+/// The head of a shard's file: of a document with its text and the file that it stands in; without
+/// the device, one that is not computed yet.
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.

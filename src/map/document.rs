@@ -193,7 +193,8 @@ pub struct Diagram {
 /// Most cells of one map, and most strobes of one diagram: minutes on two cores.
 const MOST: u64 = 1 << 24;
 
-/// Sizes between which a proof mass has all its numbers, in SI units, and the arithmetic all its powers of them.
+/// Sizes between which a proof mass has all its numbers, in SI units, and the arithmetic all its
+/// powers of them.
 const LARGEST: f64 = 1e18;
 const SMALLEST: f64 = 1e-18;
 

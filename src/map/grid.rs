@@ -11,7 +11,8 @@ use crate::kernel::orbit::{Plan, Point};
 
 /// Strobes recorded to recognise a period: up to half as many can be found.
 const STROBES: u32 = 32;
-/// Strobes agree, relative to their size, when they repeat: above rounding in f32, below any period doubling drawn here.
+/// Strobes agree, relative to their size, when they repeat: above rounding in f32, below any period
+/// doubling drawn here.
 const TOLERANCE: f32 = 2e-3;
 
 /// A computed map; rows from the bottom up.
@@ -93,7 +94,8 @@ pub fn compute(
         // Rounded up so that neighbouring rows share a step.
         stepped.push((steps.next_multiple_of(32), points));
     }
-    // Members are numbered over the whole map: a row's noise does not depend on which rows are computed.
+    // Members are numbered over the whole map: a row's noise does not depend on which rows are
+    // computed.
     let mut done = u64::from(first) * u64::from(map.x.points);
     for group in stepped.chunk_by(|a, b| a.0 == b.0) {
         // At most this many cells at once: a progress bar that moves, and Ctrl-C that is heard.

@@ -1,8 +1,9 @@
-//! The Earth under a trajectory: gravity, radii of curvature, and the rates at which the local level turns.
+//! The Earth under a trajectory: gravity, radii of curvature, and the rates at which the local
+//! level turns.
 //!
-//! WGS-84 (NIMA TR8350.2, third edition, amendment 1): Somigliana's normal gravity, continued upwards to second order in
-//! height. Local level is north-east-down. Not for deflections of the vertical or geoid models: they are errors of tens of
-//! µg that a study may add as a bias.
+//! WGS-84 (NIMA TR8350.2, third edition, amendment 1): Somigliana's normal gravity, continued
+//! upwards to second order in height. Local level is north-east-down. Not for deflections of the
+//! vertical or geoid models: they are errors of tens of µg that a study may add as a bias.
 
 use nalgebra::Vector3;
 
@@ -26,7 +27,8 @@ const ECCENTRICITY_SQUARED: f64 = FLATTENING * (2.0 - FLATTENING);
 /// Shape, gravity and rotation of the Earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Earth {
-    /// Geodetic latitude of the start, rad; none: the Earth is flat and still, with standard gravity.
+    /// Geodetic latitude of the start, rad; none: the Earth is flat and still, with standard
+    /// gravity.
     pub latitude_rad: Option<f64>,
     /// Height of the start over the ellipsoid, m.
     pub height_m: f64,
@@ -96,7 +98,8 @@ impl Earth {
         RATE_RAD_S * Vector3::new(cos, 0.0, -sin)
     }
 
-    /// Rate of the local level against the Earth, for a velocity over it, both in north-east-down; rad/s.
+    /// Rate of the local level against the Earth, for a velocity over it, both in north-east-down;
+    /// rad/s.
     pub fn transport_rate_rad_s(&self, at: Place, velocity_m_s: Vector3<f64>) -> Vector3<f64> {
         if self.latitude_rad.is_none() {
             return Vector3::zeros();
@@ -117,8 +120,9 @@ impl Earth {
     }
 }
 
-/// Normal gravity along down, m/s²: TR8350.2 equations 4-1 and 4-3. The second of them leaves out terms of the order of the
-/// flattening squared: it departs from the closed form by 1.3·10⁻⁷ m/s² per kilometre of height at most, up to 10 km.
+/// Normal gravity along down, m/s²: TR8350.2 equations 4-1 and 4-3. The second of them leaves out
+/// terms of the order of the flattening squared: it departs from the closed form by 1.3·10⁻⁷ m/s²
+/// per kilometre of height at most, up to 10 km.
 fn normal_gravity_m_s2(at: Place) -> f64 {
     let sin_squared = at.latitude_rad.sin().powi(2);
     let surface = EQUATOR_M_S2 * (1.0 + SOMIGLIANA * sin_squared) / (1.0 - ECCENTRICITY_SQUARED * sin_squared).sqrt();
@@ -138,8 +142,9 @@ mod tests {
         Place { latitude_rad: latitude_deg * DEGREE, height_m }
     }
 
-    /// Normal gravity in closed form, through ellipsoidal coordinates (Heiskanen & Moritz, *Physical geodesy*, §2-8;
-    /// TR8350.2 equations 4-5 to 4-19): the component along the ellipsoid's normal, down.
+    /// Normal gravity in closed form, through ellipsoidal coordinates (Heiskanen &
+    /// Moritz, *Physical geodesy*, §2-8; TR8350.2 equations 4-5 to 4-19): the component along the
+    /// ellipsoid's normal, down.
     fn closed_form_m_s2(place: Place) -> f64 {
         const GM: f64 = 3.986_004_418e14;
         let (a, b) = (SEMI_MAJOR_AXIS_M, SEMI_MAJOR_AXIS_M * (1.0 - FLATTENING));
@@ -170,7 +175,8 @@ mod tests {
     fn gravity_is_the_published_one() {
         // TR8350.2, table 3.4: theoretical gravity at the poles.
         assert!((EARTH.gravity_m_s2(at(90.0, 0.0)) - 9.832_184_937_8).abs() < 5e-10);
-        // Theoretical gravity on the average over the ellipsoid, by its area: γ = 9.7976432222 m/s².
+        // Theoretical gravity on the average over the ellipsoid, by its area: γ = 9.7976432222
+        // m/s².
         let (mut sum, mut area) = (0.0, 0.0);
         for k in 0..20_000 {
             let latitude_deg = (f64::from(k) + 0.5) / 20_000.0 * 90.0;
@@ -188,7 +194,8 @@ mod tests {
     fn gravity_falls_with_height_as_the_closed_form() {
         for latitude_deg in [1.0, 30.0, 47.4, 60.0, 89.0] {
             for height_m in [0.0, 400.0, 10_000.0] {
-                // What equation 4-3 leaves out: Bruns' gradient −γ(1/M + 1/N) − 2ω² differs from its by 1.1e-10 1/s².
+                // What equation 4-3 leaves out: Bruns' gradient −γ(1/M + 1/N) − 2ω² differs from
+                // its by 1.1e-10 1/s².
                 let tolerance = 1e-8 + 1.3e-10 * height_m;
                 let place = at(latitude_deg, height_m);
                 let (got, expected) = (EARTH.gravity_m_s2(place), closed_form_m_s2(place));
@@ -203,7 +210,8 @@ mod tests {
 
     #[test]
     fn radii_are_the_published_ones() {
-        // Torge & Müller, *Geodesy*, §4.1: at the pole both are a²/b = 6399593.6258 m, at the equator b²/a = 6335439.3273 m.
+        // Torge & Müller, *Geodesy*, §4.1: at the pole both are a²/b = 6399593.6258 m, at the
+        // equator b²/a = 6335439.3273 m.
         let (pole, equator) = (Radii::at(90.0 * DEGREE), Radii::at(0.0));
         assert!(
             (pole.meridian_m - 6_399_593.625_8).abs() < 1e-4 && (pole.prime_vertical_m - pole.meridian_m).abs() < 1e-6

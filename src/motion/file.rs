@@ -1,7 +1,9 @@
-//! Poses from files: EuRoC, TUM, KITTI, and tables with headings, in any format that recordings have.
+//! Poses from files: EuRoC, TUM, KITTI, and tables with headings, in any format that recordings
+//! have.
 //!
-//! `format` → `layout` → `read` → `rotation`: which columns say what, and what the rows say; then `hand` and `judge` tell what
-//! is wrong with them. Body axes stay the file's. Not for readings of sensors (`recording`).
+//! `format` → `layout` → `read` → `rotation`: which columns say what, and what the rows say; then
+//! `hand` and `judge` tell what is wrong with them. Body axes stay the file's. Not for readings of
+//! sensors (`recording`).
 
 pub mod finding;
 pub mod format;
@@ -62,7 +64,8 @@ const BEYOND_S: f64 = 1.0;
 /// Reads them.
 ///
 /// # Errors
-/// A file that cannot be read, columns that are not there, and poses that cannot be one motion: which, where, what to do.
+/// A file that cannot be read, columns that are not there, and poses that cannot be one motion:
+/// which, where, what to do.
 pub fn read(request: &Request<'_>) -> Result<Poses> {
     let path = request.path;
     let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
@@ -121,7 +124,8 @@ fn to_level(layout: &Layout, up: Option<Up>, findings: &mut Vec<Finding>) -> Mat
 }
 
 impl Layout {
-    /// Takes the user's order of quaternions for the file's; the order that holds, where there are quaternions.
+    /// Takes the user's order of quaternions for the file's; the order that holds, where there are
+    /// quaternions.
     fn insist(&mut self, order: Option<Order>) -> Option<Order> {
         let Rotation::Quaternion(found) = self.rotation else { return None };
         let Some(order) = order.filter(|order| *order != found) else { return Some(found) };

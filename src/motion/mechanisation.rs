@@ -1,9 +1,11 @@
-//! The strapdown navigator in f64: increments of rotation and velocity to attitude, velocity and position over the Earth.
+//! The strapdown navigator in f64: increments of rotation and velocity to attitude, velocity and
+//! position over the Earth.
 //!
-//! Local-level mechanisation with attitude as a quaternion (Savage, *Strapdown inertial navigation integration algorithm
-//! design*, J. Guidance, Control and Dynamics 21, 1998; Groves, §5.5). The sensors integrate: an increment is the exact
-//! integral of rate or specific force over a sampling interval. Not for errors of sensors: what this navigator errs on
-//! perfect increments is its [own error](`own_error`).
+//! Local-level mechanisation with attitude as a quaternion (Savage, *Strapdown inertial navigation
+//! integration algorithm design*, J. Guidance, Control and Dynamics 21, 1998; Groves, §5.5). The
+//! sensors integrate: an increment is the exact integral of rate or specific force over a sampling
+//! interval. Not for errors of sensors: what this navigator errs on perfect increments is its [own
+//! error](`own_error`).
 
 mod increments;
 
@@ -21,7 +23,8 @@ use super::truth::{Sample, Truth};
 pub enum Integrator {
     /// Assumes a constant axis of rotation and direction of force within it.
     SingleSample,
-    /// Corrects coning and sculling from this increment and the one before (Savage's two-sample terms).
+    /// Corrects coning and sculling from this increment and the one before (Savage's two-sample
+    /// terms).
     #[default]
     Compensated,
 }

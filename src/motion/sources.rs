@@ -1,8 +1,9 @@
 //! `[trajectory]` of study.toml: where poses come from.
 //!
 //! # Adding a kind
-//! One file with its `SOURCE` (name, keys, poses), its name in [`Kind`] and its line in [`source()`]; foreign keys are refused by
-//! it, misspelt ones by [`Section`]. Positions are metres north, east and down from some origin.
+//! One file with its `SOURCE` (name, keys, poses), its name in [`Kind`] and its line in
+//! [`source()`]; foreign keys are refused by it, misspelt ones by [`Section`]. Positions are metres
+//! north, east and down from some origin.
 
 pub mod car;
 pub mod circle;

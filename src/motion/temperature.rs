@@ -3,7 +3,8 @@
 /// A profile, and the temperature at which the sensor's stated errors hold.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Temperature {
-    /// Time, s, and temperature, °C; times increase. Before the first and after the last point it stays.
+    /// Time, s, and temperature, °C; times increase. Before the first and after the last point it
+    /// stays.
     pub points: Vec<[f64; 2]>,
     /// Temperature at which the stated errors hold, °C.
     pub reference_deg_c: f64,

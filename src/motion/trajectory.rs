@@ -1,8 +1,10 @@
-//! A continuous motion over the Earth: what gyros and accelerometers on it would read, without error, at every instant.
+//! A continuous motion over the Earth: what gyros and accelerometers on it would read, without
+//! error, at every instant.
 //!
-//! With positions p in metres along meridian and parallel, velocity v = p′ and attitude C from body axes to the local level,
-//! specific force is Cᵀ(v′ + (2ω_ie + ω_en) × v − g) and the rate against inertial space ω_nb + Cᵀ(ω_ie + ω_en): Groves,
-//! *Principles of GNSS, inertial, and multisensor integrated navigation systems*, second edition, §5.4.
+//! With positions p in metres along meridian and parallel, velocity v = p′ and attitude C from body
+//! axes to the local level, specific force is Cᵀ(v′ + (2ω_ie + ω_en) × v − g) and the rate against
+//! inertial space ω_nb + Cᵀ(ω_ie + ω_en): Groves, *Principles of GNSS, inertial, and multisensor
+//! integrated navigation systems*, second edition, §5.4.
 
 use nalgebra::Vector3;
 
@@ -94,8 +96,8 @@ impl Trajectory {
         Ok(self.stretch(earth, sampling.lever_arm_m, Stretch { from_s: 0.0, interval_s, steps }))
     }
 
-    /// The truth over a stretch, as a separate motion that begins at the Earth's start; the body stands still before the
-    /// trajectory begins and after it ends.
+    /// The truth over a stretch, as a separate motion that begins at the Earth's start; the body
+    /// stands still before the trajectory begins and after it ends.
     pub fn stretch(&self, earth: &Earth, lever_arm_m: Vector3<f64>, over: Stretch) -> Truth {
         let Stretch { from_s, interval_s, steps } = over;
         let mut place = earth.start();

@@ -11,7 +11,8 @@ pub struct Sample {
     pub attitude: UnitQuaternion<f64>,
     /// Velocity over the Earth in north-east-down, m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// Position in north-east-down from the start, m (metres along meridian and parallel on an ellipsoid).
+    /// Position in north-east-down from the start, m (metres along meridian and parallel on an
+    /// ellipsoid).
     pub position_m: Vector3<f64>,
     /// Specific force at the sensor in body axes, m/s².
     pub specific_force_m_s2: Vector3<f64>,

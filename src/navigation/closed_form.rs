@@ -1,18 +1,21 @@
-//! How fast an error grows, exactly: the standard deviation of an error process after n integrations over time.
+//! How fast an error grows, exactly: the standard deviation of an error process after n
+//! integrations over time.
 //!
-//! Acceleration reaches position after two integrations; a gyro's rate error reaches tilt after one and, through
-//! gravity, position after three. A flat, non-rotating Earth: valid for minutes, far below the Schuler period of 84.4 min.
-//! Sources: Woodman, *An introduction to inertial navigation*, UCAM-CL-TR-696 (2007), §6; Titterton & Weston,
-//! *Strapdown Inertial Navigation Technology*, 2nd ed., §12; the held process is summed here from its covariance.
+//! Acceleration reaches position after two integrations; a gyro's rate error reaches tilt after one
+//! and, through gravity, position after three. A flat, non-rotating Earth: valid for minutes, far
+//! below the Schuler period of 84.4 min. Sources: Woodman, *An introduction to inertial
+//! navigation*, UCAM-CL-TR-696 (2007), §6; Titterton & Weston, *Strapdown Inertial Navigation
+//! Technology*, 2nd ed., §12; the held process is summed here from its covariance.
 //!
-//! After a still start of T seconds the mean error ē over those seconds is subtracted. With t counted from its end, n
-//! integrations give ∫₀ᵗ (t−u)^(n−1)/(n−1)! e(u) du − ē tⁿ/n!, so that
+//! After a still start of T seconds the mean error ē over those seconds is subtracted. With t
+//! counted from its end, n integrations give ∫₀ᵗ (t−u)^(n−1)/(n−1)! e(u) du − ē tⁿ/n!, so that
 //!
 //! - a constant leaves nothing;
 //! - white noise N leaves N²/T in ē, independent of what follows: n = 2 gives N² (t³/3 + t⁴/4T);
-//! - a random walk K, whose increments before and after the end are independent, leaves K² T/3 in e(0) − ē: n = 2 gives
-//!   K² (t⁵/20 + t⁴ T/12);
-//! - a held process is correlated across the end: its values are summed with their weights before and after it.
+//! - a random walk K, whose increments before and after the end are independent, leaves K² T/3 in
+//!   e(0) − ē: n = 2 gives K² (t⁵/20 + t⁴ T/12);
+//! - a held process is correlated across the end: its values are summed with their weights before
+//!   and after it.
 
 /// An error process in the unit of what is integrated (m/s², rad/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +24,8 @@ pub enum Process {
     Constant(f64),
     /// White noise with random-walk coefficient N, unit·√s (two-sided).
     White(f64),
-    /// A Gauss–Markov sequence from its stationary law: a value is held, then keeps e⁻¹ of itself at each renewal.
+    /// A Gauss–Markov sequence from its stationary law: a value is held, then keeps e⁻¹ of itself
+    /// at each renewal.
     Held {
         /// Standard deviation, unit.
         sigma: f64,
@@ -55,8 +59,9 @@ impl Process {
         }
     }
 
-    /// Mean square at `time_s` from the end of a still start of `still_s`, over which the process' mean is subtracted, after
-    /// `integrations`. Without a still start (0 s) as [`Process::variance`].
+    /// Mean square at `time_s` from the end of a still start of `still_s`, over which the process'
+    /// mean is subtracted, after `integrations`. Without a still start (0 s) as
+    /// [`Process::variance`].
     pub fn variance_after_still_start(self, still_s: f64, integrations: u32, time_s: f64) -> f64 {
         match self {
             _ if still_s <= 0.0 => self.variance(integrations, time_s),
@@ -72,8 +77,8 @@ impl Process {
         }
     }
 
-    /// Variance of the constant error that a still start of `still_s` leaves from its end on: what its mean misses of the
-    /// process. Zero for a held process, whose error is none that stays.
+    /// Variance of the constant error that a still start of `still_s` leaves from its end on: what
+    /// its mean misses of the process. Zero for a held process, whose error is none that stays.
     pub fn bias_left(self, still_s: f64) -> f64 {
         match self {
             _ if still_s <= 0.0 => 0.0,
@@ -97,13 +102,14 @@ struct Held {
 }
 
 impl Held {
-    /// Mean square, for unit values, of the sum that `integrations` until `time_s` after a still start make of them: each
-    /// value counts with ∫ (t−u)^(n−1)/(n−1)! du over the time it is held after the end of the still start, less its share
-    /// of the mean times tⁿ/n!.
+    /// Mean square, for unit values, of the sum that `integrations` until `time_s` after a still
+    /// start make of them: each value counts with ∫ (t−u)^(n−1)/(n−1)! du over the time it is held
+    /// after the end of the still start, less its share of the mean times tⁿ/n!.
     fn square_of_sum(self, still_s: f64, integrations: u32, time_s: f64) -> f64 {
         let power = |t: f64| t.powi(integrations as i32) / factorial(integrations);
         let (end, whole) = (still_s + time_s, power(time_s));
-        // What is still to come after a time, and of the mean before it. Without integration, the value held at the end.
+        // What is still to come after a time, and of the mean before it. Without integration, the
+        // value held at the end.
         let remaining = |at: f64| match integrations {
             0 => f64::from(u8::from(at < end * (1.0 - 1e-12))),
             _ => power((end - at.max(still_s)).max(0.0)),
@@ -147,7 +153,8 @@ mod tests {
 
     #[test]
     fn the_papers_example_is_1_7_m_after_10_s() {
-        // Section II.A: "a linear acceleration error of 0.034 m/s² … after 10 seconds … will be 1.7 m".
+        // Section II.A: "a linear acceleration error of 0.034 m/s² … after 10 seconds … will be 1.7
+        // m".
         assert!((Process::Constant(0.034).variance(2, 10.0).sqrt() - 1.7).abs() < 1e-12);
         // "0.2 degrees" of tilt: g sin 0.2° = 0.0342.
         let tilt: f64 = 9.81 * 0.2f64.to_radians().sin();
@@ -192,7 +199,8 @@ mod tests {
 
     #[test]
     fn a_double_sum_over_the_covariance_agrees() {
-        // Direct quadrature of ∬ h(p) h(q) R(p, q), p and q counted back from the end; h = p (two integrations), p²/2 (three).
+        // Direct quadrature of ∬ h(p) h(q) R(p, q), p and q counted back from the end; h = p (two
+        // integrations), p²/2 (three).
         let (sigma, first_s, hold_s, t, m) = (1.3, 0.5, 1.0, 6.0, 600);
         let mid = |k: usize| (k as f64 + 0.5) * t / m as f64;
         let segment = |p: f64| ((t - p - first_s) / hold_s).floor();

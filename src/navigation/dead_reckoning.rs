@@ -1,6 +1,8 @@
-//! Dead reckoning of errors: what a wrong rate and a wrong acceleration become in tilt, speed and distance (eq. 1 and 2).
+//! Dead reckoning of errors: what a wrong rate and a wrong acceleration become in tilt, speed and
+//! distance (eq. 1 and 2).
 //!
-//! One horizontal axis; tilt leaks gravity into it. Not for readings: integrating errors keeps every digit.
+//! One horizontal axis; tilt leaks gravity into it. Not for readings: integrating errors keeps
+//! every digit.
 
 /// Errors of one member.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,8 +16,9 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// One step of `step_s` during which the accelerometer errs by `acceleration_m_s2` and the gyro by `rate_rad_s`;
-    /// exact for errors that are constant over the step. Small angles: g tilt for g sin tilt.
+    /// One step of `step_s` during which the accelerometer errs by `acceleration_m_s2` and the gyro
+    /// by `rate_rad_s`; exact for errors that are constant over the step. Small angles: g tilt for
+    /// g sin tilt.
     #[inline]
     pub fn step(&mut self, acceleration_m_s2: f64, rate_rad_s: f64, gravity_m_s2: f64, step_s: f64) {
         let h = step_s;

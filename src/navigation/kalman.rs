@@ -1,7 +1,8 @@
-//! The Kalman filter that fuses a gyro's rate with an accelerometer's tilt: two states, tilt and gyro bias.
+//! The Kalman filter that fuses a gyro's rate with an accelerometer's tilt: two states, tilt and
+//! gyro bias.
 //!
-//! Plain, or with the accelerometer weighted by how far |a| departs from g, or with that and an R adapted to how the
-//! innovations scatter. Not for attitude in three axes or with heading.
+//! Plain, or with the accelerometer weighted by how far |a| departs from g, or with that and an R
+//! adapted to how the innovations scatter. Not for attitude in three axes or with heading.
 
 use nalgebra::{Matrix2, RowVector2, Vector2};
 
@@ -35,7 +36,8 @@ pub enum Weighting {
     Adaptive,
 }
 
-/// One reading: rate of the tilt by the gyro, tilt by the accelerometer, length of its specific force.
+/// One reading: rate of the tilt by the gyro, tilt by the accelerometer, length of its specific
+/// force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Rate of the tilt by the gyro, rad/s.
@@ -74,7 +76,8 @@ pub struct Filter {
     innovations: (f64, f64),
 }
 
-/// Memory of the weighting, s: long enough to bridge the moments at which a swinging acceleration passes through zero.
+/// Memory of the weighting, s: long enough to bridge the moments at which a swinging acceleration
+/// passes through zero.
 const MEMORY_S: f64 = 0.1;
 
 impl Model {
@@ -94,8 +97,8 @@ impl Model {
         Matrix2::new(angle * h + bias * h.powi(3) / 3.0, -bias * h * h / 2.0, -bias * h * h / 2.0, bias * h)
     }
 
-    /// The covariance before an update that the filter settles to, by doubling (Anderson 1978): each round squares the
-    /// number of steps done. Independent of the filter's own recursion.
+    /// The covariance before an update that the filter settles to, by doubling (Anderson 1978):
+    /// each round squares the number of steps done. Independent of the filter's own recursion.
     pub fn settled_covariance(&self) -> Matrix2<f64> {
         let h = self.observation();
         let mut a = self.transition().transpose();
@@ -150,8 +153,8 @@ impl Filter {
         if self.weighting == Weighting::Plain {
             return rest;
         }
-        // Beyond four deviations of noise: a sideways acceleration a lengthens the force by a²/2g and tilts it by a/g, so
-        // that the square of the tilt is 2(|a| − g)/g.
+        // Beyond four deviations of noise: a sideways acceleration a lengthens the force by a²/2g
+        // and tilts it by a/g, so that the square of the tilt is 2(|a| − g)/g.
         let beyond = (reading.force_m_s2 - self.model.gravity_m_s2).abs() - 4.0 * self.model.force_noise_m_s2;
         let (held, age_s) = self.excess;
         let expired = age_s + self.model.step_s > MEMORY_S;
@@ -161,8 +164,9 @@ impl Filter {
         if self.weighting == Weighting::Magnitude {
             return moved;
         }
-        // The scatter of the innovations about their mean: a steady innovation is the filter's own error and must be
-        // followed, a scattered one is motion. Twelve effective samples scatter by chance up to 4 R.
+        // The scatter of the innovations about their mean: a steady innovation is the filter's own
+        // error and must be followed, a scattered one is motion. Twelve effective samples scatter
+        // by chance up to 4 R.
         let weight = 1.0 - (-self.model.step_s / MEMORY_S).exp();
         let (mean, variance) = self.innovations;
         let away = innovation - mean;

@@ -1,8 +1,9 @@
-//! Which powers of time an error envelope is made of: σ²(t) = a₁₅²t³ + a₂²t⁴ + a₂₅²t⁵ + a₃²t⁶ with a ≥ 0.
+//! Which powers of time an error envelope is made of: σ²(t) = a₁₅²t³ + a₂²t⁴ + a₂₅²t⁵ + a₃²t⁶ with
+//! a ≥ 0.
 //!
-//! The powers belong to velocity random walk (1.5), acceleration bias (2), angle or acceleration random walk (2.5) and
-//! gyro bias (3). Neighbouring powers imitate each other over a short span: the fit describes the envelope, it does not
-//! prove a source; the error budget does that.
+//! The powers belong to velocity random walk (1.5), acceleration bias (2), angle or acceleration
+//! random walk (2.5) and gyro bias (3). Neighbouring powers imitate each other over a short span:
+//! the fit describes the envelope, it does not prove a source; the error budget does that.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,8 +12,9 @@ pub const EXPONENTS: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
 
 /// Coefficients a of the four powers, unit/s^p, by non-negative least squares on relative variance.
 ///
-/// `envelope` holds (t in s, standard deviation); points that are not positive are left out. All zero when fewer than
-/// two points remain. Every subset of the four powers is solved; the best with no negative share wins (15 solves).
+/// `envelope` holds (t in s, standard deviation); points that are not positive are left out. All
+/// zero when fewer than two points remain. Every subset of the four powers is solved; the best with
+/// no negative share wins (15 solves).
 pub fn fit(envelope: &[(f64, f64)]) -> [f64; 4] {
     let points: Vec<(f64, f64)> = envelope.iter().copied().filter(|(t, sd)| *t > 0.0 && *sd > 0.0).collect();
     let mut best = ([0.0; 4], f64::INFINITY);
@@ -29,7 +31,8 @@ pub fn fit(envelope: &[(f64, f64)]) -> [f64; 4] {
         let ones = DVector::from_element(points.len(), 1.0);
         // Columns differ by many decades; scale them to unit length before solving.
         let lengths: Vec<f64> = design.column_iter().map(|c| c.norm()).collect();
-        // Deviations so large or small that their squares leave the range of numbers: the decomposition would panic.
+        // Deviations so large or small that their squares leave the range of numbers: the
+        // decomposition would panic.
         if lengths.iter().any(|length| !length.is_normal()) {
             continue;
         }
@@ -51,7 +54,8 @@ pub fn fit(envelope: &[(f64, f64)]) -> [f64; 4] {
     best.0
 }
 
-/// The exponent of t by which the envelope grows around each of its points: d ln σ / d ln t, central differences.
+/// The exponent of t by which the envelope grows around each of its points: d ln σ / d ln t,
+/// central differences.
 pub fn local_exponents(envelope: &[(f64, f64)]) -> Vec<f64> {
     let last = envelope.len().saturating_sub(1);
     let slope = |a: (f64, f64), b: (f64, f64)| (b.1 / a.1).ln() / (b.0 / a.0).ln();
@@ -82,7 +86,8 @@ mod tests {
         let slopes = local_exponents(&envelope(|t| 0.1 * t.powf(2.5)));
         assert!(slopes.iter().all(|s| (s - 2.5).abs() < 1e-9));
         assert_eq!(fit(&[]), [0.0; 4]);
-        // Deviations whose squares are no numbers: nothing to fit, and no panic in the decomposition.
+        // Deviations whose squares are no numbers: nothing to fit, and no panic in the
+        // decomposition.
         assert_eq!(fit(&envelope(|t| 1e300 * t)), [0.0; 4]);
         assert_eq!(fit(&envelope(|_| f64::INFINITY)), [0.0; 4]);
     }

@@ -1,7 +1,7 @@
 //! Tilt from an accelerometer (the paper's eq. 3) and from a gyro.
 //!
-//! The gyro's way carries the direction of gravity in the sensor's frame along, so that poses may be arbitrary. Not a full
-//! attitude: heading is never known here.
+//! The gyro's way carries the direction of gravity in the sensor's frame along, so that poses may
+//! be arbitrary. Not a full attitude: heading is never known here.
 
 /// A vector in the sensor's frame.
 pub type Vector = [f64; 3];
@@ -11,14 +11,15 @@ pub fn norm(v: Vector) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// Eq. 3: pitch from specific force, atan(a_x / √(a_y² + a_z²)), rad. Biases are taken off by whoever calibrated.
+/// Eq. 3: pitch from specific force, atan(a_x / √(a_y² + a_z²)), rad. Biases are taken off by
+/// whoever calibrated.
 pub fn pitch_rad(specific_force: Vector) -> f64 {
     let [x, y, z] = specific_force;
     x.atan2(y.hypot(z))
 }
 
-/// The direction of "up" in the sensor's frame after the sensor has turned at a rate for `step_s` (Rodrigues' rotation,
-/// exact for a constant rate).
+/// The direction of "up" in the sensor's frame after the sensor has turned at a rate for `step_s`
+/// (Rodrigues' rotation, exact for a constant rate).
 pub fn turn(up: Vector, rate_rad_s: Vector, step_s: f64) -> Vector {
     let speed = norm(rate_rad_s);
     if speed == 0.0 {
@@ -33,7 +34,8 @@ pub fn turn(up: Vector, rate_rad_s: Vector, step_s: f64) -> Vector {
     std::array::from_fn(|i| up[i] * c + cross[i] * s + axis[i] * along * (1.0 - c))
 }
 
-/// How fast the pitch of eq. 3 changes when the sensor, with this direction of "up", turns at a rate; rad/s.
+/// How fast the pitch of eq. 3 changes when the sensor, with this direction of "up", turns at a
+/// rate; rad/s.
 pub fn pitch_rate_rad_s(up: Vector, rate_rad_s: Vector) -> f64 {
     (rate_rad_s[2] * up[1] - rate_rad_s[1] * up[2]) / up[1].hypot(up[2])
 }

@@ -1,12 +1,13 @@
 //! The overlapping Allan deviation of a stream of any length in a few hundred kilobytes.
 //!
-//! Up to 128 samples the estimator is fully overlapped. Above, the integrated signal is thinned by powers of two, so that
-//! an averaging time always spans 80 to 128 kept points: windows start every 1/128 to 1/80 of the averaging time instead of at
-//! every sample. The equivalent degrees of freedom saturate at about 8 starts per averaging time (Greenhall & Riley,
-//! *Uncertainty of stability variances based on finite differences*, PTTI 2003), so nothing measurable is lost.
+//! Up to 128 samples the estimator is fully overlapped. Above, the integrated signal is thinned by
+//! powers of two, so that an averaging time always spans 80 to 128 kept points: windows start every
+//! 1/128 to 1/80 of the averaging time instead of at every sample. The equivalent degrees of
+//! freedom saturate at about 8 starts per averaging time (Greenhall & Riley, *Uncertainty of
+//! stability variances based on finite differences*, PTTI 2003), so nothing measurable is lost.
 //!
-//! Definition (IEEE 952, NIST SP 1065): with x the integral of the signal,
-//! σ²(τ = mτ₀) = ⟨(x_{k+2m} − 2x_{k+m} + x_k)²⟩ / (2 m² τ₀²). Laws: `law`; uncertainty: `covariance`; coefficients: `fit`.
+//! Definition (IEEE 952, NIST SP 1065): with x the integral of the signal, σ²(τ = mτ₀) = ⟨(x_{k+2m}
+//! − 2x_{k+m} + x_k)²⟩ / (2 m² τ₀²). Laws: `law`; uncertainty: `covariance`; coefficients: `fit`.
 //!
 //! Of readings 1, −1, 1, −1, … the variance is 2 at one sample and 0 over any two:
 //!
@@ -48,7 +49,8 @@ pub struct Point {
 }
 
 impl Point {
-    /// Whether it stands on the octave grid that fits use: neighbours there are only weakly correlated.
+    /// Whether it stands on the octave grid that fits use: neighbours there are only weakly
+    /// correlated.
     pub fn on_octave(&self) -> bool {
         self.factor.is_power_of_two()
     }
@@ -79,7 +81,8 @@ impl Accumulator {
 
     /// Adds the next sample.
     pub fn push(&mut self, value: f64) {
-        // The first value is taken off so that a large constant costs no digits in the running integral.
+        // The first value is taken off so that a large constant costs no digits in the running
+        // integral.
         let origin = *self.origin.get_or_insert(value);
         if self.index == 0 {
             self.keep_phase();
@@ -107,7 +110,8 @@ impl Accumulator {
         (self.index, self.phase) = (0, 0.0);
     }
 
-    /// The curve, by rising averaging time; it ends where an averaging time is longer than a third of the recording.
+    /// The curve, by rising averaging time; it ends where an averaging time is longer than a third
+    /// of the recording.
     pub fn points(&self, rate_hz: f64) -> Vec<Point> {
         let mut points = Vec::new();
         for (l, level) in self.levels.iter().enumerate() {
@@ -175,7 +179,8 @@ impl Level {
     }
 }
 
-/// Sum of the squared second differences, in eight sums at a time: one would wait for itself at every term.
+/// Sum of the squared second differences, in eight sums at a time: one would wait for itself at
+/// every term.
 fn squares(late: &[f64], middle: &[f64], early: &[f64]) -> f64 {
     let square = |l: f64, m: f64, e: f64| (l - 2.0 * m + e).powi(2);
     let (late, late_rest) = late.as_chunks::<8>();
@@ -195,7 +200,8 @@ fn squares(late: &[f64], middle: &[f64], early: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The thousand-point set of NBS Monograph 140 Annex 8.E, as generated in NIST SP 1065 (Riley 2008), section 12.4.
+    /// The thousand-point set of NBS Monograph 140 Annex 8.E, as generated in NIST SP 1065 (Riley
+    /// 2008), section 12.4.
     fn nbs14() -> Vec<f64> {
         let mut n: u64 = 1_234_567_890;
         (0..1000)
@@ -207,7 +213,8 @@ mod tests {
             .collect()
     }
 
-    // NIST SP 1065, table 31: overlapping Allan deviation of the 1000-point frequency data at τ = 1, 10, 100.
+    // NIST SP 1065, table 31: overlapping Allan deviation of the 1000-point frequency data at τ =
+    // 1, 10, 100.
     #[test]
     fn published_overlapping_deviations() {
         let curve = curve(&nbs14(), 1.0);

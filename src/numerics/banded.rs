@@ -1,6 +1,7 @@
 //! Symmetric positive definite band matrices: their Cholesky factor, and solutions with it.
 //!
-//! Source: Golub & Van Loan, *Matrix computations*, fourth edition, §4.3.5. Not for matrices that may be singular.
+//! Source: Golub & Van Loan, *Matrix computations*, fourth edition, §4.3.5. Not for matrices that
+//! may be singular.
 
 /// A symmetric matrix of which only the diagonal and the bands below it are kept.
 #[derive(Debug, Clone, PartialEq)]

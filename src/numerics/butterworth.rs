@@ -7,11 +7,13 @@ use std::f64::consts::PI;
 /// Qualities of the two second-order sections: 1/(2 cos(π/8)), 1/(2 cos(3π/8)).
 const QUALITIES: [f64; 2] = [0.541_196_100_146_197, 1.306_562_964_876_376_4];
 
-/// Length of the lead-in times the corner frequency: the slower section forgets its beginning by e⁻¹⁹ over it.
+/// Length of the lead-in times the corner frequency: the slower section forgets its beginning by
+/// e⁻¹⁹ over it.
 const LEAD: f64 = 8.0;
 
-/// A sequence through the low-pass in both directions: amplitudes fall to one half at the corner. Beyond its ends the sequence is
-/// taken to go on turned about them, and its first and last values lead the filter in.
+/// A sequence through the low-pass in both directions: amplitudes fall to one half at the corner.
+/// Beyond its ends the sequence is taken to go on turned about them, and its first and last values
+/// lead the filter in.
 pub(crate) fn zero_phase(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return Vec::new() };
     let lead = ((LEAD * rate_hz / corner_hz) as usize).min(values.len() - 1);
@@ -25,7 +27,8 @@ pub(crate) fn zero_phase(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f6
     all[lead..lead + values.len()].to_vec()
 }
 
-/// One second-order section (bilinear transform, `k` the warped corner), begun as if the first value had always been there.
+/// One second-order section (bilinear transform, `k` the warped corner), begun as if the first
+/// value had always been there.
 fn section(values: &mut [f64], quality: f64, k: f64) {
     let scale = 1.0 / (1.0 + k / quality + k * k);
     let gain = k * k * scale;

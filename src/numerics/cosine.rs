@@ -1,13 +1,16 @@
-//! The orthonormal cosine transform (DCT-II): where slow noises without a stationary law become independent.
+//! The orthonormal cosine transform (DCT-II): where slow noises without a stationary law become
+//! independent.
 //!
-//! A random walk seen from its own mean has uncorrelated coefficients here, exactly: the transform diagonalises the second
-//! difference with free ends. White noise does in any orthonormal basis. So a likelihood over these coefficients needs no
-//! window and no correction for leakage, which a Fourier periodogram of a walk does.
+//! A random walk seen from its own mean has uncorrelated coefficients here, exactly: the transform
+//! diagonalises the second difference with free ends. White noise does in any orthonormal basis. So
+//! a likelihood over these coefficients needs no window and no correction for leakage, which a
+//! Fourier periodogram of a walk does.
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
-/// Coefficients c₀ … c_{N−1}; c_k belongs to the frequency k·rate/(2N), Σ c_k² = Σ x². Empty in, empty out.
+/// Coefficients c₀ … c_{N−1}; c_k belongs to the frequency k·rate/(2N), Σ c_k² = Σ x². Empty in,
+/// empty out.
 pub(crate) fn transform(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     if count == 0 {

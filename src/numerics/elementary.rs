@@ -1,14 +1,16 @@
-//! Logarithm, sine and cosine by own polynomials, the same on every machine, for f32 and f64; twins of
-//! `shaders/shared/elementary.wgsl`. They exist because WGSL promises sin and cos only to 2⁻¹¹ and because a library
-//! call in the middle of a vectorised loop undoes the loop.
+//! Logarithm, sine and cosine by own polynomials, the same on every machine, for f32 and f64; twins
+//! of `shaders/shared/elementary.wgsl`. They exist because WGSL promises sin and cos only to 2⁻¹¹
+//! and because a library call in the middle of a vectorised loop undoes the loop.
 //!
-//! Not for general arguments: a logarithm of a 23-bit uniform number and the sine of a fixed-point phase are all an
-//! ensemble needs. Coefficients: minimax fits (Lawson iteration) in f32, series in f64; the tests measure the errors.
+//! Not for general arguments: a logarithm of a 23-bit uniform number and the sine of a fixed-point
+//! phase are all an ensemble needs. Coefficients: minimax fits (Lawson iteration) in f32, series in
+//! f64; the tests measure the errors.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A floating-point number a kernel may be written in: f32 (the twin of the shader) or f64 (the oracle).
+/// A floating-point number a kernel may be written in: f32 (the twin of the shader) or f64 (the
+/// oracle).
 pub trait Real:
     Copy
     + Default
@@ -45,7 +47,8 @@ pub trait Real:
     fn of_i32(value: i32) -> Self;
     /// A whole number below 2³¹ in magnitude.
     fn to_i32(self) -> i32;
-    /// Whether the magnitude is above `bound` or is no number at all. Decided on bits, as the shader must.
+    /// Whether the magnitude is above `bound` or is no number at all. Decided on bits, as the
+    /// shader must.
     fn beyond(self, bound: f32) -> bool;
     /// With the sign changed if bit 31 of `word` is set.
     fn flip(self, word: u32) -> Self;
@@ -116,7 +119,8 @@ macro_rules! real {
 impl Real for f32 {
     real!(f32);
 
-    // Adding and taking away 1.5 · 2²³ rounds to even without an instruction that the baseline lacks.
+    // Adding and taking away 1.5 · 2²³ rounds to even without an instruction that the baseline
+    // lacks.
     #[inline(always)]
     fn round(self) -> Self {
         const SHIFT: f32 = 12_582_912.0;
@@ -239,7 +243,8 @@ impl Real for f64 {
     }
 }
 
-/// ln u for the uniform number u = (2k + 1)·2⁻²⁴ made of the upper 23 bits k of a random word: never 0, never 1.
+/// ln u for the uniform number u = (2k + 1)·2⁻²⁴ made of the upper 23 bits k of a random word:
+/// never 0, never 1.
 #[inline(always)]
 fn ln_uniform<T: Real, const FMA: bool>(word: u32) -> T {
     // 2²⁴u: exact in f32, so f32 and f64 take the logarithm of the same number.
@@ -276,7 +281,8 @@ pub(crate) fn sin_cos<T: Real, const FMA: bool>(x: T) -> (T, T) {
     turn_by_quarters(s, c, (quarters.to_i32() as u32) << 30)
 }
 
-/// The sine and cosine of an angle that many quarters further on: the two highest bits of `quarters`.
+/// The sine and cosine of an angle that many quarters further on: the two highest bits of
+/// `quarters`.
 #[inline(always)]
 fn turn_by_quarters<T: Real>(s: T, c: T, quarters: u32) -> (T, T) {
     const QUARTER: u32 = 1 << 30;
@@ -285,8 +291,8 @@ fn turn_by_quarters<T: Real>(s: T, c: T, quarters: u32) -> (T, T) {
     (sin.flip(quarters), cos.flip(quarters.wrapping_add(QUARTER)))
 }
 
-/// Two independent standard normal numbers of two random words (Box and Muller 1958). |g| ≤ 5.77: the largest of
-/// 2²³ equally likely radii.
+/// Two independent standard normal numbers of two random words (Box and Muller 1958). |g| ≤ 5.77:
+/// the largest of 2²³ equally likely radii.
 #[inline(always)]
 pub(crate) fn gaussian_pair<T: Real, const FMA: bool>(radius: u32, angle: u32) -> (T, T) {
     // Never of a negative number: `logarithms_are_negative` looks at all of them.

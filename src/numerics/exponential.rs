@@ -1,14 +1,16 @@
-//! Exponential, logarithm and hyperbolic tangent without a branch or a call, so that a loop over lanes that needs them compiles
-//! to vector instructions; the same on every machine.
+//! Exponential, logarithm and hyperbolic tangent without a branch or a call, so that a loop over
+//! lanes that needs them compiles to vector instructions; the same on every machine.
 //!
-//! Not for the noise of ensembles, which takes the logarithm of 23-bit numbers (`elementary`), and not for arguments beyond
-//! those stated.
+//! Not for the noise of ensembles, which takes the logarithm of 23-bit numbers (`elementary`), and
+//! not for arguments beyond those stated.
 
 use std::f64::consts::{LN_2, LOG2_E};
 
-/// Adding and taking away 1.5 · 2⁵² rounds to the nearest integer, which then stands in the lowest bits.
+/// Adding and taking away 1.5 · 2⁵² rounds to the nearest integer, which then stands in the lowest
+/// bits.
 const SHIFT: f64 = 6_755_399_441_055_744.0;
-/// ln 2 in two parts; the upper one has few enough bits that its multiples by whole numbers below 2²⁰ are exact.
+/// ln 2 in two parts; the upper one has few enough bits that its multiples by whole numbers below
+/// 2²⁰ are exact.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 

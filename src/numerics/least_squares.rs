@@ -1,5 +1,5 @@
-//! Nonlinear least squares where many trial points cost little more than one: Levenberg–Marquardt whose damping is chosen
-//! by trying several at once.
+//! Nonlinear least squares where many trial points cost little more than one: Levenberg–Marquardt
+//! whose damping is chosen by trying several at once.
 //!
 //! Not for deciding whether a fit is good: it returns the minimum and what is needed to judge it.
 
@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Residuals to be made small.
 pub trait Residuals {
-    /// Residual and its derivatives (one column per coordinate) at a point; `None` where the model breaks down.
+    /// Residual and its derivatives (one column per coordinate) at a point; `None` where the model
+    /// breaks down.
     fn linearise(&self, z: &[f64]) -> Option<Linear>;
     /// Sums of squares at several points; not finite where the model breaks down.
     fn sums(&self, points: &[Vec<f64>]) -> Vec<f64>;
@@ -90,13 +91,15 @@ pub struct Minimum {
     pub sum: f64,
     /// Residual and derivatives there.
     pub linear: Linear,
-    /// Whether a further step promises less than the tolerance, or none that lowers the sum and has derivatives can be had.
+    /// Whether a further step promises less than the tolerance, or none that lowers the sum and has
+    /// derivatives can be had.
     pub converged: bool,
 }
 
-/// Minimises the sum of squares from `start`. Stops when a step gains less than `tolerance` in ½ n ln(sum), the
-/// log-likelihood of Gaussian residuals. `None` where the model breaks down at the start; where it does so further on, the
-/// search stays at the last good point and takes shorter steps.
+/// Minimises the sum of squares from `start`. Stops when a step gains less than `tolerance` in ½ n
+/// ln(sum), the log-likelihood of Gaussian residuals. `None` where the model breaks down at the
+/// start; where it does so further on, the search stays at the last good point and takes shorter
+/// steps.
 pub(crate) fn minimise<R: Residuals>(problem: &R, start: &[f64], tolerance: f64, most: usize) -> Option<Minimum> {
     let mut z = start.to_vec();
     problem.confine(&mut z);
@@ -177,8 +180,8 @@ mod tests {
         assert!((found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6, "{found:?}");
     }
 
-    /// eᶻ − eᵐ and a small pull on the second coordinate, whose lowest point is (m, 1); beyond the wall nothing is a number, and
-    /// derivatives, taken by a step forward, end that step before it.
+    /// eᶻ − eᵐ and a small pull on the second coordinate, whose lowest point is (m, 1); beyond the
+    /// wall nothing is a number, and derivatives, taken by a step forward, end that step before it.
     struct Walled {
         lowest: f64,
         wall: f64,
@@ -222,7 +225,8 @@ mod tests {
             let found = end(lowest, wall, -4.0);
             assert!(found.len() == 2 && (found[0] - lowest).abs() < 1e-4 && (found[1] - 1.0).abs() < 1e-3, "{found:?}");
         }
-        // A lowest point at the wall or just beyond the last place with derivatives: as near as they reach.
+        // A lowest point at the wall or just beyond the last place with derivatives: as near as
+        // they reach.
         for (lowest, wall) in [(2.0, 2.0), (2.0, 2.0 + 0.5 * FORWARD)] {
             let found = end(lowest, wall, 1.9);
             assert!(found.len() == 2 && found[0] <= wall && lowest - found[0] < 0.01, "{found:?}");

@@ -7,7 +7,8 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Mean and standard deviation (of the whole, not of a sample: divided by n). Zero and zero of nothing.
+/// Mean and standard deviation (of the whole, not of a sample: divided by n). Zero and zero of
+/// nothing.
 pub fn mean_sd(values: &[f64]) -> (f64, f64) {
     let mean = mean(values);
     (mean, (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt())

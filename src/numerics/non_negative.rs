@@ -2,8 +2,8 @@
 
 /// Minimises ½ xᵀ`normal`x − `target`ᵀx over x ≥ 0; unknowns that are not `free` are zero.
 ///
-/// All that violate the conditions of optimality are exchanged at once (Portugal, Júdice & Vicente, Math. Comp. 63, 1994);
-/// the rare cycle is broken by trying every subset.
+/// All that violate the conditions of optimality are exchanged at once (Portugal, Júdice & Vicente,
+/// Math. Comp. 63, 1994); the rare cycle is broken by trying every subset.
 pub(crate) fn non_negative(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bool; 5]) -> [f64; 5] {
     let scale: [f64; 5] = std::array::from_fn(|p| normal[p][p].sqrt().max(f64::MIN_POSITIVE));
     let mut system = [[0.0; 6]; 5];
@@ -40,7 +40,8 @@ pub(crate) fn non_negative(normal: &[[f64; 5]; 5], target: &[f64; 5], free: &[bo
     std::array::from_fn(|p| best.0[p] / scale[p])
 }
 
-/// Solves the rows and columns of `members` by elimination (the system is positive definite); `None` if singular.
+/// Solves the rows and columns of `members` by elimination (the system is positive definite);
+/// `None` if singular.
 fn solve_subset(system: &[[f64; 6]; 5], members: &[bool; 5]) -> Option<[f64; 5]> {
     let mut rows = *system;
     for i in (0..5).filter(|i| members[*i]) {
@@ -67,7 +68,8 @@ mod tests {
 
     #[test]
     fn the_wall_at_zero_holds_and_an_inner_minimum_is_found() {
-        // Normal equations of a positive definite form: distance from neighbours on a line, plus one.
+        // Normal equations of a positive definite form: distance from neighbours on a line, plus
+        // one.
         let normal: [[f64; 5]; 5] = std::array::from_fn(|p| {
             std::array::from_fn(|q| if p == q { 3.0 } else { 0.5f64.powi((p as i32 - q as i32).abs()) })
         });

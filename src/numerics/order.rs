@@ -1,15 +1,16 @@
-//! Numbers in memory by rank: sorted, their median and quantiles; other things sorted by a number of theirs. One sort is
-//! compiled for all of them.
+//! Numbers in memory by rank: sorted, their median and quantiles; other things sorted by a number
+//! of theirs. One sort is compiled for all of them.
 //!
-//! Not for ensembles, whose quantiles come from histograms (`statistics`), and not for distributions (`special`).
+//! Not for ensembles, whose quantiles come from histograms (`statistics`), and not for
+//! distributions (`special`).
 
 /// Sorts from −∞ to ∞, NaN at the ends.
 pub(crate) fn sort(values: &mut [f64]) {
     values.sort_unstable_by(f64::total_cmp);
 }
 
-/// Sorts by a number, smallest first, equal ones in the order they came in. Largest first is by the number with its
-/// sign changed.
+/// Sorts by a number, smallest first, equal ones in the order they came in. Largest first is by the
+/// number with its sign changed.
 pub(crate) fn sort_by_key<T>(items: &mut [T], key: impl Fn(&T) -> f64) {
     let keys: Vec<f64> = items.iter().map(key).collect();
     let mut order = ranked(&keys);
@@ -53,7 +54,8 @@ mod tests {
 
     #[test]
     fn sorting_by_a_number_keeps_equal_ones_in_order() {
-        // Every sequence of six keys, most with equal ones, against the stable sort of the standard library.
+        // Every sequence of six keys, most with equal ones, against the stable sort of the standard
+        // library.
         for code in 0..6_usize.pow(6) {
             let keys: Vec<usize> = (0..6).map(|i| code / 6_usize.pow(i) % 6).collect();
             let mut expected: Vec<(usize, usize)> = keys.iter().copied().zip(0..).collect();

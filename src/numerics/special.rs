@@ -1,6 +1,7 @@
 //! Distributions and their quantiles, and the control of false discoveries over many tests.
 //!
-//! Thin, total wrappers around `statrs`: an argument outside a distribution's domain gives NaN, never a panic.
+//! Thin, total wrappers around `statrs`: an argument outside a distribution's domain gives NaN,
+//! never a panic.
 
 use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
@@ -21,7 +22,8 @@ pub(crate) fn chi_squared_survival(value: f64, degrees_of_freedom: f64) -> f64 {
     ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
 }
 
-/// χ² with `degrees_of_freedom` degrees of freedom stays below this value with `probability`. `degrees_of_freedom` need not be whole.
+/// χ² with `degrees_of_freedom` degrees of freedom stays below this value with `probability`.
+/// `degrees_of_freedom` need not be whole.
 pub(crate) fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     if !(0.0..=1.0).contains(&probability) || !degrees_of_freedom.is_finite() {
         return f64::NAN;
@@ -47,8 +49,8 @@ pub(crate) fn t_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }
 
-/// Exact interval of a probability that gave `hits` of `cases` (Clopper & Pearson, Biometrika 26, 1934), at a `level` like
-/// 0.95. The whole of 0 to 1 where there are no cases.
+/// Exact interval of a probability that gave `hits` of `cases` (Clopper & Pearson, Biometrika 26,
+/// 1934), at a `level` like 0.95. The whole of 0 to 1 where there are no cases.
 pub fn exact_interval(hits: u64, cases: u64, level: f64) -> [f64; 2] {
     let tail = 0.5 * (1.0 - level);
     let quantile = |a: u64, b: u64, p: f64| Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
@@ -79,7 +81,8 @@ mod tests {
     // Abramowitz & Stegun, Handbook of Mathematical Functions, tables 26.1, 26.8, 26.9, 26.10.
     #[test]
     fn exact_intervals_are_those_in_print() {
-        // 0 of n has the upper limit 1 − 0.025^(1/n); 3 of 10 is [0.0667, 0.6525] in Clopper and Pearson's tables.
+        // 0 of n has the upper limit 1 − 0.025^(1/n); 3 of 10 is [0.0667, 0.6525] in Clopper and
+        // Pearson's tables.
         let [low, high] = exact_interval(0, 300, 0.95);
         assert!(low == 0.0 && (high - (1.0 - 0.025f64.powf(1.0 / 300.0))).abs() < 1e-9);
         let [low, high] = exact_interval(3, 10, 0.95);

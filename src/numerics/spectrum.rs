@@ -1,6 +1,8 @@
-//! Spectra of real sequences: Welch's density, the raw periodogram, and the frequency response between two channels.
+//! Spectra of real sequences: Welch's density, the raw periodogram, and the frequency response
+//! between two channels.
 //!
-//! Densities are one-sided: their integral from 0 to half the rate is the variance. Not for Allan deviations, see `allan`.
+//! Densities are one-sided: their integral from 0 to half the rate is the variance. Not for Allan
+//! deviations, see `allan`.
 
 use crate::numerics::moments::mean;
 use realfft::num_complex::Complex64;
@@ -15,7 +17,8 @@ pub struct Density {
     pub frequency_hz: Vec<f64>,
     /// One-sided density, unit²/Hz, one per frequency.
     pub density: Vec<f64>,
-    /// Equivalent number of independent averages: an ordinate varies as χ² with twice as many degrees of freedom.
+    /// Equivalent number of independent averages: an ordinate varies as χ² with twice as many
+    /// degrees of freedom.
     pub averages: f64,
 }
 
@@ -32,8 +35,9 @@ pub struct Response {
     pub averages: f64,
 }
 
-/// Welch's density with Hann windows that overlap by half; each segment loses its mean. `segment` is a number of samples,
-/// limited to the length of `values`; fewer than four samples give an empty density.
+/// Welch's density with Hann windows that overlap by half; each segment loses its mean. `segment`
+/// is a number of samples, limited to the length of `values`; fewer than four samples give an empty
+/// density.
 pub(crate) fn welch(values: &[f64], rate_hz: f64, segment: usize) -> Density {
     let Some(mut welch) = Welch::new(segment.min(values.len())) else { return Density::empty() };
     values.iter().for_each(|v| welch.push(*v));
@@ -140,7 +144,8 @@ fn starts(length: usize, segment: usize) -> impl Iterator<Item = usize> {
     (0..=length - segment).step_by((segment / 2).max(1))
 }
 
-/// Neighbouring Hann segments that overlap by half correlate by 1/6 (Welch 1967), their powers by its square.
+/// Neighbouring Hann segments that overlap by half correlate by 1/6 (Welch 1967), their powers by
+/// its square.
 fn averages(segments: u32) -> f64 {
     let n = f64::from(segments);
     n / (1.0 + 2.0 * (n - 1.0) / n / 36.0)

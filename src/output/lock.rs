@@ -1,11 +1,13 @@
-//! One run at a time in a folder: a lock that the system releases when its process ends, however it ends.
+//! One run at a time in a folder: a lock that the system releases when its process ends, however it
+//! ends.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// The file that is locked. It is empty and goes with the lock; one that a killed run has left behind means nothing.
+/// The file that is locked. It is empty and goes with the lock; one that a killed run has left
+/// behind means nothing.
 const NAME: &str = ".proofmass.lock";
 
 /// A folder's lock, held until this is dropped.
@@ -24,7 +26,8 @@ impl Lock {
         Self::locked(folder, NAME, || busy(folder))
     }
 
-    /// Takes the lock of one file in a folder that exists, of which others may be written meanwhile.
+    /// Takes the lock of one file in a folder that exists, of which others may be written
+    /// meanwhile.
     ///
     /// # Errors
     /// As [`take`](Self::take).
@@ -44,12 +47,14 @@ impl Lock {
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(busy()),
-                // Some network file systems have no locks: a run there is as safe as it was without them.
+                // Some network file systems have no locks: a run there is as safe as it was without
+                // them.
                 Err(TryLockError::Error(e)) if e.kind() == std::io::ErrorKind::Unsupported => {}
                 Err(TryLockError::Error(e)) => return Err(Error::io("lock", &path, &e)),
             }
             let lock = Self { file, path: path.clone() };
-            // Between opening and locking, the holder before may have ended and removed the file: then it locks nothing.
+            // Between opening and locking, the holder before may have ended and removed the file:
+            // then it locks nothing.
             if lock.stands() {
                 return Ok(lock);
             }

@@ -1,4 +1,5 @@
-//! `.proofmass.json`: which runs have written into a folder, and the SHA-256 of each file as it was written.
+//! `.proofmass.json`: which runs have written into a folder, and the SHA-256 of each file as it was
+//! written.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{ErrorKind, Read};
@@ -13,13 +14,14 @@ use crate::error::{Error, Result};
 pub const NAME: &str = ".proofmass.json";
 const SCHEMA: &str = "proofmass.outputs/1";
 
-/// What tells one run from another: the same command on the same files is the same run, whatever stands in them.
+/// What tells one run from another: the same command on the same files is the same run, whatever
+/// stands in them.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Identity {
     /// Subcommand that wrote, e.g. "study".
     pub command: String,
-    /// Paths of the files that it was asked about, as seen from the folder, so that a project can be moved or shared as a
-    /// whole; none for a command that reads none.
+    /// Paths of the files that it was asked about, as seen from the folder, so that a project can
+    /// be moved or shared as a whole; none for a command that reads none.
     pub inputs: Vec<String>,
 }
 
@@ -39,10 +41,12 @@ pub struct Run {
     pub identity: Identity,
     /// SHA-256 of each file, hexadecimal, by its name in the folder.
     pub files: BTreeMap<String, String>,
-    /// The same of the files that are being replaced: a run that is killed in between leaves either.
+    /// The same of the files that are being replaced: a run that is killed in between leaves
+    /// either.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub replaced: BTreeMap<String, String>,
-    /// Files that change while the run goes on, states that it can be resumed from; `*` is any text.
+    /// Files that change while the run goes on, states that it can be resumed from; `*` is any
+    /// text.
     #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
     pub states: BTreeSet<String>,
 }

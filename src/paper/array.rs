@@ -1,6 +1,7 @@
 //! Figure 1: the Allan deviation of an array of accelerometers against that of a single one.
 //!
-//! Every sensor has white noise of its own; all share one slow walk, as a common temperature would make it.
+//! Every sensor has white noise of its own; all share one slow walk, as a common temperature would
+//! make it.
 
 use super::check::{Check, Exhibit};
 use crate::numerics::allan::covariance::Covariance;
@@ -93,7 +94,8 @@ fn checks(single: &Deviation, array: &Deviation) -> Vec<Check> {
         let gap = |p: &(f64, f64)| (p.0 / tau_s).ln().abs();
         (0..single.curve.len()).min_by(|a, b| gap(&single.curve[*a]).total_cmp(&gap(&single.curve[*b]))).unwrap_or(0)
     };
-    // Four standard errors of a ratio of two deviations with these degrees of freedom, taken as independent.
+    // Four standard errors of a ratio of two deviations with these degrees of freedom, taken as
+    // independent.
     let ratio = |i: usize| {
         let relative = (0.5 / single.degrees_of_freedom[i] + 0.5 / array.degrees_of_freedom[i]).sqrt();
         (single.curve[i].1 / array.curve[i].1, 4.0 * relative)

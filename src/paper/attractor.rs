@@ -48,7 +48,8 @@ pub struct Attractor {
     pub kaplan_yorke: Estimate,
     /// Box-counting dimension of the section.
     pub boxes: Dimension,
-    /// Mean correlation dimension over many parts an eighth, and a sixty-fourth, of the section's size.
+    /// Mean correlation dimension over many parts an eighth, and a sixty-fourth, of the section's
+    /// size.
     pub parts: [Estimate; 2],
     /// The whole section, its enlargement, and the enlargement's enlargement.
     pub views: [View; 3],
@@ -117,7 +118,8 @@ fn inside(orbits: &[Orbit], window: &Window, at_most: usize) -> Vec<[f64; 2]> {
     points.into_iter().step_by(every).collect()
 }
 
-/// The eight-times smaller window that holds most points, among those centred on some of the points inside `within`.
+/// The eight-times smaller window that holds most points, among those centred on some of the points
+/// inside `within`.
 fn densest(points: &[[f32; 2]], within: &Window) -> Window {
     let inside: Vec<&[f32; 2]> = points.iter().filter(|p| within.holds(p)).collect();
     let some: Vec<&[f32; 2]> = inside.iter().copied().step_by((inside.len() / 20_000).max(1)).collect();
@@ -126,7 +128,8 @@ fn densest(points: &[[f32; 2]], within: &Window) -> Window {
 }
 
 fn view(orbits: &[Orbit], window: Window) -> View {
-    // 6000 points a group are 18 million pairs: enough at every scale used, and a tenth of a second.
+    // 6000 points a group are 18 million pairs: enough at every scale used, and a tenth of a
+    // second.
     let groups: Vec<Vec<[f64; 2]>> = orbits.chunks(ORBITS).map(|g| inside(g, &window, 6000)).collect();
     let cloud: Vec<[f32; 2]> =
         orbits.iter().flat_map(|o| &o.strobes).filter(|p| window.holds(p)).take(100_000).copied().collect();
@@ -203,7 +206,8 @@ fn figure_18_checks(kaplan_yorke: Estimate, boxes: &Dimension, whole: &View) -> 
 /// Parts of the section looked into, at each scale.
 const PARTS: usize = 48;
 
-/// Mean correlation dimension of parts of the section, `factor` times its size, centred on points of the attractor.
+/// Mean correlation dimension of parts of the section, `factor` times its size, centred on points
+/// of the attractor.
 fn parts(orbits: &[Orbit], whole: &Window, factor: f64) -> Estimate {
     let every = orbits.len() / PARTS;
     let windows: Vec<Window> =

@@ -1,4 +1,5 @@
-//! What the paper's Kalman filter believes of its sensors, and the three ways in which it trusts the accelerometer.
+//! What the paper's Kalman filter believes of its sensors, and the three ways in which it trusts
+//! the accelerometer.
 
 use super::inertial::{PRINTED_ACCELEROMETER_DENSITY, PRINTED_GYRO_DENSITY};
 use crate::navigation::kalman::{Model, Weighting};
@@ -16,8 +17,8 @@ pub fn model() -> Model {
     Model {
         step_s: STEP_S,
         angle_walk_rad_rts: PRINTED_GYRO_DENSITY * DENSITY_TO_RANDOM_WALK,
-        // A bias that wanders by 0.003 °/s in a second: ten times what the family's stability of 20 °/h asks, so that the
-        // filter also follows a warming sensor.
+        // A bias that wanders by 0.003 °/s in a second: ten times what the family's stability of 20
+        // °/h asks, so that the filter also follows a warming sensor.
         bias_walk_rad_s_rts: 0.003 * DEGREE,
         tilt_noise_rad: force_noise_m_s2 / STANDARD_GRAVITY_M_S2,
         force_noise_m_s2,

@@ -1,8 +1,9 @@
-//! Figure 20 as the paper draws it: the rectangle of figure 13 on the cubic proof mass while the force of figure 17 makes
-//! its motion chaotic.
+//! Figure 20 as the paper draws it: the rectangle of figure 13 on the cubic proof mass while the
+//! force of figure 17 makes its motion chaotic.
 //!
-//! The paper does not say how the rectangle and the periodic force come together. Here they add: a vehicle accelerates for
-//! half a minute and vibrates all the while. What noise makes of it is `parting`.
+//! The paper does not say how the rectangle and the periodic force come together. Here they add: a
+//! vehicle accelerates for half a minute and vibrates all the while. What noise makes of it is
+//! `parting`.
 
 use super::check::Check;
 use super::cubic::respond;

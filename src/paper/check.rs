@@ -1,4 +1,5 @@
-//! A claim as a number that can be wrong: what was expected, what was got, how far apart they may lie.
+//! A claim as a number that can be wrong: what was expected, what was got, how far apart they may
+//! lie.
 
 use serde::Serialize;
 

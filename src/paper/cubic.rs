@@ -1,6 +1,7 @@
 //! Figure 16: the same rectangle on a proof mass with a cubic spring (eq. 6).
 //!
-//! There is no closed form; Runge–Kutta is held against itself at half the step and against the equilibrium it must reach.
+//! There is no closed form; Runge–Kutta is held against itself at half the step and against the
+//! equilibrium it must reach.
 
 use super::check::{Check, Exhibit};
 use super::linear::{END_S, RECTANGLE};
@@ -18,8 +19,8 @@ pub struct Cubic {
     pub exhibit: Exhibit,
 }
 
-/// Time and motion at every step; the integrals are Simpson's, of the order of Runge–Kutta itself. Edges of the rectangle
-/// fall on steps; a periodic force may act besides.
+/// Time and motion at every step; the integrals are Simpson's, of the order of Runge–Kutta itself.
+/// Edges of the rectangle fall on steps; a periodic force may act besides.
 pub(super) fn respond(
     oscillator: &Oscillator,
     (rectangle, drive): (Rectangle, Option<&Drive>),

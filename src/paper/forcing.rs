@@ -1,8 +1,9 @@
-//! The force that the paper withholds: how the largest Lyapunov exponent depends on F₀ under both readings of "1.5 Hz".
+//! The force that the paper withholds: how the largest Lyapunov exponent depends on F₀ under both
+//! readings of "1.5 Hz".
 //!
-//! Chaos can be a long farewell: an orbit may wander for hundreds of periods before it falls into a periodic one. An
-//! exponent counts here only after a long transient, and from several starts, since attractors coexist. Not the
-//! two-dimensional maps (`map`).
+//! Chaos can be a long farewell: an orbit may wander for hundreds of periods before it falls into a
+//! periodic one. An exponent counts here only after a long transient, and from several starts,
+//! since attractors coexist. Not the two-dimensional maps (`map`).
 
 use crate::backend::orbits::explore;
 use crate::control::{Control, Stopped};
@@ -15,7 +16,8 @@ pub(super) const OMEGA_RAD_S: f64 = 1.5;
 /// "f = 1.5 Hz" read as printed.
 pub(super) const OMEGA_OF_HERTZ_RAD_S: f64 = 2.0 * std::f64::consts::PI * 1.5;
 
-/// An exponent counts as positive above this, 1/s: a periodic orbit near a bifurcation shows up to 0.002.
+/// An exponent counts as positive above this, 1/s: a periodic orbit near a bifurcation shows up to
+/// 0.002.
 const POSITIVE_PER_S: f64 = 0.01;
 
 /// Starts per force: displacements in units of the static deflection, at rest.
@@ -42,13 +44,15 @@ impl Scan {
         self.exponents.iter().find(|(_, e)| e.iter().any(|e| positive(*e))).map(|p| p.0)
     }
 
-    /// Where a band of at least ten successive forces begins, each of which is chaotic from some start.
+    /// Where a band of at least ten successive forces begins, each of which is chaotic from some
+    /// start.
     pub fn band_n(&self) -> Option<f64> {
         let chaotic = |(_, e): &(f64, Vec<f64>)| e.iter().any(|e| positive(*e));
         self.exponents.windows(10).find(|w| w.iter().all(chaotic)).map(|w| w[0].0)
     }
 
-    /// Forces that are chaotic from every start, the largest least exponent first: F₀ and that exponent.
+    /// Forces that are chaotic from every start, the largest least exponent first: F₀ and that
+    /// exponent.
     fn everywhere(&self) -> Vec<(f64, f64)> {
         let least = self.exponents.iter().map(|(f, e)| (*f, e[0]));
         let mut found: Vec<_> = least.filter(|p| positive(p.1)).collect();
@@ -88,7 +92,8 @@ pub(crate) fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) 
         periods: 600,
         strobes: 0,
     };
-    // 1500 periods are about 300 (1.5 rad/s) or 50 (1.5 Hz) decay times 2m/D₀ of the linear oscillator.
+    // 1500 periods are about 300 (1.5 rad/s) or 50 (1.5 Hz) decay times 2m/D₀ of the linear
+    // oscillator.
     let late = Plan { transient_periods: 1500, periods: 1000, strobes: 32, ..early };
     let kept = explore::<f32>(&starts.collect::<Vec<_>>(), &late, control)?;
     let exponents = kept.chunks(STARTS.len()).enumerate().map(|(i, orbits)| {
@@ -101,8 +106,8 @@ pub(crate) fn scan(omega_rad_s: f64, to_n: f64, points: u32, control: &Control) 
     Ok(Scan { omega_rad_s, exponents: exponents.collect(), early })
 }
 
-/// Of the twenty most chaotic forces of a scan, the one whose least exponent over 64 further starts is largest: there the
-/// strange attractor has no rival, and every start ends on it.
+/// Of the twenty most chaotic forces of a scan, the one whose least exponent over 64 further starts
+/// is largest: there the strange attractor has no rival, and every start ends on it.
 ///
 /// # Errors
 /// Stopped.
@@ -128,7 +133,8 @@ pub(crate) fn choose(scan: &Scan, control: &Control) -> Result<Option<f64>, Stop
     Ok(candidates.into_iter().zip(least).max_by(|a, b| a.1.total_cmp(&b.1)).map(|p| p.0))
 }
 
-/// The exponent of an orbit, not counting one that was positive only until the orbit became periodic.
+/// The exponent of an orbit, not counting one that was positive only until the orbit became
+/// periodic.
 fn settled(orbit: &Orbit) -> f64 {
     match orbit.period(1e-3) {
         Some(_) => orbit.exponent_per_s.min(0.0),

@@ -1,8 +1,9 @@
-//! Figures 11 and 12: the Kalman filter's own numbers at rest, and how it fails in motion and comes back.
+//! Figures 11 and 12: the Kalman filter's own numbers at rest, and how it fails in motion and comes
+//! back.
 //!
-//! Simulated over an ensemble, each member beside a twin with the same noise that was not moved, so that what the motion
-//! did is seen apart from the noise; and on the moves of a recording. The filter's beliefs come from printed or fitted
-//! noise, never from the outcome.
+//! Simulated over an ensemble, each member beside a twin with the same noise that was not moved, so
+//! that what the motion did is seen apart from the noise; and on the moves of a recording. The
+//! filter's beliefs come from printed or fitted noise, never from the outcome.
 
 use super::beliefs::{STEP_S, WEIGHTINGS, model};
 use super::check::{Check, Exhibit};
@@ -158,7 +159,8 @@ fn run(model: &Model, weighting: Weighting, member: u64, moved: bool) -> Trace {
         normals(member, Stream::AccelerometerWhite),
         normals(member, Stream::Excitation),
     );
-    // A hand's push to one side and stop again: one swing of acceleration, 5 to 25 m/s² in the middle 90 %.
+    // A hand's push to one side and stop again: one swing of acceleration, 5 to 25 m/s² in the
+    // middle 90 %.
     let push_m_s2 = 12.0 * (0.5 * draw()).exp() * draw().signum();
     let mut filter = Filter::new(Model { start_deviation: settled(model), ..*model }, weighting, 0.0);
     let mut trace = Trace::default();

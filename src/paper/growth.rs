@@ -1,5 +1,5 @@
-//! Figures 2 to 4: how errors grow. A tilt bias becomes metres (eq. 1 and 2), white rate noise becomes a walk, and the two
-//! kinds of bias become t² and t³.
+//! Figures 2 to 4: how errors grow. A tilt bias becomes metres (eq. 1 and 2), white rate noise
+//! becomes a walk, and the two kinds of bias become t² and t³.
 
 use super::check::{Check, Exhibit};
 use super::envelope::Envelope;
@@ -51,7 +51,8 @@ fn normals(member: u64, stream: Stream) -> impl FnMut() -> f64 {
     move || random.normal()
 }
 
-/// Distance errors of an ensemble, sampled every `every` steps. `draw` gives a member its constant errors.
+/// Distance errors of an ensemble, sampled every `every` steps. `draw` gives a member its constant
+/// errors.
 fn drift(duration_s: f64, every: u32, draw: impl Fn(u64) -> (f64, f64) + Sync, white: (f64, f64)) -> Envelope {
     let steps = (duration_s / STEP_S).round() as u32;
     let scale = 1.0 / STEP_S.sqrt();
@@ -126,7 +127,8 @@ fn walk() -> (Vec<Walk>, Walk, Walk) {
     (all.into_iter().take(5).collect(), curve, last)
 }
 
-/// The time at which two spreads are equal, by interpolation of their logarithms; NaN where they never are.
+/// The time at which two spreads are equal, by interpolation of their logarithms; NaN where they
+/// never are.
 fn crossing(first: &Envelope, second: &Envelope) -> f64 {
     let gap: Vec<f64> = first.sd.iter().zip(&second.sd).map(|(a, b)| (a / b).ln()).collect();
     let crossed = gap.windows(2).position(|w| w[0] > 0.0 && w[1] <= 0.0);

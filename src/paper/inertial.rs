@@ -1,5 +1,5 @@
-//! Where figures 5 to 12 get an IMU's readings from: the recording, calibrated by the tool itself, or else a simulation of
-//! the same sensor family.
+//! Where figures 5 to 12 get an IMU's readings from: the recording, calibrated by the tool itself,
+//! or else a simulation of the same sensor family.
 //!
 //! Not for judging the calibration: that is `diagnosis::tumble`.
 
@@ -31,15 +31,16 @@ pub struct Inertial {
     pub poses: Vec<Range<usize>>,
 }
 
-/// One-sided noise densities that the maker of the paper's sensor family prints: gyro, rad/s/√Hz; accelerometer,
-/// m/s²/√Hz (Xsens, MTi and MTx User Manual, table of specifications).
+/// One-sided noise densities that the maker of the paper's sensor family prints: gyro, rad/s/√Hz;
+/// accelerometer, m/s²/√Hz (Xsens, MTi and MTx User Manual, table of specifications).
 pub(super) const PRINTED_GYRO_DENSITY: f64 = 0.05 * DEGREE;
 pub(super) const PRINTED_ACCELEROMETER_DENSITY: f64 = 0.002;
 
 /// Columns of the recording.
 const COLUMNS: [&str; 6] = ["gx_cnt", "gy_cnt", "gz_cnt", "ax_cnt", "ay_cnt", "az_cnt"];
 
-/// The recording in `folder/xsens_mti`, counts turned into SI by a calibration on its own still poses.
+/// The recording in `folder/xsens_mti`, counts turned into SI by a calibration on its own still
+/// poses.
 ///
 /// # Errors
 /// Files that cannot be read, or poses that cannot be used.

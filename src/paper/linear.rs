@@ -1,4 +1,5 @@
-//! Figures 13 to 15: a linear accelerometer under a rectangle of acceleration, exactly and by integrators.
+//! Figures 13 to 15: a linear accelerometer under a rectangle of acceleration, exactly and by
+//! integrators.
 //!
 //! Not noisy: everything here is an error of the mechanics alone.
 
@@ -10,7 +11,8 @@ use crate::dynamics::linear::{
 };
 use crate::numerics::moments::mean;
 
-/// One metre per second squared for half a minute. The paper prints neither; only ratios matter in a linear equation.
+/// One metre per second squared for half a minute. The paper prints neither; only ratios matter in
+/// a linear equation.
 pub(crate) const RECTANGLE: Rectangle = Rectangle { force_n: 1.0, start_s: 1.0, length_s: 30.0 };
 /// How far the figures reach.
 pub(crate) const END_S: f64 = 60.0;
@@ -30,7 +32,8 @@ pub struct Linear {
     pub exhibits: [Exhibit; 3],
 }
 
-/// The reading a proof mass gives, and its integrals, scaled to acceleration: k/m times displacement.
+/// The reading a proof mass gives, and its integrals, scaled to acceleration: k/m times
+/// displacement.
 pub fn reading(oscillator: &Oscillator, motion: &MassResponse) -> (f64, f64, f64) {
     let scale = oscillator.stiffness_n_m / oscillator.mass_kg;
     (scale * motion.x_m, scale * motion.integral_m_s, scale * motion.double_integral_m_s2)
@@ -130,7 +133,8 @@ fn figure_13_checks(oscillator: &Oscillator, residuals: &[(f64, f64, f64)]) -> V
 fn figure_14_checks(oscillator: &Oscillator) -> Vec<Check> {
     let zeta = oscillator.damping_kg_s / (2.0 * (oscillator.stiffness_n_m * oscillator.mass_kg).sqrt());
     let peak = runge_kutta(oscillator, 0.01, 8.0).iter().map(|p| p.1).fold(0.0, f64::max);
-    // Mean lag of the speed while the rectangle lasts, over the second half, where whole swings average out.
+    // Mean lag of the speed while the rectangle lasts, over the second half, where whole swings
+    // average out.
     let lag: Vec<f64> = (0..1000)
         .map(|i| {
             let t = RECTANGLE.start_s + 200.0 + 0.02 * std::f64::consts::PI * f64::from(i);

@@ -1,7 +1,8 @@
 //! Figure 12 on real hands: the three filters over the moves between a recording's poses.
 //!
-//! The reference is the pitch that the gyro carries through a move from one still pose into the next, corrected to meet the
-//! accelerometer's mean in both. Moves that come near to standing upright are left out: eq. 3 has no pitch rate there.
+//! The reference is the pitch that the gyro carries through a move from one still pose into the
+//! next, corrected to meet the accelerometer's mean in both. Moves that come near to standing
+//! upright are left out: eq. 3 has no pitch rate there.
 
 use super::beliefs::{WEIGHTINGS, model};
 use super::check::{Check, Provenance};
@@ -12,7 +13,8 @@ use crate::navigation::tilt::{norm, pitch_rad, pitch_rate_rad_s, turn};
 use crate::numerics::order;
 use crate::units::{DEGREE, STANDARD_GRAVITY_M_S2};
 
-/// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each filter's noise.
+/// "Back" on a recording: within this of the pose's own mean, for good. Several deviations of each
+/// filter's noise.
 const BACK_RAD: f64 = 0.25 * DEGREE;
 /// Steeper poses and moves are left out.
 const STEEPEST_RAD: f64 = 60.0 * DEGREE;
@@ -81,7 +83,8 @@ struct Run {
     lines: Vec<Line>,
 }
 
-/// The filters from two seconds before a move to the end of the pose after it; `None` where it gets too steep.
+/// The filters from two seconds before a move to the end of the pose after it; `None` where it gets
+/// too steep.
 fn over_move(imu: &Inertial, model: &Model, k: usize) -> Option<Run> {
     let (departed, reached) = (imu.poses[k].end, imu.poses[k + 1].start);
     let lead = ((2.0 / imu.step_s) as usize).min(imu.poses[k].len());

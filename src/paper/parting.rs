@@ -1,5 +1,5 @@
-//! Figure 20: distance in the chaotic regime. Members that differ only in noise part exponentially; a linear sensor's do
-//! not.
+//! Figure 20: distance in the chaotic regime. Members that differ only in noise part exponentially;
+//! a linear sensor's do not.
 //!
 //! The noise is a force on the proof mass, far below the drive, as its Brownian motion would be.
 
@@ -38,7 +38,8 @@ pub struct Parting {
     pub cubic: Spread,
     /// Linear proof mass under the same force and the same noise.
     pub linear: Spread,
-    /// (time, mean natural logarithm of the distance between twins in phase space) of the cubic mass.
+    /// (time, mean natural logarithm of the distance between twins in phase space) of the cubic
+    /// mass.
     pub separation: Vec<(f64, f64)>,
     /// Rate at which twins part, 1/s.
     pub rate: Estimate,
@@ -52,7 +53,8 @@ struct Path {
     distance_error_m: Vec<f64>,
 }
 
-/// Follows one member from a state, its own noise added to the force; samples once per `STEPS / 8` steps.
+/// Follows one member from a state, its own noise added to the force; samples once per `STEPS / 8`
+/// steps.
 fn follow(oscillator: &Oscillator, drive: &Drive, start: State, member: u64, noise_n_rts: f64) -> Path {
     let (table, h) = (drive.table_n(STEPS), drive.period_s() / f64::from(STEPS));
     let sigma_n = noise_n_rts / h.sqrt();
@@ -107,7 +109,8 @@ fn spread(oscillator: &Oscillator, drive: &Drive) -> Spread {
 /// Computes the figure for the drive that figure 17 found, and the exponent found there.
 pub fn compute(drive: &Drive, exponent: Estimate) -> Parting {
     let (cubic, linear) = (spread(&PAPER, drive), spread(&PAPER.linear(), drive));
-    // Twins: same start, other noise, from 128 places on the attractor, so that the mean does not hang on one orbit.
+    // Twins: same start, other noise, from 128 places on the attractor, so that the mean does not
+    // hang on one orbit.
     let twins: Vec<Vec<f64>> = parallel::map_members(0..128, |i| {
         let start = settled(&PAPER, drive, i);
         let path = |m| follow(&PAPER, drive, start, m, TWIN_NOISE_N_RTS).states;

@@ -1,4 +1,5 @@
-//! Figures 5 to 10: pitch from the accelerometer (eq. 3) and pitch from the integrated gyro, moving and still.
+//! Figures 5 to 10: pitch from the accelerometer (eq. 3) and pitch from the integrated gyro, moving
+//! and still.
 //!
 //! Not fusion: the two stand side by side here, see `fusion`.
 
@@ -58,7 +59,8 @@ fn deviation(values: &[f64]) -> f64 {
     mean_sd(values).1
 }
 
-/// Root mean square of second differences: what is left of a curve when everything smooth is taken away.
+/// Root mean square of second differences: what is left of a curve when everything smooth is taken
+/// away.
 fn roughness(values: &[f64]) -> f64 {
     rms(values.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]))
 }
@@ -96,7 +98,8 @@ fn moves(imu: &Inertial) -> Vec<Move> {
 pub fn compute(imu: &Inertial) -> Pitch {
     let moves = moves(imu);
     let apart = |m: &Move| rms(m.force.iter().zip(&m.gyro).map(|(f, g)| f - g));
-    // The move on which both disagree most, away from the recording's ends, with two poses on either side.
+    // The move on which both disagree most, away from the recording's ends, with two poses on
+    // either side.
     let inner = 1..moves.len().saturating_sub(2).max(2);
     let worst = inner.max_by(|a, b| apart(&moves[*a]).total_cmp(&apart(&moves[*b]))).unwrap_or(1);
     let shown = imu.poses[worst - 1].end.saturating_sub(100)
@@ -183,7 +186,8 @@ pub fn compute(imu: &Inertial) -> Pitch {
     }
 }
 
-/// Pitch by the gyro over some samples, taken anew from the accelerometer's mean in every still pose.
+/// Pitch by the gyro over some samples, taken anew from the accelerometer's mean in every still
+/// pose.
 fn carried(imu: &Inertial, samples: std::ops::Range<usize>, seconds: impl Fn(usize) -> f64) -> Curve {
     let mut direction = [0.0, 0.0, 1.0];
     let mut curve = Curve::new();

@@ -1,5 +1,6 @@
-//! A candidate: physics that a base model may have left out. Words and numbers only; how each is simulated and fitted
-//! lives with its kind (driven, static, tumble, trajectory). Ids are a public contract.
+//! A candidate: physics that a base model may have left out. Words and numbers only; how each is
+//! simulated and fitted lives with its kind (driven, static, tumble, trajectory). Ids are a public
+//! contract.
 
 /// The kind of recording a candidate belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -37,9 +38,10 @@ pub struct Parameter {
     pub name: &'static str,
     /// Unit, with `u` for the input's and `y` for the output's unit.
     pub unit: &'static str,
-    /// Plausible range. Of a tumble in those units (a scale: its relative error). Of a driven recording in multiples of the
-    /// size that the recording makes typical (a spring's: as strong as the linear one), but for frequencies in Hz and ratios.
-    /// At rest the sign alone is known beforehand.
+    /// Plausible range. Of a tumble in those units (a scale: its relative error). Of a driven
+    /// recording in multiples of the size that the recording makes typical (a spring's: as strong
+    /// as the linear one), but for frequencies in Hz and ratios. At rest the sign alone is known
+    /// beforehand.
     pub range: (f64, f64),
 }
 

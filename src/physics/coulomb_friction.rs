@@ -1,13 +1,14 @@
-//! Dry friction: a constant force against the motion, f_c sgn x′, which can hold the mass still; of one size in both
-//! directions, or of another in each ([`Sides::Apart`]).
+//! Dry friction: a constant force against the motion, f_c sgn x′, which can hold the mass still; of
+//! one size in both directions, or of another in each ([`Sides::Apart`]).
 //!
-//! The form with two sizes is not searched for ([`Law::tried`]): while the mass slides, their difference is a constant force,
-//! which is an offset of the reading and nothing else, so that only a recording in which the mass sticks can show it. It can
-//! be simulated and fitted by name.
+//! The form with two sizes is not searched for ([`Law::tried`]): while the mass slides, their
+//! difference is a constant force, which is an offset of the reading and nothing else, so that only
+//! a recording in which the mass sticks can show it. It can be simulated and fitted by name.
 //!
-//! The diagnosis takes each step with the force held and puts the instant at which the mass turns, stops or breaks loose
-//! where it belongs inside the step (`Sliding`): a smoothed sign costs an error of first order in the step at every turn.
-//! Studies take the smoothed sign ([`Law::force`]), whose error is small beside their noise.
+//! The diagnosis takes each step with the force held and puts the instant at which the mass turns,
+//! stops or breaks loose where it belongs inside the step (`Sliding`): a smoothed sign costs an
+//! error of first order in the step at every turn. Studies take the smoothed sign ([`Law::force`]),
+//! whose error is small beside their noise.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -131,8 +132,9 @@ pub(crate) fn against(friction: &[Lanes; 2], side: f64, l: usize) -> f64 {
     }
 }
 
-/// The way in which each lane slides: that of its velocity, or from rest that of a pull greater than friction; 0 where it
-/// holds. `at` is displacement, velocity and what accelerates besides friction and the base.
+/// The way in which each lane slides: that of its velocity, or from rest that of a pull greater
+/// than friction; 0 where it holds. `at` is displacement, velocity and what accelerates besides
+/// friction and the base.
 #[inline(always)]
 pub(crate) fn sides(base: &BaseLanes, friction: &[Lanes; 2], at: [&Lanes; 3]) -> Lanes {
     let [x, v, acceleration] = at;
@@ -166,7 +168,8 @@ pub(crate) struct Sliding<'a> {
 }
 
 impl Sliding<'_> {
-    /// Puts the event where it belongs in the lanes that had one: those that changed direction, and those that were held.
+    /// Puts the event where it belongs in the lanes that had one: those that changed direction, and
+    /// those that were held.
     #[inline(always)]
     pub(crate) fn switch(&self, begin: [&Lanes; 2], end: [&mut Lanes; 2]) {
         let [x, v] = end;
@@ -249,7 +252,8 @@ impl Event {
         if excess <= 0.0 {
             return [x, 0.0];
         }
-        // The pull grows in proportion to time, and from where it exceeds friction so does the acceleration.
+        // The pull grows in proportion to time, and from where it exceeds friction so does the
+        // acceleration.
         let way = last.signum();
         let loose_s = (h - rest_s) * (excess / (way * (last - pull)).max(excess));
         [x + way * excess * loose_s * loose_s / 6.0, 0.5 * way * excess * loose_s]

@@ -1,9 +1,10 @@
-//! A second mass that hangs on the first by a spring and a damper, moves with it and pulls back on it.
+//! A second mass that hangs on the first by a spring and a damper, moves with it and pulls back on
+//! it.
 //!
-//! Linear, and so close to `parasitic_mode`: two masses with light damping are two modes side by side up to how their damping
-//! is shared out, and no input that both models hear alike tells them apart. It is therefore no candidate of its own in the
-//! search ([`Law::tried`]): beside a second mode it would only make undecidable what is decided. It can be simulated and
-//! fitted by name.
+//! Linear, and so close to `parasitic_mode`: two masses with light damping are two modes side by
+//! side up to how their damping is shared out, and no input that both models hear alike tells them
+//! apart. It is therefore no candidate of its own in the search ([`Law::tried`]): beside a second
+//! mode it would only make undecidable what is decided. It can be simulated and fitted by name.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -99,7 +100,8 @@ impl Law for CoupledMode {
 mod tests {
     use super::*;
 
-    /// Displacement and velocity of both masses after `time_s`, from `s` on; no damping of the first.
+    /// Displacement and velocity of both masses after `time_s`, from `s` on; no damping of the
+    /// first.
     fn moved(p: [f64; 3], omega: f64, mut s: [f64; 4], time_s: f64) -> [f64; 4] {
         let (steps, values) = (20_000, [p[0], p[1], p[2], 0.0, 0.0, 0.0]);
         let h = time_s / f64::from(steps);
@@ -122,8 +124,8 @@ mod tests {
         s
     }
 
-    // Both masses tuned alike (ω₂ = ω₀): Ω² = ω₀²(1 + μ/2 ∓ √(μ + μ²/4)) (Den Hartog, § 3.2), and released in the shape
-    // z/x = ω₂²/(ω₂² − Ω²) the pair is back after a period 2π/Ω.
+    // Both masses tuned alike (ω₂ = ω₀): Ω² = ω₀²(1 + μ/2 ∓ √(μ + μ²/4)) (Den Hartog, § 3.2), and
+    // released in the shape z/x = ω₂²/(ω₂² − Ω²) the pair is back after a period 2π/Ω.
     #[test]
     fn a_tuned_pair_has_the_two_frequencies_of_the_absorber() {
         let (omega, mu) = (4.0f64, 0.05f64);

@@ -32,8 +32,8 @@ pub(crate) fn acceleration<T: Real, const FMA: bool>(beta: T, x: T, sum: T) -> T
     fma::<T, FMA>(-(beta * x * x), x, sum)
 }
 
-/// What a spring of linear stiffness and β pulls back with, per mass: x(k + βx²). Orbits that are followed for long take this
-/// form, which rounds once less.
+/// What a spring of linear stiffness and β pulls back with, per mass: x(k + βx²). Orbits that are
+/// followed for long take this form, which rounds once less.
 #[inline(always)]
 pub(crate) fn pull<T: Real>(stiffness: T, beta: T, x: T) -> T {
     x * (stiffness + beta * (x * x))
@@ -99,8 +99,8 @@ mod tests {
     use super::super::test_problem::Mass;
     use super::*;
 
-    // Released at A, the mass is back after T = 4K(m)/√(ω₀² + βA²) with m = βA²/2/(ω₀² + βA²) (Nayfeh & Mook, § 2.1); K by
-    // the arithmetic-geometric mean of 1 and √(1 − m).
+    // Released at A, the mass is back after T = 4K(m)/√(ω₀² + βA²) with m = βA²/2/(ω₀² + βA²)
+    // (Nayfeh & Mook, § 2.1); K by the arithmetic-geometric mean of 1 and √(1 − m).
     #[test]
     fn the_period_grows_shorter_as_the_elliptic_integral_says() {
         let (omega, beta, a) = (2.0f64, 30.0, 0.4);

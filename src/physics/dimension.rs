@@ -1,8 +1,9 @@
 //! The dimension of a parameter, and the one rule by which its value moves to other units.
 //!
-//! A parameter of unit y^a u^b s^c (y the displacement's unit, u the input's) is multiplied by Y^a U^b S^c, where Y, U and S
-//! say how many of the new units one of the old ones is. So the term p·xⁱ·(x′)ʲ of a study, in which the reading a = ω₀²x is
-//! the unknown and the substep h the unit of time (Y = ω₀², S = 1/h), has the coefficient p·ω₀²h²·ω₀^(−2i)·(ω₀²h)^(−j).
+//! A parameter of unit y^a u^b s^c (y the displacement's unit, u the input's) is multiplied by Y^a
+//! U^b S^c, where Y, U and S say how many of the new units one of the old ones is. So the term
+//! p·xⁱ·(x′)ʲ of a study, in which the reading a = ω₀²x is the unknown and the substep h the unit
+//! of time (Y = ω₀², S = 1/h), has the coefficient p·ω₀²h²·ω₀^(−2i)·(ω₀²h)^(−j).
 
 /// Powers of the units of displacement, input and time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,8 +27,8 @@ pub struct Units {
 }
 
 impl Dimension {
-    /// Of a unit as the library writes it, e.g. `1/(y^2 s^2)`. Radians and numbers count nothing, Hz is 1/s. Not for roots of
-    /// units, which only noise has.
+    /// Of a unit as the library writes it, e.g. `1/(y^2 s^2)`. Radians and numbers count nothing,
+    /// Hz is 1/s. Not for roots of units, which only noise has.
     pub(crate) const fn of(unit: &str) -> Self {
         let text = unit.as_bytes();
         let mut d = Self { y: 0, u: 0, s: 0 };
@@ -86,7 +87,8 @@ mod tests {
         assert_ne!(Dimension::of("1/(y s^2)"), Dimension::of("1/(y^2 s^2)"), "powers count");
     }
 
-    // β x³ of a mass with ω₀ = 3 rad/s in steps of 0.1 s: W·γ with W = (ω₀h)² and γ = β/ω₀⁶ (kernel::member).
+    // β x³ of a mass with ω₀ = 3 rad/s in steps of 0.1 s: W·γ with W = (ω₀h)² and γ = β/ω₀⁶
+    // (kernel::member).
     #[test]
     fn a_cubic_spring_has_the_coefficient_of_the_reading() {
         let (omega, h, beta) = (3.0f64, 0.1, 7.0);

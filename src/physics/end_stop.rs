@@ -71,7 +71,8 @@ impl Law for EndStop {
             .flat_map(|r| [1.0, 10.0].map(|k| vec![k * spring, r * reach.max(0.5 * s.output)]))
             .collect()
     }
-    /// Harder and further away, softer and nearer: the same energy goes into it where the mass gets furthest.
+    /// Harder and further away, softer and nearer: the same energy goes into it where the mass gets
+    /// furthest.
     fn elsewhere(&self, p: &[f64], s: &Scales) -> Vec<Vec<f64>> {
         let reach = self.0.reach(s);
         let depth = (reach - p[1]).max(0.0);
@@ -144,7 +145,8 @@ mod tests {
         }
     }
 
-    // Pushed steadily beyond the gap, a critically damped mass rests where both springs balance: (g·u + k_c·gap)/(ω₀² + k_c).
+    // Pushed steadily beyond the gap, a critically damped mass rests where both springs balance:
+    // (g·u + k_c·gap)/(ω₀² + k_c).
     #[test]
     fn a_steady_push_ends_where_both_springs_balance() {
         let mass = Mass { omega: 3.0, zeta: 1.0, gain: 1.0 };

@@ -1,7 +1,9 @@
-//! A law of the library with a free form: what a law that is near the stated one, but not it, looks like to a fit.
+//! A law of the library with a free form: what a law that is near the stated one, but not it, looks
+//! like to a fit.
 //!
-//! It is no candidate and is never named by itself: it says how far the law that it frees departs from what its name states
-//! (`diagnosis::driven::selection::forms`). Its values are those of a fit alone; a study cannot run it.
+//! It is no candidate and is never named by itself: it says how far the law that it frees departs
+//! from what its name states (`diagnosis::driven::selection::forms`). Its values are those of a fit
+//! alone; a study cannot run it.
 
 use crate::numerics::elementary::{Real, fma};
 use crate::numerics::exponential;
@@ -49,10 +51,11 @@ pub enum Argument {
 
 /// A law with a free form.
 ///
-/// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s − 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the
-/// stated law is d = e = h = 0. Friction: tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a
-/// depth δ beyond the gap, values k, gap, d, and by how much the other side's gap is wider. With one value free only d, or v_s,
-/// is; the values after it are zero.
+/// With all of it free: laws that are a power of their argument a: stated(a) · sᵈ · (c + e(s −
+/// 0.7) + h sgn a), s = |a|/size, values c, d, e, h; the stated law is d = e = h = 0. Friction:
+/// tanh(x′/v_s)(f + g e^(−|x′|/v_g)), values f, v_s, g, v_g. A stop: k δ (δ/size)ᵈ for a depth δ
+/// beyond the gap, values k, gap, d, and by how much the other side's gap is wider. With one value
+/// free only d, or v_s, is; the values after it are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeForm {
     /// The law whose form is freed.
@@ -168,8 +171,8 @@ impl FreeForm {
         stiffness * depth.max(T::of(0.0)) * bounded_power(deep, exponent)
     }
 
-    /// Adds the forces on N masses to their accelerations: one loop for each form, as a choice among them inside the loop
-    /// keeps it from becoming vector code.
+    /// Adds the forces on N masses to their accelerations: one loop for each form, as a choice
+    /// among them inside the loop keeps it from becoming vector code.
     #[inline(always)]
     pub(super) fn forces<T: Real, const N: usize, const FMA: bool>(
         &self,
@@ -199,8 +202,8 @@ impl FreeForm {
         }
     }
 
-    /// Values at which it is the stated law, or nearly so, with these of the stated law's parameters. `typical` is the root
-    /// mean square of its argument.
+    /// Values at which it is the stated law, or nearly so, with these of the stated law's
+    /// parameters. `typical` is the root mean square of its argument.
     pub fn narrow_starts(&self, stated: &[f64], typical: f64) -> Vec<Vec<f64>> {
         match self.law {
             Freed::Friction => [0.03, 0.2].map(|smooth| vec![stated[0], smooth * typical]).to_vec(),

@@ -1,8 +1,10 @@
 //! A spring with memory: a parallel spring that yields and slips back (Bouc–Wen).
 //!
-//! β and γ come without the usual bound of γ by β: z grows from zero as (1 − e^(−(β + γ)x))/(β + γ), which stiffens where β + γ is
-//! below zero. Where β is zero, z follows from x alone and no loop opens; a positive β makes the way up run above the way down, so
-//! that k_h β > 0 is what takes energy from the motion: neither may be negative, and γ may have either sign. The scale of z is fixed by z′ = x′ at z = 0 (A = 1): another A only rescales k_h.
+//! β and γ come without the usual bound of γ by β: z grows from zero as (1 − e^(−(β + γ)x))/(β +
+//! γ), which stiffens where β + γ is below zero. Where β is zero, z follows from x alone and no
+//! loop opens; a positive β makes the way up run above the way down, so that k_h β > 0 is what
+//! takes energy from the motion: neither may be negative, and γ may have either sign. The scale of
+//! z is fixed by z′ = x′ at z = 0 (A = 1): another A only rescales k_h.
 
 use crate::numerics::elementary::{Real, fma};
 
@@ -117,7 +119,8 @@ mod tests {
         z
     }
 
-    // Loaded in one direction from z = 0, dz/dx = 1 − (β + γ)z: z = (1 − e^(−(β + γ)x))/(β + γ), of either sign.
+    // Loaded in one direction from z = 0, dz/dx = 1 − (β + γ)z: z = (1 − e^(−(β + γ)x))/(β + γ), of
+    // either sign.
     #[test]
     fn a_single_loading_follows_the_sum_of_both_bends_alone() {
         for (beta, gamma) in [(2.0, 1.0), (0.5, 2.5), (0.8, -1.1)] {
@@ -127,8 +130,8 @@ mod tests {
         }
     }
 
-    // Back again from z > 0 under x′ < 0, dz/dx = 1 + (β − γ)z: what is left where the path closes is the memory, and γ alone has
-    // none (β = 0: dz/dx = 1 − γ|z| both ways).
+    // Back again from z > 0 under x′ < 0, dz/dx = 1 + (β − γ)z: what is left where the path closes
+    // is the memory, and γ alone has none (β = 0: dz/dx = 1 − γ|z| both ways).
     #[test]
     fn without_beta_nothing_is_remembered() {
         assert!(after(0.0, -1.1, &[1.0, -1.0]).abs() < 1e-6);

@@ -1,6 +1,8 @@
-//! A measured input that comes late: what moved the mass was recorded after it did, u(t) = f(t − τ).
+//! A measured input that comes late: what moved the mass was recorded after it did, u(t) = f(t −
+//! τ).
 //!
-//! The reading then leads the input, as no sensor can: a delay of negative sign, in the chain that measures the input.
+//! The reading then leads the input, as no sensor can: a delay of negative sign, in the chain that
+//! measures the input.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};

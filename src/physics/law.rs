@@ -1,4 +1,5 @@
-//! What every law answers: what the library says of it, how it acts, where a fit of it begins, and the law itself.
+//! What every law answers: what the library says of it, how it acts, where a fit of it begins, and
+//! the law itself.
 //!
 //! Not for the list of laws (`library`), which imports each of them.
 
@@ -16,23 +17,27 @@ pub enum Role {
     Force,
     /// Dry friction: a force that the integration switches at its events. Parameter 0 is its size.
     Friction,
-    /// A mode that the input moves and that is read together with the mass; states 0 and 1 are displacement and velocity.
+    /// A mode that the input moves and that is read together with the mass; states 0 and 1 are
+    /// displacement and velocity.
     Mode,
     /// The input acts late. Parameter 0 is the delay in s.
     InputDelay,
     /// The input that is recorded acts before. Parameter 0 is by how much, in s.
     InputLead,
-    /// The displacement is read through a low-pass. Parameter 0 is its time constant in s, state 0 what it holds.
+    /// The displacement is read through a low-pass. Parameter 0 is its time constant in s, state 0
+    /// what it holds.
     LowPass,
     /// The reading is changed at this place of the readout.
     Readout(Place),
     /// No simulation changes; it shows in which values readings take.
     Lattice,
-    /// No simulation changes; it enters through the filter's gain. Parameter 0 is its strength as in the filter.
+    /// No simulation changes; it enters through the filter's gain. Parameter 0 is its strength as
+    /// in the filter.
     Noise(Noise),
 }
 
-/// Places in the readout, in the order in which a reading passes them. The offset of the base model is added before `Input`.
+/// Places in the readout, in the order in which a reading passes them. The offset of the base model
+/// is added before `Input`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// Displacements of further modes are added to that of the mass.
@@ -92,7 +97,8 @@ impl Role {
 pub enum StartGrid {
     /// All parameters of the law.
     Points(Vec<Vec<f64>>),
-    /// The first parameter is a strength that acts nearly in proportion; only the others are looked for.
+    /// The first parameter is a strength that acts nearly in proportion; only the others are looked
+    /// for.
     Directions {
         /// A strength at which the effect is clear.
         strength: f64,
@@ -123,8 +129,8 @@ pub trait Law {
     fn study(&self) -> &'static [Given] {
         &[]
     }
-    /// The law for the GPU: a function of its id (hyphens as underscores) with the arguments (at, its parameters, sum), as
-    /// `force` below; empty where no study can run it.
+    /// The law for the GPU: a function of its id (hyphens as underscores) with the arguments (at,
+    /// its parameters, sum), as `force` below; empty where no study can run it.
     fn wgsl(&self) -> &'static str {
         ""
     }
@@ -132,7 +138,8 @@ pub trait Law {
     fn states(&self) -> usize {
         0
     }
-    /// Of these states, how many have an unknown initial value: as many values follow the parameters, in order.
+    /// Of these states, how many have an unknown initial value: as many values follow the
+    /// parameters, in order.
     fn unknown_beginnings(&self) -> usize {
         0
     }
@@ -144,7 +151,8 @@ pub trait Law {
     fn fastest_rad_s(&self, _parameters: &[f64], _scales: &Scales) -> f64 {
         0.0
     }
-    /// Whether its law has a corner, near which the misfit is far from a parabola and integration needs short steps.
+    /// Whether its law has a corner, near which the misfit is far from a parabola and integration
+    /// needs short steps.
     fn has_corner(&self) -> bool {
         false
     }
@@ -152,7 +160,8 @@ pub trait Law {
     fn needs_input(&self) -> bool {
         false
     }
-    /// Its states when the mass begins at displacement `x` and velocity `v`: the values fitted, or at rest.
+    /// Its states when the mass begins at displacement `x` and velocity `v`: the values fitted, or
+    /// at rest.
     fn begin(&self, _x: &Lanes, _v: &Lanes, p: &[Lanes], own: &mut [Lanes]) {
         let first = self.candidate().parameters.len();
         for (state, value) in own.iter_mut().zip(&p[first..]).take(self.unknown_beginnings()) {

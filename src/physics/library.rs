@@ -28,7 +28,8 @@ macro_rules! library {
                 vec![$(Self::$law(super::$file::$law::default())),*]
             }
 
-            /// The laws, in each of their forms, that a recording with this many environment columns is tried against.
+            /// The laws, in each of their forms, that a recording with this many environment
+            /// columns is tried against.
             pub fn tried(environments: usize, input: bool) -> Vec<Self> {
                 let mut all = Vec::new();
                 $(all.extend(super::$file::$law::tried(environments).into_iter().map(Self::$law));)*
@@ -36,8 +37,8 @@ macro_rules! library {
                 all
             }
 
-            /// Adds its force to an acceleration and writes the rates of its states. Through the law itself, not through
-            /// `Deref`, so that the compiler sees what is in the loop.
+            /// Adds its force to an acceleration and writes the rates of its states. Through the
+            /// law itself, not through `Deref`, so that the compiler sees what is in the loop.
             #[inline(always)]
             pub fn force<T: Real, const N: usize, const FMA: bool>(
                 &self,

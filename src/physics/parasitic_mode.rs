@@ -1,4 +1,5 @@
-//! A second resonance beside the one modelled: it answers the same input and is read together with the mass.
+//! A second resonance beside the one modelled: it answers the same input and is read together with
+//! the mass.
 
 use std::f64::consts::TAU;
 
@@ -64,7 +65,8 @@ impl Law for ParasiticMode {
     fn unknown_beginnings(&self) -> usize {
         2
     }
-    /// Its own motion is exact; Simpson's rule over the input's push errs by (ω₂h)⁴/2880 of it, 2e-5 at half a radian.
+    /// Its own motion is exact; Simpson's rule over the input's push errs by (ω₂h)⁴/2880 of it,
+    /// 2e-5 at half a radian.
     fn fastest_rad_s(&self, p: &[f64], _: &Scales) -> f64 {
         0.35 * p[1]
     }

@@ -74,7 +74,8 @@ mod tests {
     use super::super::test_problem::Mass;
     use super::*;
 
-    // Energy ½v² + ½ω₀²x² + αx³/3 is kept, so that the speed at rest position is known from where the mass was released.
+    // Energy ½v² + ½ω₀²x² + αx³/3 is kept, so that the speed at rest position is known from where
+    // the mass was released.
     #[test]
     fn the_mass_is_faster_through_rest_on_its_way_from_the_stiff_side() {
         let (omega, alpha, a) = (2.0f64, 3.0, 0.3);

@@ -1,7 +1,7 @@
 //! A reading that is late by a fixed time: y(t) = x(t − τ).
 //!
-//! A delay commutes with everything that does not depend on time, so it is applied to the input that moves the mass; what
-//! reaches the reading past the mass is not late.
+//! A delay commutes with everything that does not depend on time, so it is applied to the input
+//! that moves the mass; what reaches the reading past the mass is not late.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};

@@ -52,7 +52,8 @@ impl Law for ReadoutLowpass {
         }
         constants
     }
-    /// The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known in closed form.
+    /// The displacement over a step is Hermite's cubic through both ends; a cubic's answer is known
+    /// in closed form.
     #[inline(always)]
     fn follow(&self, s: &Stride, constants: &Constants, _: &[Lanes], own: &mut [Lanes]) {
         let [ratios, decays, ..] = constants;

@@ -1,4 +1,5 @@
-//! A reading that is rounded to steps. No simulation is changed; it is judged by the likelihood of the values themselves.
+//! A reading that is rounded to steps. No simulation is changed; it is judged by the likelihood of
+//! the values themselves.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Role};

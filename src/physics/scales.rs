@@ -1,4 +1,5 @@
-//! Sizes: how large things are in a recording, and by what measure each parameter moves, so that no fit knows a unit.
+//! Sizes: how large things are in a recording, and by what measure each parameter moves, so that no
+//! fit knows a unit.
 //!
 //! Not where fits begin (`start`), which finds most of these sizes.
 
@@ -42,7 +43,8 @@ pub struct Scales {
     pub environment: Vec<f64>,
     /// Mean of the output.
     pub centre: f64,
-    /// How finely the terms are integrated: steps turn their fastest rate by a quarter of a radian over this.
+    /// How finely the terms are integrated: steps turn their fastest rate by a quarter of a radian
+    /// over this.
     pub fineness: f64,
     /// Samples by which the output clearly lags the input; 0 where it does not.
     pub lag_samples: f64,

@@ -1,4 +1,5 @@
-//! Lets a law, written for one mass, act on N masses side by side, lane by lane, in loops that compile to vector instructions.
+//! Lets a law, written for one mass, act on N masses side by side, lane by lane, in loops that
+//! compile to vector instructions.
 
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
@@ -52,8 +53,8 @@ pub(super) fn each_reading<L: Law, const N: usize>(
     }
 }
 
-/// Rows with zeros to the fixed number that a law is given: where a form of a law decides on their number, the loop over lanes
-/// would otherwise gather them one by one.
+/// Rows with zeros to the fixed number that a law is given: where a form of a law decides on their
+/// number, the loop over lanes would otherwise gather them one by one.
 #[inline(always)]
 fn whole<T: Real, const N: usize, const MOST: usize>(rows: &[[T; N]]) -> [[T; N]; MOST] {
     let mut all = [[T::default(); N]; MOST];

@@ -1,7 +1,9 @@
-//! What a law is given: the state of the mass at one instant, one step that it has taken, and how many are simulated at once.
+//! What a law is given: the state of the mass at one instant, one step that it has taken, and how
+//! many are simulated at once.
 //!
-//! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side, from which `side_by_side`
-//! feeds it lane by lane. Units are the caller's (see [`super::dimension`]).
+//! A law is written for one mass; [`Instants`] holds the same quantities of N masses side by side,
+//! from which `side_by_side` feeds it lane by lane. Units are the caller's (see
+//! [`super::dimension`]).
 
 /// Parameter sets that the diagnosis simulates side by side.
 pub const LANES: usize = 8;
@@ -9,7 +11,8 @@ pub const LANES: usize = 8;
 pub(crate) type Lanes = [f64; LANES];
 /// Most values of one law: its parameters and the unknown initial values of its states.
 pub(crate) const MOST_VALUES: usize = 6;
-/// Most states of laws that act on the mass, together: they go through the stages of a step with it.
+/// Most states of laws that act on the mass, together: they go through the stages of a step with
+/// it.
 pub(crate) const MOST_STAGED: usize = 3;
 
 /// The base model of N masses: x″ + 2ζω₀x′ + ω₀²x = gain · input.
@@ -33,7 +36,8 @@ pub struct Instant<'a, T> {
     pub time: T,
     /// Length of the integration step; 0 where a law must not be smoothed over one.
     pub step: T,
-    /// Input: for forces late where the reading is late (a delay is applied there), for readings as it is.
+    /// Input: for forces late where the reading is late (a delay is applied there), for readings as
+    /// it is.
     pub input: T,
     /// Displacement of the mass, in the unit of the model.
     pub x: T,

@@ -65,8 +65,8 @@ mod tests {
     use super::super::test_problem::Mass;
     use super::*;
 
-    // A slow change leaves the action E/ω as it is: the amplitude falls as (1 + κt)^(−1/4) (Landau & Lifshitz, Mechanics,
-    // § 49); corrections are of order κ/ω₀, here 1e-4.
+    // A slow change leaves the action E/ω as it is: the amplitude falls as (1 + κt)^(−1/4) (Landau
+    // & Lifshitz, Mechanics, § 49); corrections are of order κ/ω₀, here 1e-4.
     #[test]
     fn the_amplitude_falls_with_the_fourth_root_of_a_stiffness_that_grows_slowly() {
         let (omega, kappa) = (10.0f64, 1e-3);

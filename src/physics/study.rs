@@ -2,12 +2,14 @@
 
 use crate::units::key::Key;
 
-/// One parameter of a law as a study gives it; a law that a study can run has one for each parameter, in their order.
+/// One parameter of a law as a study gives it; a law that a study can run has one for each
+/// parameter, in their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Given {
     /// Key, unit, sign and random-number slot.
     pub key: Key,
-    /// Whether it changes its sign when the axis is turned round, as that of a one-sided spring does.
+    /// Whether it changes its sign when the axis is turned round, as that of a one-sided spring
+    /// does.
     pub turns: bool,
 }
 

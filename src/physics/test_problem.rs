@@ -1,4 +1,5 @@
-//! The problem that laws are tested on: a mass with one law, integrated finely by the classic Runge–Kutta method.
+//! The problem that laws are tested on: a mass with one law, integrated finely by the classic
+//! Runge–Kutta method.
 
 use super::law::Law;
 use super::state::{Instant, MOST_STAGED, MOST_VALUES};
@@ -13,7 +14,8 @@ pub(super) struct Mass {
 }
 
 impl Mass {
-    /// Displacement and velocity after `time_s` in so many steps, from `begin` on, under `law` and an input.
+    /// Displacement and velocity after `time_s` in so many steps, from `begin` on, under `law` and
+    /// an input.
     pub(super) fn moved<L: Law>(
         &self,
         law: &L,

@@ -1,4 +1,5 @@
-//! An offset that settles exponentially after switch-on: c·exp(−t/τ), counted from the first sample.
+//! An offset that settles exponentially after switch-on: c·exp(−t/τ), counted from the first
+//! sample.
 
 use super::candidate::{Candidate, Kind, Parameter};
 use super::law::{Law, Place, Role};

@@ -37,7 +37,8 @@ impl Watcher for Terminal {
     }
 }
 
-/// Name, percentage and time left; of length 0, where nobody knows how long it takes, the name alone.
+/// Name, percentage and time left; of length 0, where nobody knows how long it takes, the name
+/// alone.
 fn style(length: u64) -> ProgressStyle {
     let template = if length == 0 { "{msg} …" } else { "{msg:18} {bar:32} {percent:>3} %  {left}" };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());

@@ -92,16 +92,16 @@ impl Kept {
     }
 }
 
-// SAFETY: the bytes are only read, and they stay where they are while the array is held: NumPy refuses to resize an array
-// that is referred to from elsewhere.
+// SAFETY: the bytes are only read, and they stay where they are while the array is held: NumPy
+// refuses to resize an array that is referred to from elsewhere.
 unsafe impl Send for Kept {}
 // SAFETY: as above.
 unsafe impl Sync for Kept {}
 
 impl AsRef<[u8]> for Kept {
     fn as_ref(&self) -> &[u8] {
-        // SAFETY: the array is contiguous and has so many bytes. A program that writes into it from another thread
-        // meanwhile gets the noise of a mixture; the documentation says so.
+        // SAFETY: the array is contiguous and has so many bytes. A program that writes into it from
+        // another thread meanwhile gets the noise of a mixture; the documentation says so.
         unsafe { std::slice::from_raw_parts(self.at, self.length) }
     }
 }

@@ -29,7 +29,8 @@ use crate::report;
 use crate::strapdown;
 use crate::study::{self as studies, Overrides, Preset, Study};
 
-/// The command, from its words to its exit code. A defect that panics ends it as it ends the binary, with 101.
+/// The command, from its words to its exit code. A defect that panics ends it as it ends the
+/// binary, with 101.
 #[pyfunction]
 pub(super) fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| std::panic::catch_unwind(|| cli::main(words)).unwrap_or(101))

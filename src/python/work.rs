@@ -1,4 +1,5 @@
-//! Long work beside Python: without its lock, on a thread of its own, stopped by Ctrl-C; errors as its exceptions.
+//! Long work beside Python: without its lock, on a thread of its own, stopped by Ctrl-C; errors as
+//! its exceptions.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -51,7 +52,8 @@ impl Watcher for Held {
 /// Does the work; remarks become warnings.
 ///
 /// # Errors
-/// What the work says, as `proofmass.Error`; `KeyboardInterrupt` and whatever else a handler of Python raises meanwhile.
+/// What the work says, as `proofmass.Error`; `KeyboardInterrupt` and whatever else a handler of
+/// Python raises meanwhile.
 pub(super) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> Result<T> + Send) -> PyResult<T> {
     let watch = Arc::new(Watch::default());
     let control = Control::new(Held(watch.clone()));

@@ -1,4 +1,5 @@
-//! Arrays of numbers within a file, row by row whatever their order, each through a reader of its own: memory stays constant.
+//! Arrays of numbers within a file, row by row whatever their order, each through a reader of its
+//! own: memory stays constant.
 
 use std::io::Read;
 
@@ -76,7 +77,8 @@ fn passed(mut reader: Box<dyn Read + Send>, skip: u64) -> std::io::Result<Box<dy
 pub(crate) struct Field {
     pub name: String,
     pub element: Element,
-    /// Bytes from the beginning of the row to its number; of an array in columns, from that of the array to the column.
+    /// Bytes from the beginning of the row to its number; of an array in columns, from that of the
+    /// array to the column.
     pub offset: u64,
 }
 
@@ -105,8 +107,9 @@ pub struct Shape {
 }
 
 impl Array {
-    /// An array of one kind of number: its columns are `name`, or `name.1`, `name.2`, …, or 1, 2, … without a name. One that
-    /// lies on its side is turned. `None` where it is no table: without rows or columns, or with rows of more than 16 MiB.
+    /// An array of one kind of number: its columns are `name`, or `name.1`, `name.2`, …, or 1, 2, …
+    /// without a name. One that lies on its side is turned. `None` where it is no table: without
+    /// rows or columns, or with rows of more than 16 MiB.
     pub(crate) fn plain(name: &str, element: Element, shape: Shape, place: Place) -> Option<Self> {
         let Shape { mut rows, mut columns, mut in_columns } = shape;
         if rows > 0 && columns / rows >= LYING || (rows == 1 && columns > 1) {
@@ -181,7 +184,8 @@ impl Arrays {
             });
             columns.push(places);
         }
-        // Where no name tells, the longest table is the recording; single numbers and the like are no rows.
+        // Where no name tells, the longest table is the recording; single numbers and the like are
+        // no rows.
         if !parts.iter().any(|p| p.is_imu) {
             let longest = parts.iter().filter_map(|p| p.rows).max();
             let mut longest = parts.iter_mut().filter(|p| p.rows == longest && p.rows > Some(1));

@@ -1,5 +1,5 @@
-//! A line cut into cells. A quotation mark never reaches beyond its line: one that is not closed there is a character like
-//! any other.
+//! A line cut into cells. A quotation mark never reaches beyond its line: one that is not closed
+//! there is a character like any other.
 
 use std::ops::Range;
 
@@ -10,7 +10,8 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Cuts a line (shorter than 4 GB, which `lines` sees to) at every separator outside quotation marks.
+    /// Cuts a line (shorter than 4 GB, which `lines` sees to) at every separator outside quotation
+    /// marks.
     ///
     /// With a blank as separator, blanks and tabs in a row are one, and none begins or ends a line.
     pub fn cut(&mut self, line: &[u8], separator: u8) {
@@ -83,8 +84,8 @@ impl Cells {
     }
 }
 
-/// The cell between quotation marks that begins at `start`, and the separator behind it; `None` where no cell is quoted
-/// there from end to end.
+/// The cell between quotation marks that begins at `start`, and the separator behind it; `None`
+/// where no cell is quoted there from end to end.
 fn quoted(line: &[u8], start: usize, separator: u8) -> Option<(Range<usize>, usize)> {
     let blank = |i: &usize| line[*i] == b' ';
     let open = (start..line.len()).find(|i| !blank(i)).filter(|i| line[*i] == b'"')?;

@@ -1,7 +1,9 @@
-//! The one clock: from the time stamps of a whole recording to its unit, its rate and the place of every row.
+//! The one clock: from the time stamps of a whole recording to its unit, its rate and the place of
+//! every row.
 //!
-//! `survey` gathers in a first pass, [`judge`] decides, `place` puts each row where it belongs in a second pass. All readers
-//! go by it, so they agree. Not for values: gaps are filled and uneven rows resampled by the readers.
+//! `survey` gathers in a first pass, [`judge`] decides, `place` puts each row where it belongs in a
+//! second pass. All readers go by it, so they agree. Not for values: gaps are filled and uneven
+//! rows resampled by the readers.
 
 pub mod instant;
 pub mod place;
@@ -127,8 +129,8 @@ pub fn unit_of(question: &Question<'_>, survey: &Survey) -> Result<(TimeUnit, Ba
 /// Judges a clock by all of its stamps.
 ///
 /// # Errors
-/// A clock that stands still, more than 5 % of the stamps missing or repeated, a rate that changes or drifts by more than
-/// 5 %, that is none, or that disagrees with the one given.
+/// A clock that stands still, more than 5 % of the stamps missing or repeated, a rate that changes
+/// or drifts by more than 5 %, that is none, or that disagrees with the one given.
 pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
     let stamped = survey.rows - survey.unknown.0;
     let forward = survey.steps - survey.zero;

@@ -1,5 +1,6 @@
-//! Which column holds the time, where the user names none and gives no rate: what the format says, else a heading that names
-//! a clock over numbers that rise, else, in a file without headings, numbers that alone rise in even steps.
+//! Which column holds the time, where the user names none and gives no rate: what the format says,
+//! else a heading that names a clock over numbers that rise, else, in a file without headings,
+//! numbers that alone rise in even steps.
 
 use std::path::Path;
 

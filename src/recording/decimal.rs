@@ -1,6 +1,8 @@
-//! Plain decimal numbers as loggers print them, sixteen characters at a time and exact to the last bit.
+//! Plain decimal numbers as loggers print them, sixteen characters at a time and exact to the last
+//! bit.
 //!
-//! Whatever is beyond (more digits, large powers, words) is left to the standard library: see `format`.
+//! Whatever is beyond (more digits, large powers, words) is left to the standard library: see
+//! `format`.
 
 /// Powers of ten that double precision holds exactly.
 const TENS: [f64; 23] = [
@@ -21,9 +23,10 @@ struct Mantissa {
     length: usize,
 }
 
-/// The number that bytes begin with, and its length: digits with at most one point, a sign and a power of ten, where the
-/// digits are a whole number below 2⁵³ and the power is exact. Then one multiplication or division rounds as it must
-/// (Clinger, *How to read floating point numbers accurately*, 1990). `None` for anything else, which is for the library.
+/// The number that bytes begin with, and its length: digits with at most one point, a sign and a
+/// power of ten, where the digits are a whole number below 2⁵³ and the power is exact. Then one
+/// multiplication or division rounds as it must (Clinger, *How to read floating point numbers
+/// accurately*, 1990). `None` for anything else, which is for the library.
 #[inline]
 pub(super) fn leading_number(bytes: &[u8]) -> Option<(f64, usize)> {
     let sign = usize::from(bytes.first() == Some(&b'-'));
@@ -92,13 +95,15 @@ fn powered(whole: u64, decimals: usize, bytes: &[u8], at: usize) -> Option<(f64,
 /// `0` in every byte.
 const ZEROS: u64 = 0x3030_3030_3030_3030;
 
-/// The highest bit of every byte that is no digit less `0`; right up to the first byte beyond ASCII.
+/// The highest bit of every byte that is no digit less `0`; right up to the first byte beyond
+/// ASCII.
 #[inline]
 fn strangers(digits: u64) -> u64 {
     (digits.wrapping_add(0x7676_7676_7676_7676) | digits) & 0x8080_8080_8080_8080
 }
 
-/// Eight digits, the highest in the lowest byte, as a number: pairs are joined, then fours, then all.
+/// Eight digits, the highest in the lowest byte, as a number: pairs are joined, then fours, then
+/// all.
 #[inline]
 fn eight(digits: u64) -> u64 {
     let pairs = (digits.wrapping_mul(10) + (digits >> 8)) & 0x00ff_00ff_00ff_00ff;
@@ -106,8 +111,8 @@ fn eight(digits: u64) -> u64 {
     (fours.wrapping_mul(10_000) + (fours >> 32)) & 0xffff_ffff
 }
 
-/// Digits that bytes begin with, behind those of `whole`: the number of all, and how many there are here. Eight at a time; of
-/// more than [`MOST_DIGITS`] the number has lost its highest ones.
+/// Digits that bytes begin with, behind those of `whole`: the number of all, and how many there are
+/// here. Eight at a time; of more than [`MOST_DIGITS`] the number has lost its highest ones.
 #[inline]
 pub(super) fn digits(bytes: &[u8], mut whole: u64) -> (u64, usize) {
     const WHOLE_TENS: [u64; 9] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
@@ -132,8 +137,8 @@ pub(super) fn digits(bytes: &[u8], mut whole: u64) -> (u64, usize) {
     (whole, taken)
 }
 
-/// Digits with at most one point: the whole units, what is behind the point as a whole number of so many decimals, and the
-/// length. `None` where there is none, or more than 17 on either side.
+/// Digits with at most one point: the whole units, what is behind the point as a whole number of so
+/// many decimals, and the length. `None` where there is none, or more than 17 on either side.
 #[inline]
 pub(super) fn leading_parts(bytes: &[u8]) -> Option<(u64, u64, usize, usize)> {
     let (whole, front) = digits(bytes, 0);
@@ -155,7 +160,8 @@ pub(super) fn ten(power: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Numbers as loggers write them, and as they do not; what the next cell begins with behind each.
+    /// Numbers as loggers write them, and as they do not; what the next cell begins with behind
+    /// each.
     fn texts() -> impl Iterator<Item = String> {
         let mut state = 1u64;
         (0..200_000).map(move |i| {
@@ -197,7 +203,8 @@ mod tests {
             }
         }
         assert!(right > 120_000 && left > 1000, "{right} read here, {left} left to the library");
-        // Control: a number made by multiplying by a tenth, which no double is, is told from the library's.
+        // Control: a number made by multiplying by a tenth, which no double is, is told from the
+        // library's.
         let careless = |bytes: &[u8]| long(bytes).map(|m| (m.whole as f64 * 0.1f64.powi(m.decimals as i32), m.length));
         assert!(texts().any(|text| agrees(&text, careless) == Some(false)), "the comparison can fail");
     }

@@ -25,7 +25,8 @@ pub enum Codec {
     Bzip2,
 }
 
-/// No part of a file is larger when it is decompressed: files are read part by part, and one must fit in memory.
+/// No part of a file is larger when it is decompressed: files are read part by part, and one must
+/// fit in memory.
 pub(super) const LARGEST_BYTES: u64 = 256 << 20;
 
 /// Decompresses a part whose size is stated.

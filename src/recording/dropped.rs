@@ -17,7 +17,8 @@ pub enum Reason {
     CutShort,
     /// No time stamp.
     NoStamp,
-    /// The time stamp of the row before, with other readings, where every sample has a stamp of its own.
+    /// The time stamp of the row before, with other readings, where every sample has a stamp of its
+    /// own.
     SameStamp,
     /// The row before once more.
     WrittenTwice,

@@ -1,4 +1,5 @@
-//! What was found in a recording and survived: typed, so that programs can decide by it; the sentence stands beside it.
+//! What was found in a recording and survived: typed, so that programs can decide by it; the
+//! sentence stands beside it.
 
 mod words;
 
@@ -7,7 +8,8 @@ use super::time_unit::{Basis, TimeUnit};
 use super::trajectory::Trajectory;
 use crate::number::{duration, rounded};
 
-/// One thing that a person should know. Rows are counted from zero after the header, lines from one.
+/// One thing that a person should know. Rows are counted from zero after the header, lines from
+/// one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Finding {
     /// The first line holds numbers.
@@ -72,7 +74,8 @@ pub enum Finding {
         /// Sampling rate that follows.
         rate_hz: f64,
     },
-    /// Several samples share a stamp, or every stamp is rounded to a step near the sampling interval.
+    /// Several samples share a stamp, or every stamp is rounded to a step near the sampling
+    /// interval.
     CoarseStamps {
         /// Step between stamps that differ.
         step_s: f64,

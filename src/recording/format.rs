@@ -1,4 +1,5 @@
-//! What kind of text file this is: its separator, whether it has a header, and what it is when it is no table at all.
+//! What kind of text file this is: its separator, whether it has a header, and what it is when it
+//! is no table at all.
 
 use std::path::Path;
 
@@ -44,7 +45,8 @@ pub(super) fn sniff(path: &Path, head: &[u8]) -> Result<Format> {
     Ok(Format { separator: separator(first, lines.next().or(second).unwrap_or(first)), skip })
 }
 
-/// What stands between the cells: judged by the first line, and by a later one where a comma may be a decimal sign.
+/// What stands between the cells: judged by the first line, and by a later one where a comma may be
+/// a decimal sign.
 fn separator(first: &[u8], later: &[u8]) -> u8 {
     let count = |line: &[u8], separator: u8| line.iter().filter(|b| **b == separator).count();
     let mut cells = Cells::default();

@@ -1,7 +1,7 @@
 //! The formats of recordings: each is one file here and one line in the registry.
 //!
-//! A file is known by its first bytes, whatever its name; what no format knows is text. A folder stands for the one recording
-//! in it, as a EuRoC set or a ROS 2 bag is laid out.
+//! A file is known by its first bytes, whatever its name; what no format knows is text. A folder
+//! stands for the one recording in it, as a EuRoC set or a ROS 2 bag is laid out.
 
 use std::path::{Path, PathBuf};
 
@@ -227,10 +227,12 @@ fn known(input: Input, head: &[u8]) -> Result<Found> {
     Ok(Found::Log { input, format, log })
 }
 
-/// Opens a file at the part of this name; at the one that holds an IMU's readings, or the only one, where none is given.
+/// Opens a file at the part of this name; at the one that holds an IMU's readings, or the only one,
+/// where none is given.
 ///
 /// # Errors
-/// As [`find`]; a part that is not there, that holds no numbers, or none that can be chosen without a word of the user.
+/// As [`find`]; a part that is not there, that holds no numbers, or none that can be chosen without
+/// a word of the user.
 pub(crate) fn open(path: &Path, topic: Option<&str>) -> Result<Opened> {
     open_in(path, None, topic)
 }

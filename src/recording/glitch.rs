@@ -1,6 +1,8 @@
-//! Single readings that leap away from their neighbours: a transmission error, a knock, a loose wire.
+//! Single readings that leap away from their neighbours: a transmission error, a knock, a loose
+//! wire.
 //!
-//! For logs at rest alone: a driven recording leaps as its input bids. One pass, no memory of the readings.
+//! For logs at rest alone: a driven recording leaps as its input bids. One pass, no memory of the
+//! readings.
 
 use super::finding::Finding;
 
@@ -9,7 +11,8 @@ const LEAP: f64 = 21.0;
 /// Fewer changes than this tell nothing of what is usual.
 const LEAST: usize = 100;
 
-/// Where readings are coarse, a change of so many steps is no leap, however seldom the reading changes at all.
+/// Where readings are coarse, a change of so many steps is no leap, however seldom the reading
+/// changes at all.
 const STEPS: f64 = 10.0;
 
 /// Looks at the changes between neighbours as they pass.

@@ -1,5 +1,5 @@
-//! What is wrong with a column before any physics: a dead channel, touched rails, a stuck stretch, and the step its numbers
-//! are rounded to.
+//! What is wrong with a column before any physics: a dead channel, touched rails, a stuck stretch,
+//! and the step its numbers are rounded to.
 
 use super::finding::Finding;
 
@@ -22,7 +22,8 @@ pub(crate) struct Watch {
     /// Smallest change between neighbours.
     step: f64,
     origin: f64,
-    /// How far values lie off the grid of the smallest change, in steps: at most, or one value found off it.
+    /// How far values lie off the grid of the smallest change, in steps: at most, or one value
+    /// found off it.
     off_grid: f64,
 }
 
@@ -54,8 +55,8 @@ impl Rail {
         }
     }
 
-    /// Far too many for an unclipped reading: more than three times those at the next value inwards. (A quantised sine has
-    /// at most 2.4 times.)
+    /// Far too many for an unclipped reading: more than three times those at the next value
+    /// inwards. (A quantised sine has at most 2.4 times.)
     fn touched(&self) -> bool {
         self.count >= 10 && self.count > 3 * self.next_count
     }
@@ -116,8 +117,8 @@ impl Watch {
         self.count += 1;
     }
 
-    /// The step that all values since it was first seen are whole multiples of, if values repeat so often that it is no
-    /// accident of printing.
+    /// The step that all values since it was first seen are whole multiples of, if values repeat so
+    /// often that it is no accident of printing.
     pub(crate) fn step(&self) -> Option<f64> {
         let span = (self.high.value + self.low.value) / self.step;
         (self.step.is_finite() && self.off_grid < ON_GRID && 20.0 * span < self.count as f64).then_some(self.step)
@@ -148,8 +149,8 @@ impl Watch {
         out
     }
 
-    /// Whether the longest run of one value is longer than chance would make it: near ln n / ln(1/p) in n draws that repeat
-    /// with probability p.
+    /// Whether the longest run of one value is longer than chance would make it: near ln n /
+    /// ln(1/p) in n draws that repeat with probability p.
     fn frozen(&self) -> bool {
         let others = self.repeats.saturating_sub(self.longest.1) as f64;
         let chance = ((others + 1.0) / self.count as f64).min(0.999);
@@ -160,7 +161,8 @@ impl Watch {
 /// How far a number is from the nearest whole one.
 #[inline]
 fn from_whole(number: f64) -> f64 {
-    // Above it doubles are whole, so that adding it rounds; what it rounds to at a half is as far off either way.
+    // Above it doubles are whole, so that adding it rounds; what it rounds to at a half is as far
+    // off either way.
     const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
     let whole = if number.abs() < (1u64 << 51) as f64 { (number + WHOLE) - WHOLE } else { number.round() };
     (number - whole).abs()

@@ -1,4 +1,5 @@
-//! A recording in memory: columns of one length on a uniform clock, and what is known of the file they came from.
+//! A recording in memory: columns of one length on a uniform clock, and what is known of the file
+//! they came from.
 
 use std::ops::Range;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! The readings of an IMU in SI units, each at its own stamp, on the clock that other files share.
 //!
-//! Rows stay where their stamps put them: nothing is filled or resampled. Not for logs at rest on a clock of their own:
-//! that is [`read`](fn@super::read).
+//! Rows stay where their stamps put them: nothing is filled or resampled. Not for logs at rest on a
+//! clock of their own: that is [`read`](fn@super::read).
 
 use std::path::Path;
 
@@ -49,8 +49,8 @@ const FEWEST: usize = 100;
 /// Reads a log whose columns are named as an IMU's.
 ///
 /// # Errors
-/// A file that cannot be read, that has no three gyros and three accelerometers or no clock, units of no inertial sensor,
-/// stamps that run backwards, too few readings.
+/// A file that cannot be read, that has no three gyros and three accelerometers or no clock, units
+/// of no inertial sensor, stamps that run backwards, too few readings.
 pub fn read(path: &Path) -> Result<Inertial> {
     let fail =
         |cause: String, hint: &str| Error::new(format!("could not read the IMU of {}", path.display()), cause, hint);

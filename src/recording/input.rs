@@ -1,7 +1,7 @@
 //! The bytes of a recording by their place in the file, and the checksum of all of them.
 //!
-//! Standard input, `-`, is kept in an unnamed temporary file, as a recording is read more than once. Not for what the bytes
-//! mean: see `formats`.
+//! Standard input, `-`, is kept in an unnamed temporary file, as a recording is read more than
+//! once. Not for what the bytes mean: see `formats`.
 
 use std::fs::File;
 use std::io::{Read, Write as _};
@@ -94,7 +94,8 @@ impl Input {
     /// Opens a file; `-` is standard input.
     ///
     /// # Errors
-    /// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its writer.
+    /// A folder, a pipe or a device, told before it is opened: to open a pipe is to wait for its
+    /// writer.
     pub fn open(path: &Path) -> Result<Self> {
         if path == Path::new("-") {
             let (store, length) = standard_input()?;

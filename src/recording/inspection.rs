@@ -1,4 +1,5 @@
-//! A first look at a file: its parts, the clock, what each column holds, and when an inertial sensor lay still.
+//! A first look at a file: its parts, the clock, what each column holds, and when an inertial
+//! sensor lay still.
 //!
 //! Not for judging: what the numbers mean is for `noise` and `diagnosis`.
 
@@ -23,7 +24,8 @@ const FEWEST: usize = 8;
 const SHORTEST: usize = 2;
 /// A window is still whose variance is at most so many times that of the quietest ones.
 const QUIET: f64 = 5.0;
-/// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are not.
+/// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are
+/// not.
 const RESTLESS: [f64; 2] = [0.05, 0.3];
 
 /// What a column holds.
@@ -99,7 +101,8 @@ pub struct Rows {
 /// Looks through a file.
 ///
 /// # Errors
-/// A file that cannot be read. One of which no part or no clock can be chosen is none: that stands in the result.
+/// A file that cannot be read. One of which no part or no clock can be chosen is none: that stands
+/// in the result.
 pub fn inspect(path: &Path, request: &Request) -> Result<Inspection> {
     let (format, parts) = match formats::find(path)? {
         Found::Text(_) => ("text", Vec::new()),
@@ -304,7 +307,8 @@ mod tests {
 
     #[test]
     fn rest_and_motion_are_told_apart() {
-        // Ten seconds at rest, ten in motion, ten at rest, at 100 Hz, with noise of 0.001 rad/s and 0.01 m/s².
+        // Ten seconds at rest, ten in motion, ten at rest, at 100 Hz, with noise of 0.001 rad/s and
+        // 0.01 m/s².
         let noise = |k: usize| ((k * 7919 + k * k * 104_729) % 1009) as f64 / 504.5 - 1.0;
         let rows: String = (0..3000)
             .map(|k| {

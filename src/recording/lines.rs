@@ -154,8 +154,9 @@ impl Lines {
         Ok(true)
     }
 
-    /// Passes lines of the piece at hand that were parsed, at most so many: the piece's rows, and which of them. Never its first
-    /// one, which follows a line of another piece; none where that is next, or nothing was parsed.
+    /// Passes lines of the piece at hand that were parsed, at most so many: the piece's rows, and
+    /// which of them. Never its first one, which follows a line of another piece; none where that
+    /// is next, or nothing was parsed.
     #[inline]
     pub fn pass(&mut self, most: usize) -> Option<(&Regular, Range<usize>)> {
         let rows = self.piece.regular()?;
@@ -176,7 +177,8 @@ impl Lines {
         &self.piece.bytes[self.line.clone()]
     }
 
-    /// The numbers of the line at hand, where it was parsed: those of the piece, and its row among them.
+    /// The numbers of the line at hand, where it was parsed: those of the piece, and its row among
+    /// them.
     #[inline]
     pub fn regular(&self) -> Option<(&Regular, usize)> {
         self.piece.regular().map(|regular| (regular, self.row.saturating_sub(1)))

@@ -1,5 +1,5 @@
-//! Arrays that are in memory already, read as those of a file are and where they lie: nothing of them is copied but the
-//! block at hand.
+//! Arrays that are in memory already, read as those of a file are and where they lie: nothing of
+//! them is copied but the block at hand.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -49,7 +49,8 @@ impl Memory {
     /// A table of arrays of one length, side by side; `name` stands for it in messages.
     ///
     /// # Errors
-    /// No numbers, arrays of different lengths, as many names as there are no columns, bytes that are too few.
+    /// No numbers, arrays of different lengths, as many names as there are no columns, bytes that
+    /// are too few.
     pub fn new(name: &Path, numbers: Vec<Numbers>) -> Result<Self> {
         let fail = |cause: String| {
             let hint = "give arrays of one length, a row per sample and a column per channel";

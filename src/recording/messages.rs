@@ -1,4 +1,5 @@
-//! Messages of known layout, as ROS 1 serialises them and as ROS 2 does (CDR, OMG formal/2018-12-02).
+//! Messages of known layout, as ROS 1 serialises them and as ROS 2 does (CDR, OMG
+//! formal/2018-12-02).
 
 use super::clock::stamp::Stamp;
 use super::input::Input;
@@ -107,7 +108,8 @@ pub(super) enum Encoding {
     Cdr,
 }
 
-/// The layout of messages of this type, as ROS 1 (`sensor_msgs/Imu`) or ROS 2 (`sensor_msgs/msg/Imu`) names it.
+/// The layout of messages of this type, as ROS 1 (`sensor_msgs/Imu`) or ROS 2
+/// (`sensor_msgs/msg/Imu`) names it.
 pub(crate) fn layout(kind: &str) -> Option<&'static Layout> {
     let plain = kind.replace("/msg/", "/");
     LAYOUTS.iter().find(|l| l.kind == plain)
@@ -123,7 +125,8 @@ impl Layout {
         std::iter::once(Heading::clock("stamp", "ns")).chain(numbers).collect()
     }
 
-    /// Takes a message apart: its stamp in ns since 1970 and the numbers in order; `None` where it is too short.
+    /// Takes a message apart: its stamp in ns since 1970 and the numbers in order; `None` where it
+    /// is too short.
     fn read(&self, encoding: Encoding, message: &[u8], values: &mut Vec<f64>) -> Option<i64> {
         let mut walk = Walk::new(encoding, message)?;
         if encoding == Encoding::Ros1 {
@@ -131,7 +134,8 @@ impl Layout {
         }
         let (seconds, nanoseconds) = (walk.u32()?, walk.u32()?);
         walk.text()?;
-        // ROS 1 counts seconds without a sign until 2106, ROS 2 with one until 2038: as the first, they agree for now.
+        // ROS 1 counts seconds without a sign until 2106, ROS 2 with one until 2038: as the first,
+        // they agree for now.
         let stamp = i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds);
         values.clear();
         for item in self.items {

@@ -1,4 +1,5 @@
-//! The noise of a static log in one pass over the file: Allan curve, coefficients and spectrum of every channel.
+//! The noise of a static log in one pass over the file: Allan curve, coefficients and spectrum of
+//! every channel.
 //!
 //! Describes; what the coefficients leave out is named by `diagnosis`.
 
@@ -56,13 +57,15 @@ pub struct Channel {
     pub unit: Unit,
     /// Allan deviations by rising averaging time.
     pub curve: Vec<Deviation>,
-    /// Coefficients fitted to the curve less what `lines` contribute; `None` for a constant or very short channel.
+    /// Coefficients fitted to the curve less what `lines` contribute; `None` for a constant or very
+    /// short channel.
     pub fit: Option<Fit>,
     /// Lowest Allan deviation whose degrees of freedom are at least ten.
     pub minimum: Option<Deviation>,
     /// One-sided density.
     pub density: Density,
-    /// Density near half the rate over that between a tenth and a fifth of it: below one, a filter; above, aliases.
+    /// Density near half the rate over that between a tenth and a fifth of it: below one, a filter;
+    /// above, aliases.
     pub roll_off: Option<f64>,
     /// Lines, strongest first, at most five.
     pub lines: Vec<Line>,
@@ -73,13 +76,15 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The point nearest to an averaging time of 1 s, if one is within 5 %: the number that many tools print as N.
+    /// The point nearest to an averaging time of 1 s, if one is within 5 %: the number that many
+    /// tools print as N.
     pub fn at_one_second(&self) -> Option<Deviation> {
         let off = |d: &Deviation| d.tau_s.ln().abs();
         self.curve.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|d| off(d) < 0.05)
     }
 
-    /// B as datasheets state it: the lowest Allan deviation over 0.664, whatever the curve does around it.
+    /// B as datasheets state it: the lowest Allan deviation over 0.664, whatever the curve does
+    /// around it.
     pub fn bias_stability(&self) -> Option<(f64, [f64; 2])> {
         self.minimum.map(|m| (m.value / FLICKER_FLOOR, m.ci95.map(|e| e / FLICKER_FLOOR)))
     }
@@ -226,8 +231,9 @@ fn roll_off(density: &Density, rate_hz: f64) -> Option<f64> {
     ((ratio - 1.0).abs() > 5.0 * error && (ratio - 1.0).abs() > 0.15).then_some(ratio)
 }
 
-/// Ordinates at more than three times the median of their neighbourhood (half a frequency to either side, six to twenty-four
-/// bins), after false-discovery control; and all power in lines, unit² at each frequency.
+/// Ordinates at more than three times the median of their neighbourhood (half a frequency to either
+/// side, six to twenty-four bins), after false-discovery control; and all power in lines, unit² at
+/// each frequency.
 fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
     let degrees_of_freedom = 2.0 * density.averages;
     let count = density.density.len();
@@ -263,8 +269,9 @@ fn lines(density: &Density) -> (Vec<Line>, Vec<(f64, f64)>) {
     (lines, power)
 }
 
-/// A point less what lines contribute: a sine of power P adds 2P sin⁴(πfτ)/(m sin(πfτ₀))² to the Allan variance, which at
-/// long times looks like quantisation. At least a tenth of the point is left.
+/// A point less what lines contribute: a sine of power P adds 2P sin⁴(πfτ)/(m sin(πfτ₀))² to the
+/// Allan variance, which at long times looks like quantisation. At least a tenth of the point is
+/// left.
 fn without_lines(point: &Point, power: &[(f64, f64)], rate_hz: f64) -> Point {
     let m = point.factor as f64;
     let of = |(f, power): &(f64, f64)| {

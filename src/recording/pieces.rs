@@ -111,7 +111,8 @@ impl Pieces {
 }
 
 impl Source {
-    /// Replaces `bytes` by whole lines: the beginning that was read already, and what follows it. False at the end.
+    /// Replaces `bytes` by whole lines: the beginning that was read already, and what follows it.
+    /// False at the end.
     fn fill(&mut self, bytes: &mut Vec<u8>) -> io::Result<bool> {
         // What the room was used for before need not be made zero: it is written over.
         let mut filled = self.rest.len();
@@ -137,7 +138,8 @@ impl Source {
         Ok(filled > 0)
     }
 
-    /// Reads so many bytes more behind those that are filled, unless the file ends: how many are filled then.
+    /// Reads so many bytes more behind those that are filled, unless the file ends: how many are
+    /// filled then.
     fn append(&mut self, bytes: &mut Vec<u8>, mut filled: usize) -> io::Result<usize> {
         let room = filled + PIECE_BYTES;
         if bytes.len() < room {
@@ -161,7 +163,8 @@ struct Job {
     send: SyncSender<Piece>,
 }
 
-/// Threads of a file's own, which end with it: those that share out other work may all be waiting for its rows.
+/// Threads of a file's own, which end with it: those that share out other work may all be waiting
+/// for its rows.
 #[derive(Debug)]
 struct Parsers {
     jobs: Sender<Job>,

@@ -1,4 +1,5 @@
-//! The first pass over a file: which of its rows are used, by which clock, before any is read for its values.
+//! The first pass over a file: which of its rows are used, by which clock, before any is read for
+//! its values.
 
 use std::ops::Range;
 use std::path::Path;
@@ -58,7 +59,8 @@ pub enum Passed<'a> {
     Run(&'a Run<'a>),
 }
 
-/// Goes through the rows within `range`, with a progress bar; those before are passed. What comes behind is left unread.
+/// Goes through the rows within `range`, with a progress bar; those before are passed. What comes
+/// behind is left unread.
 ///
 /// # Errors
 /// As [`Rows::advance`]; Ctrl-C; whatever `visit` says.
@@ -240,7 +242,8 @@ fn timed(path: &Path, request: &Request, wanted: Range<usize>) -> Result<Plan> {
     Ok(Plan { rows, clock: Some(clock), rate_hz, repeated: None, samples, findings, length_bytes })
 }
 
-/// All stamps of the rows wanted. Where seconds will be cut out, a clock that is set back ends what can be cut.
+/// All stamps of the rows wanted. Where seconds will be cut out, a clock that is set back ends what
+/// can be cut.
 fn survey(question: &Question<'_>, mut table: Rows, wanted: &Range<usize>, seconds: bool) -> Result<Survey> {
     let mut survey = Survey::default();
     walk_runs(question.path, &mut table, wanted, |passed| {
@@ -356,7 +359,8 @@ pub(super) fn cut_finding(request: &Request, used: &Range<usize>, total: usize) 
     asked.then(|| Finding::Cut { from_row: used.start, to_row: used.end.min(total), of: total })
 }
 
-/// What is said of a file that was read to its end: rows wanted that are not there, and a file that changed meanwhile.
+/// What is said of a file that was read to its end: rows wanted that are not there, and a file that
+/// changed meanwhile.
 ///
 /// # Errors
 /// Both.

@@ -26,12 +26,14 @@ const MUCH_MEMORY: usize = 400 << 20;
 
 /// Reads the columns asked for onto a uniform clock.
 ///
-/// Missing cells and short gaps are filled by straight lines, repeated rows dropped, uneven clocks resampled; at a long gap
-/// (more than 1 % of the rows) the longer part is kept. Each is said in `findings`, rows not used stand in `dropped`.
+/// Missing cells and short gaps are filled by straight lines, repeated rows dropped, uneven clocks
+/// resampled; at a long gap (more than 1 % of the rows) the longer part is kept. Each is said in
+/// `findings`, rows not used stand in `dropped`.
 ///
 /// # Errors
-/// A file that cannot be read as a table of numbers, a column that is not there (the nearest is named), a clock that cannot
-/// be gone by (`clock::judge`), a clock and a rate that disagree, or more than 5 % of the values missing.
+/// A file that cannot be read as a table of numbers, a column that is not there (the nearest is
+/// named), a clock that cannot be gone by (`clock::judge`), a clock and a rate that disagree, or
+/// more than 5 % of the values missing.
 pub fn read(path: &Path, request: &Request) -> Result<Recording> {
     let (request, clock) = &clock_column::settled(path, request)?;
     let mut plan = plan::make(path, request, true)?;
@@ -180,7 +182,8 @@ impl Gathered {
             columns.iter_mut().zip(values).for_each(|(column, value)| column.push(*value));
             return;
         }
-        // A log in bursts may lack thousands of samples for every row; it is refused at the end, and not filled before.
+        // A log in bursts may lack thousands of samples for every row; it is refused at the end,
+        // and not filled before.
         if self.missing <= self.kept {
             (0..missing).for_each(|_| self.hold_place());
         }
@@ -340,8 +343,8 @@ mod tests {
 
     #[test]
     fn a_log_in_bursts_is_refused_before_its_gaps_are_filled() {
-        // Pairs of rows 500 ticks apart: below the 1 % of the rows that cut a recording, yet 250 ticks missing for each row;
-        // filled first, they would take gigabytes.
+        // Pairs of rows 500 ticks apart: below the 1 % of the rows that cut a recording, yet 250
+        // ticks missing for each row; filled first, they would take gigabytes.
         let times: Vec<f64> = (0..100_000).map(|i| (i / 2 * 501 + i % 2) as f64 / 100.0).collect();
         let refused = judge("t", &times, None).expect_err("nearly all of it is missing");
         assert!(refused.cause.contains("49999 gaps"), "{refused}");

@@ -1,6 +1,8 @@
-//! What a format provides: the parts of a file (topics, messages, arrays), and the rows of one of them in blocks.
+//! What a format provides: the parts of a file (topics, messages, arrays), and the rows of one of
+//! them in blocks.
 //!
-//! A format is one file under `formats` that implements [`Log`] and [`Reader`], and one line in the registry there.
+//! A format is one file under `formats` that implements [`Log`] and [`Reader`], and one line in the
+//! registry there.
 
 use std::fmt::Debug;
 
@@ -113,7 +115,8 @@ pub trait Log: Debug + Send {
 
 /// Rows of a part, block by block.
 pub trait Reader: Debug + Send {
-    /// Fills an empty block with the rows that follow; false at the end. A block of no rows is not the end.
+    /// Fills an empty block with the rows that follow; false at the end. A block of no rows is not
+    /// the end.
     ///
     /// # Errors
     /// What is damaged, with what was expected and its place in the file.

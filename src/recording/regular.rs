@@ -1,8 +1,8 @@
-//! Rows as nearly all are: every line as many cells as the headings, every cell wanted a number. A whole piece of them is
-//! parsed at once, several pieces at a time.
+//! Rows as nearly all are: every line as many cells as the headings, every cell wanted a number. A
+//! whole piece of them is parsed at once, several pieces at a time.
 //!
-//! Not for anything else: a piece with a comment, a blank line, a quotation mark or a cell that is no number is left to
-//! `text`, line by line, which says what is wrong with it.
+//! Not for anything else: a piece with a comment, a blank line, a quotation mark or a cell that is
+//! no number is left to `text`, line by line, which says what is wrong with it.
 
 use std::ops::Range;
 
@@ -38,7 +38,8 @@ pub struct Regular {
     pub stamps: Vec<Stamp>,
     /// Where that lies in the line.
     pub times: Vec<Range<u32>>,
-    /// Whether it repeats the line before in every cell but its time stamp; not told of the first one, nor without a clock.
+    /// Whether it repeats the line before in every cell but its time stamp; not told of the first
+    /// one, nor without a clock.
     pub alike: Vec<bool>,
     /// Per column chosen, its numbers.
     pub columns: Vec<Vec<f64>>,
@@ -71,8 +72,8 @@ impl Regular {
 }
 
 impl Layout {
-    /// Of rows with so many cells, and a separator that is no blank. `None` where no cell is wanted, or one twice, which is too
-    /// rare to be fast.
+    /// Of rows with so many cells, and a separator that is no blank. `None` where no cell is
+    /// wanted, or one twice, which is too rare to be fast.
     pub fn new(separator: u8, width: usize, choice: &Choice) -> Option<Self> {
         let last = choice.places.iter().chain(&choice.time).copied().max()?;
         let mut wanted = vec![Wanted::Nothing; last + 1];
@@ -85,7 +86,8 @@ impl Layout {
         Some(Self { separator, width, wanted, columns: choice.places.len() })
     }
 
-    /// Reads the rows; false where some line is no regular one, and then what was read is not to be used.
+    /// Reads the rows; false where some line is no regular one, and then what was read is not to be
+    /// used.
     pub fn read(&self, bytes: &[u8], rows: &mut Regular) -> bool {
         rows.clear(self.columns);
         if memchr::memchr(b'"', bytes).is_some() || u32::try_from(bytes.len()).is_err() {

@@ -1,8 +1,8 @@
-//! Rows that repeat the one before them exactly, where no clock tells: samples written twice, or lost ones replaced by the
-//! last.
+//! Rows that repeat the one before them exactly, where no clock tells: samples written twice, or
+//! lost ones replaced by the last.
 //!
-//! Only where the columns hardly ever repeat a value otherwise. With a time column the time stamps decide (`clock`). One
-//! pass, no memory of the rows.
+//! Only where the columns hardly ever repeat a value otherwise. With a time column the time stamps
+//! decide (`clock`). One pass, no memory of the rows.
 
 /// Share of its rows that a column may repeat a value in, before repeating says nothing.
 const SELDOM: f64 = 0.01;
@@ -79,8 +79,8 @@ impl Repeats {
         all
     }
 
-    /// z, a, b, b, c: where c is the next sample, z, a, b, c lie on a parabola; where one was lost, z, a, b, (?), c do. Either
-    /// misfit is over what unit noise would make of it.
+    /// z, a, b, b, c: where c is the next sample, z, a, b, c lie on a parabola; where one was lost,
+    /// z, a, b, (?), c do. Either misfit is over what unit noise would make of it.
     fn weigh(&mut self, [z, a, b]: [&Vec<f64>; 3], next: &[f64]) {
         for (((z, a), b), next) in z.iter().zip(a).zip(b).zip(next) {
             let size = (a - z).abs() + (b - a).abs() + (next - b).abs();
@@ -91,7 +91,8 @@ impl Repeats {
         }
     }
 
-    /// What the repeating rows stand for; `None` where there are none, or too many for them to say anything.
+    /// What the repeating rows stand for; `None` where there are none, or too many for them to say
+    /// anything.
     pub(super) fn judge(&self) -> Option<Repeated> {
         let seldom = self.repeats.iter().all(|count| *count as f64 <= SELDOM * self.rows as f64);
         (self.repeats.len() >= 2 && self.rows >= FEWEST && seldom && self.count > 0).then_some(Repeated {

@@ -107,8 +107,8 @@ pub fn of(names: &[String]) -> Roles {
     Roles { gyro: triple(Quantity::Gyro), accelerometer: triple(Quantity::Accelerometer) }
 }
 
-/// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and quantity: `gyro_rad_s`, or
-/// with a sensor's number `accelerometer_2_m_s2`.
+/// The unit of a column that is one of an inertial sensor's by its name alone, which says unit and
+/// quantity: `gyro_rad_s`, or with a sensor's number `accelerometer_2_m_s2`.
 pub(crate) fn alone(name: &str) -> Option<Unit> {
     let (stem, unit) = stem(name);
     let unit = Unit::of_file(unit?)?;
@@ -122,8 +122,8 @@ pub(crate) fn alone(name: &str) -> Option<Unit> {
     names.contains(&of).then_some(unit)
 }
 
-/// The unit of a column of this name: what its file states, else what its name ends with. `Some(None)` where that is no unit
-/// of an inertial sensor, as counts are.
+/// The unit of a column of this name: what its file states, else what its name ends with.
+/// `Some(None)` where that is no unit of an inertial sensor, as counts are.
 pub fn unit(name: &str, stated: Option<&str>) -> Option<Option<Unit>> {
     stated.or(stem(name).1).map(Unit::of_file)
 }

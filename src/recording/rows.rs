@@ -1,4 +1,5 @@
-//! Rows of a recording one by one, in bounded memory, whatever the format: columns by name, numbers, every row counted.
+//! Rows of a recording one by one, in bounded memory, whatever the format: columns by name,
+//! numbers, every row counted.
 //!
 //! Not for clocks or gaps: a missing cell is NaN here.
 
@@ -45,7 +46,8 @@ pub struct Wanted<'a> {
 }
 
 impl Rows {
-    /// Opens a file for the columns of these headings, in this order. None named: all numeric columns but clocks.
+    /// Opens a file for the columns of these headings, in this order. None named: all numeric
+    /// columns but clocks.
     ///
     /// # Errors
     /// A file that no format knows, or a column that is not there; the nearest heading is named.
@@ -153,7 +155,8 @@ impl Rows {
     /// Goes to the next row; false at the end.
     ///
     /// # Errors
-    /// A row with too few or too many cells, with its line; the last one may be cut short. Bytes that are damaged.
+    /// A row with too few or too many cells, with its line; the last one may be cut short. Bytes
+    /// that are damaged.
     #[inline]
     pub fn advance(&mut self) -> Result<bool> {
         match &mut self.body {
@@ -162,8 +165,8 @@ impl Rows {
         }
     }
 
-    /// Passes rows that need no look one by one, at most so many; none where the next row must be gone to by
-    /// [`Rows::advance`]. Those that text was asked only stamps of hold no numbers.
+    /// Passes rows that need no look one by one, at most so many; none where the next row must be
+    /// gone to by [`Rows::advance`]. Those that text was asked only stamps of hold no numbers.
     pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
         match &mut self.body {
             Body::Text(text) => text.run(most),

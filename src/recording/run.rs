@@ -1,4 +1,5 @@
-//! Rows that follow one another and need no look one by one: column by column, as they lie in memory.
+//! Rows that follow one another and need no look one by one: column by column, as they lie in
+//! memory.
 
 use std::ops::Range;
 
@@ -9,7 +10,8 @@ use super::clock::stamp::Stamp;
 pub struct Run<'a> {
     /// Number of the first row, counted from zero after the header.
     pub first: usize,
-    /// Where they lie in the piece; never its first row, as [`Run::is_alike`] looks at the row before.
+    /// Where they lie in the piece; never its first row, as [`Run::is_alike`] looks at the row
+    /// before.
     pub rows: Range<usize>,
     /// Time stamps of the piece's rows; empty where no clock was chosen.
     pub stamps: &'a [Stamp],

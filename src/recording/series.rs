@@ -1,5 +1,5 @@
-//! A column on its way into memory: missing readings become straight lines, and neighbours are averaged where a reader asks
-//! for it.
+//! A column on its way into memory: missing readings become straight lines, and neighbours are
+//! averaged where a reader asks for it.
 
 use std::ops::Range;
 use std::path::Path;
@@ -26,7 +26,8 @@ pub(crate) struct Series {
     pub values: Vec<f64>,
     /// Looks at every sample kept, before it is averaged.
     pub watch: Watch,
-    /// Runs of samples that were not recorded, counted from the first sample; not where neighbours are averaged.
+    /// Runs of samples that were not recorded, counted from the first sample; not where neighbours
+    /// are averaged.
     pub filled: Vec<Range<usize>>,
     name: String,
     samples: usize,

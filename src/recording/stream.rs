@@ -1,4 +1,5 @@
-//! A recording of any length, sample by sample on a uniform clock: short holes bridged, long ones announced.
+//! A recording of any length, sample by sample on a uniform clock: short holes bridged, long ones
+//! announced.
 //!
 //! For what needs a whole column at once, see `recording::read`.
 
@@ -52,7 +53,8 @@ pub struct Streamed {
     pub findings: Vec<Finding>,
 }
 
-/// Opens a file as [`read`] will stream it: the headings of its columns, without the clock, and their units.
+/// Opens a file as [`read`] will stream it: the headings of its columns, without the clock, and
+/// their units.
 ///
 /// # Errors
 /// As `Rows::open`.
@@ -62,8 +64,8 @@ pub fn headings(path: &Path, request: &Request) -> Result<(Vec<String>, Vec<Opti
     Ok((rows.names().to_vec(), rows.units().to_vec()))
 }
 
-/// Streams the columns of `request` into `take`, after a first pass over the clock: one thread reads while this one works on
-/// what was read.
+/// Streams the columns of `request` into `take`, after a first pass over the clock: one thread
+/// reads while this one works on what was read.
 ///
 /// # Errors
 /// As [`super::read`](fn@super::read), except that gaps of any length are survived.
@@ -247,7 +249,8 @@ impl<'a> Bridge<'a> {
     fn send(&mut self, broken_off: bool) {
         let room = self.columns.iter().map(|c| Vec::with_capacity(c.len())).collect();
         let columns = std::mem::replace(&mut self.columns, room);
-        // Nobody listens only when the other side has panicked, and then that is what the user hears.
+        // Nobody listens only when the other side has panicked, and then that is what the user
+        // hears.
         let _ = self.send.send(Block { columns, broken_off });
     }
 
@@ -281,7 +284,8 @@ mod tests {
 
     #[test]
     fn blocks_join_to_the_whole_and_break_off_only_at_long_holes() {
-        // More rows than two blocks hold; one value is missing in row 9000, more than can be bridged from row 12,000 on.
+        // More rows than two blocks hold; one value is missing in row 9000, more than can be
+        // bridged from row 12,000 on.
         let rows = 20_000;
         let lost = |i: usize| i == 9000 || (12_000..12_000 + BRIDGED + 1).contains(&i);
         let lines: String = (0..rows).map(|i| if lost(i) { "\"\"\n".to_owned() } else { format!("{i}\n") }).collect();

@@ -85,7 +85,8 @@ impl Table {
         self.next_block()
     }
 
-    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The last of them is at hand then.
+    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The
+    /// last of them is at hand then.
     pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
         let next = self.at + 1;
         let end = self.block.rows.min(next.saturating_add(most));
@@ -213,7 +214,8 @@ impl Table {
     }
 }
 
-/// Whether no number of a block is infinite, larger or smaller than any reading, or the zero that has a sign.
+/// Whether no number of a block is infinite, larger or smaller than any reading, or the zero that
+/// has a sign.
 fn is_ordinary(block: &Block) -> bool {
     block.columns.iter().all(|column| column.iter().all(|value| format::is_reading(*value)))
 }

@@ -1,7 +1,8 @@
-//! Rows of a text file one by one, in bounded memory: headings found, cells read as numbers, every row counted.
+//! Rows of a text file one by one, in bounded memory: headings found, cells read as numbers, every
+//! row counted.
 //!
-//! A row is a line that is neither blank nor a comment, after the header and a row of units. Not for clocks or gaps: a
-//! missing cell is NaN here.
+//! A row is a line that is neither blank nor a comment, after the header and a row of units. Not
+//! for clocks or gaps: a missing cell is NaN here.
 
 mod header;
 
@@ -179,7 +180,8 @@ impl Text {
         }
     }
 
-    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The last of them is at hand then.
+    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The
+    /// last of them is at hand then.
     pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
         let before = self.rows;
         let (regular, rows) = self.lines.pass(most)?;
@@ -237,7 +239,8 @@ impl Text {
         Ok(false)
     }
 
-    /// Lines skipped before a row; those behind the last row do not matter, nor those right behind the header.
+    /// Lines skipped before a row; those behind the last row do not matter, nor those right behind
+    /// the header.
     fn count_skipped(&mut self, (lines, first): (u64, u64)) {
         if lines > 0 && self.rows > 0 {
             self.skipped = (self.skipped.0 + lines, if self.skipped.0 == 0 { first } else { self.skipped.1 });

@@ -3,10 +3,11 @@
 /// A kind of trajectory file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trajectory {
-    /// Time, position, quaternion with its scalar last: Sturm et al., *A benchmark for the evaluation of RGB-D SLAM systems*,
-    /// IROS 2012.
+    /// Time, position, quaternion with its scalar last: Sturm et al., *A benchmark for the
+    /// evaluation of RGB-D SLAM systems*, IROS 2012.
     Tum,
-    /// The upper three rows of a pose matrix: Geiger et al., *Vision meets robotics: the KITTI dataset*, IJRR 2013.
+    /// The upper three rows of a pose matrix: Geiger et al., *Vision meets robotics: the KITTI
+    /// dataset*, IJRR 2013.
     Kitti,
 }
 
@@ -31,7 +32,8 @@ impl Trajectory {
 /// Rounding of printed numbers in a unit vector.
 const ROUNDING: f64 = 1e-3;
 
-/// Which one a row of numbers begins, if any: a unit quaternion behind a time and a position, or a rotation matrix.
+/// Which one a row of numbers begins, if any: a unit quaternion behind a time and a position, or a
+/// rotation matrix.
 pub(super) fn recognised(row: &[f64]) -> Option<Trajectory> {
     let unit = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < ROUNDING;
     match row {

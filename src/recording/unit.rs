@@ -1,4 +1,5 @@
-//! What one unit of a column is, and the datasheet's unit of each noise coefficient that follows from it.
+//! What one unit of a column is, and the datasheet's unit of each noise coefficient that follows
+//! from it.
 
 use crate::error::{Error, Result};
 use crate::numerics::allan::law::Term;
@@ -58,7 +59,8 @@ pub(super) fn without_brackets(text: &str) -> &str {
     within('[', ']').or_else(|| within('(', ')')).unwrap_or(text).trim()
 }
 
-/// Whether these cells are a row of units: none is a number, and one at least is a unit or stands in brackets.
+/// Whether these cells are a row of units: none is a number, and one at least is a unit or stands
+/// in brackets.
 pub(super) fn are_units(cells: &[String]) -> bool {
     let is_unit = |cell: &String| {
         let word = normal(without_brackets(cell));
@@ -73,7 +75,8 @@ pub(super) fn are_units(cells: &[String]) -> bool {
         && filled().any(|c| c != "1")
 }
 
-/// A unit as it is written in `SCALES`, however people write it: `rad s^-1`, `m/s/s`, `deg/sec`, `dps`.
+/// A unit as it is written in `SCALES`, however people write it: `rad s^-1`, `m/s/s`, `deg/sec`,
+/// `dps`.
 fn normal(text: &str) -> String {
     let mut plain = text.trim().to_lowercase();
     for (theirs, ours) in [
@@ -132,7 +135,8 @@ fn normal(text: &str) -> String {
     }
 }
 
-/// A scale per count, or counts per unit, as datasheets state sensitivities: `3.33 mg/LSB`, `16384 LSB/g`.
+/// A scale per count, or counts per unit, as datasheets state sensitivities: `3.33 mg/LSB`,
+/// `16384 LSB/g`.
 fn per_count(factor: f64, unit: &str) -> (f64, String) {
     if let Some((above, below)) = unit.rsplit_once('/')
         && COUNTS.contains(&below)
@@ -176,7 +180,8 @@ impl Unit {
             return Err(fail(format!("`{word}` is a count: the sensor's datasheet states its size")));
         }
         match SCALES.iter().find(|s| s.1 == quantity && s.0 == unit) {
-            // What follows multiplies it again: with numbers that large or small, a coefficient would be infinite or 0.
+            // What follows multiplies it again: with numbers that large or small, a coefficient
+            // would be infinite or 0.
             Some((_, _, si)) if !(1e-100..1e100).contains(&(factor * si)) => {
                 Err(fail(format!("a scale of {factor:e}")))
             }

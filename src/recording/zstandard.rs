@@ -16,7 +16,8 @@ impl<R: Read> Frame<R> {
     /// The frame that begins here, past those without content; `None` at the end.
     ///
     /// # Errors
-    /// Something else than a frame, one that is damaged, or one that looks back by more than 128 MiB.
+    /// Something else than a frame, one that is damaged, or one that looks back by more than 128
+    /// MiB.
     pub(crate) fn next(mut source: R) -> io::Result<Option<Self>> {
         loop {
             let mut first = [0; 1];

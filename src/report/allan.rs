@@ -1,4 +1,5 @@
-//! The noise of a static log as a page: coefficients first, then each channel's curve and spectrum with what it supports.
+//! The noise of a static log as a page: coefficients first, then each channel's curve and spectrum
+//! with what it supports.
 
 mod document;
 mod figure;

@@ -152,7 +152,8 @@ pub(crate) fn lengths(rows: &[Row]) -> Figure {
     chart.draw()
 }
 
-/// How far the cost per member-step strays over three decades of length: least and greatest against the longest run.
+/// How far the cost per member-step strays over three decades of length: least and greatest against
+/// the longest run.
 fn linearity(rows: &[Row]) -> Option<String> {
     let scaled: Vec<f64> = rows.iter().filter(|r| r.work.starts_with(work::SCALED)).map(|r| r.per_second).collect();
     let longest = scaled.last()?;

@@ -1,6 +1,8 @@
-//! The page of a diagnosis: the verdict in plain words first, then where, how sure and at what cost, then the proof.
+//! The page of a diagnosis: the verdict in plain words first, then where, how sure and at what
+//! cost, then the proof.
 //!
-//! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same for all kinds.
+//! The kinds give their figures as [`Exhibit`]s; this file decides the order of the page, the same
+//! for all kinds.
 
 mod calibration;
 mod driven;
@@ -40,7 +42,8 @@ pub fn exhibits(detail: &Detail) -> Vec<Exhibit> {
         Detail::Tumble(detail) => tumble::exhibits(detail),
         Detail::Trajectory(detail) => trajectory::exhibits(detail),
     };
-    // Headings that differ in what no file name holds (`a/b`, `a b`), or in case alone, would share a file.
+    // Headings that differ in what no file name holds (`a/b`, `a b`), or in case alone, would share
+    // a file.
     let mut taken = HashSet::new();
     for exhibit in &mut all {
         let names = std::iter::once(exhibit.name.clone()).chain((2..).map(|n| format!("{}-{n}", exhibit.name)));
@@ -235,7 +238,8 @@ fn cost(costs: &[Cost], repair: Option<&Repair>, named: bool) -> Option<String> 
         .filter(|r| r.before.proof_mass.is_some() && !r.relation.is_empty())
         .map_or(String::new(), |r| format!(" ({})", r.relation));
     match (costs.iter().find(|c| c.row == Row::Difference), costs) {
-        // A driven base model counts its mismatch as noise: what it would drift by is no drift of the sensor.
+        // A driven base model counts its mismatch as noise: what it would drift by is no drift of
+        // the sensor.
         (Some(difference), [_, after, ..]) if !taken.is_empty() => Some(format!(
             "the error from leaving it out is {}, under {}; with the identified physics the position error is \
              {}{taken}",

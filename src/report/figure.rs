@@ -1,8 +1,9 @@
 //! Figures: a description of a chart, drawn to SVG in one uniform style, its data by plotters.
 //!
-//! A figure says what is plotted (`Chart`); this module decides how it looks: ticks, legend above the data, colours that
-//! follow the reader's light or dark setting. The same plot stands in a page, where it fills the width it is given, and in
-//! a file of its own. Not for computing what is plotted.
+//! A figure says what is plotted (`Chart`); this module decides how it looks: ticks, legend above
+//! the data, colours that follow the reader's light or dark setting. The same plot stands in a
+//! page, where it fills the width it is given, and in a file of its own. Not for computing what is
+//! plotted.
 
 pub mod axis;
 mod canvas;
@@ -54,7 +55,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes (`f-ink`, `s-c1`, …).
+    /// A drawing that is not a chart, e.g. a block diagram; its colours are the theme's classes
+    /// (`f-ink`, `s-c1`, …).
     pub fn from_svg(svg: String) -> Self {
         let svg = xml(&svg).into_owned();
         Self { inline: format!("<div class=\"drawing\">{svg}</div>"), svg, numbers: Vec::new() }
@@ -62,7 +64,8 @@ impl Figure {
 
     /// The same figure, its numbers under this name; without, they have that of the chart's title.
     pub fn named(mut self, name: &str) -> Self {
-        // Further tables of one chart go on from the name of the first; charts side by side keep theirs.
+        // Further tables of one chart go on from the name of the first; charts side by side keep
+        // theirs.
         let first = self.numbers.first().map(|part| part.name.clone()).unwrap_or_default();
         for part in &mut self.numbers {
             part.name = match part.name.strip_prefix(&first) {

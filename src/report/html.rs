@@ -1,7 +1,8 @@
 //! A self-contained page: title, lede, sections of prose, tables and inline figures.
 //!
-//! It loads nothing: its one style and its one script, which makes figures answer, stand in it and are the only ones that
-//! its content security policy allows, by their digests. Without the script the figures stand as they were drawn.
+//! It loads nothing: its one style and its one script, which makes figures answer, stand in it and
+//! are the only ones that its content security policy allows, by their digests. Without the script
+//! the figures stand as they were drawn.
 
 use std::collections::HashSet;
 
@@ -109,7 +110,8 @@ impl Page {
                 self.contents.iter().map(|(id, h)| format!("<li><a href=\"#{id}\">{}</a></li>", html(h))).collect();
             format!("<nav><ol>{items}</ol></nav>\n")
         };
-        // What a page opens with, before its first heading, is its answer: the contents come after it.
+        // What a page opens with, before its first heading, is its answer: the contents come after
+        // it.
         let body = match self.body.split_once("<h2 ") {
             Some((opening, rest)) => format!("{opening}{contents}<h2 {rest}"),
             None => self.body,

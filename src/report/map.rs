@@ -95,7 +95,8 @@ pub(crate) fn diagram(b: &Bifurcation) -> [Figure; 2] {
             Axis::linear("amplitude of the force F₀ / N").within(x.0, x.1),
             Axis::linear("displacement at the strobe / m").within(y.0, y.1),
         );
-        // A pixel of the picture for one on the screen: finer ones would fade where sixty strobes fall on one.
+        // A pixel of the picture for one on the screen: finer ones would fade where sixty strobes
+        // fall on one.
         chart.raster = Some(Raster::cloud(points.iter().copied(), (480, 320), x, y));
         chart.draw()
     };

@@ -1,4 +1,5 @@
-//! The page and the terminal text of a requirement: the value that keeps it, or the parts that do, and the curve behind it.
+//! The page and the terminal text of a requirement: the value that keeps it, or the parts that do,
+//! and the curve behind it.
 
 use super::figure::{Axis, Chart, Figure, Ink, Mark, labelled};
 use super::html::Page;

@@ -1,4 +1,5 @@
-//! The page and the terminal text of a study: the answer in a sentence, envelopes, distributions, who is to blame.
+//! The page and the terminal text of a study: the answer in a sentence, envelopes, distributions,
+//! who is to blame.
 
 mod compared;
 mod contribution;
@@ -127,7 +128,8 @@ pub(crate) fn lede(study: &Study, drift: &Drift) -> String {
     )
 }
 
-/// Standard errors of the 1, 5, 50, 95 and 99 % percentiles of a normal sample over that of its mean: √(p(1 − p))/φ(z).
+/// Standard errors of the 1, 5, 50, 95 and 99 % percentiles of a normal sample over that of its
+/// mean: √(p(1 − p))/φ(z).
 const PERCENTILE_DOUBT: [f64; 5] = [3.73, 2.11, 1.25, 2.11, 3.73];
 
 /// Standard errors of a mean and of a standard deviation.
@@ -140,7 +142,8 @@ fn mean_and_doubt(mean: f64, doubt: f64) -> String {
     if doubt > 0.0 { with_uncertainty(mean, doubt) } else { significant(mean, 3) }
 }
 
-/// Sizes and percentiles of the position error, with the closed form. Every number to the digit that so many members settle.
+/// Sizes and percentiles of the position error, with the closed form. Every number to the digit
+/// that so many members settle.
 fn drift_table(drift: &Drift) -> Table {
     let mut table = Table::new(&[
         "time / s",
@@ -168,7 +171,8 @@ fn drift_table(drift: &Drift) -> Table {
     table
 }
 
-/// Standard deviation of position that each source makes, and its fraction of the variance, at the report times.
+/// Standard deviation of position that each source makes, and its fraction of the variance, at the
+/// report times.
 pub(crate) fn budget_table(drift: &Drift) -> Table {
     let times: Vec<String> = drift.report_times_s().iter().map(|t| format!("{} s", plain(*t))).collect();
     let mut headings = vec!["source".to_owned()];
@@ -288,7 +292,8 @@ pub(crate) fn provenance(study: &Study, drift: &Drift) -> Table {
     table
 }
 
-/// Which members were integrated where, and why, when it was not all of them in one place as asked; else nothing.
+/// Which members were integrated where, and why, when it was not all of them in one place as asked;
+/// else nothing.
 fn origins(statistics: &Statistics) -> String {
     let sentence = |origin: &Origin| {
         let Origin { members, machine, reason } = origin;

@@ -1,4 +1,5 @@
-//! The page and the terminal text of a sweep: the curve or the map, and where the limit is just met.
+//! The page and the terminal text of a sweep: the curve or the map, and where the limit is just
+//! met.
 
 use super::figure::{Axis, Chart, Figure, Ink, Mark, Raster, labelled};
 use super::html::Page;
@@ -38,7 +39,8 @@ fn spaced(axis: &study::Axis) -> Axis {
     if axis.log { Axis::log(&axis.key) } else { Axis::linear(&axis.key) }
 }
 
-/// A vertical axis: logarithmic where every value has a logarithm and they differ by more than a factor of five.
+/// A vertical axis: logarithmic where every value has a logarithm and they differ by more than a
+/// factor of five.
 fn vertical(label: &str, values: &[f64]) -> Axis {
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(*v), h.max(*v)));
     if low > 0.0 && high > 5.0 * low { Axis::log(label) } else { Axis::linear(label) }
@@ -72,8 +74,8 @@ fn curve(sweep: &Sweep) -> (Figure, String) {
     (chart.draw(), words)
 }
 
-/// How far the study drifts over the value, a line per report time: the standard deviation of position, along a trajectory the
-/// circle that holds half of the members.
+/// How far the study drifts over the value, a line per report time: the standard deviation of
+/// position, along a trajectory the circle that holds half of the members.
 fn over_times(sweep: &Sweep) -> (Figure, String) {
     let axis = &sweep.plan.axes[0];
     let radius = sweep.quantities.iter().position(|q| *q == Watched::HORIZONTAL);

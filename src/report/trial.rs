@@ -140,8 +140,8 @@ pub(crate) fn unknown(outcome: &Outcome) -> Table {
     table
 }
 
-/// Planted alone against said in one kind of recording, as a matrix: a row per effect, columns by the rows' numbers; a tie
-/// counts in each of its columns.
+/// Planted alone against said in one kind of recording, as a matrix: a row per effect, columns by
+/// the rows' numbers; a tie counts in each of its columns.
 pub(crate) fn matrix(outcome: &Outcome, kind: Kind) -> Table {
     let limits = outcome.detection_limit.iter().filter(|l| l.kind == kind);
     let ids: Vec<&str> = limits.map(|l| l.id.as_str()).collect();

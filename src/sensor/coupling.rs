@@ -1,6 +1,7 @@
-//! The keys of study.toml by which a reading takes from another axis or instrument, from the temperature or from a late clock: a
-//! gyro's scale factor, misalignments and g-sensitivity, temperature coefficients, a time offset. Along one axis the
-//! g-sensitivity is a sensor term of its own, in the same slot.
+//! The keys of study.toml by which a reading takes from another axis or instrument, from the
+//! temperature or from a late clock: a gyro's scale factor, misalignments and g-sensitivity,
+//! temperature coefficients, a time offset. Along one axis the g-sensitivity is a sensor term of
+//! its own, in the same slot.
 
 use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative};
@@ -18,8 +19,8 @@ pub(crate) const GYRO_MISALIGNMENT: Key =
 /// Reading of a gyro per specific force along each axis: nine numbers, drawn apart.
 pub(crate) const G_SENSITIVITY: Key =
     Key::new(42, "gyro.g_sensitivity_deg_h_g", "g-sensitivity", "°/h/g", DEGREE_PER_HOUR / STANDARD_GRAVITY_M_S2, Any);
-/// Reading of an accelerometer per force along other axes: body axes are the accelerometer's, its x axis exact and y in its
-/// x–y plane, so three numbers (y from x, z from x and y), drawn apart.
+/// Reading of an accelerometer per force along other axes: body axes are the accelerometer's, its x
+/// axis exact and y in its x–y plane, so three numbers (y from x, z from x and y), drawn apart.
 pub(crate) const ACCELEROMETER_MISALIGNMENT: Key =
     Key::new(43, "accelerometer.misalignment_mrad", "accelerometer misalignment", "mrad", MILLI, Any);
 
@@ -44,7 +45,8 @@ pub(crate) const GYRO_SCALE_PER_K: Key =
 /// How late the stamps of all readings are: the same for the six of a member.
 pub(crate) const TIME_OFFSET: Key = Key::new(51, "sensor.time_offset_us", "time offset", "µs", MICRO, Any);
 
-/// Standard deviation of the instant at which each sample of all readings is taken, about the one that it is stamped with.
+/// Standard deviation of the instant at which each sample of all readings is taken, about the one
+/// that it is stamped with.
 pub(crate) const TIME_JITTER: Key = Key::new(52, "sensor.time_jitter_us", "time jitter", "µs", MICRO, NotNegative);
 
 /// What one axis takes from another one or from the other instrument.
@@ -54,7 +56,8 @@ pub(crate) const COUPLINGS: [&Key; 4] =
 pub(crate) const OVER_TEMPERATURE: [&Key; 4] =
     [&ACCELEROMETER_BIAS_PER_K, &ACCELEROMETER_SCALE_PER_K, &GYRO_BIAS_PER_K, &GYRO_SCALE_PER_K];
 
-/// All that act along a trajectory by the motion or the temperature, in the order of a sensor table.
+/// All that act along a trajectory by the motion or the temperature, in the order of a sensor
+/// table.
 pub(crate) const KEYS: [&Key; 10] = [
     &ACCELEROMETER_MISALIGNMENT,
     &GYRO_SCALE_FACTOR,

@@ -1,19 +1,22 @@
-//! The laws that reading errors follow, whatever instrument and unit: a constant, white noise, a random walk and so on.
+//! The laws that reading errors follow, whatever instrument and unit: a constant, white noise, a
+//! random walk and so on.
 //!
-//! Here stands what needs no simulation: the value that switches a law off, its power of time in position, what one
-//! sample gets of it. How it is added to a reading, on the CPU and in WGSL, is `kernel::reading`.
+//! Here stands what needs no simulation: the value that switches a law off, its power of time in
+//! position, what one sample gets of it. How it is added to a reading, on the CPU and in WGSL, is
+//! `kernel::reading`.
 
 use crate::rng::Stream;
 
-/// A law of reading errors. Coefficients are two-sided as in IEEE 952 (N = n/√2 for a one-sided density n).
+/// A law of reading errors. Coefficients are two-sided as in IEEE 952 (N = n/√2 for a one-sided
+/// density n).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorLaw {
     /// A constant added to every reading, unit.
     Constant,
     /// A further constant beside the bias, unit: what geometry adds to it.
     Offset,
-    /// In proportion to the specific force along the axis to a power, unit/(m/s²)^power: in an instrument that should not
-    /// feel it.
+    /// In proportion to the specific force along the axis to a power, unit/(m/s²)^power: in an
+    /// instrument that should not feel it.
     Force(u32),
     /// In proportion to the true signal to a power, unit^(1 − power).
     Proportional(u32),
@@ -83,8 +86,8 @@ impl ErrorLaw {
         }
     }
 
-    /// The power of time by which an accelerometer's position error grows, where it is one power; a gyro's, which acts
-    /// through tilt and gravity, grows by one more.
+    /// The power of time by which an accelerometer's position error grows, where it is one power; a
+    /// gyro's, which acts through tilt and gravity, grows by one more.
     pub fn position_exponent(self) -> Option<f64> {
         match self.growth() {
             Growth::OfAConstant(integrals) => Some(2.0 + f64::from(integrals)),
@@ -93,13 +96,15 @@ impl ErrorLaw {
         }
     }
 
-    /// Whether it acts on the reading as a whole, so that "alone" means nothing: rounding is a constant without noise and
-    /// white with it, saturation needs the full reading. Such a term is judged by switching it off.
+    /// Whether it acts on the reading as a whole, so that "alone" means nothing: rounding is a
+    /// constant without noise and white with it, saturation needs the full reading. Such a term is
+    /// judged by switching it off.
     pub fn acts_on_the_reading(self) -> bool {
         matches!(self, Self::Rounding | Self::FullScale)
     }
 
-    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, the others as they are.
+    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, the others as they
+    /// are.
     pub fn per_sample(self, coefficient: f64, sample_s: f64) -> f64 {
         match self {
             Self::White(_) => coefficient / sample_s.sqrt(),

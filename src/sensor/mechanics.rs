@@ -1,4 +1,5 @@
-//! The keys of study.toml that describe the proof mass: its modes, or the paper's m, D₀, k and ε, and further terms.
+//! The keys of study.toml that describe the proof mass: its modes, or the paper's m, D₀, k and ε,
+//! and further terms.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;

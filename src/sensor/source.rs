@@ -1,4 +1,5 @@
-//! The sources of error one by one: what each is called, whether a sensor has it, and a sensor that has it alone or not.
+//! The sources of error one by one: what each is called, whether a sensor has it, and a sensor that
+//! has it alone or not.
 //!
 //! For error budgets. What a source does to position over time is `navigation::closed_form`.
 

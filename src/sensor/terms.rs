@@ -1,13 +1,15 @@
 //! The table of sensor terms: every error of an accelerometer's and a gyro's reading, one row each.
 //!
 //! # Adding a term
-//! 1. A row below: the field of the sensor with its SI unit, the term's name, its law, and its keys in study.toml, each with a
-//!    slot that no other key has.
+//! 1. A row below: the field of the sensor with its SI unit, the term's name, its law, and its keys
+//!    in study.toml, each with a slot that no other key has.
 //! 2. If it draws random numbers: a variant of `rng::Stream`.
-//! 3. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in `kernel::reading`.
+//! 3. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in
+//!    `kernel::reading`.
 //!
-//! From the row follow the field and its default, reading, checking and drawing the keys, the kernels' columns, states
-//! and switches on both backends, the error budget, the closed form, the sensor table and the repaired sensor.
+//! From the row follow the field and its default, reading, checking and drawing the keys, the
+//! kernels' columns, states and switches on both backends, the error budget, the closed form, the
+//! sensor table and the repaired sensor.
 
 use super::coupling::G_SENSITIVITY;
 use super::error_law::ErrorLaw;
@@ -45,8 +47,8 @@ pub struct Row {
     pub name: &'static str,
     /// The law it follows.
     pub law: ErrorLaw,
-    /// Keys of study.toml, at most one of which is given; several are names of one number. The first is the one that
-    /// the tool writes.
+    /// Keys of study.toml, at most one of which is given; several are names of one number. The
+    /// first is the one that the tool writes.
     pub keys: &'static [Key],
 }
 
@@ -221,7 +223,8 @@ sensor_terms! {
             keys: &[Key::new(12, "sensor.range_g", "range", "g", STANDARD_GRAVITY_M_S2, Positive)],
         };
     }
-    /// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal acceleration error.
+    /// The gyro's errors; its integral is tilt, which through gravity becomes a horizontal
+    /// acceleration error.
     gyro: Gyro {
         /// Constant bias, rad/s.
         bias_rad_s: GyroBias = Row {
@@ -235,7 +238,8 @@ sensor_terms! {
             law: ErrorLaw::Force(1),
             keys: &[G_SENSITIVITY],
         };
-        /// Sensitivity to the square of the specific force along its axis, rad/s per (m/s²)²: rectified vibration.
+        /// Sensitivity to the square of the specific force along its axis, rad/s per (m/s²)²:
+        /// rectified vibration.
         g2_sensitivity_rad_s_per_m2_s4: G2Sensitivity = Row {
             name: "gyro g²-sensitivity",
             law: ErrorLaw::Force(2),

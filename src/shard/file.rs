@@ -1,7 +1,8 @@
-//! The state file of a shard: what it belongs to, how far it has come, and what it has found so far.
+//! The state file of a shard: what it belongs to, how far it has come, and what it has found so
+//! far.
 //!
-//! First line: the schema and the SHA-256 of all that follows. Second line: the [`Header`] as JSON. Then, for each piece, the
-//! bytes that the command packs its results in.
+//! First line: the schema and the SHA-256 of all that follows. Second line: the [`Header`] as JSON.
+//! Then, for each piece, the bytes that the command packs its results in.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -38,7 +39,8 @@ pub struct Run {
 pub struct Header {
     /// The run that it is a shard of.
     pub run: Run,
-    /// The file that the run was asked about, as far as there is one: the same command on it replaces this file.
+    /// The file that the run was asked about, as far as there is one: the same command on it
+    /// replaces this file.
     pub input: Option<PathBuf>,
     /// What the command needs to know to put the shards together.
     pub document: serde_json::Value,
@@ -74,7 +76,8 @@ impl Header {
     }
 }
 
-/// The place of a shard's file in a folder, locked: two runs of one shard exclude each other, two shards do not.
+/// The place of a shard's file in a folder, locked: two runs of one shard exclude each other, two
+/// shards do not.
 #[derive(Debug)]
 pub struct Place {
     path: PathBuf,
@@ -82,11 +85,12 @@ pub struct Place {
 }
 
 impl Place {
-    /// Locks it, and makes sure that what stands there may be replaced: nothing, or the same shard of a run on the same input.
+    /// Locks it, and makes sure that what stands there may be replaced: nothing, or the same shard
+    /// of a run on the same input.
     ///
     /// # Errors
-    /// The folder cannot be made or written, another process is working on this shard, or the file is something else and the run
-    /// is not forced.
+    /// The folder cannot be made or written, another process is working on this shard, or the file
+    /// is something else and the run is not forced.
     pub fn take(folder: &Path, header: &Header, force: bool) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, &e))?;
         let name = header.shard.file_name();

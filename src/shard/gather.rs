@@ -1,4 +1,5 @@
-//! The files of a run found in folders: all of one run, no unit twice, none missing; what is wrong is named.
+//! The files of a run found in folders: all of one run, no unit twice, none missing; what is wrong
+//! is named.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

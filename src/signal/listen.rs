@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use super::{Signal, raise};
 
-/// A second Ctrl-C this long after the first one was typed by someone who no longer wants to wait. Terminals that close,
-/// `timeout` and batch systems send several signals within milliseconds, and mean one.
+/// A second Ctrl-C this long after the first one was typed by someone who no longer wants to wait.
+/// Terminals that close, `timeout` and batch systems send several signals within milliseconds, and
+/// mean one.
 const BY_HAND: Duration = Duration::from_secs(1);
 
 /// Counts the signals of one process.
@@ -24,12 +25,13 @@ impl Listener {
     }
 }
 
-/// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second Ctrl-C, a second or more
-/// after the first, kills it at once.
+/// Makes SIGINT, SIGTERM and SIGHUP raise a flag instead of killing the process. Only a second
+/// Ctrl-C, a second or more after the first, kills it at once.
 #[cfg(unix)]
 pub(crate) fn listen_for_interrupt() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Refused only where the system has no room for a handler; signals then kill, as they do without one.
+    // Refused only where the system has no room for a handler; signals then kill, as they do
+    // without one.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
     let listen = move || {
         let mut listener = Listener::default();
@@ -48,7 +50,8 @@ pub(crate) fn listen_for_interrupt() {
     let _ = std::thread::Builder::new().name("signals".into()).spawn(listen);
 }
 
-/// Makes Ctrl-C raise a flag instead of killing the process; a second one, a second or more later, kills it.
+/// Makes Ctrl-C raise a flag instead of killing the process; a second one, a second or more later,
+/// kills it.
 #[cfg(not(unix))]
 pub(crate) fn listen_for_interrupt() {
     let mut listener = Listener::default();

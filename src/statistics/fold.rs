@@ -1,9 +1,10 @@
 //! Moments of the blocks of an ensemble, merged two and two as in a tournament.
 //!
-//! Merging floating-point sums depends on the order. Here the order is a binary tree that block numbers alone decide: blocks
-//! 2k and 2k + 1 merge, then pairs of pairs, and what has no partner at the end is merged from left to right. Any stretch of
-//! blocks is kept as the few whole subtrees that it holds, so that stretches summed on different machines, in any number and
-//! order, end in the bits of one run. Pairwise merging also rounds less than a running sum.
+//! Merging floating-point sums depends on the order. Here the order is a binary tree that block
+//! numbers alone decide: blocks 2k and 2k + 1 merge, then pairs of pairs, and what has no partner
+//! at the end is merged from left to right. Any stretch of blocks is kept as the few whole subtrees
+//! that it holds, so that stretches summed on different machines, in any number and order, end in
+//! the bits of one run. Pairwise merging also rounds less than a running sum.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! A histogram on fixed bins and its quantiles. The bins are set once, before anything is counted, by a pilot; counts are
-//! integers, so any order of counting gives the same histogram.
+//! A histogram on fixed bins and its quantiles. The bins are set once, before anything is counted,
+//! by a pilot; counts are integers, so any order of counting gives the same histogram.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +12,8 @@ const HALF_RANGE_SD: f64 = 8.0;
 /// Width of a bin in standard deviations of the pilot.
 pub(crate) const BIN_SD: f64 = 2.0 * HALF_RANGE_SD / BINS as f64;
 
-/// Where the bins of one histogram lie: `BINS` equal ones between two values, rounded to f32 so that every backend
-/// sorts into the same ones.
+/// Where the bins of one histogram lie: `BINS` equal ones between two values, rounded to f32 so
+/// that every backend sorts into the same ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bins {
     /// Lower end of the first.
@@ -64,7 +64,8 @@ impl Histogram {
         }
     }
 
-    /// The quantile p of the counted values, linear within a bin, between their known extremes. NaN of none.
+    /// The quantile p of the counted values, linear within a bin, between their known extremes. NaN
+    /// of none.
     pub fn quantile(&self, p: f64, min: f64, max: f64) -> f64 {
         let total: u64 = self.counts.iter().sum();
         if total == 0 {

@@ -1,9 +1,10 @@
-//! How many trials a Monte Carlo result takes to be stable to so many digits, and the result: estimate, standard uncertainty,
-//! coverage intervals. JCGM 101:2008, §7.
+//! How many trials a Monte Carlo result takes to be stable to so many digits, and the result:
+//! estimate, standard uncertainty, coverage intervals. JCGM 101:2008, §7.
 //!
-//! The adaptive procedure of §7.9.4 stops when twice the standard error of a few block results is small enough, and because it
-//! asks again after each block, it stops too early too often. Here the first blocks only say how many there must be in all
-//! (Stein's two stages; Wübbeler, Harris, Cox & Elster, *Metrologia* 47, 317, 2010), for the four results together at 95 %.
+//! The adaptive procedure of §7.9.4 stops when twice the standard error of a few block results is
+//! small enough, and because it asks again after each block, it stops too early too often. Here the
+//! first blocks only say how many there must be in all (Stein's two stages; Wübbeler, Harris, Cox &
+//! Elster, *Metrologia* 47, 317, 2010), for the four results together at 95 %.
 
 use std::ops::Range;
 
@@ -13,7 +14,8 @@ use super::Summary;
 use crate::numerics::order;
 use crate::numerics::special::{normal_quantile, t_quantile};
 
-/// Trials of a block: JCGM 101 §7.9.4 b) asks for 10⁴; a multiple of the 256 members that are summed together.
+/// Trials of a block: JCGM 101 §7.9.4 b) asks for 10⁴; a multiple of the 256 members that are
+/// summed together.
 pub const BLOCK: u64 = 10_240;
 /// Blocks of the first stage.
 pub const BLOCKS: u64 = 10;
@@ -22,7 +24,8 @@ const COVERAGE: f64 = 0.95;
 /// Probability with which all four results are within the tolerance.
 const CONFIDENCE: f64 = 0.95;
 
-/// Results of one block: mean, standard deviation, lower and upper end of the symmetric coverage interval.
+/// Results of one block: mean, standard deviation, lower and upper end of the symmetric coverage
+/// interval.
 pub type Block = [f64; 4];
 
 /// Number of trials needed, by the first stage.
@@ -34,7 +37,8 @@ pub struct Need {
     pub tolerance: f64,
 }
 
-/// Half a unit of the last of so many digits of a standard uncertainty: c × 10ˡ with c of that many digits has δ = ½ 10ˡ.
+/// Half a unit of the last of so many digits of a standard uncertainty: c × 10ˡ with c of that many
+/// digits has δ = ½ 10ˡ.
 pub fn tolerance(standard_uncertainty: f64, digits: u32) -> f64 {
     if standard_uncertainty == 0.0 || !standard_uncertainty.is_finite() {
         return 0.0;
@@ -58,7 +62,8 @@ pub fn need(blocks: &[Block], digits: u32) -> Need {
     // Bonferroni over the four results.
     let t = t_quantile(1.0 - (1.0 - CONFIDENCE) / (2.0 * 4.0), h - 1.0);
     let moments = |k: usize| mean_and_sd(&blocks.iter().map(|b| b[k]).collect::<Vec<f64>>());
-    // Where the uncertainty might turn out with a digit more or less, the finer tolerance of the two.
+    // Where the uncertainty might turn out with a digit more or less, the finer tolerance of the
+    // two.
     let (u, of_u) = moments(1);
     let tolerance = tolerance(u, digits).min(tolerance((u - t * of_u / h.sqrt()).max(0.5 * u), digits));
     let wanted = |k: usize| if tolerance > 0.0 { (moments(k).1 * t / tolerance).powi(2).ceil() } else { 0.0 };
@@ -157,7 +162,8 @@ impl Stated {
     }
 }
 
-/// The result of any sampler, stable to so many digits: `sample` gives the values of a range of trials.
+/// The result of any sampler, stable to so many digits: `sample` gives the values of a range of
+/// trials.
 ///
 /// # Errors
 /// Those of the sampler.
@@ -200,7 +206,8 @@ fn shortest(sorted: &[f64]) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    // JCGM 101 §7.9.2, examples 1 and 3: u = 0.000 35 g and 2 digits give δ = 0.000 005 g; u = 2 K and 1 digit δ = 0.5 K.
+    // JCGM 101 §7.9.2, examples 1 and 3: u = 0.000 35 g and 2 digits give δ = 0.000 005 g; u = 2 K
+    // and 1 digit δ = 0.5 K.
     #[test]
     fn the_tolerance_is_that_of_the_examples() {
         assert!((tolerance(0.000_35, 2) / 0.000_005 - 1.0).abs() < 1e-9);

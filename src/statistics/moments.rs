@@ -1,7 +1,8 @@
 //! Count, mean, variance and extremes of a stream, mergeable.
 //!
-//! Source: Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample variances*, 1979.
-//! Merging is done in block order, so that the same blocks give the same bits however they were computed.
+//! Source: Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample
+//! variances*, 1979. Merging is done in block order, so that the same blocks give the same bits
+//! however they were computed.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,8 +34,8 @@ impl Moments {
         moments
     }
 
-    /// Of several quantities, each as [`Moments::of`] has it, bit for bit: side by side, because a sum waits for its last
-    /// addition and the others need not.
+    /// Of several quantities, each as [`Moments::of`] has it, bit for bit: side by side, because a
+    /// sum waits for its last addition and the others need not.
     pub fn of_each<const N: usize>(rows: impl Iterator<Item = [f64; N]> + Clone) -> [Self; N] {
         let mut all = [Self::default(); N];
         rows.clone().for_each(|row| {

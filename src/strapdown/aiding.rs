@@ -1,10 +1,13 @@
-//! What a navigator makes of fixes: the gains by which they correct its errors, the same for every member.
+//! What a navigator makes of fixes: the gains by which they correct its errors, the same for every
+//! member.
 //!
-//! A reset takes what is measured for the truth. A filter is the loosely coupled Kalman filter of fifteen errors (Groves,
-//! *Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems*, 2nd ed., §14.2): attitude, velocity, position,
-//! and the biases of accelerometers and gyros. What else errs, such as scale factors, is considered but not estimated (Schmidt,
-//! *Application of state-space methods to navigation problems*, 1966), with the study's own numbers: no filter of these states
-//! is better informed. Its gains are for small errors; the ensemble applies them whatever the errors are.
+//! A reset takes what is measured for the truth. A filter is the loosely coupled Kalman filter of
+//! fifteen errors (Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation
+//! Systems*, 2nd ed., §14.2): attitude, velocity, position, and the biases of accelerometers and
+//! gyros. What else errs, such as scale factors, is considered but not estimated
+//! (Schmidt, *Application of state-space methods to navigation problems*, 1966), with the study's
+//! own numbers: no filter of these states is better informed. Its gains are for small errors; the
+//! ensemble applies them whatever the errors are.
 
 use nalgebra::SMatrix;
 
@@ -19,7 +22,8 @@ use crate::study::aiding::Aiding;
 use crate::study::file::AidingMethod;
 use crate::study::in_motion::InMotion;
 
-/// The ensemble of a study in motion, aided where the study says so, with statistics at `report_samples`.
+/// The ensemble of a study in motion, aided where the study says so, with statistics at
+/// `report_samples`.
 ///
 /// # Errors
 /// A proof mass that no integrator can step.
@@ -49,7 +53,8 @@ fn reset(fix: &Fix) -> Fix {
     fix
 }
 
-/// A filter's gains: the covariance is carried from fix to fix, and each is given those that leave the least of it.
+/// A filter's gains: the covariance is carried from fix to fix, and each is given those that leave
+/// the least of it.
 fn filtered(motion: &InMotion, flight: &Flight, aiding: &Aiding) -> Vec<Fix> {
     let stride = steps::stride(flight, covariance::FEWEST_STEPS);
     let (causes, _) = covariance::causes(motion, flight, stride);
@@ -99,7 +104,8 @@ struct Known {
 }
 
 impl Known {
-    /// Gives a fix Kalman's gains. What is taken off the readings grows by the bias that it tells of.
+    /// Gives a fix Kalman's gains. What is taken off the readings grows by the bias that it tells
+    /// of.
     fn sees(&self, fix: &mut Fix, time_s: f64) {
         let mut errors = SMatrix::<f64, 9, 9>::zeros();
         let mut biases = SMatrix::<f64, 6, 9>::zeros();

@@ -1,4 +1,5 @@
-//! The answer to a study in motion: the ensemble at the report times and, between them, at the points of the curves.
+//! The answer to a study in motion: the ensemble at the report times and, between them, at the
+//! points of the curves.
 
 use super::aiding;
 use super::backends::run_kept;
@@ -26,7 +27,8 @@ pub struct Answer {
     pub report: Vec<usize>,
     /// What the linear model says, at the same times as the ensemble.
     pub covariance: Covariance,
-    /// What the navigator errs by on perfect readings, at the same times; unknown where fixes correct it.
+    /// What the navigator errs by on perfect readings, at the same times; unknown where fixes
+    /// correct it.
     pub own: Option<Part>,
     /// Outages of GNSS, where the study has them.
     pub outages: Vec<Outage>,
@@ -62,11 +64,14 @@ pub const LINEAR: [Quantity; 9] = [
     Quantity::Attitude(2),
 ];
 
-/// Standard errors by which the ensemble's spread may differ from the linear model's: beyond, one in 16 000 by chance.
+/// Standard errors by which the ensemble's spread may differ from the linear model's: beyond, one
+/// in 16 000 by chance.
 const MOST_STANDARD_ERRORS: f64 = 4.0;
-/// Spreads below this fraction of the largest of their kind matter to nobody, and are of second order in the others.
+/// Spreads below this fraction of the largest of their kind matter to nobody, and are of second
+/// order in the others.
 const SMALLEST_SPREAD: f64 = 1e-2;
-/// Spreads below what this acceleration makes, m/s², or this tilt, rad, are of second order or rounding.
+/// Spreads below what this acceleration makes, m/s², or this tilt, rad, are of second order or
+/// rounding.
 const SMALLEST: f64 = 1e-8;
 
 impl Answer {
@@ -107,7 +112,8 @@ pub fn answer_kept(
     of_ensemble(study, motion, flight, ensemble, compared)
 }
 
-/// The samples after which a study is summed: its report times, the points of the curves, and those around outages.
+/// The samples after which a study is summed: its report times, the points of the curves, and those
+/// around outages.
 fn samples(study: &Study, motion: &InMotion) -> Vec<u64> {
     let mut samples = curve_samples(&study.clock);
     samples.extend(outages::samples(motion.aiding.as_ref()));

@@ -16,7 +16,8 @@ use crate::kernel::flight::Flight;
 /// Member-steps below which the CPU is done before a GPU is open.
 const WORTH_A_GPU: u64 = 500_000_000;
 
-/// Integrates a flight where the choice says. Where it is automatic and a GPU fails, the CPU begins anew.
+/// Integrates a flight where the choice says. Where it is automatic and a GPU fails, the CPU begins
+/// anew.
 ///
 /// # Errors
 /// A GPU was asked for and there is none, or it fails; whatever stops a run.

@@ -1,7 +1,8 @@
-//! The covariance of the linear error model, source by source, in f64: what the ensemble's spread must be as long as errors
-//! are small, and where it comes from.
+//! The covariance of the linear error model, source by source, in f64: what the ensemble's spread
+//! must be as long as errors are small, and where it comes from.
 //!
-//! Left out, and said: rounding, saturation and the proof mass' own lag and springs, which no linear model has.
+//! Left out, and said: rounding, saturation and the proof mass' own lag and springs, which no
+//! linear model has.
 
 pub mod found;
 pub mod given;
@@ -53,7 +54,8 @@ impl Cause {
 pub struct Part {
     /// Which.
     pub cause: Cause,
-    /// Per report time, position (m), velocity (m/s), and roll, pitch and heading (rad): mean of each.
+    /// Per report time, position (m), velocity (m/s), and roll, pitch and heading (rad): mean of
+    /// each.
     pub mean: Vec<[f64; 9]>,
     /// Variance of each.
     pub variance: Vec<[f64; 9]>,
@@ -91,8 +93,9 @@ impl Covariance {
     }
 }
 
-/// What the navigator errs by on perfect readings, at the report samples of a flight: no spread, the same for every member. The
-/// ensemble, which integrates errors about the truth, does not have it.
+/// What the navigator errs by on perfect readings, at the report samples of a flight: no spread,
+/// the same for every member. The ensemble, which integrates errors about the truth, does not have
+/// it.
 pub fn own_error(motion: &InMotion, flight: &Flight) -> Part {
     let errors = mechanisation::own_error(&flight.course.earth, motion.mechanisation, &flight.course.truth);
     let clock = flight.clock();
@@ -125,7 +128,8 @@ pub struct Carried {
 /// Fewest steps of a run, so that a step resolves it.
 pub(super) const FEWEST_STEPS: u64 = 1500;
 
-/// The error sources of a flight for steps of `stride` samples, and those that the linear model does not represent.
+/// The error sources of a flight for steps of `stride` samples, and those that the linear model
+/// does not represent.
 pub fn causes(motion: &InMotion, flight: &Flight, stride: u64) -> (Vec<Carried>, Vec<Cause>) {
     let found = (flight.clock().still_samples > 0).then(|| found::found(flight));
     let found: Option<&Found> = found.as_ref();

@@ -1,5 +1,5 @@
-//! A study in motion divided among machines: one ensemble, cut between blocks of members, and the answer from the files of all
-//! shards.
+//! A study in motion divided among machines: one ensemble, cut between blocks of members, and the
+//! answer from the files of all shards.
 
 use std::path::Path;
 
@@ -33,7 +33,8 @@ pub(crate) fn header(study: &Study, motion: &InMotion, input: Option<&Path>, sha
 /// The answer to a study from the files of all its shards.
 ///
 /// # Errors
-/// A file that is damaged; a recording of the study that has changed; shards of machines that give other bits.
+/// A file that is damaged; a recording of the study that has changed; shards of machines that give
+/// other bits.
 pub(crate) fn merged(study: &Study, motion: &InMotion, found: &[Found], control: &Control) -> Result<Answer> {
     let compared = windows::compare(motion, control)?;
     let flight = flight(study, motion)?;

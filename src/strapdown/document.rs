@@ -89,8 +89,8 @@ impl Linear {
     }
 }
 
-/// What one source does to the position, by the linear model: root mean square of the horizontal and the vertical error that it
-/// makes alone, and its fraction of the horizontal mean square.
+/// What one source does to the position, by the linear model: root mean square of the horizontal
+/// and the vertical error that it makes alone, and its fraction of the horizontal mean square.
 #[derive(Debug, Clone, Serialize)]
 struct Share {
     source: &'static str,

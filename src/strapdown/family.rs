@@ -1,7 +1,8 @@
-//! Errors of one law on all axes of one instrument, as the covariance carries them: a constant with a gain that follows the
-//! motion, white noise, a random walk, a held process.
+//! Errors of one law on all axes of one instrument, as the covariance carries them: a constant with
+//! a gain that follows the motion, white noise, a random walk, a held process.
 //!
-//! After a still start what it has found is taken off: a constant input c beside the process itself, correlated with it.
+//! After a still start what it has found is taken off: a constant input c beside the process
+//! itself, correlated with it.
 
 use nalgebra::SMatrix;
 
@@ -91,7 +92,8 @@ pub enum Process {
     White([f64; 6]),
     /// Random walks with these K², unit²/s.
     Walk([f64; 6]),
-    /// Held for `every` steps from a phase on, then renewed with e⁻¹ of the old value; with these variances.
+    /// Held for `every` steps from a phase on, then renewed with e⁻¹ of the old value; with these
+    /// variances.
     Held {
         /// Steps between renewals.
         every: u64,
@@ -100,7 +102,8 @@ pub enum Process {
         /// Of each input.
         variance: [f64; 6],
     },
-    /// White noise of the instants at which samples are taken, of this density, s²·s: it acts by what each input changes by.
+    /// White noise of the instants at which samples are taken, of this density, s²·s: it acts by
+    /// what each input changes by.
     Jitter(f64),
     /// No input: the noise of fixes.
     Fixes,
@@ -140,8 +143,9 @@ impl Family {
         }
     }
 
-    /// Begins after a still start: the means over it have these variances, and these covariances with the process at its end;
-    /// per unit of mean, the errors begin so, and so much is taken off.
+    /// Begins after a still start: the means over it have these variances, and these covariances
+    /// with the process at its end; per unit of mean, the errors begin so, and so much is taken
+    /// off.
     pub fn found(&mut self, mean: &[f64; 6], with_end: &[f64; 6], state: &Drive, taken: &Inputs) {
         let (mean, cross) = (Inputs::from_diagonal(&(*mean).into()), Inputs::from_diagonal(&(*with_end).into()));
         self.errors = state * mean * state.transpose();
@@ -190,7 +194,8 @@ impl Family {
         self.walk(0.5 * step.seconds);
     }
 
-    /// Corrects it by what a fix sees of it: x becomes (1 − K H) x, c becomes c + G H x, and both take the fix's noise.
+    /// Corrects it by what a fix sees of it: x becomes (1 − K H) x, c becomes c + G H x, and both
+    /// take the fix's noise.
     pub fn correct(&mut self, gains: &Gains) {
         let (kept, taken) = (&gains.kept, &gains.taken);
         let across = taken * self.with_taken;

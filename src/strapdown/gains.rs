@@ -7,7 +7,8 @@ use crate::kernel::fix::{Fix, SEEN};
 
 type Inputs = SMatrix<f64, 6, 6>;
 
-/// What a fix does to errors x (attitude, velocity, position) and to what is taken off the inputs, c.
+/// What a fix does to errors x (attitude, velocity, position) and to what is taken off the inputs,
+/// c.
 #[derive(Debug, Clone)]
 pub struct Gains {
     /// 1 − K H: what is left of x.

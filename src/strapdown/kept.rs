@@ -1,5 +1,5 @@
-//! What a study in motion has summed so far, in a file: a run that was stopped goes on after the last whole batch, and ends
-//! with the bits of one that was not.
+//! What a study in motion has summed so far, in a file: a run that was stopped goes on after the
+//! last whole batch, and ends with the bits of one that was not.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -224,7 +224,8 @@ impl Kept {
         write_whole(&path, &serde_json::to_vec(&state).map_err(unwritten)?)
     }
 
-    /// The error of a run that was stopped: what it has summed is kept, and the hint says how to go on.
+    /// The error of a run that was stopped: what it has summed is kept, and the hint says how to go
+    /// on.
     pub(super) fn stopped(&self, flight: &Flight, machine: &Machine, so_far: &Progress, by: Stopped) -> Error {
         let hint = match (self.place(), so_far.totals.is_empty()) {
             (Some(folder), false) => match self.write(flight, machine, so_far) {

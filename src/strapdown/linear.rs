@@ -1,9 +1,10 @@
-//! The linear error model of strapdown navigation in north-east-down: nine states, attitude (rad), velocity (m/s) and position
-//! (m), driven by the readings' errors in body axes.
+//! The linear error model of strapdown navigation in north-east-down: nine states, attitude (rad),
+//! velocity (m/s) and position (m), driven by the readings' errors in body axes.
 //!
-//! Written from the perturbed navigation equations (Titterton & Weston, *Strapdown Inertial Navigation Technology*, 2nd ed.,
-//! §12.3; Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems*, 2nd ed., §14.2), apart from
-//! the kernels, which it is the oracle of.
+//! Written from the perturbed navigation equations (Titterton & Weston, *Strapdown Inertial
+//! Navigation Technology*, 2nd ed., §12.3; Groves, *Principles of GNSS, Inertial, and Multisensor
+//! Integrated Navigation Systems*, 2nd ed., §14.2), apart from the kernels, which it is the oracle
+//! of.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -80,7 +81,8 @@ impl Model {
         let turn = Matrix3::from_row_slice(&p.attitude);
         let [north_m, east_m] = p.curvature;
         let v = Vector3::from(p.velocity);
-        // Errors of latitude, of the Earth's rate and of the transport rate that follow from velocity and position errors.
+        // Errors of latitude, of the Earth's rate and of the transport rate that follow from
+        // velocity and position errors.
         let earth =
             Matrix3::new(-p.earth_rate[0] * north_m, 0.0, 0.0, 0.0, 0.0, 0.0, -p.earth_rate[1] * north_m, 0.0, 0.0);
         let by_velocity = Matrix3::new(0.0, east_m, 0.0, -north_m, 0.0, 0.0, 0.0, -east_m * p.tangent, 0.0);
@@ -169,8 +171,9 @@ impl Step {
         Self { transition, response: mean * model.drive * seconds, seconds, model }
     }
 
-    /// ∫ e^{Fs} B q Bᵀ e^{Fᵀs} ds over the step for white inputs of these densities, unit²·s: Van Loan's integral (*Computing
-    /// integrals involving the matrix exponential*, 1978), by its series Σ Δᵏ/k! Lᵏ⁻¹ with L X = F X + X Fᵀ.
+    /// ∫ e^{Fs} B q Bᵀ e^{Fᵀs} ds over the step for white inputs of these densities, unit²·s: Van
+    /// Loan's integral (*Computing integrals involving the matrix exponential*, 1978), by its
+    /// series Σ Δᵏ/k! Lᵏ⁻¹ with L X = F X + X Fᵀ.
     pub fn white(&self, density: &[f64; 6]) -> Square {
         let mut scaled = self.model.drive;
         (0..6).for_each(|i| scaled.column_mut(i).scale_mut(density[i]));

@@ -13,7 +13,8 @@ pub struct Outage {
     pub from_s: f64,
     /// When it ends, s: fixes at that time are not taken yet.
     pub until_s: f64,
-    /// Places of its times in the ensemble, its begin (if that is not the run's) and its end among them.
+    /// Places of its times in the ensemble, its begin (if that is not the run's) and its end among
+    /// them.
     pub places: Vec<usize>,
 }
 

@@ -1,6 +1,7 @@
 //! Flight × backend → statistics: the pilot that sets the bins, then batch after batch.
 //!
-//! Results depend neither on the batches nor on the threads nor on where a run was stopped: see `totals` and `kept`.
+//! Results depend neither on the batches nor on the threads nor on where a run was stopped: see
+//! `totals` and `kept`.
 
 use std::time::Instant;
 
@@ -73,13 +74,15 @@ const BATCH_STEPS: u64 = 1 << 30;
 /// Integrates a flight and sums it up, going on with what was kept of it.
 ///
 /// # Errors
-/// A member that the integrator cannot step; a device that was lost; a state that cannot be gone on with; stopped.
+/// A member that the integrator cannot step; a device that was lost; a state that cannot be gone on
+/// with; stopped.
 pub fn run(flight: &Flight, backend: &mut dyn FlightBackend, kept: &mut Kept, control: &Control) -> Result<Ensemble> {
     let (so_far, machine) = integrate(flight, backend, kept, control)?;
     Ok(Ensemble::of(flight, &so_far.totals, machine, so_far.seconds))
 }
 
-/// Integrates the members that the keeper says, all or a shard's, going on with what was kept of them.
+/// Integrates the members that the keeper says, all or a shard's, going on with what was kept of
+/// them.
 ///
 /// # Errors
 /// As [`run`].

@@ -1,5 +1,5 @@
-//! The sums of an ensemble in motion over all batches: blocks of 256 members merged in the order of a fixed tree, counts as
-//! integers, so that neither batches nor stops change a bit.
+//! The sums of an ensemble in motion over all batches: blocks of 256 members merged in the order of
+//! a fixed tree, counts as integers, so that neither batches nor stops change a bit.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,12 @@
-//! Real drift beside the predicted band: a recorded IMU, dead-reckoned from the reference's state in windows, and what the
-//! study's sensor should make of each of them.
+//! Real drift beside the predicted band: a recorded IMU, dead-reckoned from the reference's state
+//! in windows, and what the study's sensor should make of each of them.
 //!
-//! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows lie, and the error at the end
-//! of each · `linear` → `predict`: what each error of a sensor makes of that end · `bias` (with `median`): what is taken off
-//! the readings · `score`: shares inside the bands, normalised errors squared. Bands are of the linear model, window by
-//! window: exact for errors this small, and the ensemble's own check of it stands beside every study. Not for logs at rest:
-//! that is `drift::windows`.
+//! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows
+//! lie, and the error at the end of each · `linear` → `predict`: what each error of a sensor makes
+//! of that end · `bias` (with `median`): what is taken off the readings · `score`: shares inside
+//! the bands, normalised errors squared. Bands are of the linear model, window by window: exact for
+//! errors this small, and the ensemble's own check of it stands beside every study. Not for logs at
+//! rest: that is `drift::windows`.
 
 mod accord;
 pub mod bias;
@@ -334,7 +335,8 @@ fn length(
     Ok(length)
 }
 
-/// What makes windows of the shortest length consistent: those of the flights that the study names for it, else its own.
+/// What makes windows of the shortest length consistent: those of the flights that the study names
+/// for it, else its own.
 fn inflate(flown: &Flown, motion: &InMotion, own: &Length) -> Result<Option<Inflation>> {
     let pairs =
         |length: &Length| -> Vec<(Nine, Split)> { length.errors().into_iter().zip(length.splits.clone()).collect() };

@@ -1,6 +1,8 @@
-//! `[aiding]` checked: what measures velocity and position while a study in motion runs, and when it does not.
+//! `[aiding]` checked: what measures velocity and position while a study in motion runs, and when
+//! it does not.
 //!
-//! Only what is measured and when stands here; what a navigator makes of it is made in `strapdown::aiding`.
+//! Only what is measured and when stands here; what a navigator makes of it is made in
+//! `strapdown::aiding`.
 
 use super::check::{refuse, whole};
 use super::file::{self, AidingMethod, Gnss};
@@ -24,14 +26,16 @@ pub struct Aiding {
     pub method: AidingMethod,
     /// The measurements, in the order of time, without gains.
     pub fixes: Vec<Fix>,
-    /// Outages of GNSS: samples after the end of the still start, begin and end, the last of them cut at the run's.
+    /// Outages of GNSS: samples after the end of the still start, begin and end, the last of them
+    /// cut at the run's.
     pub outages: Vec<[u64; 2]>,
 }
 
 /// What stands in a file about aiding, checked; `None` without the section.
 ///
 /// # Errors
-/// Times and spreads that make no sense; a section without measurements; a run in which none is made.
+/// Times and spreads that make no sense; a section without measurements; a run in which none is
+/// made.
 pub(super) fn read(
     name: &str,
     section: Option<&file::Aiding>,

@@ -1,17 +1,20 @@
 //! How a run begins: ideal, drawn, or with a still start.
 //!
-//! A drawn tilt is normal about level and stays. Along one axis it lets in its share of gravity, a constant acceleration
-//! error; in six axes the attitude begins wrong by it, and by a drawn heading.
+//! A drawn tilt is normal about level and stays. Along one axis it lets in its share of gravity, a
+//! constant acceleration error; in six axes the attitude begins wrong by it, and by a drawn
+//! heading.
 //!
-//! During a still start the sensor stands still and level for the first seconds of each member's run, and the mean errors
-//! over them are what the alignment believes to be zero:
+//! During a still start the sensor stands still and level for the first seconds of each member's
+//! run, and the mean errors over them are what the alignment believes to be zero:
 //!
 //! - the gyro's mean is taken for its bias and subtracted from then on;
-//! - the accelerometer's mean is taken for tilt (levelling). Along one horizontal axis at rest, bias and tilt cannot be
-//!   told apart: the attitude starts wrong by −mean/g, and the gravity that this tilt lets in hides the mean from then on.
-//!   So the acceleration error starts from error − mean, and the tilt error from −mean/g.
+//! - the accelerometer's mean is taken for tilt (levelling). Along one horizontal axis at rest,
+//!   bias and tilt cannot be told apart: the attitude starts wrong by −mean/g, and the gravity that
+//!   this tilt lets in hides the mean from then on. So the acceleration error starts from error −
+//!   mean, and the tilt error from −mean/g.
 //!
-//! Velocity and position start at zero at its end, and times count from there; the excitation begins there, too.
+//! Velocity and position start at zero at its end, and times count from there; the excitation
+//! begins there, too.
 
 use super::check::{refuse, whole};
 use super::file::{self, AlignmentKind};
@@ -67,8 +70,8 @@ pub(super) fn tilt(name: &str, section: Option<&file::Alignment>) -> Result<Opti
 /// Checks `[alignment]`.
 ///
 /// # Errors
-/// A still start without a length, or with one that is not a positive multiple of the sample period; a length without a
-/// still start.
+/// A still start without a length, or with one that is not a positive multiple of the sample
+/// period; a length without a still start.
 pub(super) fn alignment(
     name: &str,
     section: Option<&file::Alignment>,

@@ -9,7 +9,8 @@ use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::{Key, Sign};
 use crate::units::number::Number;
 
-/// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would take 20 minutes.
+/// Most integration steps of a run: at the 10⁹ per second of a good machine, a single member would
+/// take 20 minutes.
 const MOST_STEPS: f64 = 1e12;
 /// Most integration steps between two readings.
 const MOST_STEPS_PER_SAMPLE: f64 = 1e6;
@@ -21,7 +22,8 @@ pub(super) fn refuse(name: &str, cause: impl Into<String>, hint: impl Into<Strin
     Error::new(format!("could not use {name}"), cause, hint)
 }
 
-/// The numbers of one axis of a study by key, each checked for its sign and pairs that mean the same refused.
+/// The numbers of one axis of a study by key, each checked for its sign and pairs that mean the
+/// same refused.
 pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Tolerances> {
     let mut all = Tolerances::default();
     file.sensor.numbers.replace(Section::Sensor, axis, &mut all);
@@ -107,7 +109,8 @@ pub(super) fn signs(name: &str, all: &Tolerances) -> Result<()> {
     Ok(())
 }
 
-/// Largest number in any unit: beyond it the members' arithmetic in 32 bits ends. A cubic spring of nanometres needs 1e30.
+/// Largest number in any unit: beyond it the members' arithmetic in 32 bits ends. A cubic spring of
+/// nanometres needs 1e30.
 const LARGEST: f64 = 1e33;
 /// Where a smaller number is no zero but a slip, and divisions by it end the arithmetic.
 const SMALLEST: f64 = 1e-25;
@@ -178,7 +181,8 @@ pub(super) fn rate_hz(name: &str, file: &File) -> Result<f64> {
     Ok(rate_hz.or(step_s.map(|s| 1.0 / s)).unwrap_or(USUAL_RATE_HZ))
 }
 
-/// Discrete time: duration, step and sampling rate that fit each other, and report times that fall on samples.
+/// Discrete time: duration, step and sampling rate that fit each other, and report times that fall
+/// on samples.
 pub(super) fn clock(name: &str, file: &File) -> Result<Clock> {
     let positive = |key: &str, value: Option<f64>, unit: &str| positive(name, key, value, unit);
     let Some(duration_s) = positive("duration_s", file.duration_s, "s")? else {

@@ -1,4 +1,5 @@
-//! `[compare]` checked: the log's clock, the axes' scales, and the windows into which the log is cut.
+//! `[compare]` checked: the log's clock, the axes' scales, and the windows into which the log is
+//! cut.
 
 use super::alignment::Alignment;
 use super::check::refuse;

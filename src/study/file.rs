@@ -1,5 +1,5 @@
-//! study.toml as it is written: its sections and the keys of those that hold more than numbers. What the values mean
-//! together is checked in `check`.
+//! study.toml as it is written: its sections and the keys of those that hold more than numbers.
+//! What the values mean together is checked in `check`.
 
 use std::path::PathBuf;
 
@@ -82,7 +82,8 @@ pub struct Mounting {
     pub rotation_deg: Option<[f64; 3]>,
 }
 
-/// `[vibration]`: along each axis of the sensor a power spectral density, pairs of frequency and g²/Hz.
+/// `[vibration]`: along each axis of the sensor a power spectral density, pairs of frequency and
+/// g²/Hz.
 #[cfg_attr(feature = "cli", derive(JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -139,7 +140,8 @@ pub struct Zupt {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AidingMethod {
-    /// A Kalman filter of fifteen errors (attitude, velocity, position, biases of both instruments), loosely coupled.
+    /// A Kalman filter of fifteen errors (attitude, velocity, position, biases of both
+    /// instruments), loosely coupled.
     #[default]
     Filter,
     /// Velocity and position are set to what is measured; attitude and biases are left as they are.
@@ -151,9 +153,11 @@ pub enum AidingMethod {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Temperature {
-    /// Pairs of time, s, and temperature, °C, with straight lines between; during a still start the first one holds.
+    /// Pairs of time, s, and temperature, °C, with straight lines between; during a still start the
+    /// first one holds.
     pub profile_s_deg_c: Vec<[f64; 2]>,
-    /// Temperature at which the stated biases and scale factors hold, °C; absent: the first of the profile.
+    /// Temperature at which the stated biases and scale factors hold, °C; absent: the first of the
+    /// profile.
     pub reference_deg_c: Option<f64>,
 }
 
@@ -242,8 +246,8 @@ pub struct Compare {
     pub rate_hz: Option<f64>,
     /// Heading of its time column, s. Where both are given, they must agree.
     pub time: Option<String>,
-    /// Lengths of the windows into which the log is cut, s, each after its own still start; absent: only Allan
-    /// deviations are compared.
+    /// Lengths of the windows into which the log is cut, s, each after its own still start; absent:
+    /// only Allan deviations are compared.
     pub windows_s: Option<Vec<f64>>,
     /// Axes, one per column of the log.
     pub axis: Vec<Axis>,

@@ -1,4 +1,5 @@
-//! `[trajectory.compare]` checked: the recorded flight that a study in motion is laid beside, and the sensors beside its own.
+//! `[trajectory.compare]` checked: the recorded flight that a study in motion is laid beside, and
+//! the sensors beside its own.
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,8 @@ pub struct Flown {
 /// What stands in a file, checked; `None` where nothing is asked for.
 ///
 /// # Errors
-/// Lengths that make no sense, keys that belong to another kind of bias, sensors that cannot be read.
+/// Lengths that make no sense, keys that belong to another kind of bias, sensors that cannot be
+/// read.
 pub(super) fn read(name: &str, file: &File, lever_arm_m: Vector3<f64>) -> Result<Option<Flown>> {
     let Some((reference, asked)) = file.trajectory.as_ref().and_then(|t| t.compare.as_ref().map(|c| (t, c))) else {
         return Ok(None);

@@ -1,4 +1,5 @@
-//! A study with a `[trajectory]`: the same sensor on each of three axes, each drawn apart, carried over the Earth.
+//! A study with a `[trajectory]`: the same sensor on each of three axes, each drawn apart, carried
+//! over the Earth.
 
 use std::sync::Arc;
 
@@ -67,7 +68,8 @@ pub struct InMotion {
 /// What stands in a file about motion, checked; `None` for a study of one axis.
 ///
 /// # Errors
-/// Sections or lists that need a trajectory, sections that have no place beside one, values that make no sense.
+/// Sections or lists that need a trajectory, sections that have no place beside one, values that
+/// make no sense.
 pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<Option<InMotion>> {
     let Some(trajectory) = &file.trajectory else { return one_axis(name, file).map(|()| None) };
     if file.excitation.kind.is_some() {
@@ -160,7 +162,8 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
 fn earth(name: &str, file: &File) -> Result<Earth> {
     let Some(section) = &file.earth else { return Ok(Earth::FLAT) };
     match section.latitude_deg {
-        // At a pole north has no direction; beyond this the tangent of latitude leaves the range of f32 sums.
+        // At a pole north has no direction; beyond this the tangent of latitude leaves the range of
+        // f32 sums.
         Some(latitude) if latitude.is_nan() || latitude.abs() > 89.0 => Err(refuse(
             name,
             format!("`earth.latitude_deg` = {latitude:?}: need -89 to 89"),

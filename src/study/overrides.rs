@@ -1,5 +1,5 @@
-//! What the command line changes in a study: members, seed, the sensor's grade under it (`--preset`), and any key by its dotted
-//! path (`--set KEY=VALUE`).
+//! What the command line changes in a study: members, seed, the sensor's grade under it
+//! (`--preset`), and any key by its dotted path (`--set KEY=VALUE`).
 
 use toml::{Table, Value};
 
@@ -34,8 +34,8 @@ impl Assignment {
         Self { path: key.split('.').map(str::to_owned).collect(), value: Value::Float(value) }
     }
 
-    /// Changes the document. A number that was given without tolerance becomes the mean of a draw where the path leads into
-    /// one, as `bias_deg_h.sd` does.
+    /// Changes the document. A number that was given without tolerance becomes the mean of a draw
+    /// where the path leads into one, as `bias_deg_h.sd` does.
     ///
     /// # Errors
     /// A path that leads into something that is no section and no number.

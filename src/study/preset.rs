@@ -1,6 +1,8 @@
-//! Grades of inertial sensors: one part of each grade, from its datasheet. The sources stand in the files under `preset/`.
+//! Grades of inertial sensors: one part of each grade, from its datasheet. The sources stand in the
+//! files under `preset/`.
 //!
-//! Not for whole studies: a grade holds the errors of accelerometer and gyro, and lies under what a study says itself.
+//! Not for whole studies: a grade holds the errors of accelerometer and gyro, and lies under what a
+//! study says itself.
 
 use toml::{Table, Value};
 
@@ -44,8 +46,8 @@ impl Preset {
         }
     }
 
-    /// Adds the grade's keys to a study. A term that the study gives itself, by whichever of its keys, or that `is_set` (by
-    /// section and key) says will be given, stays the study's.
+    /// Adds the grade's keys to a study. A term that the study gives itself, by whichever of its
+    /// keys, or that `is_set` (by section and key) says will be given, stays the study's.
     ///
     /// # Errors
     /// None, unless an embedded file is broken, which a test excludes.

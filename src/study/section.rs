@@ -1,7 +1,8 @@
-//! A section of study.toml that holds numbers: its keys are those that the sensor's tables declare for it.
+//! A section of study.toml that holds numbers: its keys are those that the sensor's tables declare
+//! for it.
 //!
-//! Read by hand instead of as a struct with a field per key, so that a key is declared once. An unknown key is placed in
-//! the file and the known ones are listed, as for every other section.
+//! Read by hand instead of as a struct with a field per key, so that a key is declared once. An
+//! unknown key is placed in the file and the known ones are listed, as for every other section.
 
 use std::collections::BTreeMap;
 use std::fmt;

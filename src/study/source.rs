@@ -1,4 +1,5 @@
-//! A study's text, read once, from which variants are made: other values at some keys, another sensor.
+//! A study's text, read once, from which variants are made: other values at some keys, another
+//! sensor.
 
 use std::path::{Path, PathBuf};
 
@@ -37,7 +38,8 @@ impl StudyText {
         Ok(Self { name: path.display().to_string(), text: read_text(path)?, overrides, folder })
     }
 
-    /// The default study; with a preset, its motion with that grade's sensor, under the grade's name.
+    /// The default study; with a preset, its motion with that grade's sensor, under the grade's
+    /// name.
     ///
     /// # Errors
     /// None, as a test shows that the embedded file is sound.
@@ -124,7 +126,8 @@ impl StudyText {
 /// The default study; with a preset, its motion with that grade's sensor, under the grade's name.
 ///
 /// # Errors
-/// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the embedded file is sound.
+/// A preset or `--set` that the default study cannot take; none otherwise, as a test shows that the
+/// embedded file is sound.
 pub fn read_default(overrides: &Overrides) -> Result<Study> {
     StudyText::of_default(overrides.clone())?.study()
 }

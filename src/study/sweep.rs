@@ -1,4 +1,5 @@
-//! `[sweep]`: keys and the values that they take one after the other, `gyro.bias_deg_h = "1:20:log8"`.
+//! `[sweep]`: keys and the values that they take one after the other,
+//! `gyro.bias_deg_h = "1:20:log8"`.
 
 use std::str::FromStr;
 

@@ -1,6 +1,7 @@
 //! The numbers of a study by key, and what one member draws of them.
 //!
-//! A draw is a pure function of seed, member and the key's slot, so that fixing one number leaves the draws of the others.
+//! A draw is a pure function of seed, member and the key's slot, so that fixing one number leaves
+//! the draws of the others.
 
 use std::ops::{Index, IndexMut};
 
@@ -10,7 +11,8 @@ use crate::sensor::{SensorTerm, coupling, mechanics};
 use crate::units::key::{Key, SLOTS};
 use crate::units::number::Number;
 
-/// Every key of a study that may be drawn per member, section by section, in the order of a sensor table.
+/// Every key of a study that may be drawn per member, section by section, in the order of a sensor
+/// table.
 pub fn keys() -> impl Iterator<Item = &'static Key> {
     let of = |section: &'static str| {
         let keys = SensorTerm::ALL.into_iter().flat_map(|term| term.row().keys);
@@ -96,7 +98,8 @@ mod tests {
             assert_eq!(keys().filter(|k| k.slot == key.slot).count(), 1, "slot {}", key.slot);
             assert_eq!(keys().filter(|k| k.path == key.path).count(), 1, "{}", key.path);
         }
-        // Recorded with the first study that was published: the same seed keeps drawing the same sensors.
+        // Recorded with the first study that was published: the same seed keeps drawing the same
+        // sensors.
         assert_eq!((key("accelerometer.bias_mg").slot, key("gyro.rate_random_walk_deg_h_rth").slot), (13, 25));
     }
 
@@ -126,7 +129,8 @@ mod tests {
         };
         let (a, b) = (column(key("accelerometer.bias_mg")), column(key("gyro.bias_deg_h")));
         let mean = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>() / n as f64;
-        // Five standard errors of each: 1/√n for a mean or a correlation, √(2/n) for a normal's variance.
+        // Five standard errors of each: 1/√n for a mean or a correlation, √(2/n) for a normal's
+        // variance.
         assert!(mean(&mut a.iter().copied()).abs() < 0.025);
         assert!(mean(&mut b.iter().copied()).abs() < 0.025);
         assert!((mean(&mut a.iter().map(|x| x * x)) - 1.0).abs() < 0.036);

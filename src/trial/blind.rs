@@ -1,4 +1,5 @@
-//! The blind part: truth drawn and sealed, then one verdict per case from the two files alone; what is done survives a stop.
+//! The blind part: truth drawn and sealed, then one verdict per case from the two files alone; what
+//! is done survives a stop.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -26,10 +27,12 @@ pub(crate) type Subject<'a> = dyn Fn(&Files) -> Result<Verdict> + Sync + 'a;
 /// Verdicts by case number.
 pub type Verdicts = BTreeMap<usize, Said>;
 
-/// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, the truth that lies there is kept.
+/// Draws the cases of a plan and seals them in `folder/truth.json`; to `resume`, the truth that
+/// lies there is kept.
 ///
 /// # Errors
-/// When the folder cannot be written, when the truth to resume is that of another plan, or on Ctrl-C.
+/// When the folder cannot be written, when the truth to resume is that of another plan, or on
+/// Ctrl-C.
 pub fn prepare(plan: Plan, folder: &Path, resume: bool, control: &Control) -> Result<(Sealed, Vec<Case>)> {
     prepare_some(plan, 0..plan.families().len(), folder, resume, control)
 }
@@ -95,8 +98,8 @@ fn to_json_line(done: &Done) -> Result<String> {
     Ok(text + "\n")
 }
 
-/// Verdicts of an earlier run on the same sealed truth, and how many lines could not be read: one that a full disk or a power
-/// failure has cut off is not a verdict, and its case is asked again.
+/// Verdicts of an earlier run on the same sealed truth, and how many lines could not be read: one
+/// that a full disk or a power failure has cut off is not a verdict, and its case is asked again.
 ///
 /// # Errors
 /// The file is there and cannot be read.
@@ -149,7 +152,8 @@ pub(super) fn asked(files: &Files, subject: &Subject<'_>) -> (Said, Option<Verdi
     }
 }
 
-/// Asks for every verdict that is not in `done` yet, cases in parallel, and notes each in the state file.
+/// Asks for every verdict that is not in `done` yet, cases in parallel, and notes each in the state
+/// file.
 ///
 /// # Errors
 /// When files cannot be written, or on Ctrl-C; what is done then stands in the state file.

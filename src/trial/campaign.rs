@@ -1,4 +1,5 @@
-//! Two campaigns: effects concealed in every way that occurs, and effects planted in the open, one and two at a time.
+//! Two campaigns: effects concealed in every way that occurs, and effects planted in the open, one
+//! and two at a time.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,14 +11,15 @@ use super::case::Family;
 pub enum Campaign {
     /// Every family: how the diagnosis fares where effects hide.
     Concealed,
-    /// Driven recordings only: each candidate alone at 1 % and at 5 % of the output, two at once, force noise only, foreign
-    /// physics, and as many recordings with nothing planted.
+    /// Driven recordings only: each candidate alone at 1 % and at 5 % of the output, two at once,
+    /// force noise only, foreign physics, and as many recordings with nothing planted.
     Planted,
 }
 
 impl Campaign {
-    /// Cases of a family in a trial of full size. Enough nulls that silence in all of them proves fewer than 1 % false
-    /// alarms (1 − 0.025^(1/368) = 1 %); single effects in multiples of the library's length.
+    /// Cases of a family in a trial of full size. Enough nulls that silence in all of them proves
+    /// fewer than 1 % false alarms (1 − 0.025^(1/368) = 1 %); single effects in multiples of the
+    /// library's length.
     pub fn cases_of(self, family: Family) -> usize {
         match (self, family) {
             (_, Family::Null) => 300,

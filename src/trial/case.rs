@@ -225,8 +225,8 @@ impl Case {
         }
     }
 
-    /// Symbol and value of the last planted effect's first parameter that is not zero, in the channel that shows
-    /// it most.
+    /// Symbol and value of the last planted effect's first parameter that is not zero, in the
+    /// channel that shows it most.
     pub fn strength(&self) -> Option<(&'static str, f64)> {
         match &self.body {
             Body::Driven(d) => d.planted.last()?.term.parameters(&d.scales).into_iter().find(|p| p.1 != 0.0),

@@ -1,9 +1,10 @@
-//! Lists of what can be planted: one word per effect, and for physics foreign to the library what it is.
+//! Lists of what can be planted: one word per effect, and for physics foreign to the library what
+//! it is.
 //!
 //! A list is written once; its enum, its two tables and its public ids follow from it.
 
-/// Declares an enum whose variants are public ids (kebab case), with `LIBRARY` for what a candidate describes and `FOREIGN`
-/// for what none does.
+/// Declares an enum whose variants are public ids (kebab case), with `LIBRARY` for what a candidate
+/// describes and `FOREIGN` for what none does.
 macro_rules! catalogue {
     (
         $(#[$doc:meta])*

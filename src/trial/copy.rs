@@ -1,4 +1,5 @@
-//! Copies of a user's recording: their excitation, rate, length and noise, without the physics, ready to be planted into.
+//! Copies of a user's recording: their excitation, rate, length and noise, without the physics,
+//! ready to be planted into.
 
 use std::ops::Range;
 
@@ -16,7 +17,8 @@ use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::rng::{Philox, Stream};
 
-/// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the original.
+/// Rows used of a longer recording: the diagnosis of each planted copy takes as long as that of the
+/// original.
 pub(crate) const ROWS: usize = 20_000;
 /// Sub-steps of the linear fit.
 const SUBSTEPS: usize = 8;
@@ -24,7 +26,8 @@ const SUBSTEPS: usize = 8;
 /// Fewer rows than this are no recording to plant into.
 const FEWEST: usize = 100;
 
-/// The rows that copies are made of: the longest range that the model fits, as the diagnosis learns from that only.
+/// The rows that copies are made of: the longest range that the model fits, as the diagnosis learns
+/// from that only.
 ///
 /// # Errors
 /// A range that does not lie in the recording; too few rows.
@@ -41,7 +44,8 @@ pub fn rows(data: &Recording, model: &model::Driven) -> Result<Range<usize>> {
     Ok(from..to.min(from + ROWS))
 }
 
-/// A proof mass as the base model finds it in these rows, with the recorded input. None where no linear one fits at all.
+/// A proof mass as the base model finds it in these rows, with the recorded input. None where no
+/// linear one fits at all.
 pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed: u64) -> Option<(Driven, String)> {
     let output = data.column(&model.columns.output)?;
     let samples = rows.len();
@@ -62,8 +66,9 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
     };
-    // The readout's noise is what remains at the highest frequencies of the residual, where no resonator reaches: its fourth
-    // difference, whose gain on white noise is √(1 + 16 + 36 + 16 + 1).
+    // The readout's noise is what remains at the highest frequencies of the residual, where no
+    // resonator reaches: its fourth difference, whose gain on white noise is √(1 + 16 + 36 + 16 +
+    // 1).
     let fourth_difference: Vec<f64> =
         fit.residual.windows(5).map(|r| r[0] - 4.0 * r[1] + 6.0 * r[2] - 4.0 * r[3] + r[4]).collect();
     let noise = spread(&fourth_difference) / 70f64.sqrt();
@@ -71,8 +76,9 @@ pub fn driven(data: &Recording, model: &model::Driven, rows: Range<usize>, seed:
     let mut case = Driven::linear(oscillator, excitation, data.rate_hz, samples, seed);
     case.offset = fit.offset;
     case.noise = noise;
-    // What else the base model leaves is taken for noise that enters as a force, though part of it may be the very effect
-    // that is asked for: the sizes found are rather too large than too small.
+    // What else the base model leaves is taken for noise that enters as a force, though part of it
+    // may be the very effect that is asked for: the sizes found are rather too large than too
+    // small.
     let rest = (fit.rms().powi(2) - noise * noise).max(0.0).sqrt();
     let mut base = format!(
         "resonance {:.4} Hz, damping ratio {:.4}, an output of {:.3e} rms with readout noise of {noise:.3e}",
@@ -98,8 +104,8 @@ pub(crate) fn still(data: &Recording, model: &model::Static, seed: u64) -> (Stil
         let names = &model.columns.channels;
         let values = data.column(&names[channel % names.len()]).unwrap_or_default();
         let values = &values[..samples.min(values.len())];
-        // White noise alone survives a first difference, whose median size is 0.6745 × √2 of its deviation; a few jumps
-        // and knocks do not move a median.
+        // White noise alone survives a first difference, whose median size is 0.6745 × √2 of its
+        // deviation; a few jumps and knocks do not move a median.
         let steps: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
         // Coarse counts that mostly repeat have no median step, but a mean square.
         let square = steps.iter().map(|s| s * s).sum::<f64>() / steps.len().max(1) as f64;
@@ -125,7 +131,8 @@ pub(crate) fn still(data: &Recording, model: &model::Static, seed: u64) -> (Stil
     (still, base)
 }
 
-/// The nth copy, with an effect of a size over its noise planted, or with nothing. None where the effect cannot be planted.
+/// The nth copy, with an effect of a size over its noise planted, or with nothing. None where the
+/// effect cannot be planted.
 pub(crate) fn plant_driven(bare: &Driven, n: u64, job: Option<(Physics, f64)>) -> Option<(Family, Body)> {
     let mut case = bare.clone();
     case.seed = bare.seed.wrapping_add(n);

@@ -1,7 +1,8 @@
-//! A blind trial divided among machines: each shard draws, seals and asks its own cases; the whole truth and every verdict from
-//! all files.
+//! A blind trial divided among machines: each shard draws, seals and asks its own cases; the whole
+//! truth and every verdict from all files.
 //!
-//! Results in a file: the sealed truth of the shard's cases, a line break, and the lines of their verdicts.
+//! Results in a file: the sealed truth of the shard's cases, a line break, and the lines of their
+//! verdicts.
 
 use std::path::Path;
 
@@ -20,7 +21,8 @@ use crate::shard::{Part, Piece, Shard};
 /// The subcommand that divides trials.
 pub(crate) const COMMAND: &str = "trial";
 
-/// The head of a shard's file before anything is done. Cases of all families follow each other: any stretch is like another.
+/// The head of a shard's file before anything is done. Cases of all families follow each other: any
+/// stretch is like another.
 ///
 /// # Errors
 /// None for the types of this crate, whose keys are strings.

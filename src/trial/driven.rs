@@ -16,7 +16,8 @@ const RUN_IN: usize = 300;
 /// Integration steps per sample; twice as many for abrupt physics.
 const SUBSTEPS: usize = 20;
 
-/// Log-likelihood that an effect must be worth to one who knows all else, or it does not act: odds of 3000 to 1.
+/// Log-likelihood that an effect must be worth to one who knows all else, or it does not act: odds
+/// of 3000 to 1.
 const LEAST_LOG_LIKELIHOOD: f64 = 8.0;
 
 /// A planted effect with its size.
@@ -24,7 +25,8 @@ const LEAST_LOG_LIKELIHOOD: f64 = 8.0;
 pub struct Planted {
     /// Effect that is planted.
     pub term: Term,
-    /// rms of what the best linear proof mass cannot explain, over the rms output: the size that can be seen.
+    /// rms of what the best linear proof mass cannot explain, over the rms output: the size that
+    /// can be seen.
     pub visible: f64,
     /// rms change of the output before any refit, over the rms output.
     pub raw: f64,
@@ -55,11 +57,13 @@ pub struct Driven {
     pub noise: f64,
     /// Scales of the undisturbed motion, to which amplitudes refer.
     pub scales: Scales,
-    /// rms of the undisturbed output in this recording; below `scales.x` where the loud part is withheld.
+    /// rms of the undisturbed output in this recording; below `scales.x` where the loud part is
+    /// withheld.
     pub output_rms: f64,
     /// Planted effects, largest first.
     pub planted: Vec<Planted>,
-    /// Hints given in model.toml: resonance in Hz and damping ratio, wrong by up to a factor of two.
+    /// Hints given in model.toml: resonance in Hz and damping ratio, wrong by up to a factor of
+    /// two.
     pub hints: Option<[f64; 2]>,
 }
 
@@ -85,7 +89,8 @@ pub(super) struct Scene<'a> {
 }
 
 impl Driven {
-    /// A proof mass at rest at its offset, with nothing planted and no noise; its scales are those of its motion.
+    /// A proof mass at rest at its offset, with nothing planted and no noise; its scales are those
+    /// of its motion.
     pub fn linear(oscillator: Oscillator, excitation: Excitation, rate_hz: f64, samples: usize, seed: u64) -> Self {
         let Oscillator { omega_rad_s, zeta, gain, start } = oscillator;
         let duration_s = samples as f64 / rate_hz;
@@ -161,8 +166,9 @@ impl Driven {
 }
 
 impl Driven {
-    /// Whether the nth effect does anything beside the others: a stop that they keep the mass from reaching does not. By the
-    /// most that anyone could see of it, who knew all else: the log-likelihood that its change of the reading gives.
+    /// Whether the nth effect does anything beside the others: a stop that they keep the mass from
+    /// reaching does not. By the most that anyone could see of it, who knew all else: the
+    /// log-likelihood that its change of the reading gives.
     pub fn acts(&self, nth: usize) -> bool {
         let scene = Scene::coarse(self);
         let mut terms: Vec<Term> = self.planted.iter().map(|p| p.term).collect();
@@ -172,8 +178,8 @@ impl Driven {
         0.5 * change / self.noise.powi(2) > LEAST_LOG_LIKELIHOOD
     }
 
-    /// Visible size of the nth effect over the noise that it must be seen in: the readout's, and that of any planted
-    /// effect that is itself noise.
+    /// Visible size of the nth effect over the noise that it must be seen in: the readout's, and
+    /// that of any planted effect that is itself noise.
     pub fn over_noise(&self, nth: usize) -> f64 {
         let others = self.planted.iter().enumerate().filter(|(n, p)| *n != nth && p.term.physics.is_noise());
         let noise = (self.noise / self.output_rms).powi(2) + others.map(|(_, p)| p.visible.powi(2)).sum::<f64>();
@@ -240,7 +246,8 @@ impl<'a> Scene<'a> {
         readout::read(&tap, terms, &self.case.scales, self.case.offset, noise)
     }
 
-    /// Visible and raw size of one effect, relative to the rms output; infinite where the motion diverges.
+    /// Visible and raw size of one effect, relative to the rms output; infinite where the motion
+    /// diverges.
     pub(super) fn size_of(&self, term: Term, undisturbed: &[f64]) -> [f64; 2] {
         let output = self.output(&[term], 0.0);
         if output.iter().any(|y| !y.is_finite()) {

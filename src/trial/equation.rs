@@ -1,10 +1,12 @@
-//! The generator's equation of motion and one step of it: classical Runge–Kutta, friction switched at its events.
+//! The generator's equation of motion and one step of it: classical Runge–Kutta, friction switched
+//! at its events.
 //!
 //! Independent of the fitting code on purpose.
 
 use super::physics::{Physics, Scales, Term};
 
-/// x, v, then hysteresis, second mode (2), gain control, mount, and ten elements of a fractional damper.
+/// x, v, then hysteresis, second mode (2), gain control, mount, and ten elements of a fractional
+/// damper.
 pub(super) type State = [f64; STATES];
 /// Length of the state.
 pub(super) const STATES: usize = 17;
@@ -219,7 +221,8 @@ impl<'a> Machine<'a> {
         next
     }
 
-    /// One whole step; where the velocity passes through zero, the friction turns or holds at that instant.
+    /// One whole step; where the velocity passes through zero, the friction turns or holds at that
+    /// instant.
     pub(super) fn step(&self, s: &State, window: &Window<'_>, contact: &mut Contact) -> State {
         if self.friction == 0.0 {
             return self.advance(s, window, 0.0, window.step_s, Contact::Slipping(0.0));
@@ -291,7 +294,8 @@ fn fractional_elements(order: f64, omega_rad_s: f64) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    // A fractional damper's force on x = sin ωt is a ω^α sin(ωt + απ/2) scaled by k/ω₀^α, within its band.
+    // A fractional damper's force on x = sin ωt is a ω^α sin(ωt + απ/2) scaled by k/ω₀^α, within
+    // its band.
     #[test]
     fn the_fractional_elements_make_a_half_derivative() {
         let elements = fractional_elements(0.5, 6.0);

@@ -77,7 +77,8 @@ impl Lines {
     }
 
     fn envelope(&self, t_s: f64) -> f64 {
-        // Before time zero the envelope keeps its first value, so that the run-in has the recording's amplitude.
+        // Before time zero the envelope keeps its first value, so that the run-in has the
+        // recording's amplitude.
         self.envelope_start + (1.0 - self.envelope_start) * (t_s / self.duration_s).max(0.0)
     }
 }
@@ -93,7 +94,8 @@ impl Excitation {
         }
     }
 
-    /// Values at `start_s + k·step_s` for k < `count`; sines advance by rotation, renewed from their phase every 64 steps.
+    /// Values at `start_s + k·step_s` for k < `count`; sines advance by rotation, renewed from
+    /// their phase every 64 steps.
     pub fn tabulate(&self, start_s: f64, step_s: f64, count: usize) -> Vec<f64> {
         let (spec, lines) = match self {
             Self::None => return vec![0.0; count],
@@ -168,7 +170,8 @@ mod tests {
         assert!((rms - 2.0).abs() < 1e-9, "whole periods of every line: {rms}");
     }
 
-    // Error of a 32-tap Hann-windowed sinc at 0.3 of the rate, measured 1e-4: below every noise a recording has.
+    // Error of a 32-tap Hann-windowed sinc at 0.3 of the rate, measured 1e-4: below every noise a
+    // recording has.
     #[test]
     fn a_recorded_sine_is_found_again_between_its_samples() {
         let samples: Vec<f64> = (0..400).map(|n| (TAU * 0.3 * n as f64).sin()).collect();

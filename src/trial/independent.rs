@@ -1,12 +1,13 @@
-//! A second generator of blind cases, written without sight of the solver or of the first generator, whose truth lies
-//! mostly outside what the library can state.
+//! A second generator of blind cases, written without sight of the solver or of the first
+//! generator, whose truth lies mostly outside what the library can state.
 //!
-//! Families: *to the letter* of a statement, *near* one, *foreign* to all, *null* with noise as noise is. The same recording
-//! is also written otherwise (every k-th row, other units, sign, order of columns); verdicts must agree. Motion is integrated
-//! in continuous time by an adaptive method with events; how much of an effect can be seen is found by an oracle of its own.
+//! Families: *to the letter* of a statement, *near* one, *foreign* to all, *null* with noise as
+//! noise is. The same recording is also written otherwise (every k-th row, other units, sign, order
+//! of columns); verdicts must agree. Motion is integrated in continuous time by an adaptive method
+//! with events; how much of an effect can be seen is found by an oracle of its own.
 //!
-//! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` → `driven` → `stage` → `piece` →
-//! `letter` → `near` → `case` → `judge` → `run` → `score`.
+//! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
+//! `driven` → `stage` → `piece` → `letter` → `near` → `case` → `judge` → `run` → `score`.
 
 pub mod case;
 pub mod columns;

@@ -1,4 +1,5 @@
-//! Statistics of a trial: exact intervals for shares, the size at which nine of ten effects are noticed, a median.
+//! Statistics of a trial: exact intervals for shares, the size at which nine of ten effects are
+//! noticed, a median.
 
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -61,13 +62,14 @@ pub(crate) struct Curve {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Power {
     pub best: Curve,
-    /// Within 1.92 of its log-likelihood: half the 95 % quantile of chi-square with one degree of freedom.
+    /// Within 1.92 of its log-likelihood: half the 95 % quantile of chi-square with one degree of
+    /// freedom.
     likely: Vec<Curve>,
 }
 
 impl Curve {
-    /// Log-probability of (size, noticed) pairs; the slope is held near 3 by a log-normal prior of one unit, because few
-    /// cases per effect cannot tell it.
+    /// Log-probability of (size, noticed) pairs; the slope is held near 3 by a log-normal prior of
+    /// one unit, because few cases per effect cannot tell it.
     fn score(self, cases: &[(f64, bool)]) -> f64 {
         let fit: f64 = cases
             .iter()
@@ -93,7 +95,8 @@ impl Curve {
 }
 
 impl Power {
-    /// Fits curves on a grid. None when nothing, or everything, was noticed: there is no limit in range.
+    /// Fits curves on a grid. None when nothing, or everything, was noticed: there is no limit in
+    /// range.
     pub(crate) fn fit(cases: &[(f64, bool)]) -> Option<Self> {
         let noticed = cases.iter().filter(|c| c.1).count();
         if noticed == 0 || noticed == cases.len() {
@@ -131,7 +134,8 @@ impl Power {
 mod tests {
     use super::*;
 
-    // Clopper & Pearson: 0 of 300 has the upper limit 1 − 0.025^(1/300) = 0.01222; 3 of 10 is [0.0667, 0.6525].
+    // Clopper & Pearson: 0 of 300 has the upper limit 1 − 0.025^(1/300) = 0.01222; 3 of 10 is
+    // [0.0667, 0.6525].
     #[test]
     fn exact_intervals_match_the_tables() {
         assert!((Proportion::of(0, 300).ci95[1] - 0.012_22).abs() < 1e-5);

@@ -1,8 +1,10 @@
 //! Right or wrong: one verdict against its truth, by fixed rules.
 //!
-//! - Nothing planted: `adequate` is right; all else is a false alarm, `undecidable` too: it claims that something may be missing.
-//! - Physics of the library: the named set must be the planted set. `undecidable` also counts as right when every planted
-//!   effect stands in a tie of at most two and every tie holds a planted effect.
+//! - Nothing planted: `adequate` is right; all else is a false alarm, `undecidable` too: it claims
+//!   that something may be missing.
+//! - Physics of the library: the named set must be the planted set. `undecidable` also counts as
+//!   right when every planted effect stands in a tie of at most two and every tie holds a planted
+//!   effect.
 //! - Foreign physics: only `unexplained` is right.
 
 use serde::{Deserialize, Serialize};
@@ -86,7 +88,8 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
     }
 }
 
-/// Whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may be there.
+/// Whether a verdict on a null raised an alarm: a name, a mismatch claimed, or one that may be
+/// there.
 pub(crate) fn is_alarm(said: &Said) -> bool {
     is_detected(said)
 }
@@ -96,7 +99,8 @@ pub(crate) fn is_detected(said: &Said) -> bool {
     !matches!(said.outcome, Ending::Adequate | Ending::Error)
 }
 
-/// For each planted parameter that the verdict gives an interval for: whether the interval covers the truth.
+/// For each planted parameter that the verdict gives an interval for: whether the interval covers
+/// the truth.
 pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
     if judge(case, said) != Mark::Named {
         return Vec::new();
@@ -105,7 +109,8 @@ pub(crate) fn coverage(case: &Case, said: &Said) -> Vec<Covered> {
     numbers
         .filter_map(|n| {
             let truth = case.parameter(&n.id, &n.channel, &n.name)?;
-            // The file holds nine digits: a step read off them exactly may still differ in the last.
+            // The file holds nine digits: a step read off them exactly may still differ in the
+            // last.
             let air = 1e-6 * truth.abs();
             let covers = n.ci95[0] - air <= truth && truth <= n.ci95[1] + air;
             Some(Covered { id: n.id.clone(), name: n.name.clone(), truth, value: n.value, covers })

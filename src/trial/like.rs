@@ -1,7 +1,8 @@
-//! A trial in a user's own recording: their excitation, rate, length and noise, with each candidate planted in turn.
+//! A trial in a user's own recording: their excitation, rate, length and noise, with each candidate
+//! planted in turn.
 //!
-//! Answers which effects this recording could have revealed, from what size, and which it cannot tell apart. Not a verdict
-//! about the recording itself.
+//! Answers which effects this recording could have revealed, from what size, and which it cannot
+//! tell apart. Not a verdict about the recording itself.
 
 use std::path::Path;
 
@@ -22,7 +23,8 @@ use crate::diagnosis::model::{self, Model};
 use crate::error::{Error, Result};
 use crate::parallel;
 
-/// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of a quick answer.
+/// Sizes planted, visible rms over noise rms: in a driven recording, in one at rest, and the few of
+/// a quick answer.
 const DRIVEN: [f64; 4] = [0.1, 0.3, 1.0, 4.0];
 const STILL: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 const QUICK: [f64; 2] = [0.3, 3.0];
@@ -32,7 +34,8 @@ const QUICK: [f64; 2] = [0.3, 3.0];
 pub(crate) struct Tried {
     /// Visible rms over noise rms.
     pub effect_over_noise: f64,
-    /// Planted value of the effect's first parameter by the library's symbol, where the law has one.
+    /// Planted value of the effect's first parameter by the library's symbol, where the law has
+    /// one.
     pub strength: Option<(&'static str, f64)>,
     /// Whether a mismatch was noticed.
     pub noticed: bool,
@@ -53,7 +56,8 @@ pub(crate) struct Revealed {
     pub named_from: Option<f64>,
     /// Ids that it was taken for.
     pub taken_for: Vec<String>,
-    /// Every size; those missing could not be planted (the motion would diverge, or no strength shows that much).
+    /// Every size; those missing could not be planted (the motion would diverge, or no strength
+    /// shows that much).
     pub tried: Vec<Tried>,
 }
 
@@ -79,10 +83,12 @@ pub(crate) struct Power {
     pub inseparable: Vec<[String; 2]>,
 }
 
-/// Plants every candidate at several sizes, at two where it shall be `quick`, and asks `subject` about each.
+/// Plants every candidate at several sizes, at two where it shall be `quick`, and asks `subject`
+/// about each.
 ///
 /// # Errors
-/// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or Ctrl-C.
+/// A recording or model that cannot be read, a base model that does not fit, a tumble recording, or
+/// Ctrl-C.
 pub(crate) fn power(
     recording: &Path,
     model_path: &Path,

@@ -1,4 +1,5 @@
-//! What a trial found: rates, families, confusion, detection limits, coverage; the public document of `trial --json`.
+//! What a trial found: rates, families, confusion, detection limits, coverage; the public document
+//! of `trial --json`.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +12,8 @@ use super::judge::{self, Covered, Mark};
 use super::said::Said;
 use crate::diagnosis::candidate::Kind;
 
-/// Where the limit of an effect was never found, cases of at least this size over the noise count as above it.
+/// Where the limit of an effect was never found, cases of at least this size over the noise count
+/// as above it.
 pub(crate) const FALLBACK_LIMIT: f64 = 3.0;
 
 /// Rates of one family.
@@ -21,7 +23,8 @@ pub struct Row {
     pub name: String,
     /// Number of cases.
     pub cases: usize,
-    /// Proportion with the planted effects named, alone or in a tie of two; for nulls, silent; for unknown physics, flagged.
+    /// Proportion with the planted effects named, alone or in a tie of two; for nulls, silent; for
+    /// unknown physics, flagged.
     pub named_correctly: f64,
     /// Proportion in which a false name was given with confidence.
     pub confidently_wrong: f64,
@@ -77,7 +80,8 @@ pub struct Limit {
     pub kind: Kind,
     /// Library id of the effect.
     pub id: String,
-    /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was never, or always, noticed.
+    /// Visible rms over noise rms that is noticed in nine of ten recordings; null where it was
+    /// never, or always, noticed.
     pub effect_over_noise: Option<f64>,
     /// 95 % interval of that size.
     pub ci95: Option<[f64; 2]>,
@@ -111,7 +115,8 @@ pub struct Outcome {
     pub detection_limit: Vec<Limit>,
     /// Per kind of physics foreign to the library.
     pub unknown: Vec<Unknown>,
-    /// Median share of the removable held-out error that the named physics removed, where it was named correctly.
+    /// Median share of the removable held-out error that the named physics removed, where it was
+    /// named correctly.
     pub held_out_gain: f64,
     /// Median and largest time per verdict.
     pub seconds_per_case: [f64; 2],
@@ -173,7 +178,8 @@ impl Outcome {
         let gain = |j: &Judged<'_>| {
             let [before, after, floor] = j.said.rmse;
             let removable = before * before - floor * floor;
-            // Noise terms change no simulation; where nothing is removable there is no gain to speak of.
+            // Noise terms change no simulation; where nothing is removable there is no gain to
+            // speak of.
             (removable > 0.1 * floor * floor).then(|| (before * before - after * after) / removable)
         };
         let named = Proportion::over(planted().filter(|j| above(j)).map(|j| j.mark.is_named()));

@@ -1,8 +1,9 @@
-//! What can be planted in a driven recording: the library's effects and physics that no candidate describes.
+//! What can be planted in a driven recording: the library's effects and physics that no candidate
+//! describes.
 //!
-//! A term has one dimensionless amplitude, calibrated to a visible size, and a shape drawn beforehand. The amplitude is
-//! made physical by the scales of the undisturbed motion (rms displacement σ, velocity σv, input σu, stiffness k = ω₀²,
-//! damping c = 2ζω₀, duration T):
+//! A term has one dimensionless amplitude, calibrated to a visible size, and a shape drawn
+//! beforehand. The amplitude is made physical by the scales of the undisturbed motion (rms
+//! displacement σ, velocity σv, input σu, stiffness k = ω₀², damping c = 2ζω₀, duration T):
 //!
 //! | effect | physical value | shape |
 //! |---|---|---|

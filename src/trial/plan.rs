@@ -28,8 +28,8 @@ pub struct Plan {
     pub campaign: Campaign,
 }
 
-/// The nth of a list for a family: strides visit all of it, families begin at different places, so that a short trial
-/// holds a varied part of everything.
+/// The nth of a list for a family: strides visit all of it, families begin at different places, so
+/// that a short trial holds a varied part of everything.
 fn nth_of<T: Copy>(list: &[T], stride: usize, family: Family, nth: usize) -> T {
     list[(stride * nth + 5 * family as usize) % list.len()]
 }
@@ -111,7 +111,8 @@ impl Plan {
                 }
                 Body::Turned(Box::new(case))
             }
-            // A shape that cannot reach its size (a stop never touched, a spring that would snap) is drawn anew.
+            // A shape that cannot reach its size (a stop never touched, a spring that would snap)
+            // is drawn anew.
             _ => (0..20)
                 .find_map(|attempt| {
                     let mut rng = Philox::new(self.seed, (number as u64) << 8 | attempt, Stream::Host);
@@ -224,8 +225,8 @@ impl Plan {
             Family::RingDown => add(&mut case, rng, RING_DOWN[nth % RING_DOWN.len()], Size::Visible(0.02)),
             _ => false,
         };
-        // Together two effects may do what neither does alone: a recording that diverges is no recording, and an effect that
-        // the other keeps from acting is not in it.
+        // Together two effects may do what neither does alone: a recording that diverges is no
+        // recording, and an effect that the other keeps from acting is not in it.
         let whole = |case: &Driven| {
             case.render().reading.iter().all(|y| y.is_finite()) && (0..case.planted.len()).all(|nth| case.acts(nth))
         };

@@ -1,4 +1,5 @@
-//! Draws proof masses, excitations and shapes, and sets an effect's amplitude so that its visible size is the one asked.
+//! Draws proof masses, excitations and shapes, and sets an effect's amplitude so that its visible
+//! size is the one asked.
 
 use rand::{Rng, RngExt};
 
@@ -53,7 +54,8 @@ fn excitation(rng: &mut impl Rng, drive: Drive, rate_hz: f64, f0: f64, zeta: f64
     }
 }
 
-/// A proof mass with its excitation and noise (`noise` relative to the rms output) and nothing planted.
+/// A proof mass with its excitation and noise (`noise` relative to the rms output) and nothing
+/// planted.
 pub(crate) fn bare(rng: &mut impl Rng, drive: Drive, samples: usize, noise: f64) -> Driven {
     let rate_hz = log_uniform(rng, 50.0, 5000.0);
     let f0 = rate_hz * log_uniform(rng, 0.02, 0.12);
@@ -145,7 +147,8 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], size: Size) -
         } else {
             low = low.max(term.amplitude)
         }
-        // Sizes grow about as the amplitude: a Newton step in logarithms, held inside what is known.
+        // Sizes grow about as the amplitude: a Newton step in logarithms, held inside what is
+        // known.
         let aim = term.amplitude / (reached / asked).clamp(0.05, 20.0);
         let inside = aim > low * 1.001 && aim < high * 0.999;
         term.amplitude = if inside || low == 0.0 || high.is_infinite() { aim } else { (low * high).sqrt() };
@@ -162,7 +165,8 @@ pub fn plant(case: &mut Driven, physics: Physics, shape: [f64; 2], size: Size) -
     }
 }
 
-/// Takes the loud part away: the same physics, driven at `ratio` times the amplitude, with noise relative to the new output.
+/// Takes the loud part away: the same physics, driven at `ratio` times the amplitude, with noise
+/// relative to the new output.
 pub(super) fn quieten(case: &mut Driven, ratio: f64, noise: f64) {
     case.excitation.scale(ratio);
     case.output_rms = case.measure_scales().x;
@@ -170,7 +174,8 @@ pub(super) fn quieten(case: &mut Driven, ratio: f64, noise: f64) {
     remeasure(case);
 }
 
-/// A stop that only the `contacts` highest swings of the undisturbed motion reach; `stiffness` relative to ω₀².
+/// A stop that only the `contacts` highest swings of the undisturbed motion reach; `stiffness`
+/// relative to ω₀².
 pub(super) fn plant_rare_stop(case: &mut Driven, contacts: usize, stiffness: f64) {
     let undisturbed = Scene::coarse(case).output(&[], 0.0);
     let motion: Vec<f64> = undisturbed.iter().map(|y| (y - case.offset).abs()).collect();

@@ -1,6 +1,8 @@
-//! The generator's own integration from the first step to the last, with force noise and a filter at the end.
+//! The generator's own integration from the first step to the last, with force noise and a filter
+//! at the end.
 //!
-//! Many sub-steps per sample; independent of the fitting code on purpose. Not fast: 20,000 samples take some 30 ms.
+//! Many sub-steps per sample; independent of the fitting code on purpose. Not fast: 20,000 samples
+//! take some 30 ms.
 
 use super::equation::{Contact, Machine, Oscillator, STATES, Window};
 use super::physics::{Physics, Scales, Term};
@@ -28,8 +30,8 @@ pub struct MechanicalSignal {
     pub velocity_rms: f64,
 }
 
-/// Integrates from the clock's start; one signal value per step and one for the start. Not finite values mean that the
-/// motion diverged. `noise_seed` is that of the force noise.
+/// Integrates from the clock's start; one signal value per step and one for the start. Not finite
+/// values mean that the motion diverged. `noise_seed` is that of the force noise.
 pub fn integrate(
     oscillator: Oscillator,
     terms: &[Term],
@@ -39,8 +41,8 @@ pub fn integrate(
 ) -> MechanicalSignal {
     let of = |physics| terms.iter().find(|t| t.physics == physics);
     let machine = Machine::new(oscillator, terms, scales);
-    // White acceleration of two-sided density S kicks the velocity by √(S h) per step, and makes a displacement of
-    // variance S/(4ζω₀³).
+    // White acceleration of two-sided density S kicks the velocity by √(S h) per step, and makes a
+    // displacement of variance S/(4ζω₀³).
     let kick = of(Physics::ForceNoise).map(|t| {
         let density = t.value(&scales).powi(2) * 2.0 * scales.damping_rad_s * scales.omega_rad_s.powi(2);
         (density * clock.step_s).sqrt()
@@ -80,7 +82,8 @@ pub fn integrate(
     motion
 }
 
-/// First-order low-pass of a signal that is straight between steps, exact whatever the time constant; `ratio` = step/τ.
+/// First-order low-pass of a signal that is straight between steps, exact whatever the time
+/// constant; `ratio` = step/τ.
 fn low_pass(signal: &mut [f64], ratio: f64) {
     let decay = (-ratio).exp();
     let (mut before, mut filtered) = (signal[0], signal[0]);
@@ -147,7 +150,8 @@ mod tests {
         }
     }
 
-    // Twenty steps per sample at 20 samples per period of the resonance: 400 per period, here 4000 in 10 s.
+    // Twenty steps per sample at 20 samples per period of the resonance: 400 per period, here 4000
+    // in 10 s.
     #[test]
     fn abrupt_physics_is_exact_to_a_ten_thousandth_at_the_steps_used() {
         for (physics, shape) in [
@@ -161,7 +165,8 @@ mod tests {
         }
     }
 
-    // Between turning points Coulomb friction only shifts the equilibrium by f_c/ω₀²: each half swing loses 2 f_c/ω₀².
+    // Between turning points Coulomb friction only shifts the equilibrium by f_c/ω₀²: each half
+    // swing loses 2 f_c/ω₀².
     #[test]
     fn friction_takes_the_same_length_from_every_half_swing_and_then_holds() {
         let steps = 20_000;
@@ -179,7 +184,8 @@ mod tests {
         assert!(end == signal[signal.len() - 500] && end.abs() <= f_c / 36.0, "it holds where it stopped: {end}");
     }
 
-    // Stationary variance of a resonator driven by white acceleration of two-sided density S: S/(4ζω₀³).
+    // Stationary variance of a resonator driven by white acceleration of two-sided density S:
+    // S/(4ζω₀³).
     #[test]
     fn force_noise_has_the_variance_of_its_law() {
         let steps = 400_000;
@@ -189,7 +195,8 @@ mod tests {
         let term = Term { physics: Physics::ForceNoise, amplitude: 0.2, shape: [0.0; 2] };
         let signal = integrate(oscillator, &[term], scales(), &clock, 5).signal;
         let variance = signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64;
-        // 8000 s of correlation time 1/(ζω₀) ≈ 1.7 s: 4800 independent values, relative deviation √(2/4800) = 2 %.
+        // 8000 s of correlation time 1/(ζω₀) ≈ 1.7 s: 4800 independent values, relative deviation
+        // √(2/4800) = 2 %.
         assert!((variance / 0.04 - 1.0).abs() < 0.08, "{variance}");
     }
 }

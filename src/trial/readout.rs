@@ -1,4 +1,5 @@
-//! From the mechanical signal to the column in the file: delay, nonlinearity, additive disturbances, noise, rails, steps.
+//! From the mechanical signal to the column in the file: delay, nonlinearity, additive
+//! disturbances, noise, rails, steps.
 
 use std::f64::consts::TAU;
 

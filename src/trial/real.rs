@@ -1,7 +1,9 @@
-//! Real recordings as rows of the proof: the effect withheld, an independent truth compared afterwards.
+//! Real recordings as rows of the proof: the effect withheld, an independent truth compared
+//! afterwards.
 //!
-//! A recipe names files in a folder of recordings, the base model of each, and what is known from another source. The
-//! diagnosis gets the (cut) recording and the model; the truth stays in the recipe until the verdict is there.
+//! A recipe names files in a folder of recordings, the base model of each, and what is known from
+//! another source. The diagnosis gets the (cut) recording and the model; the truth stays in the
+//! recipe until the verdict is there.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,7 @@
 //! The best linear proof mass for an output: what a base model can hide, measured without the tool.
 //!
-//! ω₀ and ζ by Gauss–Newton; gain, offset and initial state, which enter linearly, by least squares within each step.
+//! ω₀ and ζ by Gauss–Newton; gain, offset and initial state, which enter linearly, by least squares
+//! within each step.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -44,7 +45,8 @@ impl Fit {
 fn responses(w: &Window<'_>, omega: f64, zeta: f64) -> [Vec<f64>; 3] {
     let h = 1.0 / (w.rate_hz * w.substeps as f64);
     let (k, c) = (omega * omega, 2.0 * zeta * omega);
-    // One classical Runge–Kutta step is a linear map of the state and of the input at its start, middle and end.
+    // One classical Runge–Kutta step is a linear map of the state and of the input at its start,
+    // middle and end.
     let step = |s: [f64; 2], u: [f64; 3]| {
         let d = |s: [f64; 2], u: f64| [s[1], u - c * s[1] - k * s[0]];
         let along = |g: [f64; 2], by: f64| [s[0] + by * g[0], s[1] + by * g[1]];
@@ -54,7 +56,8 @@ fn responses(w: &Window<'_>, omega: f64, zeta: f64) -> [Vec<f64>; 3] {
         let k4 = d(along(k3, h), u[2]);
         [0, 1].map(|i| s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     };
-    // Over a whole sample: the map of the state, and the weight of each input value, found by unit impulses.
+    // Over a whole sample: the map of the state, and the weight of each input value, found by unit
+    // impulses.
     let whole = |s: [f64; 2], at: Option<usize>| {
         (0..w.substeps).fold(s, |s, j| step(s, [0, 1, 2].map(|i| if at == Some(2 * j + i) { 1.0 } else { 0.0 })))
     };
@@ -115,7 +118,8 @@ fn combine(parts: &[Vec<f64>; 3], c: [f64; 4]) -> Vec<f64> {
         .collect()
 }
 
-/// Refines ω₀ and ζ from a start that is near; None when nothing fits at all (not finite, singular).
+/// Refines ω₀ and ζ from a start that is near; None when nothing fits at all (not finite,
+/// singular).
 pub(super) fn refine(w: &Window<'_>, mut omega: f64, mut zeta: f64, rounds: usize) -> Option<Fit> {
     let evaluate = |omega: f64, zeta: f64| {
         let parts = responses(w, omega, zeta);

@@ -1,5 +1,5 @@
-//! Folders for the files of single cases. They go with the process; those of a process that was killed are removed by the
-//! next one that needs such a folder in the same place.
+//! Folders for the files of single cases. They go with the process; those of a process that was
+//! killed are removed by the next one that needs such a folder in the same place.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -32,7 +32,8 @@ impl Scratch {
         sweep(home);
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(home).map_err(failed)?;
         let lock = File::create(folder.path().join(LOCK)).map_err(failed)?;
-        // Where a file system has no locks, another process may take the folder for a dead one's: nothing is swept there.
+        // Where a file system has no locks, another process may take the folder for a dead one's:
+        // nothing is swept there.
         let _ = lock.try_lock();
         Ok(Self { folder, _lock: lock })
     }

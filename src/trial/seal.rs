@@ -1,4 +1,5 @@
-//! The truth as a sealed document: written and hashed before the first verdict, opened and checked after the last.
+//! The truth as a sealed document: written and hashed before the first verdict, opened and checked
+//! after the last.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,8 @@
-//! Sensors at rest: three channels of white noise, and slow or coloured things planted into some of them.
+//! Sensors at rest: three channels of white noise, and slow or coloured things planted into some of
+//! them.
 //!
-//! Each process is made from its own definition (a walk is a sum, flicker a sum of relaxations, temperature a smooth
-//! curve), not with the sensor models that the tool fits.
+//! Each process is made from its own definition (a walk is a sum, flicker a sum of relaxations,
+//! temperature a smooth curve), not with the sensor models that the tool fits.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +14,9 @@ use super::plant::{log_uniform, sign, uniform};
 use crate::rng::{Philox, Stream};
 
 catalogue! {
-    /// What can be planted at rest: white level off the datasheet's, rounding, 1/f, a running sum of white noise, a straight
-    /// line, first-order coloured noise, a pickup, an exponential settling, all channels following a temperature.
+    /// What can be planted at rest: white level off the datasheet's, rounding, 1/f, a running sum
+    /// of white noise, a straight line, first-order coloured noise, a pickup, an exponential
+    /// settling, all channels following a temperature.
     Slow
     library {
         WhiteNoise,
@@ -43,11 +45,11 @@ use Slow::*;
 pub struct Process {
     /// Kind of process.
     pub slow: Slow,
-    /// rms about its mean over the white noise; the step over the white noise for quantisation; the factor on the
-    /// promised level for white noise.
+    /// rms about its mean over the white noise; the step over the white noise for quantisation; the
+    /// factor on the promised level for white noise.
     pub size: f64,
-    /// Time constant in s (Gauss–Markov, warm-up), mean dwell in s (burst), frequency in Hz (sinusoid; the lowest of a sweep),
-    /// instant in s (jump); else unused.
+    /// Time constant in s (Gauss–Markov, warm-up), mean dwell in s (burst), frequency in Hz
+    /// (sinusoid; the lowest of a sweep), instant in s (jump); else unused.
     pub scale: f64,
     /// Signed share per channel; zero where a channel is untouched.
     pub channels: [f64; 3],
@@ -68,7 +70,8 @@ pub struct Still {
     pub bias: [f64; 3],
     /// Planted processes.
     pub planted: Vec<Process>,
-    /// Whether the model states the datasheet's density (then the smallest channel's is stated, all being equal).
+    /// Whether the model states the datasheet's density (then the smallest channel's is stated, all
+    /// being equal).
     pub promised: bool,
     /// Whether the temperature is given as a column.
     pub temperature_given: bool,
@@ -180,7 +183,8 @@ impl Still {
         let mut values: Vec<f64> = match process.slow {
             WhiteNoise | QuantisationNoise => return vec![0.0; n],
             FlickerNoise => {
-                // Relaxations an octave apart, from one sample to four records, have a spectrum 1/f in between.
+                // Relaxations an octave apart, from one sample to four records, have a spectrum 1/f
+                // in between.
                 let octaves = (4.0 * n as f64).log2().ceil() as i32;
                 let parts: Vec<Vec<f64>> = (0..octaves).map(|k| relaxation(&mut rng, n, 2f64.powi(k))).collect();
                 (0..n).map(|i| parts.iter().map(|p| p[i]).sum()).collect()
@@ -265,7 +269,8 @@ impl Still {
         Channels { readings, temperature: self.temperature_given.then(column) }
     }
 
-    /// Physical values of a process in one channel, by the library's symbols, where the law has one.
+    /// Physical values of a process in one channel, by the library's symbols, where the law has
+    /// one.
     pub fn parameters(&self, process: &Process, channel: usize) -> Vec<(&'static str, f64)> {
         let sigma = self.white[channel] * process.size * process.channels[channel].abs();
         match process.slow {
@@ -289,8 +294,9 @@ impl Still {
 mod tests {
     use super::*;
 
-    // Bias instability B of a sum of relaxations an octave apart, each of variance q: B² = π q/ln 2, because a one-sided
-    // spectrum h/f has Allan variance 2 ln 2 h and B is defined by 2 ln 2 B²/π.
+    // Bias instability B of a sum of relaxations an octave apart, each of variance q: B² = π q/ln
+    // 2, because a one-sided spectrum h/f has Allan variance 2 ln 2 h and B is defined by 2 ln 2
+    // B²/π.
     fn bias_instability(variance_per_octave: f64) -> f64 {
         (std::f64::consts::PI * variance_per_octave / std::f64::consts::LN_2).sqrt()
     }
@@ -301,7 +307,8 @@ mod tests {
         (sum / (2.0 * (means.len() - 1) as f64)).sqrt()
     }
 
-    // Allan deviation of flicker noise is 0.664 B at every averaging time (IEEE 952); of a walk it grows as √τ.
+    // Allan deviation of flicker noise is 0.664 B at every averaging time (IEEE 952); of a walk it
+    // grows as √τ.
     #[test]
     fn flicker_is_flat_at_its_law_and_a_walk_rises_by_its_root() {
         let mut rng = Philox::new(4, 0, Stream::Host);

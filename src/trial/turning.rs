@@ -1,6 +1,8 @@
-//! An IMU turned by hand through still poses: gravity and rate in closed form, what the sensors make of them planted.
+//! An IMU turned by hand through still poses: gravity and rate in closed form, what the sensors
+//! make of them planted.
 //!
-//! Turns are about one body axis each with a minimum-jerk profile, so that attitude and rate are exact at any time.
+//! Turns are about one body axis each with a minimum-jerk profile, so that attitude and rate are
+//! exact at any time.
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rand::{Rng, RngExt};
@@ -16,9 +18,10 @@ pub(super) const GRAVITY_M_S2: f64 = 9.81;
 const EARTH_RAD_S: f64 = 7.292e-5;
 
 catalogue! {
-    /// What can be planted in an IMU that is turned: axes that differ in scale or are not orthogonal (or not the
-    /// accelerometer's), a gyro that follows specific force, an accelerometer scale that bends, offsets that follow a
-    /// temperature given as a column, the earth's turning.
+    /// What can be planted in an IMU that is turned: axes that differ in scale or are not
+    /// orthogonal (or not the accelerometer's), a gyro that follows specific force, an
+    /// accelerometer scale that bends, offsets that follow a temperature given as a column, the
+    /// earth's turning.
     Fault
     library {
         ScaleFactor,
@@ -46,7 +49,8 @@ pub struct Planted {
     pub in_gyro: bool,
     /// Its matrix, vector (first row) or scalar, in SI units of the sensor's reading.
     pub values: [[f64; 3]; 3],
-    /// rms change of the readings after offsets and a common scale are refitted, over the noise per sample.
+    /// rms change of the readings after offsets and a common scale are refitted, over the noise per
+    /// sample.
     pub visible: f64,
 }
 
@@ -127,7 +131,8 @@ impl Turned {
             for (j, value) in row.iter_mut().enumerate() {
                 let used = match fault {
                     Fault::ScaleFactor => i == j,
-                    // The accelerometer's own frame has z along its z axis: a rotation of all is no fault.
+                    // The accelerometer's own frame has z along its z axis: a rotation of all is no
+                    // fault.
                     Fault::Misalignment => {
                         if in_gyro {
                             i != j
@@ -269,7 +274,8 @@ impl Turned {
         Counts { readings, temperature: instants.iter().map(|at| 25.0 + 2.0 * at.temperature).collect() }
     }
 
-    /// A planted value by the library's symbol, where the frame that it refers to is the generator's own.
+    /// A planted value by the library's symbol, where the frame that it refers to is the
+    /// generator's own.
     pub fn parameter(&self, id: &str, name: &str) -> Option<f64> {
         let planted = self.planted.iter().find(|p| p.fault.id() == id)?;
         // K's entries, °/s/g, named by axes: k_xy is the y force in the x rate.

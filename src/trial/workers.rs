@@ -1,8 +1,8 @@
 //! Independent cases side by side, each on one thread from beginning to end.
 //!
-//! A diagnosis is parallel inside. Nested in a parallel loop, a thread that waits for its own parts would begin another
-//! case meanwhile: many stand half done, their times mean nothing, and a stop loses them all. Here each worker's inner
-//! loops run on the worker itself.
+//! A diagnosis is parallel inside. Nested in a parallel loop, a thread that waits for its own parts
+//! would begin another case meanwhile: many stand half done, their times mean nothing, and a stop
+//! loses them all. Here each worker's inner loops run on the worker itself.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,7 +12,8 @@ use rayon::ThreadPoolBuilder;
 use crate::error::{Error, Result};
 use crate::parallel;
 
-/// Does `work` for every item in their order, as many at a time as there are threads; the first error ends it.
+/// Does `work` for every item in their order, as many at a time as there are threads; the first
+/// error ends it.
 ///
 /// # Errors
 /// The first of `work`, or that no thread can be started.

@@ -1,8 +1,9 @@
-//! A number of study.toml: its key, the datasheet unit that the key ends with, the values that make sense, and its slot in
-//! the random numbers of tolerances.
+//! A number of study.toml: its key, the datasheet unit that the key ends with, the values that make
+//! sense, and its slot in the random numbers of tolerances.
 //!
-//! A key is declared once, beside the physics it belongs to (`sensor`, `excitation`); `study` reads, checks, draws and
-//! prints every key from that declaration. Not for keys that hold no drawable number, such as `members` or `kind`.
+//! A key is declared once, beside the physics it belongs to (`sensor`, `excitation`); `study`
+//! reads, checks, draws and prints every key from that declaration. Not for keys that hold no
+//! drawable number, such as `members` or `kind`.
 
 /// Sign that a value may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,8 +19,8 @@ pub enum Sign {
 /// Declaration of one key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key {
-    /// Counter word in the tolerance stream. It never changes and is never reused, so that the same seed keeps drawing
-    /// the same sensors; a new key takes the next free slot.
+    /// Counter word in the tolerance stream. It never changes and is never reused, so that the same
+    /// seed keeps drawing the same sensors; a new key takes the next free slot.
     pub slot: usize,
     /// Section and key, "gyro.bias_deg_h".
     pub path: &'static str,
@@ -31,7 +32,8 @@ pub struct Key {
     pub factor: f64,
     /// Sign that a value may have.
     pub sign: Sign,
-    /// Whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the coefficient itself.
+    /// Whether it is a one-sided noise density n, whose factor holds N = n/√2; else it is the
+    /// coefficient itself.
     pub one_sided: bool,
 }
 

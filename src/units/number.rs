@@ -1,7 +1,8 @@
 //! A number of study.toml: fixed, or drawn per member from a normal or a uniform distribution.
 //!
-//! A normal tolerance of a quantity that cannot be negative is cut at zero (drawn from the truncated normal), which is
-//! harmless while the mean lies two standard deviations or more above zero and refused by `check` when it does not.
+//! A normal tolerance of a quantity that cannot be negative is cut at zero (drawn from the
+//! truncated normal), which is harmless while the mean lies two standard deviations or more above
+//! zero and refused by `check` when it does not.
 
 #[cfg(feature = "cli")]
 use std::borrow::Cow;
@@ -67,7 +68,8 @@ impl Number {
             Self::Fixed(value) => (value, 0.0),
             Self::Uniform { min, max } => (0.5 * (min + max), (max - min).powi(2) / 12.0),
             Self::Normal { mean, sd } if cut && sd > 0.0 => {
-                // Truncation at zero: Johnson, Kotz & Balakrishnan, Continuous Univariate Distributions 1, §13.10.1.
+                // Truncation at zero: Johnson, Kotz & Balakrishnan, Continuous Univariate
+                // Distributions 1, §13.10.1.
                 let standard = Normal::standard();
                 let edge = -mean / sd;
                 let hazard = standard.pdf(edge) / standard.sf(edge);
@@ -77,7 +79,8 @@ impl Number {
         }
     }
 
-    /// The value at `probability` in (0, 1) of its distribution; `cut` if the quantity cannot be negative.
+    /// The value at `probability` in (0, 1) of its distribution; `cut` if the quantity cannot be
+    /// negative.
     pub fn quantile(self, probability: f64, cut: bool) -> f64 {
         match self {
             Self::Fixed(value) => value,

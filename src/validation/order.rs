@@ -45,7 +45,8 @@ pub fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// log₂ of how much smaller the error gets when the step is halved; the reference has a sixteenth of it.
+/// log₂ of how much smaller the error gets when the step is halved; the reference has a sixteenth
+/// of it.
 fn measured(mass: &ProofMass, integrator: Integrator) -> f64 {
     let force = Sine { amplitude_m_s2: 9.0, frequency_hz: 3.0, offset_m_s2: 2.0 };
     let end = |step_s: f64| integrate(mass, integrator, step_s, (0.24 / step_s).round() as u64, force);

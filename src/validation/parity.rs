@@ -1,4 +1,5 @@
-//! CPU in f32 against a GPU: the same study, percentile by percentile, for every integrator and with everything on.
+//! CPU in f32 against a GPU: the same study, percentile by percentile, for every integrator and
+//! with everything on.
 
 use super::jobs::{Place, Sine, job, masses};
 use super::row::Row;
@@ -63,10 +64,11 @@ pub fn everything() -> Sensor {
     sensor
 }
 
-/// The largest difference of mean, standard deviation or percentile in units of the standard deviation, over times and
-/// quantities. Percentiles count beyond one bin of their histogram only: a member whose last bit carries it across an edge
-/// moves a percentile by a whole bin, and nothing finer can be read from a histogram. Means and standard deviations are
-/// summed from the members themselves and have no such grain.
+/// The largest difference of mean, standard deviation or percentile in units of the standard
+/// deviation, over times and quantities. Percentiles count beyond one bin of their histogram only:
+/// a member whose last bit carries it across an edge moves a percentile by a whole bin, and nothing
+/// finer can be read from a histogram. Means and standard deviations are summed from the members
+/// themselves and have no such grain.
 pub fn difference(a: &Statistics, b: &Statistics) -> f64 {
     // The bins follow the standard deviation of a pilot, which is off by its own sampling error.
     const GRAIN: f64 = 1.05 * BIN_SD;

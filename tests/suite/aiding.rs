@@ -1,5 +1,6 @@
-//! Aided navigation: between updates errors grow by their closed forms, fixes spread as the linear covariance says, a filter
-//! finds what exact measurements tell, and CPU and GPU apply the same corrections.
+//! Aided navigation: between updates errors grow by their closed forms, fixes spread as the linear
+//! covariance says, a filter finds what exact measurements tell, and CPU and GPU apply the same
+//! corrections.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::flight::{FlightCpu, Quantity};
@@ -100,7 +101,8 @@ fn fix_noise() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Two exact fixes tell a constant bias (with the tilt that looks like it), so that nothing is left to drift by; a reset leaves it.
+/// Two exact fixes tell a constant bias (with the tilt that looks like it), so that nothing is left
+/// to drift by; a reset leaves it.
 fn filter_finds() -> Result<(), Failed> {
     let text = |method: &str| {
         format!(

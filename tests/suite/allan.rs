@@ -1,4 +1,5 @@
-//! Allan curves and their coefficients: what is put in comes out, with intervals that cover as often as they claim.
+//! Allan curves and their coefficients: what is put in comes out, with intervals that cover as
+//! often as they claim.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::numerics::allan::law::Term;
@@ -28,8 +29,9 @@ pub fn tests() -> Vec<Trial> {
 
 const RATE_HZ: f64 = 10.0;
 
-/// A signal of the five terms, made from their definitions (not from the fit's laws). Flicker is a sum of Gauss–Markov
-/// processes three apart in correlation time: density Σ 4σ²τ/(1 + (2πfτ)²) → σ²/(f ln 3), so σ² = B² ln 3/π.
+/// A signal of the five terms, made from their definitions (not from the fit's laws). Flicker is a
+/// sum of Gauss–Markov processes three apart in correlation time: density Σ 4σ²τ/(1 + (2πfτ)²) →
+/// σ²/(f ln 3), so σ² = B² ln 3/π.
 fn signal(count: usize, [q, n, b, k, r]: [f64; 5], rng: &mut impl Rng) -> Vec<f64> {
     let step_s = 1.0 / RATE_HZ;
     let mut normal = || rng.sample::<f64, _>(StandardNormal);
@@ -72,7 +74,8 @@ fn round_trip(name: &str, truth: [f64; 5]) -> Result<(), Failed> {
         let inside = |f: &&Fit| (f.coefficients[p].ci95[0]..=f.coefficients[p].ci95[1]).contains(&want);
         let covered = fits.iter().filter(inside).count() as f64 / REPLICAS as f64;
         let symbol = allan::law::TERMS[p].symbol();
-        // Two and a half standard errors of a share of 95 % below it; an estimate at the wall of zero covers more often.
+        // Two and a half standard errors of a share of 95 % below it; an estimate at the wall of
+        // zero covers more often.
         check(covered >= 0.907, format!("{name}: {symbol} is covered in {covered} of the replicas"))?;
         let narrow = |f: &&Fit| {
             let c = f.coefficients[p];
@@ -120,7 +123,8 @@ fn command() -> Result<(), Failed> {
     let written = sensor["accelerometer"]["velocity_random_walk_m_s_rth"].as_float().unwrap_or(f64::NAN);
     check((written / 6.0 - 1.0).abs() < 0.05, format!("sensor.toml has {written} m/s/√h, 6 went in"))?;
     check(std::fs::read_to_string(folder.path().join("noise/report.html"))?.contains("<svg"), "no figure")?;
-    // From the log to its simulation without writing a line: study.toml runs and lays the log beside itself.
+    // From the log to its simulation without writing a line: study.toml runs and lays the log
+    // beside itself.
     let study = folder.path().join("noise/study.toml");
     let simulated = program().arg("study").arg(&study).arg("--out").arg(folder.path().join("run")).output()?;
     check(simulated.status.success(), String::from_utf8_lossy(&simulated.stderr))?;
@@ -149,8 +153,9 @@ fn adis16405(folder: &std::path::Path) -> Result<(), Failed> {
             if gyro.contains(&name) { ("0.05deg/s", Quantity::Gyro) } else { ("3.33mg", Quantity::Accelerometer) };
         Unit::parse(scale, quantity).unwrap_or_else(|_| Unit::unknown())
     })?;
-    // Known of it (README): Allan deviation at 1 s as N, °/√h and m/s/√h, and its minimum over 0.664, °/h and mg. They carry
-    // two or three digits, so half a digit is allowed beside the interval.
+    // Known of it (README): Allan deviation at 1 s as N, °/√h and m/s/√h, and its minimum over
+    // 0.664, °/h and mg. They carry two or three digits, so half a digit is allowed beside the
+    // interval.
     let known = [
         ("gx_lsb", 2.47, 29.0),
         ("gy_lsb", 2.58, 49.0),

@@ -1,5 +1,5 @@
-//! The layer table of `lib.rs` holds: imports run one way and never in a circle, heavy crates have one owner, the maps in
-//! module docs name what exists, every file says what it is.
+//! The layer table of `lib.rs` holds: imports run one way and never in a circle, heavy crates have
+//! one owner, the maps in module docs name what exists, every file says what it is.
 
 mod circles;
 mod imports;
@@ -12,8 +12,8 @@ use libtest_mimic::{Failed, Trial};
 use super::world::{check, test};
 use imports::{Imports, Module, Taken, module_of};
 
-/// The modules of the table in `lib.rs`, lowest layer first and each layer from left to right: a module may import those
-/// before it.
+/// The modules of the table in `lib.rs`, lowest layer first and each layer from left to right: a
+/// module may import those before it.
 fn table() -> Vec<String> {
     let rows = read("src/lib.rs");
     let rows =
@@ -223,7 +223,8 @@ fn chains(text: &str) -> Vec<Vec<String>> {
     chains
 }
 
-/// What is wrong with a chain in the doc of a module: a name that is no module there, or an import against its direction.
+/// What is wrong with a chain in the doc of a module: a name that is no module there, or an import
+/// against its direction.
 fn wrong_in_chain(module: &Module, chain: &[String], imports: &Imports, taken: &BTreeSet<Taken>) -> Option<String> {
     let children = imports.children(module);
     if let Some(gone) = chain.iter().find(|name| !children.contains(*name)) {

@@ -1,4 +1,5 @@
-//! `diagnose` as a user runs it: a log and a model written into a folder of their own, and what the program answers.
+//! `diagnose` as a user runs it: a log and a model written into a folder of their own, and what the
+//! program answers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -89,7 +90,8 @@ impl Bench {
         self.diagnose(csv, model, &[])?.refuses(what, words)
     }
 
-    /// The verdict on a log that is judged in spite of its damage, which is mentioned in these words.
+    /// The verdict on a log that is judged in spite of its damage, which is mentioned in these
+    /// words.
     pub fn survived(&self, what: &str, csv: &str, model: &str, words: &str) -> Result<Value, Failed> {
         let answer = self.diagnose(csv, model, &["--json"])?;
         check(answer.code == Some(0), format!("{what}: exit {:?} {}", answer.code, answer.stderr))?;

@@ -30,7 +30,8 @@ fn parameter(verdict: &Value, id: &str, name: &str) -> Result<f64, Failed> {
     found.ok_or_else(|| format!("no {name} of {id} in {}", verdict["effects"]).into())
 }
 
-/// x″ = 0.4 u − 2 x′ − 0.2 sgn x′ − ω²x: a control loop leads it along two tones. Position rounded to 0.1 µm.
+/// x″ = 0.4 u − 2 x′ − 0.2 sgn x′ − ω²x: a control loop leads it along two tones. Position rounded
+/// to 0.1 µm.
 fn axis(friction: f64, omega: f64) -> String {
     let (rate_hz, fine, mut x, mut v) = (1000.0, 20, 0.0f64, 0.0f64);
     let mut text = String::from("u,y\n");
@@ -84,8 +85,9 @@ fn diagnosed(data: &Path, folder: &str, train: &str, test: &[&str], model: &str)
     run(&mut command)?.json()
 }
 
-// Truth: README of the benchmark. Errors: three times those of the true parameters with a band-limited input on the multisine
-// (2.4e-7 m), and little more on the sweep (2.6e-6 m); the best published on the multisine is 1.2e-5 m.
+// Truth: README of the benchmark. Errors: three times those of the true parameters with a
+// band-limited input on the multisine (2.4e-7 m), and little more on the sweep (2.6e-6 m); the best
+// published on the multisine is 1.2e-5 m.
 fn boucwen(data: &Path) -> Result<(), Failed> {
     let model = "kind = \"driven\"\nrate_hz = 750.0\n[columns]\ninput = \"force_N\"\noutput = \"position_m\"\n";
     let tests = ["validation_multisine.csv", "validation_sinesweep.csv"];

@@ -1,4 +1,5 @@
-//! The commands answer as the contract says: help with examples, exit 2 and a sentence for what cannot be, JSON when asked.
+//! The commands answer as the contract says: help with examples, exit 2 and a sentence for what
+//! cannot be, JSON when asked.
 
 use libtest_mimic::{Failed, Trial};
 

@@ -1,4 +1,5 @@
-//! One clock for all readers: `allan` (streaming) and `diagnose` (in memory) name the same rate of any file, or refuse it.
+//! One clock for all readers: `allan` (streaming) and `diagnose` (in memory) name the same rate of
+//! any file, or refuse it.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::error::Error;
@@ -54,7 +55,8 @@ impl Log {
         Ok([streamed, held])
     }
 
-    /// Fails unless both readers find this rate within a tolerance, relative, and this many samples.
+    /// Fails unless both readers find this rate within a tolerance, relative, and this many
+    /// samples.
     fn has(&self, what: &str, rate_hz: f64, tolerance: f64, samples: usize) -> Result<Vec<Finding>, Failed> {
         let [streamed, held] = self.read(&self.request())?;
         let mut said = Vec::new();
@@ -96,8 +98,8 @@ fn recognised() -> Result<(), Failed> {
             }
         }
     }
-    // Stamps rounded to whole ms, faster and slower than one per ms; every row is a sample. The edge of a rounded stamp is
-    // worth one part in a span of five seconds.
+    // Stamps rounded to whole ms, faster and slower than one per ms; every row is a sample. The
+    // edge of a rounded stamp is worth one part in a span of five seconds.
     for rate in [1024.0, 1600.0, 990.0, 600.0, 333.0] {
         let log = Log::new("t_ms", rows, |n| format!("{}", (n as f64 * 1000.0 / rate).floor()));
         let said = log.has(&format!("{rate} Hz in whole ms"), rate, 2e-4, rows)?;
@@ -111,7 +113,8 @@ fn recognised() -> Result<(), Failed> {
     let wrapped = Log::new("t_us", rows, |n| format!("{}", (4_290_000_000u32).wrapping_add(5000 * n as u32)));
     let said = wrapped.has("32 bits of µs", 200.0, 1e-6, rows)?;
     check(said.iter().any(|f| matches!(f, Finding::ClockWrapped { first_row: 994, .. })), format!("{said:?}"))?;
-    // Jitter of a tenth of a tick either way; an oscillator that is off by 50 ppm and drifts by 20 more.
+    // Jitter of a tenth of a tick either way; an oscillator that is off by 50 ppm and drifts by 20
+    // more.
     Log::new("t", rows, |n| format!("{:.6}", n as f64 * 0.01 + 0.001 * noise(n) / 1.73))
         .has("jitter", 100.0, 1e-3, rows)?;
     let drifting = |n: usize| n as f64 * 0.01 * (1.0 + 5e-5 + 2e-5 * n as f64 / rows as f64);
@@ -200,7 +203,8 @@ fn stretches() -> Result<(), Failed> {
     Ok(())
 }
 
-/// The former way: what it says of a file whose rate changes in row 1000 is what the test above must not accept.
+/// The former way: what it says of a file whose rate changes in row 1000 is what the test above
+/// must not accept.
 fn control() -> Result<(), Failed> {
     let first_thousand = 999.0 / stepped(999, 1000, 200.0);
     let whole = 19_999.0 / stepped(19_999, 1000, 200.0);
@@ -208,8 +212,8 @@ fn control() -> Result<(), Failed> {
 }
 
 fn real(folder: &std::path::Path) -> Result<(), Failed> {
-    // Rates as the data's own description states them: EuRoC 200 Hz in ns from 1970, silverbox 10⁷/2¹⁴ Hz, EMPS 1 kHz,
-    // Xsens 100 Hz, Sense HAT a row every 10 s, Xsens DOT 120 Hz.
+    // Rates as the data's own description states them: EuRoC 200 Hz in ns from 1970, silverbox
+    // 10⁷/2¹⁴ Hz, EMPS 1 kHz, Xsens 100 Hz, Sense HAT a row every 10 s, Xsens DOT 120 Hz.
     for (file, time, rate, guessed) in [
         ("euroc_v102/imu0.csv", "timestamp", 200.0, false),
         ("formats/euroc.csv", "#timestamp [ns]", 200.0, false),

@@ -1,7 +1,8 @@
 //! Every error source alone drifts as its closed form says, at 5, 10 and 20 s, with 8192 members.
 //!
-//! The expected numbers are written out here from the textbook laws (Woodman, UCAM-CL-TR-696, §6; Titterton & Weston,
-//! §12), independent of `drift::expected`. The sd of 8192 members scatters by 0.8 %: 4 % is five standard errors.
+//! The expected numbers are written out here from the textbook laws (Woodman, UCAM-CL-TR-696, §6;
+//! Titterton & Weston, §12), independent of `drift::expected`. The sd of 8192 members scatters by
+//! 0.8 %: 4 % is five standard errors.
 
 use std::path::Path;
 
@@ -62,7 +63,8 @@ const CASES: &[Case] = &[
     }),
     // The same of a tilt δ: ½ g δ t²
     ("initial tilt", "[alignment]\nkind = \"drawn\"\ntilt_sd_deg = 0.2", |t| 0.5 * G * 0.2f64.to_radians() * t * t),
-    // A rate error k a under a constant force a: g k a t³/6; 1 °/h/g under 2 m/s² = 4.8481e-6 × 2/9.80665 rad/s
+    // A rate error k a under a constant force a: g k a t³/6; 1 °/h/g under 2 m/s² = 4.8481e-6 ×
+    // 2/9.80665 rad/s
     (
         "gyro g-sensitivity",
         "[gyro]\ng_sensitivity_deg_h_g = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
@@ -74,7 +76,8 @@ const CASES: &[Case] = &[
         "[gyro]\ng2_sensitivity_deg_h_g2 = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
         |t| G * 50.0 * 4.848_136_8e-6 * (2.0 / G).powi(2) * t.powi(3) / 6.0,
     ),
-    // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the noise itself.
+    // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the
+    // noise itself.
     ("quantisation over noise", "[accelerometer]\nquantisation_mg = 5.0\nnoise_density_ug_rthz = 400.0", |t| {
         let (noise, rounding) = (400e-6 * G / 2f64.sqrt(), 5e-3 * G / 12f64.sqrt() / 10.0);
         (noise.powi(2) + rounding.powi(2)).sqrt() * t.powf(1.5) / 3f64.sqrt()
@@ -132,7 +135,8 @@ fn alone((_, sections, law): &Case, backend: Choice) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Against `drift::expected` for all four quantities: there is no textbook law for a sum of held processes.
+/// Against `drift::expected` for all four quantities: there is no textbook law for a sum of held
+/// processes.
 fn against_expected(sections: &str, tolerance: f64) -> Result<(), Failed> {
     let study = study(sections)?;
     let statistics = simulate(&study, Choice::Cpu)?;

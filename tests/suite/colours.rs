@@ -1,7 +1,8 @@
-//! Colours of figures: any two inks of a theme differ for every reader, and all stand out from the paper.
+//! Colours of figures: any two inks of a theme differ for every reader, and all stand out from the
+//! paper.
 //!
-//! Difference: CIEDE2000 (Sharma, Wu & Dalal 2005). Colour-blindness: Machado, Oliveira & Fernandes 2009, severity 1, on
-//! linear RGB. Contrast: WCAG 2.
+//! Difference: CIEDE2000 (Sharma, Wu & Dalal 2005). Colour-blindness: Machado, Oliveira & Fernandes
+//! 2009, severity 1, on linear RGB. Contrast: WCAG 2.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::report::figure::theme;

@@ -1,4 +1,5 @@
-//! Every integrator converges with its order, keeps the static equilibrium, and f32 stays far below the noise.
+//! Every integrator converges with its order, keeps the static equilibrium, and f32 stays far below
+//! the noise.
 
 use libtest_mimic::Trial;
 use proofmass::control::Control;

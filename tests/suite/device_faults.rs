@@ -1,8 +1,9 @@
-//! Devices that fail: each kind of fault is an error with what was kept, or in `auto` a study that the CPU finishes; never a
-//! panic.
+//! Devices that fail: each kind of fault is an error with what was kept, or in `auto` a study that
+//! the CPU finishes; never a panic.
 //!
-//! The faults are made by a small library of our own between the program and Vulkan (`device_faults/vulkan.c`), compiled
-//! here. Ignored where there is no C compiler or no Vulkan driver.
+//! The faults are made by a small library of our own between the program and Vulkan
+//! (`device_faults/vulkan.c`), compiled here. Ignored where there is no C compiler or no Vulkan
+//! driver.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,8 @@ use serde_json::Value;
 
 use super::world::{check, program, test};
 
-/// Kind of fault, and how many calls succeed before it. The first four come in the middle of a run, the last two when the
-/// device is opened.
+/// Kind of fault, and how many calls succeed before it. The first four come in the middle of a run,
+/// the last two when the device is opened.
 const FAULTS: [&str; 6] = ["submit:12", "wait:12", "alloc:30", "hang:12", "device:0", "pipeline:0"];
 
 /// Tests of this module.
@@ -75,7 +76,8 @@ struct World {
     vulkan: PathBuf,
 }
 
-/// Work enough for a card, where the processor has one thread, and for some thirty submissions on a software device.
+/// Work enough for a card, where the processor has one thread, and for some thirty submissions on a
+/// software device.
 const STUDY: &str = "name = \"faulty\"\nmembers = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 1000.0\n\
                      [accelerometer]\nnoise_density_ug_rthz = 100.0\nbias_mg = { mean = 0.0, sd = 1.0 }\n\
                      [report]\ntimes_s = [10.0, 60.0]\n";
@@ -146,7 +148,8 @@ fn asked(world: &World, fault: &str) -> Result<(), Failed> {
     let kept = world.out().join("interrupted-1.json");
     check(message.contains("--resume") == kept.exists(), format!("kept: {}, but it says: {message}", kept.exists()))?;
     if fault.ends_with(":0") {
-        // Nothing was done that could be kept; what an earlier run has left survives a device that cannot be opened.
+        // Nothing was done that could be kept; what an earlier run has left survives a device that
+        // cannot be opened.
         check(!kept.exists(), "a state of nothing")?;
         world.run("wait:12", &["--backend", "gpu"])?;
         check(

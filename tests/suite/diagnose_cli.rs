@@ -1,4 +1,5 @@
-//! `diagnose` at the command line: the contract's files and fields, and bad input answered in sentences.
+//! `diagnose` at the command line: the contract's files and fields, and bad input answered in
+//! sentences.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -228,9 +229,9 @@ fn silverbox(data: &Path) -> Result<(), Failed> {
     )?;
     let verdict = diagnose(&data.join("silverbox/SNLS80mV.csv"), &model, &["--json"])?.json()?;
     check(verdict["effects"][0]["id"] == "cubic-stiffness", format!("{}", verdict["effects"]))?;
-    // Free simulation. The linear model's 6.96 and 14.4 mV and the best published, 0.26 to 0.37 mV on the arrow, are those of
-    // Champneys et al., arXiv 2405.10779, and works cited there; 0.26 mV is a hair above what cubic and quadratic spring
-    // with x²x' damping leave on the multisine.
+    // Free simulation. The linear model's 6.96 and 14.4 mV and the best published, 0.26 to 0.37 mV
+    // on the arrow, are those of Champneys et al., arXiv 2405.10779, and works cited there; 0.26 mV
+    // is a hair above what cubic and quadratic spring with x²x' damping leave on the multisine.
     for (range, linear, best) in [(0, 6.96e-3, 0.26e-3), (1, 14.4e-3, 0.37e-3)] {
         let score = &verdict["fit"]["test_ranges"][range];
         let rmse = |key: &str| score[key].as_f64().unwrap_or(f64::NAN);
@@ -268,7 +269,8 @@ fn xsens(data: &Path) -> Result<(), Failed> {
     let verdict = diagnose(&data.join("xsens_mti/raw_counts.csv"), &model, &["--json"])?.json()?;
     check(verdict["verdict"] == "explained", format!("verdict {}", verdict["verdict"]))?;
 
-    // factory_calibration.json of the data set: counts per m/s² and per rad/s; rounded to whole counts and to 0.01 rad.
+    // factory_calibration.json of the data set: counts per m/s² and per rad/s; rounded to whole
+    // counts and to 0.01 rad.
     let scale = parameters(&verdict, "scale-factor", "ax_cnt")?;
     for (got, factory) in scale.iter().zip([415.0, 413.0, 415.0]) {
         near("accelerometer scale", *got, factory, 0.003 * factory)?;
@@ -277,15 +279,17 @@ fn xsens(data: &Path) -> Result<(), Failed> {
     for (got, factory) in scale.iter().zip([4778.0, 4758.0, 4766.0]) {
         near("gyro scale", *got, factory, 0.003 * factory)?;
     }
-    // Poses show only angles between axes: the factory's six numbers enter as the three sums m_ij + m_ji. A rotation R
-    // of the factory's frame into the accelerometer's own (its z axis, its y axis across) is removed from the gyro's too.
+    // Poses show only angles between axes: the factory's six numbers enter as the three sums m_ij +
+    // m_ji. A rotation R of the factory's frame into the accelerometer's own (its z axis, its y
+    // axis across) is removed from the gyro's too.
     let factory_force = [[1.0, 0.0, -0.01], [0.01, 1.0, 0.01], [0.02, 0.01, 1.0]];
     let factory_rate = [[1.0, -0.01, -0.02], [0.0, 1.0, 0.04], [-0.01, 0.01, 1.0]];
     let force = parameters(&verdict, "misalignment", "ax_cnt")?;
     for (got, (i, j)) in force.iter().zip([(0, 1), (0, 2), (1, 2)]) {
         near("accelerometer misalignment", *got, factory_force[i][j] + factory_force[j][i], 0.01)?;
     }
-    // To first order M' = M + W with W antisymmetric, chosen so that the accelerometer's lower triangle vanishes.
+    // To first order M' = M + W with W antisymmetric, chosen so that the accelerometer's lower
+    // triangle vanishes.
     let rate = parameters(&verdict, "misalignment", "gx_cnt")?;
     for (got, (i, j)) in rate.iter().zip([(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]) {
         let turn = if i > j { -factory_force[i][j] } else { factory_force[j][i] };
@@ -314,7 +318,8 @@ fn xsens_poses_found(data: &Path) -> Result<(), Failed> {
     for (got, factory) in scale.iter().zip([415.0, 413.0, 415.0]) {
         near("accelerometer scale", *got, factory, 0.003 * factory)?;
     }
-    // The file's own intervals: each must hold a stretch that the tool found, and hardly anything may lie outside them.
+    // The file's own intervals: each must hold a stretch that the tool found, and hardly anything
+    // may lie outside them.
     let given = fs::read_to_string(data.join("xsens_mti/static_intervals.csv"))?;
     let given: Vec<(f64, f64)> = given
         .lines()
@@ -333,7 +338,8 @@ fn xsens_poses_found(data: &Path) -> Result<(), Failed> {
     check(missed <= 1, format!("{missed} of {} intervals missed", given.len()))?;
     let stray: f64 = found.iter().map(|f| f.1 - f.0 - given.iter().map(|g| overlap(*f, *g)).sum::<f64>()).sum();
     let total: f64 = found.iter().map(|f| f.1 - f.0).sum();
-    // The file's intervals are cut short by its authors' two-second window: by some tenths of a second at each end.
+    // The file's intervals are cut short by its authors' two-second window: by some tenths of a
+    // second at each end.
     check(
         stray < 0.1 * total,
         format!("{:.1} % of the stillness found lies outside the intervals", 100.0 * stray / total),

@@ -1,4 +1,5 @@
-//! `diagnose` on a sensor at rest at the command line, bad input of its own kind, and every kind's repaired model as a study.
+//! `diagnose` on a sensor at rest at the command line, bad input of its own kind, and every kind's
+//! repaired model as a study.
 
 use std::fs;
 
@@ -25,7 +26,8 @@ pub fn tests() -> Vec<Trial> {
 const ROWS: usize = 4000;
 const MODEL: &str = "kind = \"static\"\nrate_hz = 100.0\nunit = \"mg\"\n[columns]\nchannels = [\"x\", \"y\", \"z\"]\n";
 
-/// Rows t, x, y, z in mg at 100 Hz: gravity on z, white noise of 1 mg, a walk of 0.2 mg per step on x.
+/// Rows t, x, y, z in mg at 100 Hz: gravity on z, white noise of 1 mg, a walk of 0.2 mg per step on
+/// x.
 fn rows() -> Vec<[f64; 4]> {
     let mut rng = Philox::new(77, 0, Stream::Host);
     let mut walk = 0.0;
@@ -158,7 +160,8 @@ fn poses_that_move() -> Result<(), Failed> {
     check(!silent.contains("not still"), silent)
 }
 
-/// A Duffing oscillator, integrated with Runge–Kutta 4 at twenty steps a sample under a multisine in closed form.
+/// A Duffing oscillator, integrated with Runge–Kutta 4 at twenty steps a sample under a multisine
+/// in closed form.
 fn duffing() -> String {
     let (natural, zeta, beta, rate_hz) = (250.0f64, 0.15, 4e9, 500.0);
     let force = |t: f64| -> f64 {

@@ -1,5 +1,6 @@
-//! Driven recordings: physics that was planted is named, alone and with the right number; where none was, silence; what the
-//! library does not hold is not given a name; the real circuit's spring is found.
+//! Driven recordings: physics that was planted is named, alone and with the right number; where
+//! none was, silence; what the library does not hold is not given a name; the real circuit's spring
+//! is found.
 
 pub mod plant;
 
@@ -132,7 +133,8 @@ fn strong() -> Result<(), Failed> {
         let found = diagnose(&recording(vec![("u", input), ("y", reading)]), &model(Some("u"), Split::default()))
             .map_err(|e| e.to_string())?;
         let v = &found.verdict;
-        // Control: the base model is lost indeed, by a hundred times the noise, a fifth of the output.
+        // Control: the base model is lost indeed, by a hundred times the noise, a fifth of the
+        // output.
         check(v.fit.test.rmse_before > 100.0 * v.fit.noise_floor, "the base model is not lost")?;
         check(v.verdict == Outcome::Explained && ids(v) == ["cubic-stiffness"], format!("{unit} {sign} {:?}", ids(v)))?;
         // βx² is a frequency squared: in other units of x it scales with their square.
@@ -167,8 +169,9 @@ fn library(law: Physics) -> Result<(), Failed> {
     check(alone || tied, format!("planted {id}: {:?} {:?}", v.verdict, ids(v)))
 }
 
-// The aim is nine of ten; five kinds unlike each other, of which one may be named, at 5 % of the output after the base is
-// refitted. Weaker, two library terms together may pass for one of them. The blind trial has ten kinds, and numbers.
+// The aim is nine of ten; five kinds unlike each other, of which one may be named, at 5 % of the
+// output after the base is refitted. Weaker, two library terms together may pass for one of them.
+// The blind trial has ten kinds, and numbers.
 fn foreign() -> Result<(), Failed> {
     let kinds = [
         Physics::FractionalDamper,
@@ -247,7 +250,8 @@ fn silverbox_quiet(folder: &Path) -> Result<(), Failed> {
     let v = silverbox(folder, [0, 10_000])?.verdict;
     let found = ids(&v);
     check(found.contains(&"cubic-stiffness") && found.contains(&"force-noise"), format!("{:?} {found:?}", v.verdict))?;
-    // A linear model errs by 40 mV there; 2 mV is what a fit of the whole physics to the quiet part reaches.
+    // A linear model errs by 40 mV there; 2 mV is what a fit of the whole physics to the quiet part
+    // reaches.
     check(v.fit.test.rmse_before > 0.035, "the linear model does not fail where it should")?;
     check(v.fit.test.rmse_after.unwrap_or(f64::NAN) < 0.002, format!("loud part: {:?} V", v.fit.test.rmse_after))?;
     let beta = v.effects.iter().find(|e| e.id == "cubic-stiffness").map(|e| e.parameters[0].ci95).unwrap_or_default();

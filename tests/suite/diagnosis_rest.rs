@@ -1,4 +1,5 @@
-//! Sensors at rest: each planted effect is found alone, nothing is found where nothing is, foreign physics gets no name.
+//! Sensors at rest: each planted effect is found alone, nothing is found where nothing is, foreign
+//! physics gets no name.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;
@@ -140,7 +141,8 @@ fn levels() -> Result<(), Failed> {
         let [low, high] = effect.parameters[0].ci95;
         covered += usize::from((low..=high).contains(&(1.3 * density)));
     }
-    // The false-alarm rate is half a per cent: three in sixty happen once in four hundred runs of other seeds.
+    // The false-alarm rate is half a per cent: three in sixty happen once in four hundred runs of
+    // other seeds.
     check(others <= 2, format!("{others} effects beside the level"))?;
     // 95 % of 60, less two and a half standard errors.
     check(covered >= 53, format!("{covered} of 60 intervals cover the level"))
@@ -236,7 +238,8 @@ fn foreign() -> Result<(), Failed> {
     check(wrong.len() <= 3, format!("{} of 25 not unexplained\n{}", wrong.len(), wrong.join("\n")))
 }
 
-/// Noise as real sensors have it, with nothing else in it: heavy tails, a level that swells, bad readings.
+/// Noise as real sensors have it, with nothing else in it: heavy tails, a level that swells, bad
+/// readings.
 fn noisy() -> Result<(), Failed> {
     const COUNT: usize = 6000;
     // Student's t with so many degrees of freedom.
@@ -272,7 +275,8 @@ fn noisy() -> Result<(), Failed> {
     check(wrong.len() <= 3, format!("{} of 80\n{}", wrong.len(), wrong.join("\n")))
 }
 
-/// A walk beside a knock, and as a control the knock alone: neither hides the other, and neither is taken for the other.
+/// A walk beside a knock, and as a control the knock alone: neither hides the other, and neither is
+/// taken for the other.
 fn knocked() -> Result<(), Failed> {
     const COUNT: usize = 10_000;
     let (mut right, mut others) = (0, Vec::new());
@@ -289,7 +293,8 @@ fn knocked() -> Result<(), Failed> {
             white(COUNT, &mut rng).iter().zip(drift).enumerate().map(|(n, (v, d))| v + d + knock(n)).collect();
         let (alone, both) = (judged(vec![alone], None)?, judged(vec![both], None)?);
         let told = |v: &Verdict| v.verdict == Outcome::Unexplained && v.sentence.contains("knock");
-        // A walk seen through a knock may also be a slow Gauss–Markov process: the two are then told as tied.
+        // A walk seen through a knock may also be a slow Gauss–Markov process: the two are then
+        // told as tied.
         let walk = |e: &Effect| e.id == "random-walk" || e.confusable_with.iter().any(|c| c == "random-walk");
         let walks = !both.effects.is_empty() && both.effects.iter().all(walk);
         let is_right = told(&alone) && alone.effects.is_empty() && told(&both) && walks;
@@ -320,7 +325,8 @@ fn jumps() -> Result<(), Failed> {
             ("growing noise", vec![growing], Some((2.0 / RATE_HZ).sqrt())),
         ] {
             let verdict = judged(channels, density)?;
-            // Noise that begins at the promised level and grows to twice that is no other level: the mismatch has no name.
+            // Noise that begins at the promised level and grows to twice that is no other level:
+            // the mismatch has no name.
             let grows = name == "growing noise";
             let said = !grows || verdict.location.summary.contains("its noise is not steady");
             let names = verdict.effects.iter().all(|e| !grows && e.id == "white-noise");
@@ -334,7 +340,8 @@ fn jumps() -> Result<(), Failed> {
     check(honest >= 22, format!("{honest} of 24 right\n{}", wrong.join("\n")))
 }
 
-/// Hops between two levels, and as a control a Gaussian process of the same strength and correlation.
+/// Hops between two levels, and as a control a Gaussian process of the same strength and
+/// correlation.
 fn popcorn() -> Result<(), Failed> {
     const COUNT: usize = 10_000;
     let cases: Vec<(u64, f64, f64)> =
@@ -360,7 +367,8 @@ fn popcorn() -> Result<(), Failed> {
     };
     let judge = |gaussian: bool| cases.par_iter().filter(|case| right(gaussian, **case)).count();
     let (found, alarms) = (judge(false), cases.len() - judge(true));
-    // Each would be found nearly always (the power simulated beside the unit tests is 20 of 20 from half the noise on).
+    // Each would be found nearly always (the power simulated beside the unit tests is 20 of 20 from
+    // half the noise on).
     check(found >= 23, format!("{found} of 24 unexplained and without a name"))?;
     // Verdicts on true drift are wrong in 1 % or so: three of 24 come by chance once in 400.
     check(alarms <= 2, format!("{alarms} of 24 Gaussian processes unexplained"))

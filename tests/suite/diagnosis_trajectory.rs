@@ -1,7 +1,8 @@
 //! An IMU in motion beside its reference: what is concealed in a log is found, and nothing else.
 //!
-//! Real logs: Burri et al., *The EuRoC micro aerial vehicle datasets*, IJRR 2016. The reference file's own biases are read here
-//! and never by the tool. Made-up flights: the tool's own drone, whose readings are exact but for what is planted.
+//! Real logs: Burri et al., *The EuRoC micro aerial vehicle datasets*, IJRR 2016. The reference
+//! file's own biases are read here and never by the tool. Made-up flights: the tool's own drone,
+//! whose readings are exact but for what is planted.
 
 mod flight;
 
@@ -82,7 +83,8 @@ fn sensor(data: &Path) -> Result<(), Failed> {
         let askew = flight.with_rate(|w| [w[0] + 5e-3 * w[1], w[1], w[2]]).diagnosed()?;
         named_alone(name, &askew, &untouched, "misalignment")?;
         for axis in 0..3 {
-            // calibrated = matrix · (reading − bias): a reading that is too large has a smaller entry.
+            // calibrated = matrix · (reading − bias): a reading that is too large has a smaller
+            // entry.
             let of = |answer: &Answer| matrix(answer).map(|m| 1.0 / m[axis][axis] - 1.0);
             near(&format!("{name} scale {axis}"), of(&scaled)? - of(&untouched)?, 5e-3, 5e-4)?;
             near(&format!("{name} scale {axis}, untouched"), of(&askew)? - of(&untouched)?, 0.0, 5e-4)?;
@@ -174,9 +176,10 @@ fn planted() -> Result<(), Failed> {
     Ok(())
 }
 
-/// White errors of 2 mrad and 3 mm of each pose: means over 0.05 s and 0.1 s at 100 poses per second err by 1/√5 and 1/√10 of
-/// them. 85 s hold 1700 and 850 means, 3 axes each: 1/√(2n) of the deviation is 1.0 % and 1.4 %, held to five of them, and to
-/// half as much again for what the largest of six spans is above their mean.
+/// White errors of 2 mrad and 3 mm of each pose: means over 0.05 s and 0.1 s at 100 poses per
+/// second err by 1/√5 and 1/√10 of them. 85 s hold 1700 and 850 means, 3 axes each: 1/√(2n) of the
+/// deviation is 1.0 % and 1.4 %, held to five of them, and to half as much again for what the
+/// largest of six spans is above their mean.
 fn noisy() -> Result<(), Failed> {
     for seed in [1, 6] {
         let answer = made_up(seed)?.with_erring_reference(2e-3, 3e-3).diagnosed()?;

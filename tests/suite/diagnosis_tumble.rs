@@ -1,4 +1,5 @@
-//! A tumble diagnosis names what was planted, is silent where nothing was, and does not name what it does not know.
+//! A tumble diagnosis names what was planted, is silent where nothing was, and does not name what
+//! it does not know.
 
 use libtest_mimic::{Failed, Trial};
 use nalgebra::{Matrix3, Vector3};
@@ -73,7 +74,8 @@ fn silence() -> Result<(), Failed> {
         let d = diagnose(&Imu::without_defect(seed), seed)?;
         Ok(unless(d.verdict.verdict == Outcome::Adequate, seed, &d))
     })?;
-    // At a true rate of 1 %, more than 6 false alarms in 240 happen in 1.2 % of such trials (binomial).
+    // At a true rate of 1 %, more than 6 false alarms in 240 happen in 1.2 % of such trials
+    // (binomial).
     check(alarms.len() <= 6, format!("{} false alarms in {runs}:\n{}", alarms.len(), alarms.join("\n")))
 }
 
@@ -87,7 +89,8 @@ const PLANTS: [Plant; 7] = [
     ("g-sensitivity", 'g', |i| i.g_sensitivity[(1, 0)] = 4e-4),
     ("scale-nonlinearity", 'a', |i| i.quadratic[0][2] = 4e-4),
     ("earth-rate", 'g', |i| {
-        // The earth's rate at 45° of latitude, heading north, before a gyro quiet enough to feel it.
+        // The earth's rate at 45° of latitude, heading north, before a gyro quiet enough to feel
+        // it.
         i.frame_rate_rad_s = Vector3::new(5.16e-5, 0.0, 5.16e-5);
         i.noise[1] = 2e-5;
         i.scale[1] *= 100.0;
@@ -241,8 +244,9 @@ fn gyro_foreign() -> Result<(), Failed> {
     })?)
 }
 
-/// Whether biases and matrices hold the truth, of an ordinary IMU and of one whose gyro does something unknown: that verdict
-/// is `unexplained`, and its accelerometer's numbers must hold all the same.
+/// Whether biases and matrices hold the truth, of an ordinary IMU and of one whose gyro does
+/// something unknown: that verdict is `unexplained`, and its accelerometer's numbers must hold all
+/// the same.
 fn calibration() -> Result<(), Failed> {
     let counts: Vec<Result<(usize, usize), Failed>> = (0..80u64)
         .into_par_iter()
@@ -265,7 +269,8 @@ fn calibration() -> Result<(), Failed> {
                 let truth = inverse * Matrix3::from_diagonal(&imu.scale[n].map(|s| 1.0 / s));
                 for i in 0..3 {
                     hold(sensor.bias_ci95[i], imu.offset[n][i]);
-                    // The lower triangle of the accelerometer's matrix is zero by the choice of the frame.
+                    // The lower triangle of the accelerometer's matrix is zero by the choice of the
+                    // frame.
                     (0..3).filter(|j| n == 1 || *j >= i).for_each(|j| hold(sensor.matrix_ci95[i][j], truth[(i, j)]));
                 }
             }

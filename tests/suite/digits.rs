@@ -1,4 +1,5 @@
-//! Digits that are declared stable are: over repeats for laws in closed form, in the examples of JCGM 101, and in a study.
+//! Digits that are declared stable are: over repeats for laws in closed form, in the examples of
+//! JCGM 101, and in a study.
 
 use std::convert::Infallible;
 use std::io::{BufRead as _, BufReader};
@@ -65,7 +66,8 @@ struct Law {
     truth: [f64; 4],
 }
 
-/// Scaled so that two digits take more than the first stage and their tolerance is one thing: u from 3 to 4 of its unit.
+/// Scaled so that two digits take more than the first stage and their tolerance is one thing: u
+/// from 3 to 4 of its unit.
 const LAWS: [Law; 3] = [
     Law { name: "normal", draw: |rng| 3.0 * rng.normal(), truth: [0.0, 3.0, -5.879_892, 5.879_892] },
     // Half-width 6: deviation 6/√3.
@@ -125,7 +127,8 @@ fn additive() -> Result<(), Failed> {
     let end = 2.0 * half * (2.0 - 0.6f64.powf(0.25));
     near("in print", end, 3.88, 0.005)?;
     agrees("rectangular", of(&rectangular_sum, rectangular_sum.interval95.symmetric), [0.0, 2.0, -end, end], 0.05)?;
-    // §9.2.4: one of them with a deviation of 10: 0, 10.1, ±17.0, where the linear answer has ±19.9.
+    // §9.2.4: one of them with a deviation of 10: 0, 10.1, ±17.0, where the linear answer has
+    // ±19.9.
     let wide = stated(3, 2, &|rng| {
         (0..3).map(|_| rectangular(rng, 0.0, half)).sum::<f64>() + rectangular(rng, 0.0, 10.0 * half)
     })?;
@@ -144,7 +147,8 @@ fn mass() -> Result<(), Failed> {
     };
     let result = stated(4, 1, &model)?;
     check(result.tolerance == 0.005, format!("{result:?}"))?;
-    // Table 6: 1.234, 0.075, [1.083, 1.383]; the first-order linear answer has u = 0.054, [1.129, 1.340].
+    // Table 6: 1.234, 0.075, [1.083, 1.383]; the first-order linear answer has u = 0.054, [1.129,
+    // 1.340].
     agrees("mass", of(&result, result.interval95.shortest), [1.234, 0.075, 1.083, 1.383], 0.01)?;
     agrees("mass", of(&result, result.interval95.symmetric), [1.234, 0.075, 1.083, 1.383], 0.005)?;
     check(result.beside(1.234, 0.054).validated == Some(false), "the first-order answer is found valid")
@@ -157,8 +161,9 @@ fn loss() -> Result<(), Failed> {
     let result = stated(5, 2, &loss(0.0))?;
     // x₁ = 0: an exponential law of mean 2σ² = 50; shortest interval 0 to −50 ln 0.05 = 149.8.
     agrees("x₁ = 0", of(&result, result.interval95.shortest), [50.0, 50.0, 0.0, 149.8], 0.5)?;
-    // x₁ = 0.010: mean x₁² + 2σ² = 150, u = √(4x₁²σ² + 4σ⁴) = 111.8; σ² times a noncentral χ² with two degrees, λ = 4,
-    // whose 2.5 and 97.5 % quantiles (scipy.stats.ncx2) times σ² = 25 are these.
+    // x₁ = 0.010: mean x₁² + 2σ² = 150, u = √(4x₁²σ² + 4σ⁴) = 111.8; σ² times a noncentral χ² with
+    // two degrees, λ = 4, whose 2.5 and 97.5 % quantiles (scipy.stats.ncx2) times σ² = 25 are
+    // these.
     let result = stated(6, 2, &loss(0.010))?;
     agrees("x₁ = 0.010", of(&result, result.interval95.symmetric), [150.0, 111.8, 8.547, 427.12], 5.0)?;
     let result = stated(7, 2, &loss(0.050))?;

@@ -1,4 +1,5 @@
-//! Driven recordings that are wrong in a way of their own: refused in a sentence, or survived and mentioned; never silent.
+//! Driven recordings that are wrong in a way of their own: refused in a sentence, or survived and
+//! mentioned; never silent.
 
 use std::f64::consts::TAU;
 
@@ -21,8 +22,8 @@ const SAMPLES: usize = 3000;
 const MODEL: &str = "kind = \"driven\"\nrate_hz = 500.0\n[columns]\ninput = \"u\"\noutput = \"y\"\n";
 const CLOCKED: &str = "kind = \"driven\"\n[columns]\ntime = \"t\"\ninput = \"u\"\noutput = \"y\"\n";
 
-/// Rows of t, u, y: a linear oscillator at 40 Hz under a multisine in steady state, by its frequency response; the reading
-/// carries 0.5 % of noise from a fixed recurrence.
+/// Rows of t, u, y: a linear oscillator at 40 Hz under a multisine in steady state, by its
+/// frequency response; the reading carries 0.5 % of noise from a fixed recurrence.
 fn rows() -> Vec<[f64; 3]> {
     answered(40.0, 0.1)
 }
@@ -205,7 +206,8 @@ fn survived() -> Result<(), Failed> {
     // Negative control: a sound recording has nothing to be said of.
     let sound = bench.verdict(&csv(&rows()), MODEL)?;
     check(sound["findings"].as_array().is_some_and(Vec::is_empty), format!("{}", sound["findings"]))?;
-    // The unit of a reading is a convention: a thousand times larger numbers change nothing but the numbers.
+    // The unit of a reading is a convention: a thousand times larger numbers change nothing but the
+    // numbers.
     let plain = bench.verdict(&csv(&rows()), MODEL)?;
     let thousand = bench.verdict(&edited(|_, r| r[2] *= 1000.0), MODEL)?;
     check(plain["verdict"] == "adequate" && thousand["verdict"] == "adequate", "a change of unit changed the verdict")
@@ -226,7 +228,8 @@ fn mismatched() -> Result<(), Failed> {
         let verdict = bench.verdict(&csv, MODEL)?;
         let said = format!("{} {}", verdict["sentence"], verdict["findings"]);
         check(said.contains(" Note: ") && said.contains(words), format!("{what}: no \"{words}\" in {said}"))?;
-        // What is out of step can be set right; the rest belongs to no oscillator, and no effect is blamed for it.
+        // What is out of step can be set right; the rest belongs to no oscillator, and no effect is
+        // blamed for it.
         let right = if what.contains("samples") { "adequate" } else { "unexplained" };
         check(verdict["verdict"] == right, format!("{what}: {}", verdict["verdict"]))?;
         check(verdict["effects"].as_array().is_some_and(Vec::is_empty), format!("{what}: {}", verdict["effects"]))?;

@@ -48,7 +48,8 @@ fn lanes(oscillator: &Oscillator, drive: &Drive, plan: &Plan, double: bool) -> R
 fn linear_exponents() -> Result<(), Failed> {
     let span = Span { steps_per_period: 200, transient_periods: 20, periods: 400 };
     let found = spectrum(&PAPER.linear(), &Drive { amplitude_n: 1.0, omega_rad_s: 1.5 }, State::default(), span);
-    // Underdamped: both real parts are −ζω₀ = −D₀/2m; what is left is the turning of the tangent ellipse over the span.
+    // Underdamped: both real parts are −ζω₀ = −D₀/2m; what is left is the turning of the tangent
+    // ellipse over the span.
     near("first", found[0], -0.05, 2e-4)?;
     near("second", found[1], -0.05, 2e-4)?;
     near("sum", found[0] + found[1], -0.1, 1e-8)
@@ -61,21 +62,24 @@ fn linear_lanes() -> Result<(), Failed> {
             near("exponent", exponent, -0.05, 2e-4)?;
         }
     }
-    // Negative control: the cubic spring under a strong force is chaotic and must not pass for linear.
+    // Negative control: the cubic spring under a strong force is chaotic and must not pass for
+    // linear.
     let chaotic = lanes(&PAPER, &Drive { amplitude_n: 70.8, omega_rad_s: 1.5 }, &Plan { periods: 400, ..PLAN }, false)?;
     check(near("exponent", chaotic[0], -0.05, 2e-4).is_err(), "a chaotic exponent passed for the linear one")
 }
 
 fn ueda() -> Result<(), Failed> {
-    // x″ + 0.05 x′ + x³ = 7.5 cos t: λ₁ = 0.1034 (Sprott, Chaos and Time-Series Analysis, 2003, list of chaotic
-    // systems; a recomputation at step 0.001, sites.google.com/view/lyapunov-spectrum, prints 0.0999). Ueda, J. Stat. Phys. 20.
+    // x″ + 0.05 x′ + x³ = 7.5 cos t: λ₁ = 0.1034 (Sprott, Chaos and Time-Series Analysis, 2003,
+    // list of chaotic systems; a recomputation at step 0.001,
+    // sites.google.com/view/lyapunov-spectrum, prints 0.0999). Ueda, J. Stat. Phys. 20.
     let oscillator = Oscillator { mass_kg: 1.0, damping_kg_s: 0.05, stiffness_n_m: 0.0, cubic_n_m3: 1.0 };
     let found = Estimate::of_mean(&lanes(&oscillator, &Drive { amplitude_n: 7.5, omega_rad_s: 1.0 }, &PLAN, false)?);
     near("largest exponent", found.value, 0.1034, 0.002)
 }
 
 fn two_wells() -> Result<(), Failed> {
-    // x″ + 0.15 x′ − x + x³ = 7 cos t: λ = 0.10542, −0.25542 (mathematica.stackexchange.com/questions/185364).
+    // x″ + 0.15 x′ − x + x³ = 7 cos t: λ = 0.10542, −0.25542
+    // (mathematica.stackexchange.com/questions/185364).
     let oscillator = Oscillator { mass_kg: 1.0, damping_kg_s: 0.15, stiffness_n_m: -1.0, cubic_n_m3: 1.0 };
     let found = Estimate::of_mean(&lanes(&oscillator, &Drive { amplitude_n: 7.0, omega_rad_s: 1.0 }, &PLAN, false)?);
     near("largest exponent", found.value, 0.1054, 0.005)
@@ -94,7 +98,8 @@ fn precision() -> Result<(), Failed> {
     let mean = |o: &Oscillator, double| lanes(o, &drive, &PLAN, double).map(|v| Estimate::of_mean(&v));
     let (single, double) = (mean(&PAPER, false)?, mean(&PAPER, true)?);
     let apart = |a: Estimate, b: Estimate| (a.value - b.value).abs() / a.standard_error.hypot(b.standard_error);
-    // Orbits part within seconds, so only distributions can agree: four standard errors are passed by chance once in 16,000.
+    // Orbits part within seconds, so only distributions can agree: four standard errors are passed
+    // by chance once in 16,000.
     check(apart(single, double) < 4.0, format!("f32 {single:?} and f64 {double:?} differ"))?;
     let wrong = mean(&Oscillator { cubic_n_m3: 0.2, ..PAPER }, false)?;
     check(apart(wrong, double) > 4.0, "a wrong stiffness passed")
@@ -134,8 +139,8 @@ fn devices_agree() -> Result<(), Failed> {
         };
         Ok([exponents(Device::Cpu)?, exponents(Device::Gpu(&gpu))?])
     };
-    // Linear, with noise: the tangent does not feel the orbit, so that both differ by rounding alone: 150 sums of
-    // logarithms, each off by a few ulp of the tangent, over 600 s.
+    // Linear, with noise: the tangent does not feel the orbit, so that both differ by rounding
+    // alone: 150 sums of logarithms, each off by a few ulp of the tangent, over 600 s.
     let [cpu, device] = both(1.0, 0.0, 0.5)?;
     for (a, b) in cpu.iter().zip(&device) {
         near("linear exponent", *b, *a, 2e-5)?;

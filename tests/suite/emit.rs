@@ -1,4 +1,5 @@
-//! Scripts for batch systems: a shell reads them, their shards run by a plain shell, and their merge is one run's answer.
+//! Scripts for batch systems: a shell reads them, their shards run by a plain shell, and their
+//! merge is one run's answer.
 //!
 //! `tests/cluster/slurm.sh` submits one to a Slurm of one node.
 
@@ -62,7 +63,8 @@ fn fields(answer: Answer) -> Result<Value, Failed> {
 fn slurm() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let whole = fields(run(study(folder.path(), &["--json", "--out", "whole"])?.args(CHANGES))?)?;
-    // To stdout without --out, into the folder with it: the same but for the folder that results go to.
+    // To stdout without --out, into the folder with it: the same but for the folder that results go
+    // to.
     let printed = run(study(folder.path(), &["--emit", "slurm", "--shards", "3"])?.args(CHANGES))?;
     check(printed.stdout.starts_with("#!/bin/bash\n") && printed.stdout.contains("sbatch"), printed.stdout)?;
     let told = run(study(folder.path(), &["--emit", "slurm", "--shards", "3", "--out", "o'ut"])?.args(CHANGES))?;

@@ -1,5 +1,5 @@
-//! Configurations for other tools hold what they say: each tool's own law, driven by the numbers of the exported file alone,
-//! gives back the noise of `study`.
+//! Configurations for other tools hold what they say: each tool's own law, driven by the numbers of
+//! the exported file alone, gives back the noise of `study`.
 //!
 //! `generators`: simulators. `estimators`: filters.
 

@@ -1,5 +1,6 @@
-//! A recorded IMU, dead-reckoned beside its reference: windows of a made-up flight lie inside the predicted bands as often as
-//! those say, and what is no recording of the flight is refused by name.
+//! A recorded IMU, dead-reckoned beside its reference: windows of a made-up flight lie inside the
+//! predicted bands as often as those say, and what is no recording of the flight is refused by
+//! name.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -34,15 +35,16 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-/// Noise of the made-up sensor: N of gyros, rad/√s, and accelerometers, m/s/√s; K of gyros, rad/s/√s, and accelerometers,
-/// m/s²/√s.
+/// Noise of the made-up sensor: N of gyros, rad/√s, and accelerometers, m/s/√s; K of gyros,
+/// rad/s/√s, and accelerometers, m/s²/√s.
 const NOISE: [f64; 4] = [3e-4, 3e-3, 2e-6, 2e-5];
 /// Its biases: of gyros, rad/s, and accelerometers, m/s².
 const BIASES: [[f64; 3]; 2] = [[2e-3, -1e-3, 5e-4], [0.05, -0.02, 0.03]];
 const RATE_HZ: f64 = 200.0;
-/// Five standard errors of the median of 38 biases, each fitted in 5 s: of accelerometers, m/s², and gyros, rad/s. A gyro's in
-/// one window errs by N/√T = 1.3e-4 rad/s; an accelerometer's by N/√T = 1.3e-3 m/s² and by what the gyros' noise tilts,
-/// g N √(T/12) = 1.9e-3 m/s² once the attitude at both ends is known; a median's standard error is √(π/2)/√38 of that.
+/// Five standard errors of the median of 38 biases, each fitted in 5 s: of accelerometers, m/s²,
+/// and gyros, rad/s. A gyro's in one window errs by N/√T = 1.3e-4 rad/s; an accelerometer's by
+/// N/√T = 1.3e-3 m/s² and by what the gyros' noise tilts, g N √(T/12) = 1.9e-3 m/s² once the
+/// attitude at both ends is known; a median's standard error is √(π/2)/√38 of that.
 const WITHIN: [f64; 2] = [2.4e-3, 1.4e-4];
 
 /// A study of the made-up sensor.
@@ -139,7 +141,8 @@ fn shares() -> Result<(), Failed> {
             for (place, noise) in [(1, NOISE[0]), (3, NOISE[1])] {
                 let [low, high] = inflation.interval[place];
                 let held = |noise: f64| low <= noise && noise <= high;
-                // Four intervals of 95 %, widened by a fifth: a miss by more is one in some hundreds.
+                // Four intervals of 95 %, widened by a fifth: a miss by more is one in some
+                // hundreds.
                 let near = low / 1.2 <= factor * noise && factor * noise <= high * 1.2;
                 check(near, format!("{name}: {:?} {low} to {high}, truth {}", CAUSES[place], factor * noise))?;
                 check(factor == 1.0 || !held(noise), format!("{name}: tripled noise in {low} to {high} as {noise}"))?;
@@ -153,7 +156,8 @@ fn shares() -> Result<(), Failed> {
             for place in 0..9 {
                 let axis = score::axis(&errors, &length.expected[0], place);
                 for (share, inside) in BANDS.into_iter().zip(axis.inside) {
-                    // 108 counts: an exact interval of 99.99 % leaves one in a hundred runs of a right prediction outside.
+                    // 108 counts: an exact interval of 99.99 % leaves one in a hundred runs of a
+                    // right prediction outside.
                     let [low, high] = numerics::special::exact_interval(inside as u64, windows as u64, 0.9999);
                     check(
                         low <= share && share <= high,
@@ -203,10 +207,12 @@ fn elsewhere() -> Result<(), Failed> {
     let (here, there) = (truth("kind = \"drone\"\nseed = 4", 200.0)?, truth("kind = \"drone\"\nseed = 5", 200.0)?);
     write("poses.csv", &poses(&here))?;
     write("other.csv", &poses(&there))?;
-    // 38 windows of nine errors have a standard error of √(2/342) = 0.076; a shared bias adds a fiftieth to the variance.
+    // 38 windows of nine errors have a standard error of √(2/342) = 0.076; a shared bias adds a
+    // fiftieth to the variance.
     let right = 5.0 * 0.076 * 1.02 + 0.02;
     let more = |line: &str| study_text("[5.0]", "").replacen("[gyro]", &format!("{line}\n[gyro]"), 1);
-    // Biases that another flight gives, and as control, those of a flight in which they were others.
+    // Biases that another flight gives, and as control, those of a flight in which they were
+    // others.
     write("imu.csv", &readings(&here, 1.0, plain))?;
     let files = more("files = [[\"imu2.csv\", \"other.csv\"]]");
     write("imu2.csv", &drawn(&there, 1.0, 21, plain))?;
@@ -215,7 +221,8 @@ fn elsewhere() -> Result<(), Failed> {
     write("imu2.csv", &drawn(&there, 1.0, 21, |t, w, f| plain(t, w, f + off)))?;
     let wrong = together(&compared(folder.path(), &files)?, &Sensor::Stated)?;
     check(wrong > 4.0, format!("biases 0.05 m/s² apart give {wrong}"))?;
-    // Tripled noise: a sensor that says so is right, the stated one is not; an inflation fitted on the other flight is.
+    // Tripled noise: a sensor that says so is right, the stated one is not; an inflation fitted on
+    // the other flight is.
     write("imu.csv", &readings(&here, 3.0, plain))?;
     write("imu2.csv", &drawn(&there, 3.0, 21, plain))?;
     write("loud.toml", &sensor_text(3.0))?;
@@ -226,8 +233,9 @@ fn elsewhere() -> Result<(), Failed> {
     near("an inflation fitted elsewhere", together(&loud, &Sensor::Inflated)?, 1.0, right * 2f64.sqrt())?;
     let stated = together(&loud, &Sensor::Stated)?;
     check(stated > 4.0, format!("three times the noise gives {stated}"))?;
-    // A drive that begins with a minute at rest: biases by its mean. One white noise of 20 s is common to all windows of 5 s
-    // and has a quarter of their variance, so that their squares go together: twice the standard error.
+    // A drive that begins with a minute at rest: biases by its mean. One white noise of 20 s is
+    // common to all windows of 5 s and has a quarter of their variance, so that their squares go
+    // together: twice the standard error.
     let drive = truth("kind = \"car\"\nstill_s = 60.0\nseed = 3", 260.0)?;
     write("poses.csv", &poses(&drive))?;
     write("imu.csv", &readings(&drive, 1.0, plain))?;
@@ -324,8 +332,9 @@ fn bad_input() -> Result<(), Failed> {
     check(error.cause.contains("does not increase"), error.cause.clone())
 }
 
-/// Rms after ten seconds of a plain strapdown (trapezia, flat Earth) that began with the reference's state and took off the
-/// reference's own median biases: m, and ° about the axes; by an independent script in NumPy over the same flights.
+/// Rms after ten seconds of a plain strapdown (trapezia, flat Earth) that began with the
+/// reference's state and took off the reference's own median biases: m, and ° about the axes; by an
+/// independent script in NumPy over the same flights.
 const STRAPDOWN: [(&str, usize, f64, f64); 2] = [("euroc_v102", 8, 2.14, 0.456), ("euroc_mh04", 9, 0.990, 0.195)];
 
 fn euroc(data: &Path) -> Result<(), Failed> {
@@ -354,7 +363,8 @@ fn euroc(data: &Path) -> Result<(), Failed> {
         let norm = |axes: [&str; 3], key: &str| axes.map(|axis| of(axis, key).powi(2)).iter().sum::<f64>().sqrt();
         let (position, attitude) =
             (norm(["north", "east", "down"], "rms_recorded"), norm(["roll", "pitch", "heading"], "rms_recorded"));
-        // Biases of other windows in the place of the reference's own, and other instants of beginning: a factor of two.
+        // Biases of other windows in the place of the reference's own, and other instants of
+        // beginning: a factor of two.
         check(
             (0.5..2.0).contains(&(position / position_m)),
             format!("{flight}: {position} m, {position_m} m by the script"),
@@ -364,7 +374,8 @@ fn euroc(data: &Path) -> Result<(), Failed> {
             (0.5..2.0).contains(&(attitude / attitude_deg)),
             format!("{flight}: {attitude}°, {attitude_deg}° by the script"),
         )?;
-        // The stated gyros predict √10 · 1.6968e-4 rad = 0.031° about each axis, and the biases taken off their share.
+        // The stated gyros predict √10 · 1.6968e-4 rad = 0.031° about each axis, and the biases
+        // taken off their share.
         let predicted = of("roll", "sd_predicted").to_degrees();
         check((0.03..0.06).contains(&predicted), format!("{flight}: {predicted}° predicted"))?;
         check(of("roll", "nees") > 3.0, "the stated sensor explains the flight")?;

@@ -1,4 +1,5 @@
-//! Errors that follow temperature and stamps: each by its closed form, beside the linear covariance, and on a GPU.
+//! Errors that follow temperature and stamps: each by its closed form, beside the linear
+//! covariance, and on a GPU.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::flight::Quantity;
@@ -37,7 +38,8 @@ fn warming(keys: &str, profile: &str) -> Result<Answer, Failed> {
     ))
 }
 
-/// 30 K in 60 s at 10 µg/K: b′ = 5 µg/s, position b′ t³/6. A gyro's 2 °/h/K about east: tilt rate ε′ t, north −g ε′ t⁴/24.
+/// 30 K in 60 s at 10 µg/K: b′ = 5 µg/s, position b′ t³/6. A gyro's 2 °/h/K about east: tilt rate
+/// ε′ t, north −g ε′ t⁴/24.
 fn warming_bias() -> Result<(), Failed> {
     let ramp = "[[0.0, 20.0], [60.0, 50.0]]";
     let accelerometer = warming("[accelerometer]\nbias_temperature_ug_k = [10.0, 0.0, 0.0]\n", ramp)?;
@@ -52,7 +54,8 @@ fn warming_bias() -> Result<(), Failed> {
     near("at the reference", last(&cold, Quantity::Position(0)), 0.0, 1e-9)
 }
 
-/// 10 K above the reference at 100 ppm/K reads gravity, −g along z, a thousandth wrong: down −½ · 1e-3 g t².
+/// 10 K above the reference at 100 ppm/K reads gravity, −g along z, a thousandth wrong: down −½ ·
+/// 1e-3 g t².
 fn warming_scale() -> Result<(), Failed> {
     let keys = "reference_deg_c = 20.0\n[accelerometer]\nscale_temperature_ppm_k = 100.0\n";
     let answer = warming(keys, "[[0.0, 30.0]]")?;
@@ -91,8 +94,8 @@ fn late() -> Result<(), Failed> {
     check(all(&answer, 2e-3).is_err() && all(&answer, -1e-3).is_err(), "any offset fits")
 }
 
-/// Samples a time τₙ late read −τₙ ḟ: a sum of independent errors, whose velocity has the variance Σ σ² |ḟₙ|² Δt² along an axis
-/// that keeps its direction.
+/// Samples a time τₙ late read −τₙ ḟ: a sum of independent errors, whose velocity has the variance
+/// Σ σ² |ḟₙ|² Δt² along an axis that keeps its direction.
 fn jitter() -> Result<(), Failed> {
     let members = 4096;
     let at = |jitter_us: f64| {

@@ -1,4 +1,5 @@
-//! Recordings in every format: one log gives one answer, whatever wrote it; what is damaged ends in words.
+//! Recordings in every format: one log gives one answer, whatever wrote it; what is damaged ends in
+//! words.
 
 use std::path::{Path, PathBuf};
 
@@ -37,7 +38,8 @@ fn seeds() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/formats")
 }
 
-/// The six channels of an IMU in their order, whatever they are called, on the clock that the file states or that is found.
+/// The six channels of an IMU in their order, whatever they are called, on the clock that the file
+/// states or that is found.
 fn noise_of(path: &Path) -> Result<Noise, Error> {
     let (names, _) = recording::stream::headings(path, &Request::default())?;
     let roles = roles::of(&names);
@@ -153,7 +155,8 @@ fn off(found: &[f64], wanted: &[f64]) -> f64 {
     if all.clone().any(f64::is_nan) { f64::NAN } else { all.fold(0.0, f64::max) }
 }
 
-/// The files were written by NumPy, SciPy and SQLite, and by hand after each format's text, from one table of numbers.
+/// The files were written by NumPy, SciPy and SQLite, and by hand after each format's text, from
+/// one table of numbers.
 fn small_files() -> Result<(), Failed> {
     let (wanted, source) = table(&seeds().join("stored.npz"), None, &["gyro.1", "gyro.3", "acc.3"])?;
     check(source.rows == 24 && source.sha256.len() == 64, format!("{} rows", source.rows))?;
@@ -185,12 +188,14 @@ fn small_files() -> Result<(), Failed> {
             check(off <= tolerance, format!("{file}, {name}: off by {off:e}"))?;
         }
     }
-    // Two row groups, two versions of pages, Snappy, gzip, Zstandard, differences, split streams, a dictionary.
+    // Two row groups, two versions of pages, Snappy, gzip, Zstandard, differences, split streams, a
+    // dictionary.
     let mut gap = wanted[0].clone();
     gap[3] = f64::NAN;
     let (parquet, _) = table(&seeds().join("table.parquet"), None, &["gx", "n"])?;
     check(off(&parquet[0], &gap[..16]) == 0.0 && parquet[0].len() == 16, format!("{:?}", parquet[0]))?;
-    // The bits of the dictionary's indices, lowest first, are 0 1 2 3 3 2 1 0; then come whole numbers from 0 on.
+    // The bits of the dictionary's indices, lowest first, are 0 1 2 3 3 2 1 0; then come whole
+    // numbers from 0 on.
     let whole = [5.0, -6.0, 7.0, 8.0, 8.0, 7.0, -6.0, 5.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
     check(parquet[1] == whole, format!("{:?}", parquet[1]))?;
     for file in ["plain.arrow", "lz4.arrow", "zstd.arrow"] {
@@ -268,7 +273,8 @@ fn mistaken() -> Result<(), Failed> {
 
 fn bombs() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    // A megabyte of blank lines 256 times over, in Zstandard's own way: blocks of one repeated byte (RFC 8878, 3.1.1.2.2).
+    // A megabyte of blank lines 256 times over, in Zstandard's own way: blocks of one repeated byte
+    // (RFC 8878, 3.1.1.2.2).
     let mut bytes = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x58];
     let block = |last: u32| ((128u32 << 10) << 3 | 1 << 1 | last).to_le_bytes();
     for k in 0..2048 {

@@ -1,7 +1,9 @@
-//! Any bytes for every reader and document: the corpus of the fuzz targets as it is, and mutated a hundred thousand times.
+//! Any bytes for every reader and document: the corpus of the fuzz targets as it is, and mutated a
+//! hundred thousand times.
 //!
-//! `PROOFMASS_FUZZ=N` makes N mutations for each target instead. The mutations are the same every time, others with
-//! `PROOFMASS_FUZZ_SEED` (1 unless said); one that fails is kept in the folder for temporary files, under its name.
+//! `PROOFMASS_FUZZ=N` makes N mutations for each target instead. The mutations are the same every
+//! time, others with `PROOFMASS_FUZZ_SEED` (1 unless said); one that fails is kept in the folder
+//! for temporary files, under its name.
 
 #[path = "../../fuzz/oracles.rs"]
 mod oracles;

@@ -1,4 +1,5 @@
-//! Headings, units, study names and paths of any text: what is written of them is read back, parses, and steers nothing.
+//! Headings, units, study names and paths of any text: what is written of them is read back,
+//! parses, and steers nothing.
 
 use std::fs;
 use std::path::Path;
@@ -121,8 +122,8 @@ fn files(folder: &Path) -> Result<usize, Failed> {
     Ok(seen)
 }
 
-/// Runs a command; if it answers, on a terminal and with `--json`, the answers are harmless and its folder is in order.
-/// `false` where it refuses, in words that are harmless too.
+/// Runs a command; if it answers, on a terminal and with `--json`, the answers are harmless and its
+/// folder is in order. `false` where it refuses, in words that are harmless too.
 fn answers(command: &dyn Fn() -> std::process::Command, out: &Path) -> Result<bool, Failed> {
     let plain = run(&mut command())?;
     harmless(&plain.stdout)?;

@@ -1,4 +1,5 @@
-//! The same bits for any tile, batch, thread count and lane width, and for a run that was interrupted and resumed.
+//! The same bits for any tile, batch, thread count and lane width, and for a run that was
+//! interrupted and resumed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -66,7 +67,8 @@ fn cpu() -> std::result::Result<(), Failed> {
     check(other.at != plain.at, "f32 and f64 gave the same bits: the comparison is blind")
 }
 
-/// A backend that stops within a batch, every time it is asked to go on, and fails after so many tiles.
+/// A backend that stops within a batch, every time it is asked to go on, and fails after so many
+/// tiles.
 struct Faulty {
     cpu: Cpu,
     tiles: u32,
@@ -74,7 +76,8 @@ struct Faulty {
 }
 
 impl Faulty {
-    /// With another instruction set than the CPU's own, so that it has bits of its own where the two differ.
+    /// With another instruction set than the CPU's own, so that it has bits of its own where the
+    /// two differ.
     fn after(tiles: u32) -> Self {
         Self { cpu: Cpu { tile_samples: 40, level: Level::Baseline, ..Cpu::default() }, tiles, failed: false }
     }
@@ -183,7 +186,8 @@ fn falling_back() -> std::result::Result<(), Failed> {
     check(first.members == (0..512) && first.machine.kind == "gpu" && first.reason.is_none(), format!("{first:?}"))?;
     check(second.members == (512..1500) && second.machine.kind == "cpu", format!("{second:?}"))?;
     check(second.reason.as_ref().is_some_and(|r| r.contains("the device was lost")), format!("{second:?}"))?;
-    // Control: members of the one are not those of the other, where their instructions round differently.
+    // Control: members of the one are not those of the other, where their instructions round
+    // differently.
     let all = run(&mut Cpu::default(), None)?;
     check(all.at != got.at || Level::best().fused() == Level::Baseline.fused(), "the comparison is blind")
 }

@@ -1,5 +1,5 @@
-//! Kills and stops at any instant: a run goes on from what was kept, comes further every time, and ends with the bits of a
-//! run that nobody disturbed.
+//! Kills and stops at any instant: a run goes on from what was kept, comes further every time, and
+//! ends with the bits of a run that nobody disturbed.
 //!
 //! `PROOFMASS_KILLS=200` makes a campaign of the twelve kills that every run of the suite makes.
 
@@ -29,7 +29,8 @@ pub fn tests() -> Vec<Trial> {
     all
 }
 
-/// Signals sent one right after the other: what a closing terminal, a batch system and an impatient script send.
+/// Signals sent one right after the other: what a closing terminal, a batch system and an impatient
+/// script send.
 const BURSTS: [&[&str]; 4] = [&["TERM", "HUP"], &["HUP", "TERM", "TERM"], &["INT", "INT"], &["INT", "TERM"]];
 
 /// Some seconds of work in several parts: an ensemble with mechanics, and its error budget.
@@ -135,7 +136,8 @@ fn killed() -> Result<(), Failed> {
         let mut grown = 0;
         loop {
             let mut child = world.start(world.has_state())?;
-            // Instants spread over the run: the golden section of 400 ms, and what a machine under load adds.
+            // Instants spread over the run: the golden section of 400 ms, and what a machine under
+            // load adds.
             delay_ms = (delay_ms + 247) % 400;
             std::thread::sleep(Duration::from_millis(60 + delay_ms));
             if kills >= wanted || child.try_wait()?.is_some() {
@@ -151,7 +153,8 @@ fn killed() -> Result<(), Failed> {
                 continue;
             }
             whole(&world.out())?;
-            // It was finished in the instant before it was killed: its state is gone as its report stands.
+            // It was finished in the instant before it was killed: its state is gone as its report
+            // stands.
             if before > 0 && !world.has_state() {
                 check(world.out().join("report.html").exists(), "neither a state nor a report")?;
                 break;

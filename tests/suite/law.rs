@@ -1,4 +1,5 @@
-//! Random numbers and error growth follow their laws on the CPU, and the controls of these checks fail.
+//! Random numbers and error growth follow their laws on the CPU, and the controls of these checks
+//! fail.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;

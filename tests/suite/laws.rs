@@ -1,5 +1,6 @@
-//! Each law of the physics room is the same law wherever it is computed: in single and double precision, on the GPU, in the
-//! diagnosis' simulation, and as the trial wrote its equation down independently.
+//! Each law of the physics room is the same law wherever it is computed: in single and double
+//! precision, on the GPU, in the diagnosis' simulation, and as the trial wrote its equation down
+//! independently.
 
 use std::sync::Arc;
 
@@ -108,7 +109,8 @@ fn values(term: &Term, planted: &Planted) -> Result<Vec<f64>, Failed> {
     Ok(values)
 }
 
-/// A recording that is fitted from end to end, but for what the interpolation of its input does not know.
+/// A recording that is fitted from end to end, but for what the interpolation of its input does not
+/// know.
 fn data(reading: Vec<f64>, input: Vec<f64>) -> Data {
     let inner = 20..SAMPLES - 20;
     Data {
@@ -175,10 +177,12 @@ fn as_the_trial() -> Result<(), Failed> {
     Ok(())
 }
 
-/// The input of the simulation is interpolated from its samples, which costs up to a thousandth of the reading.
+/// The input of the simulation is interpolated from its samples, which costs up to a thousandth of
+/// the reading.
 const TOLERANCE: f64 = 2e-3;
 
-/// Two masses integrated here, with noise of a thousandth, and the law fitted to them from elsewhere.
+/// Two masses integrated here, with noise of a thousandth, and the law fitted to them from
+/// elsewhere.
 fn coupled_mode_by_name() -> Result<(), Failed> {
     let (mu, omega2, zeta2) = (0.08, 1.5 * OMEGA, 0.03);
     let push =
@@ -257,7 +261,8 @@ fn single_is_double() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A proof mass of 2 Hz that follows one law as strongly as a fifth of its own spring or damper at 1 m/s².
+/// A proof mass of 2 Hz that follows one law as strongly as a fifth of its own spring or damper at
+/// 1 m/s².
 fn mass(number: usize) -> ProofMass {
     let omega = 12.0;
     let plain = ProofMass { natural_frequency_rad_s: omega, damping_ratio: 0.1, ..ProofMass::default() };
@@ -339,7 +344,8 @@ fn as_the_gpu() -> Result<(), Failed> {
         for (a, b) in here.iter().zip(&there) {
             near(law.term.id(), *b, *a, 2e-4 * (1.0 + a.abs()))?;
         }
-        // Control: early on, all of them have moved the mass little; at some report time the neighbour's stands elsewhere.
+        // Control: early on, all of them have moved the mass little; at some report time the
+        // neighbour's stands elsewhere.
         let apart = here.iter().zip(&other).map(|(a, neighbour)| (neighbour - a).abs()).fold(0.0, f64::max);
         check(apart > 1e-3, format!("{}: the neighbouring law differs by no more than {apart}", law.term.id()))?;
     }

@@ -1,5 +1,5 @@
-//! Too little of what a machine must give: each limit ends in words, with the answer printed where there is one, and leaves
-//! whole files or none.
+//! Too little of what a machine must give: each limit ends in words, with the answer printed where
+//! there is one, and leaves whole files or none.
 
 use std::path::Path;
 use std::process::{Command, Output};

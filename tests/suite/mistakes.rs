@@ -1,5 +1,5 @@
-//! Mistakes of a newcomer: each is refused with exit code 2 and a sentence that says what was tried, what was wrong (where)
-//! and what to do, at every command and at every level of every file.
+//! Mistakes of a newcomer: each is refused with exit code 2 and a sentence that says what was
+//! tried, what was wrong (where) and what to do, at every command and at every level of every file.
 
 use std::path::Path;
 use std::process::Output;

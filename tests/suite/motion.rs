@@ -1,4 +1,5 @@
-//! A trajectory from a file is the motion that its IMU felt, and files that hold none are refused by name.
+//! A trajectory from a file is the motion that its IMU felt, and files that hold none are refused
+//! by name.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,8 @@ pub fn tests() -> Vec<Trial> {
 /// A row of a made-up flight: time, position with z up, attitude.
 type Row = (f64, Vector3<f64>, UnitQuaternion<f64>);
 
-/// A body that flies an eight, nose along the way and leaning into its turns, for twelve seconds at 100 Hz; z up.
+/// A body that flies an eight, nose along the way and leaning into its turns, for twelve seconds at
+/// 100 Hz; z up.
 fn flight() -> Vec<Row> {
     let row = |k: u32| {
         let t = f64::from(k) * 0.01;
@@ -221,7 +223,8 @@ fn table(path: PathBuf) -> Result<Vec<Vec<f64>>, Failed> {
 }
 
 fn felt(data: &Path) -> Result<(), Failed> {
-    // The reference of MH_04 finds its bearings again at 45 s: by second differences of the file it leaps 5202.7 m/s² × (5 ms)².
+    // The reference of MH_04 finds its bearings again at 45 s: by second differences of the file it
+    // leaps 5202.7 m/s² × (5 ms)².
     let leaps = said(&flight_of(data, "euroc_mh04", [5.0, 60.0]));
     check(leaps.contains("position jumps by 0.13 m") && leaps.contains("(at 40 s of the study)"), leaps)?;
     for (set, from_s, duration_s) in [("euroc_v102", 5.0, 60.0), ("euroc_mh04", 10.0, 25.0)] {
@@ -231,8 +234,8 @@ fn felt(data: &Path) -> Result<(), Failed> {
         let truth = trajectory.truth(&Earth::FLAT, sampling)?;
         let (poses, readings) =
             (table(data.join(set).join("ground_truth.csv"))?, table(data.join(set).join("imu0.csv"))?);
-        // The body axes are the IMU's, so what the spline feels, averaged over a tenth of a second, is what the IMU read but
-        // for its biases, which the set's authors give.
+        // The body axes are the IMU's, so what the spline feels, averaged over a tenth of a second,
+        // is what the IMU read but for its biases, which the set's authors give.
         let start_s = poses[0][0] * 1e-9 + from_s;
         let bias = &poses[poses.len() / 2];
         let (mut rate, mut force, mut wrong, mut count) = (0.0, 0.0, 0.0, 0.0);

@@ -1,4 +1,5 @@
-//! `[vibration]` and `[navigator]`: each key does what its law says, and nothing where there is nothing for it to act on.
+//! `[vibration]` and `[navigator]`: each key does what its law says, and nothing where there is
+//! nothing for it to act on.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::flight::Quantity;
@@ -26,8 +27,9 @@ fn shaken(vibration: &str) -> Result<Answer, Failed> {
     ))
 }
 
-/// A zero-mean force of mean square σ² beside a constant f reads, through K₂, as a bias K₂ (f² + σ²) (IEEE 1293, vibration
-/// rectification). σ² is the integral of the density: flat from 20 to 80 Hz at 0.01 g²/Hz, 0.6 g².
+/// A zero-mean force of mean square σ² beside a constant f reads, through K₂, as a bias K₂ (f² +
+/// σ²) (IEEE 1293, vibration rectification). σ² is the integral of the density: flat from 20 to 80
+/// Hz at 0.01 g²/Hz, 0.6 g².
 fn rectified() -> Result<(), Failed> {
     let velocity = |answer: &Answer, axis: usize| series(answer, Quantity::Velocity(axis), |s| s.mean)[0];
     let still = shaken("")?;
@@ -60,7 +62,8 @@ fn own_m(motion: &str, integrator: &str) -> Result<f64, Failed> {
     Ok(answer.covariance.horizontal_m2(own, last).sqrt())
 }
 
-/// Coning and sculling within a sample are what a single-sample navigator leaves out (Savage, J. Guidance 21 (1998) 19).
+/// Coning and sculling within a sample are what a single-sample navigator leaves out (Savage, J.
+/// Guidance 21 (1998) 19).
 fn integrator() -> Result<(), Failed> {
     let drone = "kind = \"drone\"\n";
     let [single, compensated] = [own_m(drone, "single-sample")?, own_m(drone, "compensated")?];

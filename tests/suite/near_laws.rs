@@ -1,7 +1,9 @@
-//! Laws that are near the library's and not it: named with how far they depart, and no second name for the departure. The same
-//! laws to the letter, as a control, are explained and depart by nothing.
+//! Laws that are near the library's and not it: named with how far they depart, and no second name
+//! for the departure. The same laws to the letter, as a control, are explained and depart by
+//! nothing.
 //!
-//! Motion is integrated here, by the classic Runge–Kutta method under lines of known phase, not by the solver that is judged.
+//! Motion is integrated here, by the classic Runge–Kutta method under lines of known phase, not by
+//! the solver that is judged.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

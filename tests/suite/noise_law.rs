@@ -1,7 +1,9 @@
-//! Every noise term of the simulated reading obeys its law: the Allan deviation that IEEE 952 gives for its coefficient.
+//! Every noise term of the simulated reading obeys its law: the Allan deviation that IEEE 952 gives
+//! for its coefficient.
 //!
-//! Root-mean Allan variance of 64 simulated sensors of 2¹⁶ samples: at averaging times up to 2¹⁰ samples they have some
-//! 4000 degrees of freedom together, a deviation known to 1.1 %; 5 % is more than four standard errors.
+//! Root-mean Allan variance of 64 simulated sensors of 2¹⁶ samples: at averaging times up to 2¹⁰
+//! samples they have some 4000 degrees of freedom together, a deviation known to 1.1 %; 5 % is more
+//! than four standard errors.
 
 use std::path::Path;
 
@@ -37,7 +39,8 @@ const CASES: &[Case] = &[
     ("velocity random walk is N itself", "[accelerometer]\nvelocity_random_walk_m_s_rth = 0.3", false, |t| {
         0.005 / t.sqrt()
     }),
-    // K√(τ/3), and for a walk that is held over samples of τ₀: K√(τ/3 (1 + τ₀²/2τ²)), by summing its steps.
+    // K√(τ/3), and for a walk that is held over samples of τ₀: K√(τ/3 (1 + τ₀²/2τ²)), by summing
+    // its steps.
     (
         "acceleration random walk rises as τ^+1/2",
         "[accelerometer]\nacceleration_random_walk_ug_rts = 50.0",
@@ -51,7 +54,8 @@ const CASES: &[Case] = &[
         false,
         |_| 0.664_281 * 100e-6 * G,
     ),
-    // Rounding of a signal with noise well above a step: white with q²/12 per sample, beside the noise.
+    // Rounding of a signal with noise well above a step: white with q²/12 per sample, beside the
+    // noise.
     (
         "rounding under noise is white with q²/12",
         "[accelerometer]\nquantisation_mg = 10.0\nnoise_density_ug_rthz = 1000.0",
@@ -155,7 +159,8 @@ fn uncorrelated() -> Result<(), Failed> {
         let (power_a, power_b): (f64, f64) = (a.iter().map(|x| x * x).sum(), b.iter().map(|x| x * x).sum());
         a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / (power_a * power_b).sqrt()
     };
-    // A correlation of independent series scatters by 1/√n; 65 of them stay below 5/√n but once in 20,000 runs.
+    // A correlation of independent series scatters by 1/√n; 65 of them stay below 5/√n but once in
+    // 20,000 runs.
     let limit = 5.0 / (samples as f64).sqrt();
     for member in 0..LANES {
         let (a, b) = (&white[member], &rate[member]);

@@ -1,4 +1,5 @@
-//! The numbers behind the figures: a table a figure, named columns with units, the same numbers that the answer has.
+//! The numbers behind the figures: a table a figure, named columns with units, the same numbers
+//! that the answer has.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,5 @@
-//! Folders of results: a run replaces its own files and nobody else's, one run at a time, each file whole.
+//! Folders of results: a run replaces its own files and nobody else's, one run at a time, each file
+//! whole.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -222,7 +223,8 @@ fn locked() -> Result<(), Failed> {
     check(!cfg!(unix) || !bench.path("out/.proofmass.lock").exists(), "the lock was left behind")
 }
 
-/// Results that are kept in the repository, by folder, with the files that their command is made from.
+/// Results that are kept in the repository, by folder, with the files that their command is made
+/// from.
 fn committed() -> Result<(), Failed> {
     let reports = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports");
     for (folder, command, inputs, files) in [

@@ -1,5 +1,6 @@
-//! Pages as a reader sees them: nothing clipped or touching at any width, on a phone and on paper; figures that answer; one
-//! script, the page's own. A headless Chromium looks; where there is none, those tests are shown as ignored.
+//! Pages as a reader sees them: nothing clipped or touching at any width, on a phone and on paper;
+//! figures that answer; one script, the page's own. A headless Chromium looks; where there is none,
+//! those tests are shown as ignored.
 
 use std::fs;
 use std::path::Path;
@@ -40,7 +41,8 @@ fn browser() -> Option<String> {
     std::env::var("PROOFMASS_CHROMIUM").ok().or_else(|| NAMES.iter().find(|n| answers(n)).map(|n| (*n).to_owned()))
 }
 
-/// A test that needs a Chromium: ignored where there is none, a failure where `PROOFMASS_REQUIRE_BROWSER=1` demands one.
+/// A test that needs a Chromium: ignored where there is none, a failure where
+/// `PROOFMASS_REQUIRE_BROWSER=1` demands one.
 fn browser_test(name: &str, body: fn() -> Result<(), Failed>) -> Trial {
     static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
     if *PRESENT.get_or_init(|| browser().is_some()) || std::env::var_os("PROOFMASS_REQUIRE_BROWSER").is_some() {
@@ -49,7 +51,8 @@ fn browser_test(name: &str, body: fn() -> Result<(), Failed>) -> Trial {
     Trial::test(format!("{name} (needs a browser: install chromium)"), || Ok(())).with_ignored_flag(true)
 }
 
-/// The page without the one script that its policy allows by digest; an error where another one is allowed.
+/// The page without the one script that its policy allows by digest; an error where another one is
+/// allowed.
 pub fn without_own_script(page: &str) -> Result<String, Failed> {
     let Some((before, rest)) = page.split_once("<script>") else { return Ok(page.to_owned()) };
     let (script, after) = rest.split_once("</script>").ok_or("a script without an end")?;
@@ -107,12 +110,14 @@ fn sub_pixel() -> Result<(), Failed> {
 const WIDTHS: [u32; 4] = [390, 960, 1280, 1920];
 const SHEET: u32 = 718;
 
-/// What the browser says of pages in frames: lines per frame. `work` is an expression of `win`, `width` and `print`.
+/// What the browser says of pages in frames: lines per frame. `work` is an expression of `win`,
+/// `width` and `print`.
 fn look(pages: &[(u32, bool, &str)], work: &str) -> Result<Vec<Vec<String>>, Failed> {
     let folder = tempfile::tempdir()?;
     let mut frames = String::new();
     for (width, print, page) in pages {
-        // On paper the rules of print hold at once; the policy names the untouched style, so it must go.
+        // On paper the rules of print hold at once; the policy names the untouched style, so it
+        // must go.
         let page = match print {
             true => page.replace("@media print", "@media all").replace("http-equiv=\"Content-Security-Policy\"", ""),
             false => (*page).to_owned(),
@@ -151,8 +156,8 @@ fn look(pages: &[(u32, bool, &str)], work: &str) -> Result<Vec<Vec<String>>, Fai
     Ok(serde_json::from_str(&said)?)
 }
 
-/// Fails where a page is clipped, hard to read or has labels that touch, at any width or in print; where its first figure
-/// does not answer; and where it is too big.
+/// Fails where a page is clipped, hard to read or has labels that touch, at any width or in print;
+/// where its first figure does not answer; and where it is too big.
 pub fn whole(name: &str, page: &str) -> Result<(), Failed> {
     if browser().is_none() {
         return Ok(());
@@ -221,7 +226,8 @@ fn answers() -> Result<(), Failed> {
     let at = document["time_s"].as_array().and_then(|t| t.iter().position(|t| t == 10.0)).ok_or("no report at 10 s")?;
     let sd = document["position_error_m"]["sd"][at].as_f64().ok_or("no sd")?;
     let median = document["position_error_m"]["p50"][at].as_f64().ok_or("no median")?;
-    // A curve is true to a twentieth of a pixel, 0.3 % on an axis of six decades; a read-out has four digits.
+    // A curve is true to a twentieth of a pixel, 0.3 % on an axis of six decades; a read-out has
+    // four digits.
     let expected = json!({ "units": ["s", "m"], "values": [
         { "figure": 1, "name": "simulated", "x": 10.0, "value": sd, "tolerance": 0.004 * sd },
         { "figure": 0, "name": "median", "x": 10.0, "value": median, "tolerance": 0.01 * sd },
@@ -290,7 +296,8 @@ fn map() -> Result<(), Failed> {
     let out = bench.path("out");
     let page = page_of(&out, program().arg("map").arg(file))?;
     whole("map", &page)?;
-    // The exponent in the middle row, from the table beside the page; the bar's range and 128 colours bound a reading.
+    // The exponent in the middle row, from the table beside the page; the bar's range and 128
+    // colours bound a reading.
     let table = fs::read_to_string(out.join("map-1.csv"))?;
     check(table.starts_with("x,y,exponent_per_s,"), table.lines().next().unwrap_or_default())?;
     let cells: Vec<Vec<f64>> =

@@ -87,8 +87,8 @@ fn misjudged() -> Result<(), Failed> {
         }
         sum / 16_000.0
     };
-    // The check of figure 11, with its tolerance for 16,000 innovations; tilt is known to stand still here, so that the
-    // honest filter is a little cautious.
+    // The check of figure 11, with its tolerance for 16,000 innovations; tilt is known to stand
+    // still here, so that the honest filter is a little cautious.
     let judge = |nis| Check::near("NIS", "", 1.0, nis, 0.06).holds;
     check(judge(mean_nis(truth)), format!("an honest filter failed: {}", mean_nis(truth)))?;
     let wrong = Model { tilt_noise_rad: truth.tilt_noise_rad / 2.0, ..truth };
@@ -96,7 +96,8 @@ fn misjudged() -> Result<(), Failed> {
 }
 
 fn not_fractal() -> Result<(), Failed> {
-    // The attractor's correlation dimension is some 1.55 and must lie between 1 and the Kaplan–Yorke dimension, 1.64.
+    // The attractor's correlation dimension is some 1.55 and must lie between 1 and the
+    // Kaplan–Yorke dimension, 1.64.
     let judge = |d: f64| Check::between("dimension", "", 1.0 + 1e-2, 1.64 + 0.04, d).holds;
     let mut random = Philox::new(4, 0, Stream::Host);
     let mut place = || 0.5 + 0.25 * random.normal();

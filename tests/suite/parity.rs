@@ -54,7 +54,8 @@ fn acts(place: &mut Place) -> Result<(), Failed> {
     check(error == 0.0, format!("no term at all makes an error of {error}"))
 }
 
-/// Without fused multiply-add the last bits differ, percentiles do not: every integrator, every error on.
+/// Without fused multiply-add the last bits differ, percentiles do not: every integrator, every
+/// error on.
 fn levels() -> Result<(), Failed> {
     let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: 0.0 };
     let options = Options::default();

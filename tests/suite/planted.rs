@@ -1,7 +1,9 @@
-//! Planted physics is found and nothing is found where nothing was planted: the quick blind trial with stated bounds.
+//! Planted physics is found and nothing is found where nothing was planted: the quick blind trial
+//! with stated bounds.
 //!
-//! The seed was chosen before any verdict was seen. A bound is the number of misses that a tool which just reaches its target
-//! exceeds with a probability of one in a thousand. The full trial is `proofmass trial`.
+//! The seed was chosen before any verdict was seen. A bound is the number of misses that a tool
+//! which just reaches its target exceeds with a probability of one in a thousand. The full trial is
+//! `proofmass trial`.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::control::Control;

@@ -1,5 +1,5 @@
-//! Several copies started at once: ranks of `mpirun` share a study where the program is built with MPI, and are refused where
-//! it is not.
+//! Several copies started at once: ranks of `mpirun` share a study where the program is built with
+//! MPI, and are refused where it is not.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};

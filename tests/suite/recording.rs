@@ -1,4 +1,5 @@
-//! Recordings are read as they are; what is wrong with a file is an error with attempt, cause and hint, or a finding.
+//! Recordings are read as they are; what is wrong with a file is an error with attempt, cause and
+//! hint, or a finding.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,5 @@
-//! A requirement is answered with the value that theory gives, covered as stated, and none where there is none.
+//! A requirement is answered with the value that theory gives, covered as stated, and none where
+//! there is none.
 
 use std::path::Path;
 use std::process::Command;
@@ -130,7 +131,8 @@ fn together() -> Result<(), Failed> {
     near("the second key", document["vary"][1]["value"].as_f64().unwrap_or(f64::NAN), 100.0 * value, 1e-9)
 }
 
-/// The full scale of a sensor that a sine of 2 g shakes: below it, the readings saturate and the mean drifts with the offset.
+/// The full scale of a sensor that a sine of 2 g shakes: below it, the readings saturate and the
+/// mean drifts with the offset.
 fn more_is_better() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let text = "duration_s = 2.0\nstep_s = 0.01\n[sensor]\nrange_g = 1.0\n[excitation]\nkind = \"rectangle\"\n\
@@ -138,7 +140,8 @@ fn more_is_better() -> Result<(), Failed> {
     let path = file(folder.path(), "study.toml", text)?;
     let ask = ["require", &path, "--limit", "abs95(position_error_m, 2) < 9.80665", "--vary", "sensor.range_g"];
     let document = json(program().args(ask))?;
-    // Clipped to r g of 2 g for 2 s: (2 − r)·g·½·4 m, which is 9.80665 m at r = 1.5; nothing is drawn, so nothing is in doubt.
+    // Clipped to r g of 2 g for 2 s: (2 − r)·g·½·4 m, which is 9.80665 m at r = 1.5; nothing is
+    // drawn, so nothing is in doubt.
     let [value, ..] = first(&document);
     near("full scale", value, 1.5, 0.01)?;
     check(document["side"] == "above", document.to_string())
@@ -171,8 +174,8 @@ fn parts() -> Result<(), Failed> {
     Ok(())
 }
 
-/// At rest, drawn biases make north and east errors of sd σ = ½gt²·bias; a circle of radius σ√(−2 ln(1 − p)) holds p of them
-/// (Rayleigh).
+/// At rest, drawn biases make north and east errors of sd σ = ½gt²·bias; a circle of radius σ√(−2
+/// ln(1 − p)) holds p of them (Rayleigh).
 fn in_motion() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let path = file(folder.path(), "study.toml", &format!("{BIAS}[trajectory]\nkind = \"rest\"\n"))?;

@@ -1,4 +1,5 @@
-//! A study in motion that was stopped or killed goes on with `--resume` and ends with the bits of one that was not.
+//! A study in motion that was stopped or killed goes on with `--resume` and ends with the bits of
+//! one that was not.
 
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
@@ -18,7 +19,8 @@ pub fn tests() -> Vec<Trial> {
     ]
 }
 
-/// Numbers of members, in several batches each: the first that is long enough to be stopped on this machine is taken.
+/// Numbers of members, in several batches each: the first that is long enough to be stopped on this
+/// machine is taken.
 const MEMBERS: [u64; 4] = [20_000, 60_000, 180_000, 540_000];
 
 /// A folder with a study.
@@ -48,7 +50,8 @@ impl World {
         command
     }
 
-    /// What a run says that is sent a signal once it has kept something; `None` of one that ended before.
+    /// What a run says that is sent a signal once it has kept something; `None` of one that ended
+    /// before.
     fn stopped(&self, signal: &str) -> Result<Option<Output>, Failed> {
         let mut child = self.command(&[]).spawn()?;
         while !self.state().exists() && child.try_wait()?.is_none() {

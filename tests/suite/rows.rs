@@ -1,4 +1,5 @@
-//! Rows in = rows used + rows said to be dropped, for both readers, over thousands of damaged files.
+//! Rows in = rows used + rows said to be dropped, for both readers, over thousands of damaged
+//! files.
 
 use std::path::Path;
 
@@ -122,7 +123,8 @@ fn row_lines(bytes: &[u8]) -> usize {
     text.split(|b| matches!(b, b'\n' | b'\r')).filter(|l| !l.trim_ascii().is_empty() && l[0] != b'#').count()
 }
 
-/// The rule, for a reader that found so many rows in a file with so many row lines, its header included if it has one.
+/// The rule, for a reader that found so many rows in a file with so many row lines, its header
+/// included if it has one.
 fn rule(rows: usize, lines: usize, dropped: &[Dropped], findings: &[Finding], samples: usize) -> Result<(), String> {
     if rows != lines && rows + 1 != lines {
         return Err(format!("{rows} rows of {lines} lines"));

@@ -1,5 +1,5 @@
-//! `study --samples N FILE`: what the simulated sensors write is a recording that the other commands read, and its noise is
-//! the noise that was asked for.
+//! `study --samples N FILE`: what the simulated sensors write is a recording that the other
+//! commands read, and its noise is the noise that was asked for.
 
 use std::path::Path;
 
@@ -56,7 +56,8 @@ fn white(file: &Path) -> Result<Vec<(String, f64, f64)>, Failed> {
     Ok(channels.iter().map(of).collect())
 }
 
-/// Twice the half-width is four standard errors: of four channels one is outside once in four thousand seeds.
+/// Twice the half-width is four standard errors: of four channels one is outside once in four
+/// thousand seeds.
 fn agree(found: &[(String, f64, f64)]) -> Result<(), Failed> {
     let quantities: Vec<&str> = found.iter().map(|c| c.0.as_str()).collect();
     check(quantities == ["gyro", "gyro", "accelerometer", "accelerometer"], format!("{quantities:?}"))?;

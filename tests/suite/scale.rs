@@ -1,4 +1,5 @@
-//! Ensembles too large for any patience: planned and begun within a bounded memory, and stopped at once.
+//! Ensembles too large for any patience: planned and begun within a bounded memory, and stopped at
+//! once.
 
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -37,7 +38,8 @@ fn bounded(backend: &dyn Backend) -> Result<(), Failed> {
     let sensor = proofmass::sensor::Sensor { proof_mass: Some(duffing(30.0, 0.7)), ..everything() };
     let of = |members: u64| -> Job { job(sensor, members, &[1.0], force, Integrator::RungeKutta4 { substeps: 1 }) };
     let (small, large) = (backend.batch_members(&of(1_000_000))?, backend.batch_members(&of(10_000_000))?);
-    // Half a gigabyte of members: columns, state and flicker terms are some hundred numbers of four bytes.
+    // Half a gigabyte of members: columns, state and flicker terms are some hundred numbers of four
+    // bytes.
     check(small == large && large <= 1 << 20, format!("{small} and {large} members per batch"))
 }
 

@@ -1,5 +1,6 @@
-//! `schema KIND` is the JSON Schema (draft 2020-12) of what `template KIND` prints: each template, with every option that
-//! stands in its comments, is valid, and a slip that the tool refuses is not.
+//! `schema KIND` is the JSON Schema (draft 2020-12) of what `template KIND` prints: each template,
+//! with every option that stands in its comments, is valid, and a slip that the tool refuses is
+//! not.
 
 use libtest_mimic::{Failed, Trial};
 use serde_json::Value;

@@ -1,4 +1,5 @@
-//! Several recordings of one sensor: fitted together, each with its own beginning and offset, and judged by others.
+//! Several recordings of one sensor: fitted together, each with its own beginning and offset, and
+//! judged by others.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

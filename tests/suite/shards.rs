@@ -1,5 +1,5 @@
-//! Divided runs: shards in any number, order and place merge to the bits of one run, and what does not belong together is
-//! refused by name.
+//! Divided runs: shards in any number, order and place merge to the bits of one run, and what does
+//! not belong together is refused by name.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -265,7 +265,8 @@ fn killed() -> Result<(), Failed> {
             let now = done(&state);
             check(now >= seen, format!("from {seen} to {now} members: a resumed shard lost some"))?;
             seen = now;
-            // Halves of one size: this one may have been finished in the instant before it was killed.
+            // Halves of one size: this one may have been finished in the instant before it was
+            // killed.
             if now == all {
                 break;
             }

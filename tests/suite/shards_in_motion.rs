@@ -1,5 +1,5 @@
-//! A study along a trajectory divided among machines: its shards merge to the bits of one run, and what is no part of it is
-//! refused by name. Digits are stated of its horizontal error.
+//! A study along a trajectory divided among machines: its shards merge to the bits of one run, and
+//! what is no part of it is refused by name. Digits are stated of its horizontal error.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -129,7 +129,8 @@ fn digits() -> Result<(), Failed> {
     let last = |name: &str| number(&document["horizontal_error_m"][name][1]);
     let ends = &stated["interval95"]["symmetric"];
     check(number(&ends[0])? < last("cep50")? && last("cep50")? < number(&ends[1])?, format!("{stated}"))?;
-    // The mean square of a distance is its squared mean and its variance; cep95 lies below the interval's upper end, 97.5 %.
+    // The mean square of a distance is its squared mean and its variance; cep95 lies below the
+    // interval's upper end, 97.5 %.
     check(last("cep95")? < number(&ends[1])?, format!("{stated}"))?;
     near("estimate over the median", number(&stated["estimate"])? / last("cep50")?, 1.0, 0.15)?;
     // Control: without digits nothing is stated.

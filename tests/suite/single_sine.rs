@@ -1,5 +1,6 @@
-//! One sine as the input: the frequency response says nothing of the resonance, the transient rings at it. The base model is found
-//! there and is adequate; a second mode that rings beside it is not described by it.
+//! One sine as the input: the frequency response says nothing of the resonance, the transient rings
+//! at it. The base model is found there and is adequate; a second mode that rings beside it is not
+//! described by it.
 //!
 //! Motion is the textbook's closed form of an oscillator that is switched on at rest.
 
@@ -38,7 +39,8 @@ fn switched_on(omega: f64, zeta: f64, w: f64, t: f64) -> f64 {
     sine * (w * t).sin() + cosine * (w * t).cos() + decay * (a * (damped * t).cos() + b * (damped * t).sin())
 }
 
-/// Its verdict on a log of one sine, with another mode at 1.9 times the resonance of so many times the size.
+/// Its verdict on a log of one sine, with another mode at 1.9 times the resonance of so many times
+/// the size.
 fn verdict((zeta, line): (f64, f64), another: f64, seed: u64) -> Result<Value, Failed> {
     let (omega, mut rng, mut csv) = (TAU * 5.0, Philox::new(seed, 0, Stream::Host), String::from("u,y\n"));
     let motion: Vec<f64> = (0..ROWS)

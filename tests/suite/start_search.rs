@@ -1,5 +1,6 @@
-//! The search for start values finds what a few starts would miss, profiles of the likelihood are what refits give, and the
-//! simulation that both rest on has the order that its steps are chosen for.
+//! The search for start values finds what a few starts would miss, profiles of the likelihood are
+//! what refits give, and the simulation that both rest on has the order that its steps are chosen
+//! for.
 
 use libtest_mimic::{Failed, Trial};
 use proofmass::diagnosis::driven::base::BASE;

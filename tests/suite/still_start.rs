@@ -1,8 +1,9 @@
-//! A still start: what averaging the first seconds leaves of each error follows its closed form on every backend, any tile
-//! gives the same bits, and the excitation begins at its end.
+//! A still start: what averaging the first seconds leaves of each error follows its closed form on
+//! every backend, any tile gives the same bits, and the excitation begins at its end.
 //!
-//! The expected numbers are written out here from the laws in `navigation::closed_form`, independent of `drift::expected`.
-//! The sd of 8192 members scatters by 0.8 %: 4 % is five standard errors, a false alarm in two million checks.
+//! The expected numbers are written out here from the laws in `navigation::closed_form`,
+//! independent of `drift::expected`. The sd of 8192 members scatters by 0.8 %: 4 % is five standard
+//! errors, a false alarm in two million checks.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,7 +31,8 @@ const STILL_S: f64 = 4.1;
 const TOLERANCE: f64 = 0.04;
 const G: f64 = 9.80665;
 
-/// Name, section of study.toml, standard deviation of position t seconds after a still start of T seconds.
+/// Name, section of study.toml, standard deviation of position t seconds after a still start of T
+/// seconds.
 type Case = (&'static str, &'static str, fn(f64, f64) -> f64);
 
 const CASES: &[Case] = &[
@@ -115,7 +117,8 @@ fn alone((_, sections, law): &Case, backend: Choice) -> Result<(), Failed> {
 fn control() -> Result<(), Failed> {
     for (name, sections, law) in CASES {
         let with = simulate(&study(sections)?, Choice::Cpu)?;
-        // An endless still start of white noise leaves nothing, an infinitely short one nothing of a random walk.
+        // An endless still start of white noise leaves nothing, an infinitely short one nothing of
+        // a random walk.
         let other = if name.ends_with("random walk") && (name.starts_with("acc") || name.starts_with("rate")) {
             1e-12
         } else {
@@ -188,7 +191,8 @@ fn budget() -> Result<(), Failed> {
         let bias = source.name().ends_with("bias");
         check(!bias || theory == 0.0, format!("the still start left some of the {}", source.name()))?;
     }
-    // Each power of the envelope: t^1.5 and t² of the accelerometer's white noise, t^2.5 and t³ of the gyro's.
+    // Each power of the envelope: t^1.5 and t² of the accelerometer's white noise, t^2.5 and t³ of
+    // the gyro's.
     let (n, a) = (300e-6 * G / 2f64.sqrt(), 0.4 * 2.908_882e-4 * G);
     let powers = [n / 3f64.sqrt(), n / (4.0 * STILL_S).sqrt(), a / 20f64.sqrt(), a / (36.0 * STILL_S).sqrt()];
     for (k, power) in powers.into_iter().enumerate() {
@@ -197,7 +201,8 @@ fn budget() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Largest difference of mean and sd of position, in sd. The other errors are nothing but rounding at some of these times.
+/// Largest difference of mean and sd of position, in sd. The other errors are nothing but rounding
+/// at some of these times.
 fn apart(a: &Statistics, b: &Statistics) -> f64 {
     let position = a.at.iter().zip(&b.at).map(|(a, b)| (&a[quantity::POSITION], &b[quantity::POSITION]));
     position.map(|(a, b)| ((a.mean - b.mean).abs() + (a.sd - b.sd).abs()) / a.sd).fold(0.0, f64::max)
@@ -286,7 +291,8 @@ fn parity() -> Result<(), Failed> {
     check(control > 2e-3, "a still start three samples shorter is not told apart")
 }
 
-/// What is wrong, the sections (after `duration_s = 10.0`), a word of the cause, a word of the hint.
+/// What is wrong, the sections (after `duration_s = 10.0`), a word of the cause, a word of the
+/// hint.
 type Wrong = (&'static str, &'static str, &'static str, &'static str);
 
 const LOG: &str = "[compare]\nfile = \"x.csv\"\nrate_hz = 100.0\naxis = []\n";

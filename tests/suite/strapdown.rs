@@ -1,5 +1,6 @@
-//! Six axes: at rest on a flat Earth they are three studies of one axis; on a round one errors oscillate with Schuler's period;
-//! small errors spread as the linear covariance says; tiles and threads change no bit.
+//! Six axes: at rest on a flat Earth they are three studies of one axis; on a round one errors
+//! oscillate with Schuler's period; small errors spread as the linear covariance says; tiles and
+//! threads change no bit.
 
 use libtest_mimic::{Failed, Trial};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -92,8 +93,8 @@ const SCHULER: &str = "members = 64\nduration_s = 7200.0\nstep_s = 0.1\n[sensor]
     [trajectory]\nkind = \"rest\"\n[earth]\nlatitude_deg = 45.0\nrotation = false\nvertical = \"held\"\n\
     [report]\ntimes_s = [600.0, 1200.0, 1800.0, 2532.0, 3600.0, 5064.0, 6000.0, 7200.0]\n";
 
-/// WGS-84 at 45°: normal gravity (TR8350.2), radius of the meridian a(1 − e²)/(1 − e²/2)^1.5, of the prime vertical
-/// a/(1 − e²/2)^0.5.
+/// WGS-84 at 45°: normal gravity (TR8350.2), radius of the meridian a(1 − e²)/(1 − e²/2)^1.5, of
+/// the prime vertical a/(1 − e²/2)^0.5.
 fn at_45() -> (f64, [f64; 2]) {
     let (a, f): (f64, f64) = (6_378_137.0, 1.0 / 298.257_223_563);
     let e2 = f * (2.0 - f);
@@ -128,7 +129,8 @@ fn schuler_accelerometer() -> Result<(), Failed> {
 fn schuler_gyro() -> Result<(), Failed> {
     let (gravity, radii) = at_45();
     let bias = 0.01 * std::f64::consts::PI / 180.0 / 3600.0;
-    // A rate about east tilts the level to the south: position runs north by −R ε (t − sin ω t/ω); about north, east by +.
+    // A rate about east tilts the level to the south: position runs north by −R ε (t − sin ω t/ω);
+    // about north, east by +.
     for (axis, sign, list) in [(0, -1.0, "[0.0, 0.01, 0.0]"), (1, 1.0, "[0.01, 0.0, 0.0]")] {
         let answer = answered(&format!("{SCHULER}[gyro]\nbias_deg_h = {list}\n"))?;
         let rate = (gravity / radii[axis]).sqrt();
@@ -214,8 +216,9 @@ fn covariance_in_motion() -> Result<(), Failed> {
     ))
 }
 
-/// At rest on a flat Earth under constant errors of the readings the computed attitude turns with the gyros' error, exactly, and
-/// the position error is the double integral of the force that it turns: here by the midpoint rule in f64.
+/// At rest on a flat Earth under constant errors of the readings the computed attitude turns with
+/// the gyros' error, exactly, and the position error is the double integral of the force that it
+/// turns: here by the midpoint rule in f64.
 fn exact() -> Result<(), Failed> {
     for bias_deg_h in [60.0, 6e4] {
         let text = format!(
@@ -238,7 +241,8 @@ fn exact() -> Result<(), Failed> {
                     let got = series(&answer, Quantity::Position(axis), |s| s.mean)[at];
                     near(&format!("axis {axis}, {bias_deg_h} deg/h"), got, position[axis], 1e-3 * position.norm())?;
                 }
-                // Control: the linear model is not exact where the attitude turns by more than half a circle.
+                // Control: the linear model is not exact where the attitude turns by more than half
+                // a circle.
                 let linear = answer.covariance.mean(answer.report[at], 2);
                 let large = bias_deg_h > 1e4;
                 check(!large || (linear - position.z).abs() > 1e-3 * position.norm(), "large errors are linear")?;
@@ -273,7 +277,8 @@ fn tiles() -> Result<(), Failed> {
     check(other.seed != study.seed, "the control has the same seed")
 }
 
-/// Furthest apart of the percentiles of two ensembles at the first `reports` reports, over the standard deviation.
+/// Furthest apart of the percentiles of two ensembles at the first `reports` reports, over the
+/// standard deviation.
 pub(super) fn percentiles_apart(one: &run::Ensemble, other: &run::Ensemble, reports: usize) -> f64 {
     let at = |k: usize, q: Quantity| {
         let (a, b) = (one.summary(k, q), other.summary(k, q));
@@ -283,7 +288,8 @@ pub(super) fn percentiles_apart(one: &run::Ensemble, other: &run::Ensemble, repo
     (0..reports).flat_map(|k| LINEAR.map(|q| at(k, q))).fold(0.0, f64::max)
 }
 
-/// Every source on, couplings included. Percentiles differ by rounding alone: by what `parity` allows for one axis.
+/// Every source on, couplings included. Percentiles differ by rounding alone: by what `parity`
+/// allows for one axis.
 fn parity() -> Result<(), Failed> {
     let couplings =
         "scale_factor_ppm = 300.0\nmisalignment_mrad = { mean = 0.0, sd = 1.0 }\ng_sensitivity_deg_h_g = 3.0\n";

@@ -115,7 +115,8 @@ fn ideal() -> Result<(), Failed> {
     check(a.range_m_s2 == f64::INFINITY && a.velocity_random_walk_m_s_rts == 0.0, format!("{a:?}"))
 }
 
-/// Root-mean-square departure of ln(recorded / simulated median) over averaging times from 0.2 to 10 s.
+/// Root-mean-square departure of ln(recorded / simulated median) over averaging times from 0.2 to
+/// 10 s.
 fn departure(data: &Path, angle_random_walk_deg_rth: f64) -> Result<f64, Failed> {
     let text = format!(
         "duration_s = 1.0\n[sensor]\nsample_rate_hz = 100\n[compare]\nfile = \"adis16405/run1_counts.csv\"\nrate_hz = 100\n\

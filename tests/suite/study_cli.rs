@@ -1,5 +1,5 @@
-//! `proofmass study` on the command line: refusals leave nothing behind, Ctrl-C leaves what `--resume` continues from, and
-//! the JSON is the contract's.
+//! `proofmass study` on the command line: refusals leave nothing behind, Ctrl-C leaves what
+//! `--resume` continues from, and the JSON is the contract's.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -74,7 +74,8 @@ fn document() -> Result<(), Failed> {
     check(!page.contains("src=\"http") && !page.contains("<script src"), "the report loads something from outside")
 }
 
-/// A key that is set gives the numbers of a file that holds it; one that is not there names the nearest.
+/// A key that is set gives the numbers of a file that holds it; one that is not there names the
+/// nearest.
 fn set() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let wider = SMALL.replace("sd = 1.0 }", "sd = 3.0 }");
@@ -104,10 +105,12 @@ fn set() -> Result<(), Failed> {
     Ok(())
 }
 
-/// A grade under a file gives the numbers of the file with the grade's terms written out; alone it is a study of its own name.
+/// A grade under a file gives the numbers of the file with the grade's terms written out; alone it
+/// is a study of its own name.
 fn preset() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
-    // The tactical grade beside the file's own bias and noise: what is left is written here from its datasheet.
+    // The tactical grade beside the file's own bias and noise: what is left is written here from
+    // its datasheet.
     let written = SMALL.replace("[report]", "scale_factor_ppm = { mean = 0.0, sd = 300.0 }\nbias_instability_ug = 75.3\n\
         [gyro]\nbias_deg_h = { mean = 0.0, sd = 4.0 }\nangle_random_walk_deg_rth = 0.15\nbias_instability_deg_h = 0.753\n[report]");
     let by_hand = timeless(json(&mut study(folder.path(), &written)?)?);

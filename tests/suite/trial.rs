@@ -1,4 +1,5 @@
-//! The blind trial is blind, its scoring can tell an oracle from a coin, and a stopped trial loses nothing.
+//! The blind trial is blind, its scoring can tell an oracle from a coin, and a stopped trial loses
+//! nothing.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -112,7 +113,8 @@ fn controls() -> Result<(), Failed> {
     near("named in silence", silent.named_correctly, 0.0, 0.0)?;
     check(silent.detection_limit.iter().all(|l| l.effect_over_noise.is_none()), "silence has a detection limit")?;
 
-    // Ties: two with the truth among them count, three do not, and neither does a tie without the truth.
+    // Ties: two with the truth among them count, three do not, and neither does a tie without the
+    // truth.
     let single = cases.iter().find(|c| c.family == Family::SingleFivePercent).ok_or("no single case")?;
     let truth = single.planted()[0].clone();
     let mark = |group: &[&str]| {
@@ -166,7 +168,8 @@ fn resume() -> Result<(), Failed> {
     };
     let half = &cases[..cases.len() / 2];
     blind::run(half, &sealed, &state, Verdicts::new(), &subject, &Control::silent())?;
-    // A line that was being written when the power went, in the middle of a letter; and one that is no text at all.
+    // A line that was being written when the power went, in the middle of a letter; and one that is
+    // no text at all.
     let whole = std::fs::read(&state)?;
     let torn = [&whole[..], "{\"seal\":\"×".as_bytes().split_last().ok_or("empty")?.1, b"\n\xff\xfe\n"].concat();
     std::fs::write(&state, torn)?;

@@ -1,5 +1,6 @@
-//! A synthetic turntable for `diagnosis_tumble`: an IMU in random still poses with smooth turns between them, its rates in
-//! closed form. Independent of the fitting code: it goes from truth to counts, the tool goes the other way.
+//! A synthetic turntable for `diagnosis_tumble`: an IMU in random still poses with smooth turns
+//! between them, its rates in closed form. Independent of the fitting code: it goes from truth to
+//! counts, the tool goes the other way.
 
 use std::path::PathBuf;
 
@@ -27,9 +28,11 @@ pub struct Imu {
     pub drift_per_minute: [Vector3<f64>; 2],
     /// Rate of the frame, rad/s.
     pub frame_rate_rad_s: Vector3<f64>,
-    /// Accelerometer bias that keeps the sign of the last time an axis pointed up or down, m/s²: not in the library.
+    /// Accelerometer bias that keeps the sign of the last time an axis pointed up or down, m/s²:
+    /// not in the library.
     pub hysteresis_m_s2: f64,
-    /// Gyro bias that follows the heading, as a magnetic field would make it, rad/s: not in the library.
+    /// Gyro bias that follows the heading, as a magnetic field would make it, rad/s: not in the
+    /// library.
     pub heading_rad_s: f64,
     /// Accelerometer error by pointing on one side only (a soft stop), m/s²: not in the library.
     pub soft_stop_m_s2: f64,

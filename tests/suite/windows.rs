@@ -1,5 +1,6 @@
-//! A recorded log cut into windows beside its prediction: planted noise lies inside as often as it should, a wrong
-//! coefficient is seen, knocks and jumps are said, logs that cannot be cut are refused; and a real sensor.
+//! A recorded log cut into windows beside its prediction: planted noise lies inside as often as it
+//! should, a wrong coefficient is seen, knocks and jumps are said, logs that cannot be cut are
+//! refused; and a real sensor.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -29,7 +30,8 @@ const ROWS: usize = 60_000;
 /// White noise of the planted accelerometer, m/s/√h, and of the gyro, °/√h.
 const PLANTED: [f64; 2] = [0.3, 1.2];
 
-/// Twenty minutes of `t_s,a_mg,g_deg_s`: white noise on the turn-on bias that a still start removes.
+/// Twenty minutes of `t_s,a_mg,g_deg_s`: white noise on the turn-on bias that a still start
+/// removes.
 fn log(change: impl Fn(usize, f64) -> f64) -> String {
     let mut rng = Philox::new(12, 0, Stream::Host);
     // σ = N√f: N in mg√s, and in °/√s.
@@ -82,7 +84,8 @@ fn rows<'a>(document: &'a Value, key: &str) -> Result<&'a Vec<Value>, Failed> {
     document[key].as_array().ok_or_else(|| format!("no `{key}`").into())
 }
 
-/// Fails where a share of windows is one that chance gives once in ten thousand, or less, at this probability.
+/// Fails where a share of windows is one that chance gives once in ten thousand, or less, at this
+/// probability.
 fn plausible(row: &Value) -> Result<(), Failed> {
     let count = number(row, "windows")?;
     for (key, share) in [("inside50", 0.5), ("inside90", 0.9), ("inside99", 0.99)] {
@@ -132,7 +135,8 @@ fn planted() -> Result<(), Failed> {
 }
 
 fn disturbed() -> Result<(), Failed> {
-    // A knock of 3 g for 40 ms in the window from 100 s on, a jump of 60 mg in that from 607 s on (windows of 10 s).
+    // A knock of 3 g for 40 ms in the window from 100 s on, a jump of 60 mg in that from 607 s on
+    // (windows of 10 s).
     let log = log(|n, a| match n {
         5200..5202 => a + 3000.0,
         30_600.. => a + 60.0,
@@ -164,8 +168,8 @@ fn absent() -> Result<(), Failed> {
     check(told.get("windows").is_none(), "windows that nobody asked for")
 }
 
-/// Coefficients of the accelerometers as `allan` finds them in the log (N in m/s/√h, B in µg, K in µg/√s), and those of the
-/// gyros (°/√h, °/h, °/h/√h; none where the log does not support it).
+/// Coefficients of the accelerometers as `allan` finds them in the log (N in m/s/√h, B in µg, K in
+/// µg/√s), and those of the gyros (°/√h, °/h, °/h/√h; none where the log does not support it).
 const ADIS: [(&str, [f64; 3]); 6] = [
     ("ax_lsb", [0.227, 379.0, 52.0]),
     ("ay_lsb", [0.214, 236.0, 55.0]),
@@ -175,8 +179,8 @@ const ADIS: [(&str, [f64; 3]); 6] = [
     ("gz_lsb", [2.30, 23.3, 232.0]),
 ];
 
-/// What a plain program outside this project got from the same log: windows of 10 and 60 s after 10 s still, sd of position
-/// recorded and predicted, m, and the share inside the 90 % band.
+/// What a plain program outside this project got from the same log: windows of 10 and 60 s after 10
+/// s still, sd of position recorded and predicted, m, and the share inside the 90 % band.
 const PLAIN: [[(f64, f64, f64); 3]; 2] = [
     [(0.22, 0.21, 0.91), (0.17, 0.15, 0.91), (0.17, 0.17, 0.93)],
     [(7.3, 7.7, 0.96), (5.5, 6.1, 0.95), (5.9, 5.9, 0.93)],
@@ -215,12 +219,14 @@ fn adis(data: &Path) -> Result<(), Failed> {
         check(row["axis"] == ADIS[axis].0 && row["windows"] == [374, 107][length], row.to_string())?;
         let (recorded, predicted) = (number(row, "sd_recorded")?, number(row, "sd_predicted")?);
         if let Some((r, p, inside)) = PLAIN[length].get(axis) {
-            // As printed: half a unit of the last digit, and 2 % for the spread of the members and of the plain program's own.
+            // As printed: half a unit of the last digit, and 2 % for the spread of the members and
+            // of the plain program's own.
             near("sd_recorded", recorded, *r, 0.05 * r)?;
             near("sd_predicted", predicted, *p, 0.06 * p)?;
             near("inside90", number(row, "inside90")?, *inside, 0.015)?;
         } else {
-            // Gyros: four in five to nineteen in twenty of the windows or more; tilts of the predicted size.
+            // Gyros: four in five to nineteen in twenty of the windows or more; tilts of the
+            // predicted size.
             near("sd_recorded over sd_predicted of a tilt", recorded / predicted, 1.0, 0.25)?;
             check(number(row, "inside90")? > 0.8, row.to_string())?;
         }

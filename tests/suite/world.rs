@@ -16,7 +16,8 @@ pub fn data() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
-/// A test on real recordings: ignored where the folder is absent, a failure where `PROOFMASS_REQUIRE_DATA=1` demands it.
+/// A test on real recordings: ignored where the folder is absent, a failure where
+/// `PROOFMASS_REQUIRE_DATA=1` demands it.
 pub fn data_test(name: &str, body: impl FnOnce(&Path) -> Result<(), Failed> + Send + 'static) -> Trial {
     match data() {
         Some(folder) => Trial::test(name, move || body(&folder)),
@@ -29,8 +30,8 @@ pub fn data_test(name: &str, body: impl FnOnce(&Path) -> Result<(), Failed> + Se
     }
 }
 
-/// A test on a GPU adapter, software ones included: ignored where there is none, a failure where `PROOFMASS_REQUIRE_GPU=1`
-/// demands one.
+/// A test on a GPU adapter, software ones included: ignored where there is none, a failure where
+/// `PROOFMASS_REQUIRE_GPU=1` demands one.
 pub fn gpu_test(name: &str, body: impl FnOnce() -> Result<(), Failed> + Send + 'static) -> Trial {
     static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
     let present = *PRESENT.get_or_init(|| !proofmass::backend::gpu::list().is_empty());

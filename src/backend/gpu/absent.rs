@@ -1,4 +1,5 @@
-//! The GPU of a build without the feature `gpu`: none is ever found, so that what can use one needs no second way.
+//! The GPU of a build without the feature `gpu`: none is ever found, so that what can use one needs
+//! no second way.
 
 use std::convert::Infallible;
 

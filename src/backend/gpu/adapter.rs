@@ -7,7 +7,8 @@ fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
 }
 
-/// Adapters, best first: hardware before software, discrete before integrated, Vulkan before OpenGL.
+/// Adapters, best first: hardware before software, discrete before integrated, Vulkan before
+/// OpenGL.
 pub(super) fn adapters() -> Vec<(Adapter, wgpu::Adapter)> {
     let found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
     let mut adapters: Vec<(Adapter, wgpu::Adapter)> = found.into_iter().map(|a| (describe(&a), a)).collect();
@@ -30,7 +31,8 @@ fn describe(adapter: &wgpu::Adapter) -> Adapter {
     let driver: Vec<&str> = driver.into_iter().filter(|d| !d.is_empty()).collect();
     let limits = adapter.limits();
     Adapter {
-        // OpenGL drivers call themselves anything; the name of Mesa's software rasteriser gives it away.
+        // OpenGL drivers call themselves anything; the name of Mesa's software rasteriser gives it
+        // away.
         hardware: !matches!(kind, "software" | "other") && !info.name.to_lowercase().contains("llvmpipe"),
         name: info.name,
         kind,

@@ -1,5 +1,5 @@
-//! Six-axis ensembles on a device: three one-axis ensembles that write every reading's errors, and the navigation that reads
-//! them, tile by tile.
+//! Six-axis ensembles on a device: three one-axis ensembles that write every reading's errors, and
+//! the navigation that reads them, tile by tile.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -154,8 +154,8 @@ impl<'a> Carried<'a> {
         Ok(carried)
     }
 
-    /// Sends what the members begin to navigate with; `means`: what the still start of each axis has found, accelerometers and
-    /// gyros, member by member.
+    /// Sends what the members begin to navigate with; `means`: what the still start of each axis
+    /// has found, accelerometers and gyros, member by member.
     fn begin(&self, gpu: &Gpu, means: Option<&[Vec<(f32, f32)>]>) -> Result<()> {
         let (flight, stride) = (self.batch.flight, self.stride as usize);
         let mut given = vec![0.0_f32; stride * (6 + COUPLINGS + FOLLOWED)];
@@ -168,7 +168,8 @@ impl<'a> Carried<'a> {
                     let of = |axis: usize| (f64::from(means[axis][i].0), f64::from(means[axis][i].1));
                     let begin = flight.aligned(member, std::array::from_fn(of));
                     for axis in 0..3 {
-                        // The readings come without their means: what is taken off instead is the difference.
+                        // The readings come without their means: what is taken off instead is the
+                        // difference.
                         let (accelerometer, gyro) = of(axis);
                         given[axis * stride + i] = (begin.accelerometer[axis] - accelerometer) as f32;
                         given[(3 + axis) * stride + i] = (begin.gyro[axis] - gyro) as f32;
@@ -234,8 +235,8 @@ impl<'a> Carried<'a> {
         self.sums(gpu).map(Some)
     }
 
-    /// The tiles from a sample on: none of them passes the end of the still start, a multiple of [`CHUNK`] after it, a fix or a
-    /// report.
+    /// The tiles from a sample on: none of them passes the end of the still start, a multiple of
+    /// [`CHUNK`] after it, a fix or a report.
     fn tiles(&self, mut from: u64, budget: u64) -> Vec<tile::Tile> {
         let (clock, fixes) = (self.batch.flight.clock(), &self.batch.flight.fixes);
         let (mut tiles, until) = (Vec::new(), from + budget);
@@ -319,7 +320,8 @@ impl<'a> Carried<'a> {
         all
     }
 
-    /// Hands tiles to the device: three axes, then the navigation, then the sums of the report that a tile ends with.
+    /// Hands tiles to the device: three axes, then the navigation, then the sums of the report that
+    /// a tile ends with.
     fn submit(&self, gpu: &Gpu, tiles: &[tile::Tile]) -> Result<Submission> {
         let still_samples = self.batch.flight.clock().still_samples;
         let uniforms = tiles.iter().map(|tile| self.uniforms(gpu, tile)).collect::<Result<Vec<_>>>()?;

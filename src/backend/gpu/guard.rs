@@ -1,5 +1,6 @@
-//! The boundary to a library that panics on some failures of a driver: a device that is lost while it is waited for, a
-//! pipeline that cannot be made while the device is opened. Here such a panic becomes what it said.
+//! The boundary to a library that panics on some failures of a driver: a device that is lost while
+//! it is waited for, a pipeline that cannot be made while the device is opened. Here such a panic
+//! becomes what it said.
 
 use std::any::Any;
 use std::cell::Cell;

@@ -1,6 +1,8 @@
-//! The map kernels on a device: orbits stay there from the transient through the exponent to the strobes.
+//! The map kernels on a device: orbits stay there from the transient through the exponent to the
+//! strobes.
 //!
-//! A submission is a few periods of the force, as many as fit the time that a driver is patient for.
+//! A submission is a few periods of the force, as many as fit the time that a driver is patient
+//! for.
 
 use std::time::Instant;
 
@@ -18,8 +20,9 @@ const TARGET_S: f64 = 0.08;
 /// Numbers of state per point: x, v, tangent x and v, sum of logarithms, lost.
 const STATE: usize = 6;
 
-/// Integrates every point on the device, as `backend::orbits::explore::<f32>` does on the CPU. Orbits agree with those of
-/// the CPU while they are regular; chaotic ones agree in distribution, because the device may fuse multiply and add.
+/// Integrates every point on the device, as `backend::orbits::explore::<f32>` does on the CPU.
+/// Orbits agree with those of the CPU while they are regular; chaotic ones agree in distribution,
+/// because the device may fuse multiply and add.
 ///
 /// # Errors
 /// Not enough memory, a device that was lost, or Ctrl-C.

@@ -1,4 +1,5 @@
-//! The most multiply-adds per second that a device can do, measured: what a kernel's speed there is a share of.
+//! The most multiply-adds per second that a device can do, measured: what a kernel's speed there is
+//! a share of.
 
 use bytemuck::cast_slice;
 

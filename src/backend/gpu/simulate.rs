@@ -1,10 +1,12 @@
-//! Ensembles on a device: tiles of members × steps, state kept there between tiles, only sums read back.
+//! Ensembles on a device: tiles of members × steps, state kept there between tiles, only sums read
+//! back.
 //!
-//! Submissions are kept near 80 ms, so that no driver loses patience and Ctrl-C is heard; the next one is prepared while
-//! the device works on the last.
+//! Submissions are kept near 80 ms, so that no driver loses patience and Ctrl-C is heard; the next
+//! one is prepared while the device works on the last.
 //!
-//! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until a batch ends or is
-//! asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen reports of a million members.
+//! Nothing is read between them, so there is no read-back to overlap: sums stay on the device until
+//! a batch ends or is asked to stop, 96 bytes for 256 members and a report, 6 MB for sixteen
+//! reports of a million members.
 
 mod needed;
 
@@ -40,12 +42,13 @@ const MOST_MEMBERS: u64 = 1 << 20;
 /// Members of a batch on a software adapter, so that its state stays in the cache.
 const MOST_MEMBERS_SOFTWARE: u64 = 1 << 15;
 
-/// Member-steps that a batch is to take: some seconds on a large card, half a minute on a small one, whose batch is then
-/// kept half-way.
+/// Member-steps that a batch is to take: some seconds on a large card, half a minute on a small
+/// one, whose batch is then kept half-way.
 const WORK: u64 = 200_000_000_000;
 /// The same on a software adapter.
 const WORK_SOFTWARE: u64 = 2_000_000_000;
-/// Fewest members of a batch, however much work each is: about as many as the largest cards have in flight.
+/// Fewest members of a batch, however much work each is: about as many as the largest cards have in
+/// flight.
 const FEWEST_MEMBERS: u64 = 1 << 16;
 /// The same on a software adapter.
 const FEWEST_MEMBERS_SOFTWARE: u64 = 1 << 12;
@@ -76,7 +79,8 @@ impl Backend for Ensembles {
             return Err(Error::new("could not simulate on the GPU", cause, "use --backend cpu, or a longer step_s"));
         }
         let terms = flicker_amplitudes(&job.clock).len();
-        // Two sets of flicker terms at most; moments of every report stay on the device until the end.
+        // Two sets of flicker terms at most; moments of every report stay on the device until the
+        // end.
         let widest = 4 * ((COLUMNS + coefficients::MOST).max(state::TERMS + 2 * terms) as u64);
         let moments = (job.clock.report_samples.len() * 4 * size_of::<layout::Partial>()) as u64;
         let room = self.gpu.adapter.largest_binding;

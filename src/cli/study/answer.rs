@@ -30,7 +30,8 @@ struct Merged {
     shards: usize,
 }
 
-/// Prints the answer, with what is `stated` of its last position error where digits were asked for; `shards` is the number of files that it was put together from.
+/// Prints the answer, with what is `stated` of its last position error where digits were asked for;
+/// `shards` is the number of files that it was put together from.
 ///
 /// # Errors
 /// When stdout cannot be written.

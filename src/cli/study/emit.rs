@@ -1,5 +1,5 @@
-//! `proofmass study --emit slurm|kubernetes --shards N`: the script that has a batch system run the shards and, after them,
-//! the merge. Nothing is submitted here.
+//! `proofmass study --emit slurm|kubernetes --shards N`: the script that has a batch system run the
+//! shards and, after them, the merge. Nothing is submitted here.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! `mpirun -n 4 proofmass study …`: ranks take the shards, rank 0 merges and writes.
 //!
-//! MPI carries bytes only: each rank keeps its state in the folder that all share, sends it to rank 0 when it is done, and
-//! rank 0 puts them together as `proofmass merge` does. A run that was killed goes on with any number of ranks: what no
-//! state holds is divided anew.
+//! MPI carries bytes only: each rank keeps its state in the folder that all share, sends it to rank
+//! 0 when it is done, and rank 0 puts them together as `proofmass merge` does. A run that was
+//! killed goes on with any number of ranks: what no state holds is divided anew.
 
 use std::path::{Path, PathBuf};
 
@@ -79,7 +79,8 @@ impl Ranks {
         Some(std::iter::once(bytes.to_vec()).chain(others).collect())
     }
 
-    /// Goes on where all ranks can. Where one cannot, rank 0 returns its error and the others end without a word.
+    /// Goes on where all ranks can. Where one cannot, rank 0 returns its error and the others end
+    /// without a word.
     fn agree<T>(&self, result: Result<T>) -> Result<T> {
         let said = result.as_ref().err().map_or_else(Vec::new, |e| {
             serde_json::to_vec(&json!([e.attempt, e.cause, e.hint])).unwrap_or_else(|_| b"[]".to_vec())

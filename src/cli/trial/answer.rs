@@ -31,7 +31,8 @@ pub(super) struct Run<'a> {
     pub real: &'a [Found],
 }
 
-/// Writes the outcome with `more` files and prints it. The `command` stands in the summary, for whoever wants to repeat it.
+/// Writes the outcome with `more` files and prints it. The `command` stands in the summary, for
+/// whoever wants to repeat it.
 ///
 /// # Errors
 /// When stdout or the folder cannot be written.

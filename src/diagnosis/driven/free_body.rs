@@ -1,9 +1,10 @@
 //! A body without a spring: a stage, an axis, a seismic mass far above its suspension. ω₀ = 0.
 //!
-//! Nothing pulls it back, so that free simulation integrates every error of the force twice, and an offset of the reading means
-//! nothing. Its laws are found where they act, in the force that the measured motion takes (`motion`, `regression`), and its
-//! simulations begin anew every second (`windows`). Of the library only laws that do not know a position can act on it.
-//! Not for bodies that swing: those are simulated (`simulation`).
+//! Nothing pulls it back, so that free simulation integrates every error of the force twice, and an
+//! offset of the reading means nothing. Its laws are found where they act, in the force that the
+//! measured motion takes (`motion`, `regression`), and its simulations begin anew every second
+//! (`windows`). Of the library only laws that do not know a position can act on it. Not for bodies
+//! that swing: those are simulated (`simulation`).
 
 pub mod conclusion;
 pub mod motion;
@@ -19,8 +20,8 @@ use super::intake::data::Data;
 /// Turns of the resonance that a recording must hold before a spring is believed.
 const TURNS: f64 = 5.0;
 
-/// Whether what was fitted as a resonance is slower than a recording can show: the input moves the body about, no spring pulls it
-/// back.
+/// Whether what was fitted as a resonance is slower than a recording can show: the input moves the
+/// body about, no spring pulls it back.
 pub(super) fn is_free(data: &Data, base: &Fit) -> bool {
     let longest = data.recordings().iter().map(ExactSizeIterator::len).max().unwrap_or(0) as f64 * data.interval_s();
     data.input.is_some() && base.point[OMEGA] * longest < TURNS * TAU

@@ -1,4 +1,5 @@
-//! A model's parameters: where to begin, the fit, how sure it is, and whether another minimum lies deeper.
+//! A model's parameters: where to begin, the fit, how sure it is, and whether another minimum lies
+//! deeper.
 
 pub mod chaos;
 pub mod fit;

@@ -1,4 +1,5 @@
-//! A model run over a recording: base and terms step by step, corrected by the readings where noise terms ask for it.
+//! A model run over a recording: base and terms step by step, corrected by the readings where noise
+//! terms ask for it.
 
 pub mod filter;
 pub mod gain;

@@ -1,4 +1,5 @@
-//! What may be said: which terms hold, what is left, where the base model errs, and the public document made of it.
+//! What may be said: which terms hold, what is left, where the base model errs, and the public
+//! document made of it.
 
 pub mod answer;
 pub mod conclude;

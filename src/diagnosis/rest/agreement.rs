@@ -1,8 +1,10 @@
-//! Channels of one sensor share their physics: a name that only some need is given up where another channel's serves.
+//! Channels of one sensor share their physics: a name that only some need is given up where another
+//! channel's serves.
 //!
-//! Each channel is judged alone first (`selection`). A weak effect is then sometimes taken for a look-alike in one channel
-//! of three; that look-alike must win by the penalty of one more name. Only names that leave nothing but noise in their
-//! channel are given to others. Not a joint fit: strengths differ freely.
+//! Each channel is judged alone first (`selection`). A weak effect is then sometimes taken for a
+//! look-alike in one channel of three; that look-alike must win by the penalty of one more name.
+//! Only names that leave nothing but noise in their channel are given to others. Not a joint fit:
+//! strengths differ freely.
 
 use crate::control::{Control, Stopped};
 
@@ -15,9 +17,9 @@ use super::standing::{self, CLOSE, Standing, others, prune};
 use crate::diagnosis::remainder::REAL;
 use crate::parallel;
 
-/// Twice the log-likelihood that a name must gain over one that another channel bears. Before any data each of the nine
-/// candidates is as likely as another, and one that is at work in a neighbour is the likelier by far: 2 ln 9 and a factor
-/// of ten for the latter.
+/// Twice the log-likelihood that a name must gain over one that another channel bears. Before any
+/// data each of the nine candidates is as likely as another, and one that is at work in a neighbour
+/// is the likelier by far: 2 ln 9 and a factor of ten for the latter.
 const PENALTY: f64 = 9.0;
 
 /// Goes through the channels once; `selected` are theirs.
@@ -48,7 +50,8 @@ pub(super) fn agree(
     Ok(())
 }
 
-/// In how many channels a cause stands and leaves noise; in the one that is judged it counts anyway.
+/// In how many channels a cause stands and leaves noise; in the one that is judged it counts
+/// anyway.
 fn bearers(selected: &[Selection], described: &[bool], judged: usize, cause: Cause) -> usize {
     let stands = |i: usize| selected[i].chosen.has(cause) && (described[i] || i == judged);
     (0..selected.len()).filter(|i| stands(*i)).count()

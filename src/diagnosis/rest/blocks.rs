@@ -1,4 +1,5 @@
-//! A channel and its model on means of neighbouring values: slow drift costs less to search there, and looks the same.
+//! A channel and its model on means of neighbouring values: slow drift costs less to search there,
+//! and looks the same.
 
 use super::channel::{Addition, Channel, Curve, Term};
 use super::spectrum::Law;

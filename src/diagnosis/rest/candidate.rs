@@ -1,6 +1,8 @@
-//! What the model of a sensor at rest may leave out; one file per candidate, with all that is particular to it.
+//! What the model of a sensor at rest may leave out; one file per candidate, with all that is
+//! particular to it.
 //!
-//! A new candidate is a file here, a variant of `Cause` and its lines in `CANDIDATES`, `OFFERED` and `row`.
+//! A new candidate is a file here, a variant of `Cause` and its lines in `CANDIDATES`, `OFFERED`
+//! and `row`.
 
 mod band_limit;
 mod flicker_noise;
@@ -34,8 +36,8 @@ pub const CANDIDATES: &[Candidate] = &[
     temperature_sensitivity::CANDIDATE,
 ];
 
-/// What each channel's selection offers, in this order. White noise is in every model; its level is judged apart
-/// (`effects::of_level`).
+/// What each channel's selection offers, in this order. White noise is in every model; its level is
+/// judged apart (`effects::of_level`).
 pub(super) const OFFERED: [Cause; 9] = [
     Cause::QuantisationNoise,
     Cause::FlickerNoise,

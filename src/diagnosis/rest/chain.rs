@@ -1,8 +1,10 @@
-//! A chain of two levels in white noise (a hidden Markov model) and its fit by expectation–maximisation (Rabiner 1989).
+//! A chain of two levels in white noise (a hidden Markov model) and its fit by
+//! expectation–maximisation (Rabiner 1989).
 //!
 //! Not whether a recording is one: that is a contest with a Gaussian drift (`telegraph`).
 
-/// Steps of expectation–maximisation; the likelihood only rises, so that stopping early claims less.
+/// Steps of expectation–maximisation; the likelihood only rises, so that stopping early claims
+/// less.
 const STEPS: usize = 40;
 
 /// Two levels, the variance about them, and the chance per value to leave each.
@@ -14,7 +16,8 @@ pub(super) struct Chain {
     pub(super) leave: [f64; 2],
 }
 
-/// What a chain says of values: log-likelihood up to a constant, and the chance of the higher level at each.
+/// What a chain says of values: log-likelihood up to a constant, and the chance of the higher level
+/// at each.
 pub(super) struct Expected {
     /// Up to a constant.
     pub(super) log_likelihood: f64,

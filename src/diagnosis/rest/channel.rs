@@ -94,8 +94,8 @@ pub(super) struct Fitted {
 }
 
 impl Fitted {
-    /// Variance of every bin, not below a part of the white level: behind a filter hardly anything is left at some frequencies,
-    /// and what is there is leakage, which must not decide.
+    /// Variance of every bin, not below a part of the white level: behind a filter hardly anything
+    /// is left at some frequencies, and what is there is leakage, which must not decide.
     pub(super) fn safe_variances(&self) -> Vec<f64> {
         let least = match self.has(Cause::BandLimit) {
             true => LEAKAGE * self.white().0,
@@ -123,7 +123,8 @@ impl Fitted {
         &self.amplitudes[start..start + curves(&self.terms[term])]
     }
 
-    /// Variance and standard error of the white noise at frequencies that no filter in the sensor reaches.
+    /// Variance and standard error of the white noise at frequencies that no filter in the sensor
+    /// reaches.
     pub(super) fn white(&self) -> (f64, f64) {
         let (value, error) = (self.strengths.values[0], self.strengths.errors[0]);
         match self.terms.iter().position(|t| t.cause == Cause::BandLimit) {
@@ -266,7 +267,8 @@ impl Channel {
         }
     }
 
-    /// Share of the mean square on every second of sixteen stretches that curves remove when fitted to the others.
+    /// Share of the mean square on every second of sixteen stretches that curves remove when fitted
+    /// to the others.
     pub(super) fn held_out_share(&self, fitted: &Fitted, term: usize) -> f64 {
         let Addition::Curves(curves) = &fitted.terms[term].addition else { return 0.0 };
         let count = self.values.len();
@@ -284,8 +286,8 @@ impl Channel {
         1.0 - after / before
     }
 
-    /// Sums of squares before and after all curves, fitted to every second of sixteen stretches: on those, then on the
-    /// others, which they were not fitted to.
+    /// Sums of squares before and after all curves, fitted to every second of sixteen stretches: on
+    /// those, then on the others, which they were not fitted to.
     pub(super) fn held_out_squares(&self, fitted: &Fitted) -> [[f64; 2]; 2] {
         // A jump has no name: what is named must predict without it.
         let named: Vec<Term> = fitted.terms.iter().filter(|t| t.cause != Cause::Jump).cloned().collect();
@@ -293,8 +295,8 @@ impl Channel {
     }
 }
 
-/// Straight least squares of a constant and curves on the even of sixteen stretches: [even, odd], each the sum of squares
-/// [about the even stretches' mean, about the fit].
+/// Straight least squares of a constant and curves on the even of sixteen stretches: [even, odd],
+/// each the sum of squares [about the even stretches' mean, about the fit].
 fn split(values: &[f64], curves: &[&Curve]) -> [[f64; 2]; 2] {
     let count = values.len();
     let stretch = |n: usize| n * 16 / count % 2;

@@ -1,8 +1,9 @@
-//! Slow drift that channels share: temperature, or another common cause, without a column that shows it.
+//! Slow drift that channels share: temperature, or another common cause, without a column that
+//! shows it.
 //!
-//! The slow part of one channel is offered to another as if it were an environment column, on top of the other's own noise
-//! with its own walk or flicker. Two independent walks look alike too; under the other's own walk that likeness is worth
-//! no more than chance.
+//! The slow part of one channel is offered to another as if it were an environment column, on top
+//! of the other's own noise with its own walk or flicker. Two independent walks look alike too;
+//! under the other's own walk that likeness is worth no more than chance.
 
 use super::candidate::MOST_LAWS;
 use super::cause::Cause;
@@ -104,7 +105,8 @@ fn slow_power(fitted: &Fitted) -> f64 {
     fitted.bins.iter().zip(&fitted.variances).map(of).sum()
 }
 
-/// The slow part in time: every coefficient weighted by the fraction of its power that is not white (Wiener's filter).
+/// The slow part in time: every coefficient weighted by the fraction of its power that is not white
+/// (Wiener's filter).
 pub(super) fn slow_part(fitted: &Fitted) -> Vec<f64> {
     let white = fitted.white().0;
     let mut coefficients = vec![0.0; fitted.residual.len()];

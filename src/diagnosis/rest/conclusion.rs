@@ -90,7 +90,8 @@ impl<'a> Draft<'a> {
         self.common.as_ref().is_some_and(|c| c.leader == i || c.followers.iter().any(|f| f.channel == i))
     }
 
-    /// What was selected, as effects: the drift that channels share, each channel's own terms, its white level.
+    /// What was selected, as effects: the drift that channels share, each channel's own terms, its
+    /// white level.
     fn find_effects(&mut self) {
         if let Some(common) = &self.common {
             self.effects.push(effects::of_common(common, self.channels, &mut self.finals));
@@ -152,8 +153,8 @@ impl<'a> Draft<'a> {
         self.departures[i].is_some_and(|d| d.ruling == Ruling::Refuted)
     }
 
-    /// One test for each channel, corrected for their number. Its tolerance is within the probability already, so that
-    /// whatever is found is material.
+    /// One test for each channel, corrected for their number. Its tolerance is within the
+    /// probability already, so that whatever is found is material.
     fn test(&self, i: usize) -> Test {
         Test { p_value: self.residuals[i].p_value * self.channels.len() as f64, size: Size::Material }
     }
@@ -171,8 +172,9 @@ impl<'a> Draft<'a> {
         (0..self.channels.len()).all(|i| self.fits(i))
     }
 
-    /// A white level that departs from the promise only for a while, or only in a band, is none that the sensor has. Where
-    /// it departs for a while the promise is still not kept: that mismatch has no name here.
+    /// A white level that departs from the promise only for a while, or only in a band, is none
+    /// that the sensor has. Where it departs for a while the promise is still not kept: that
+    /// mismatch has no name here.
     fn drop_passing_levels(&mut self) {
         let Some(noise) = &self.model.noise else { return };
         let levels = |i: usize| Levels {
@@ -197,8 +199,9 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// What explains a drift by half while something foreign remains is a stand-in, in the channels where it remains. What
-    /// has a witness of its own stays, and so does a law that holds wherever it rules.
+    /// What explains a drift by half while something foreign remains is a stand-in, in the channels
+    /// where it remains. What has a witness of its own stays, and so does a law that holds wherever
+    /// it rules.
     fn drop_stand_ins(&mut self) {
         let stands = |found: &Found| {
             let mut at = found.channels.iter();
@@ -240,11 +243,13 @@ impl<'a> Draft<'a> {
         Evidence {
             named: effects.len(),
             tied: self.effects.iter().filter(|e| !e.rivals.is_empty() || self.is_open(e)).count(),
-            // A drift that is a jump in truth has been dropped, and the library holds no jump, no knock and no spikes.
+            // A drift that is a jump in truth has been dropped, and the library holds no jump, no
+            // knock and no spikes.
             stand_ins: self.leaps.contains(&true)
                 || (0..self.channels.len()).any(|i| self.is_disturbed(i) || self.departs(i)),
             remainder: self.remainder().size,
-            // Laws of noise change no prediction, and a curve that predicts worse does not count in the selection.
+            // Laws of noise change no prediction, and a curve that predicts worse does not count in
+            // the selection.
             ..Evidence::default()
         }
     }

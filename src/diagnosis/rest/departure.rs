@@ -1,9 +1,11 @@
-//! Whether a drift follows the law it was named for: the law's exponent is set free and has its say.
+//! Whether a drift follows the law it was named for: the law's exponent is set free and has its
+//! say.
 //!
-//! Laws of noise and drift have whole exponents: 1/f, 1/f², a bias along t. A drift of another exponent, or one along a
-//! smooth course that is no noise at all, is described by a library law or by a sum of them until a fit with a free exponent
-//! describes it better. Three things can come out: the exponent lies near the law's, the law is refuted, or the recording
-//! cannot tell. Not for channels that share their drift (`common`): that is a course by definition.
+//! Laws of noise and drift have whole exponents: 1/f, 1/f², a bias along t. A drift of another
+//! exponent, or one along a smooth course that is no noise at all, is described by a library law or
+//! by a sum of them until a fit with a free exponent describes it better. Three things can come
+//! out: the exponent lies near the law's, the law is refuted, or the recording cannot tell. Not for
+//! channels that share their drift (`common`): that is a course by definition.
 
 use super::blocks;
 use super::candidate::row;
@@ -16,9 +18,11 @@ use super::standing::CLOSE;
 
 /// An exponent nearer to a law's than this part of it makes no difference that matters.
 const NEAR: f64 = 0.2;
-/// Twice the log-likelihood by which a free exponent leaves the 95 % interval of a whole one, so that this one is in doubt.
+/// Twice the log-likelihood by which a free exponent leaves the 95 % interval of a whole one, so
+/// that this one is in doubt.
 const DOUBTED: f64 = 3.84;
-/// Twice the log-likelihood that a free exponent must gain over a whole one to refute it: one in a thousand by chance.
+/// Twice the log-likelihood that a free exponent must gain over a whole one to refute it: one in a
+/// thousand by chance.
 const REFUTED: f64 = 10.8;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
 const SPECTRAL: [f64; 2] = [0.2, 4.4];
@@ -77,8 +81,8 @@ pub(super) fn judge(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     refuted.or_else(|| both.into_iter().flatten().next())
 }
 
-/// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which of the whole ones fits
-/// is settled before (`laws`).
+/// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which
+/// of the whole ones fits is settled before (`laws`).
 fn whole(law: f64, free: Profiled, gain: f64) -> Option<Ruling> {
     let is_material = (free.value - law).abs() > NEAR * law;
     if is_material && gain > REFUTED {
@@ -101,7 +105,8 @@ fn rival(better_by: f64) -> Option<Ruling> {
     }
 }
 
-/// The slow laws of noise against one of free exponent, on the spectrum that the model's curves leave.
+/// The slow laws of noise against one of free exponent, on the spectrum that the model's curves
+/// leave.
 fn in_spectrum(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let slow = slow_laws(chosen);
     if slow.is_empty() {
@@ -139,7 +144,8 @@ fn term(cause: Cause, curves: Vec<Curve>) -> Term {
     Term { cause, addition: Addition::Curves(curves), searched: 0.0, column: None }
 }
 
-/// The drift terms against smooth courses in time: a power of time, a line with a kink, polynomials.
+/// The drift terms against smooth courses in time: a power of time, a line with a kink,
+/// polynomials.
 fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let drifts = |t: &&Term| SLOW.contains(&t.cause) || is_course(t.cause);
     let drift: Vec<Cause> = chosen.terms.iter().filter(drifts).map(|t| t.cause).collect();
@@ -152,7 +158,8 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let coarse = |terms: Vec<&Term>| terms.into_iter().filter_map(|t| blocks::term(t, together)).collect::<Vec<Term>>();
     let rest = coarse(chosen.terms.iter().filter(|t| !drifts(t)).collect());
     let before = own.fit(coarse(chosen.terms.iter().collect()));
-    // What a number costs where it is fitted to so many values (Schwarz 1978): a curve takes up what it can of any noise.
+    // What a number costs where it is fitted to so many values (Schwarz 1978): a curve takes up
+    // what it can of any noise.
     let penalty = (count as f64).ln();
     let with = |curves: Vec<Curve>| -> f64 {
         own.fit(rest.iter().cloned().chain([term(Cause::RateRamp, curves)]).collect()).log_likelihood()
@@ -202,7 +209,8 @@ mod tests {
     use crate::numerics::cosine;
     use crate::rng::{Philox, Stream};
 
-    /// Noise whose cosine coefficients have the variance 1 + (knee/k)^exponent: the law to the letter.
+    /// Noise whose cosine coefficients have the variance 1 + (knee/k)^exponent: the law to the
+    /// letter.
     fn noise(count: usize, exponent: f64, knee: f64, member: u64) -> Vec<f64> {
         let mut rng = Philox::new(31, member, Stream::Host);
         let coefficients: Vec<f64> = (0..count)

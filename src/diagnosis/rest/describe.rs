@@ -25,8 +25,8 @@ pub(super) fn density_of_white(channel: &Channel, variance: f64) -> f64 {
     (2.0 * variance / channel.rate_hz).sqrt() * channel.scale
 }
 
-/// Allan variance of coefficients with these variances per bin: 2/N Σ S sin⁴(mθ)/(m sin θ)². Where a bin spans many ripples
-/// their mean, 3/8, stands for sin⁴.
+/// Allan variance of coefficients with these variances per bin: 2/N Σ S sin⁴(mθ)/(m sin θ)². Where
+/// a bin spans many ripples their mean, 3/8, stands for sin⁴.
 fn allan_variance(bins: &[Bin], variances: &[f64], count: usize, factor: usize) -> f64 {
     let m = factor as f64;
     let each = |(b, v): (&Bin, &f64)| {

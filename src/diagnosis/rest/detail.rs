@@ -1,4 +1,5 @@
-//! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its words.
+//! What a diagnosis of a sensor at rest keeps: plain numbers behind its figures, reasons behind its
+//! words.
 
 use super::statement::Statement;
 use crate::diagnosis::verdict::{Estimate, Stretch};
@@ -56,7 +57,8 @@ pub struct Departure {
     pub ci95: Option<[f64; 2]>,
 }
 
-/// Where the mismatch lives: the one that repair removed where every channel is described, else what is left.
+/// Where the mismatch lives: the one that repair removed where every channel is described, else
+/// what is left.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Location {
     /// Whether the models found describe every channel.

@@ -1,9 +1,11 @@
-//! Readings that are no part of a sensor's noise: single bad ones, and knocks. They are taken out before anything is fitted.
+//! Readings that are no part of a sensor's noise: single bad ones, and knocks. They are taken out
+//! before anything is fitted.
 //!
-//! A reading is far off where it lies six robust standard deviations from the medians of its surroundings. Several close
-//! together are a knock; a few alone are bad readings. Many alone, of all sizes, are the tail of a heavy-tailed noise: those
-//! stay, except one that lies far beyond the rest. Many alone of one size are spikes, which nothing in the library makes.
-//! Not for steps: a level that changes stays as it is (`jump`).
+//! A reading is far off where it lies six robust standard deviations from the medians of its
+//! surroundings. Several close together are a knock; a few alone are bad readings. Many alone, of
+//! all sizes, are the tail of a heavy-tailed noise: those stay, except one that lies far beyond the
+//! rest. Many alone of one size are spikes, which nothing in the library makes. Not for steps: a
+//! level that changes stays as it is (`jump`).
 
 use crate::numerics::order::median;
 
@@ -13,15 +15,17 @@ const BLOCK: usize = 64;
 const FAR: f64 = 6.0;
 /// So many far readings alone are bad ones; more are a property of the noise.
 const FEW: usize = 12;
-/// With more of them, one is bad if it is so many times as far off as the [`FEW`]th: 12/8³ is the chance of it in noise with
-/// tails as heavy as Student's with three degrees of freedom.
+/// With more of them, one is bad if it is so many times as far off as the [`FEW`]th: 12/8³ is the
+/// chance of it in noise with tails as heavy as Student's with three degrees of freedom.
 const BEYOND_TAIL: f64 = 8.0;
-/// Robust standard deviations beyond which a tail shows, before its readings are far off: one in [`RARE`] of normal noise.
+/// Robust standard deviations beyond which a tail shows, before its readings are far off: one in
+/// [`RARE`] of normal noise.
 const OUTLYING: f64 = 4.0;
 const RARE: f64 = 15_787.0;
 /// Far readings no further apart than this belong together.
 const CLOSE: usize = 8;
-/// A knock that would come by chance, among far readings placed at random, more often than this is none.
+/// A knock that would come by chance, among far readings placed at random, more often than this is
+/// none.
 const CHANCE: f64 = 1e-3;
 
 /// A reading that was left out.
@@ -89,8 +93,9 @@ fn off_level(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (values.iter().zip(&level).map(|(v, l)| v - l).collect(), level)
 }
 
-/// Robust standard deviation: the larger of what the middle and what 95 % of the values say, so that neither a few readings
-/// far off nor a heavy tail decide; where rounding leaves both at nothing, what is left of it further out.
+/// Robust standard deviation: the larger of what the middle and what 95 % of the values say, so
+/// that neither a few readings far off nor a heavy tail decide; where rounding leaves both at
+/// nothing, what is left of it further out.
 fn spread(off: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = off.iter().map(|v| v.abs()).collect();
     let mut at = |part: f64| {
@@ -101,8 +106,9 @@ fn spread(off: &[f64]) -> f64 {
     if spread > 0.0 { spread } else { [0.99, 0.999].map(&mut at).into_iter().find(|s| *s > 0.0).unwrap_or(0.0) }
 }
 
-/// Finds what disturbs a channel and puts in its place what its surroundings show: the level for a single reading, for a
-/// knock the level with the noise of the readings before it (after it, at the beginning).
+/// Finds what disturbs a channel and puts in its place what its surroundings show: the level for a
+/// single reading, for a knock the level with the noise of the readings before it (after it, at the
+/// beginning).
 pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     let mut found = Disturbances::default();
     if values.len() < 4 * BLOCK {
@@ -123,7 +129,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
         }
     }
     let rate = far.len() as f64 / off.len() as f64;
-    // Chance that so many more follow one another so closely somewhere, if far readings were placed at random.
+    // Chance that so many more follow one another so closely somewhere, if far readings were placed
+    // at random.
     let by_chance = |run: &[usize]| far.len() as f64 * (CLOSE as f64 * rate).powi(run.len() as i32 - 1);
     let (knocks, alone): (Vec<Vec<usize>>, Vec<Vec<usize>>) =
         runs.into_iter().partition(|run| run.len() >= 3 && (far.len() - run.len() < FEW || by_chance(run) < CHANCE));
@@ -132,7 +139,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     }
     let mut alone: Vec<usize> = alone.into_iter().flatten().collect();
     alone.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
-    // The chance of so many between, in normal noise, is below one in a thousand; and a tail has more of them than far ones.
+    // The chance of so many between, in normal noise, is below one in a thousand; and a tail has
+    // more of them than far ones.
     let beside_knock = |n: usize| found.knocks.iter().any(|k| k.from <= n + BLOCK && n < k.to + BLOCK);
     let between = (0..off.len()).filter(|n| (OUTLYING..=FAR).contains(&size(*n)) && !beside_knock(*n)).count();
     let expected = off.len() as f64 / RARE;
@@ -144,7 +152,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
         found.tail = alone.len() - beyond;
         beyond
     } else {
-        // In a tail, half as far off again is three times as rare or more; spikes lie far out and few on the way there.
+        // In a tail, half as far off again is three times as rare or more; spikes lie far out and
+        // few on the way there.
         let beyond = alone.iter().filter(|n| size(**n) > 1.5 * FAR).count();
         if 2 * beyond > alone.len() {
             found.spikes = alone.len();
@@ -162,15 +171,16 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     found
 }
 
-/// Takes one knock out, with the stretch in which it still rings; `None` where the level is another one afterwards, which
-/// is a step.
+/// Takes one knock out, with the stretch in which it still rings; `None` where the level is another
+/// one afterwards, which is a step.
 fn knock(run: &[usize], values: &mut [f64], level: &[f64], off: &[f64], spread: f64) -> Option<Knock> {
     let (first, last) = (*run.first()?, *run.last()?);
     let largest = run.iter().map(|n| off[*n].abs()).fold(0.0, f64::max);
     let count = values.len();
     let side = |from: usize, to: usize| median(values[from.min(count)..to.min(count)].to_vec());
     let length = last - first + 1;
-    // What dies out to six standard deviations over its length takes as long again to vanish in the noise.
+    // What dies out to six standard deviations over its length takes as long again to vanish in the
+    // noise.
     let (from, to) = (first.saturating_sub(CLOSE + length / 4), (last + 1 + CLOSE + 2 * length).min(count));
     let before = side(from.saturating_sub(BLOCK / 2), from);
     let after = side(to, to + BLOCK / 2);
@@ -237,7 +247,8 @@ mod tests {
     #[test]
     fn a_heavy_tail_stays_and_spikes_are_counted() {
         let mut rng = Philox::new(18, 0, Stream::Host);
-        // Student's t with three degrees of freedom: a normal over the root of a mean of three squares.
+        // Student's t with three degrees of freedom: a normal over the root of a mean of three
+        // squares.
         let mut tailed: Vec<f64> = (0..50_000)
             .map(|_| {
                 let square = (0..3).map(|_| rng.normal().powi(2)).sum::<f64>() / 3.0;

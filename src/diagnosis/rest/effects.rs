@@ -1,4 +1,5 @@
-//! The effects of a still sensor, from what was selected: each channel's own, the drift that they share, their levels.
+//! The effects of a still sensor, from what was selected: each channel's own, the drift that they
+//! share, their levels.
 
 use super::candidate::{Placed, row};
 use super::cause::Cause;
@@ -64,7 +65,8 @@ impl Found {
         self.cause == cause && self.channels.contains(&channel)
     }
 
-    /// Whether it stands in a channel though more is left there: it has a witness of its own, or it holds wherever it rules.
+    /// Whether it stands in a channel though more is left there: it has a witness of its own, or it
+    /// holds wherever it rules.
     pub(super) fn stands(&self, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
         match self.cause {
             Cause::Sinusoid => self.is_a_line(channel, residual),
@@ -72,7 +74,8 @@ impl Found {
         }
     }
 
-    /// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and is still not described.
+    /// Whether nothing is amiss around a sine: a hump wider than a line takes several of them and
+    /// is still not described.
     fn is_a_line(&self, channel: &Channel, residual: &Residual) -> bool {
         let frequency_hz = self.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
         let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
@@ -101,7 +104,8 @@ pub(super) fn of_terms(place: usize, channel: &Channel, selection: &Selection, s
 /// Whether nothing is amiss in time, and in no band where this law is the larger part of the model.
 fn holds_where_it_rules(cause: Cause, fitted: &Fitted, residual: &Residual) -> bool {
     let Some(index) = fitted.terms.iter().position(|t| t.cause == cause) else { return false };
-    // Laws of finite reach (a memory, differences) fit any hump; only those that rise to the lowest frequency count.
+    // Laws of finite reach (a memory, differences) fit any hump; only those that rise to the lowest
+    // frequency count.
     let Addition::Law(law @ (Law::Walk | Law::Flicker)) = fitted.terms[index].addition else { return false };
     let strength = fitted.strength_of(index).0;
     let all = |theta: f64| -> f64 {
@@ -143,8 +147,9 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
     }
 }
 
-/// Variance by which the white level beside flicker depends on what the sensor does above half the sampling rate: 1/f goes
-/// on there, and whether it folds back or is averaged away is no part of the law. Its variance at that frequency.
+/// Variance by which the white level beside flicker depends on what the sensor does above half the
+/// sampling rate: 1/f goes on there, and whether it folds back or is averaged away is no part of
+/// the law. Its variance at that frequency.
 fn folded(fitted: &Fitted) -> f64 {
     let flicker = fitted.terms.iter().position(|t| matches!(t.addition, Addition::Law(Law::Flicker)));
     flicker.map_or(0.0, |i| fitted.strength_of(i).0 * Law::Flicker.variance(std::f64::consts::FRAC_PI_2))
@@ -182,9 +187,11 @@ pub(super) fn of_level(
     }
     let Some(noise) = noise else { return out };
     let promised = describe::white_of_density(channel, noise.density);
-    // Variance before rounding, its interval, and the probability of so large a difference from the promise by chance.
+    // Variance before rounding, its interval, and the probability of so large a difference from the
+    // promise by chance.
     let (own, interval, p_value) = match coarse {
-        // Rounded that coarsely, the variance depends on where between two steps the value lies; the counts know.
+        // Rounded that coarsely, the variance depends on where between two steps the value lies;
+        // the counts know.
         Some(step) if fitted.terms.is_empty() && channel.together == 1 => {
             let counts = Counts::of(&channel.values, step);
             let (sigma, interval, gain) = counts.noise(promised.sqrt() / step);

@@ -1,4 +1,5 @@
-//! From a fitted strength, amplitude or searched number to a stated value with its 95 % interval, in file units.
+//! From a fitted strength, amplitude or searched number to a stated value with its 95 % interval,
+//! in file units.
 
 use super::channel::{Addition, Channel, Fitted};
 use crate::diagnosis::verdict::Estimate;
@@ -25,8 +26,8 @@ pub(super) fn straight(name: &str, unit: String, factor: f64, (value, error): (f
     Estimate { name: name.into(), value: value * factor, unit, ci95 }
 }
 
-/// A searched time constant, s, with the interval where the profile likelihood falls by half of χ²₁'s 95 % point; `addition`
-/// makes the term anew for a time constant in samples.
+/// A searched time constant, s, with the interval where the profile likelihood falls by half of
+/// χ²₁'s 95 % point; `addition` makes the term anew for a time constant in samples.
 pub(super) fn searched(
     name: &str,
     channel: &Channel,

@@ -13,7 +13,8 @@ pub(super) fn within_tolerance() -> String {
     )
 }
 
-/// Whether a process named from its spectrum could be hops between two levels, which have the same one.
+/// Whether a process named from its spectrum could be hops between two levels, which have the same
+/// one.
 pub(super) fn popcorn(channel: &Channel, detected: Option<usize>) -> Option<String> {
     let detected = detected?;
     Some(format!(

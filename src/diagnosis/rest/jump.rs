@@ -1,8 +1,9 @@
-//! Drift that comes in jumps: a bias that leaps once, or between two levels, has the spectrum of a walk or of a memory.
+//! Drift that comes in jumps: a bias that leaps once, or between two levels, has the spectrum of a
+//! walk or of a memory.
 //!
-//! A law of noise is Gaussian at every time, a jump is not: the best-placed step is far larger than the law allows, or one
-//! step alone describes what a law was named for. Nothing here has an entry in the library; it keeps laws from being named
-//! for what they are not.
+//! A law of noise is Gaussian at every time, a jump is not: the best-placed step is far larger than
+//! the law allows, or one step alone describes what a law was named for. Nothing here has an entry
+//! in the library; it keeps laws from being named for what they are not.
 
 use std::f64::consts::PI;
 
@@ -19,7 +20,8 @@ const PLACES: usize = 512;
 /// Coefficients that are summed one by one; beyond, a step's ripples average out.
 const EXACT: usize = 1024;
 
-/// Power may differ from the model's by this share before a real sensor counts as misdescribed; no datasheet is better.
+/// Power may differ from the model's by this share before a real sensor counts as misdescribed; no
+/// datasheet is better.
 pub(super) const TOLERANCE: f64 = 0.15;
 
 /// The step that stands out most from a fitted model.
@@ -31,7 +33,8 @@ pub(super) struct Jump {
     pub(super) p_value: f64,
 }
 
-/// Sizes of steps at every place over their standard errors, by generalised least squares under the model.
+/// Sizes of steps at every place over their standard errors, by generalised least squares under the
+/// model.
 fn sizes(channel: &Channel, fitted: &Fitted) -> Vec<f64> {
     let count = channel.values.len();
     let mut weighted = fitted.residual.to_vec();
@@ -85,7 +88,8 @@ pub(super) fn strongest(channel: &Channel, fitted: &Fitted, tolerance: f64) -> J
     Jump { at: at + margin, p_value: (2.0 * single.min(many(&sizes, apart))).min(1.0) }
 }
 
-/// How far apart two steps' sizes hardly depend on one another; `None` where the recording holds too few such lengths.
+/// How far apart two steps' sizes hardly depend on one another; `None` where the recording holds
+/// too few such lengths.
 fn independence(sizes: &[f64]) -> Option<usize> {
     let power = |lag: usize| sizes.iter().zip(&sizes[lag..]).map(|(a, b)| a * b).sum::<f64>();
     let total = power(0).max(f64::MIN_POSITIVE);
@@ -99,7 +103,8 @@ fn many(sizes: &[f64], apart: usize) -> f64 {
     heavy_tails(n * fourth_moment / (second_moment * second_moment).max(f64::MIN_POSITIVE), n / apart as f64)
 }
 
-/// Probability of a kurtosis at least this large among `n` normal values: Anscombe & Glynn, Biometrika 70, 1983.
+/// Probability of a kurtosis at least this large among `n` normal values: Anscombe & Glynn,
+/// Biometrika 70, 1983.
 fn heavy_tails(kurtosis: f64, n: f64) -> f64 {
     let mean = 3.0 * (n - 1.0) / (n + 1.0);
     let variance = 24.0 * n * (n - 2.0) * (n - 3.0) / ((n + 1.0).powi(2) * (n + 3.0) * (n + 5.0));
@@ -118,8 +123,8 @@ fn term(channel: &Channel, at: usize) -> Term {
     Term { cause: Cause::Jump, addition: Addition::Curves(vec![Curve::new(step)]), searched: at as f64, column: None }
 }
 
-/// A step that a model of a channel lacks, as a term: one that stands out from it (`correction` for all that is tested), or
-/// describes the channel better than its slow terms.
+/// A step that a model of a channel lacks, as a term: one that stands out from it (`correction` for
+/// all that is tested), or describes the channel better than its slow terms.
 pub(super) fn missing(channel: &Channel, fitted: &Fitted, correction: f64) -> Option<Term> {
     let coarse = channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0);
     if channel.values.len() < 1024 || coarse {
@@ -130,7 +135,8 @@ pub(super) fn missing(channel: &Channel, fitted: &Fitted, correction: f64) -> Op
     Some(term(channel, jump.at))
 }
 
-/// The single step that describes a channel better than its own slow terms do; `None` where none does.
+/// The single step that describes a channel better than its own slow terms do; `None` where none
+/// does.
 pub(super) fn alone(channel: &Channel, fitted: &Fitted) -> Option<Jump> {
     let (slow, mut terms): (Vec<Term>, Vec<Term>) = fitted.terms.iter().cloned().partition(|t| is_slow(t, channel));
     if slow.is_empty() || channel.values.len() < 1024 {
@@ -183,7 +189,8 @@ mod tests {
             alarms += usize::from(strongest(&channel, &fitted, 0.0).p_value < 0.01);
             alarms += usize::from(alone(&channel, &fitted).is_some());
         }
-        // A walk fitted to a small jump takes most of it: three of twenty at this level come by chance once in a million.
+        // A walk fitted to a small jump takes most of it: three of twenty at this level come by
+        // chance once in a million.
         assert!(found[0] >= 3 && found[1] >= 18, "{found:?} of 20 jumps stand out");
         assert!(preferred.iter().all(|p| *p >= 18), "{preferred:?} of 20 are better described by a step");
         assert!(alarms <= 1, "{alarms} alarms");

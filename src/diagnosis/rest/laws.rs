@@ -1,8 +1,9 @@
 //! Which slow laws together: every sum of flicker, walk and memory against every other.
 //!
-//! Selection goes forward one law at a time, and what it took first may since be better told by others: a walk beside a
-//! short memory resembles flicker over the decades of one log. So the sums are compared as wholes: of those that do as
-//! well the simplest is taken, and those as simple are tied with it.
+//! Selection goes forward one law at a time, and what it took first may since be better told by
+//! others: a walk beside a short memory resembles flicker over the decades of one log. So the sums
+//! are compared as wholes: of those that do as well the simplest is taken, and those as simple are
+//! tied with it.
 
 use crate::control::{Control, Stopped};
 
@@ -34,7 +35,8 @@ pub(super) fn slow_laws(fitted: &Fitted) -> Vec<Cause> {
     fitted.terms.iter().filter(|t| is_slow_law(t)).map(|t| t.cause).collect()
 }
 
-/// The best sum of slow laws in place of the one selected, and what each of its laws cannot be told from.
+/// The best sum of slow laws in place of the one selected, and what each of its laws cannot be told
+/// from.
 ///
 /// # Errors
 /// Stopped.

@@ -1,6 +1,6 @@
-//! Whether a white level other than the promised one holds throughout: at every frequency where white noise dominates,
-//! and from the first sample to the last. Otherwise a disturbance, spikes or noise that grows raised it, and the
-//! datasheet is not to blame.
+//! Whether a white level other than the promised one holds throughout: at every frequency where
+//! white noise dominates, and from the first sample to the last. Otherwise a disturbance, spikes or
+//! noise that grows raised it, and the datasheet is not to blame.
 
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
@@ -9,7 +9,8 @@ use crate::diagnosis::remainder::REAL;
 
 /// Fraction of a bin's variance that has to be white for the bin to count.
 const DOMINATES: f64 = 0.8;
-/// Fraction of the blocks of bins that have to be nearer to the fitted level than to the promised one.
+/// Fraction of the blocks of bins that have to be nearer to the fitted level than to the promised
+/// one.
 const AGREEING: f64 = 0.75;
 /// Fewer blocks are not compared.
 const FEWEST_BLOCKS: usize = 4;
@@ -30,7 +31,8 @@ impl Levels {
         if self.fitted > self.promised { level > middle } else { level < middle }
     }
 
-    /// Coefficients whose mean square scatters by a third of the way between both levels: twice its inverse square.
+    /// Coefficients whose mean square scatters by a third of the way between both levels: twice its
+    /// inverse square.
     fn block(self) -> f64 {
         (18.0 / (self.fitted / self.promised).ln().powi(2)).max(SMALLEST_BLOCK)
     }
@@ -38,7 +40,8 @@ impl Levels {
 
 /// Whether a level holds throughout in a channel.
 pub(super) fn holds(levels: Levels, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
-    // Behind a filter the level is that of the lowest frequencies, continued: as much a shape as a level.
+    // Behind a filter the level is that of the lowest frequencies, continued: as much a shape as a
+    // level.
     let is_read = !fitted.has(Cause::BandLimit) || residual.p_value >= REAL;
     let is_clean = channel.disturbances.spikes == 0;
     is_clean && is_read && holds_in_time(levels, residual) && holds_in_frequency(levels, fitted)

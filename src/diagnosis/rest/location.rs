@@ -1,4 +1,5 @@
-//! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by channel.
+//! Where the mismatch of a still sensor lives: in frequency, averaging time and time, channel by
+//! channel.
 
 use super::channel::Channel;
 use super::detail::{Hops, Jump, Knocked, Location, Mismatch, Spiky};
@@ -13,7 +14,8 @@ use crate::numerics::order;
 /// Channels told of one by one; the page shows all.
 const SPOKEN_OF: usize = 3;
 
-/// Of the mismatch that repair removed where all channels are described `well`, else of what is left.
+/// Of the mismatch that repair removed where all channels are described `well`, else of what is
+/// left.
 pub(super) fn locate(
     channels: &[Channel],
     selected: &[Selection],

@@ -1,5 +1,6 @@
-//! What the Earth adds to a sensor at rest at a known place: gravity, and its own turning. A reference for the means of three
-//! channels; the directions of the axes are not known, so only lengths are compared.
+//! What the Earth adds to a sensor at rest at a known place: gravity, and its own turning. A
+//! reference for the means of three channels; the directions of the axes are not known, so only
+//! lengths are compared.
 
 use super::channel::{Channel, Fitted};
 use super::statement::{Earth, Statement};
@@ -11,7 +12,8 @@ use crate::units::DEGREE;
 
 /// Rate at which the Earth turns against the stars, rad/s (WGS 84).
 const EARTH_RAD_S: f64 = 7.292_115e-5;
-/// Normal gravity at the equator, m/s²; Somigliana's constant; squared eccentricity (WGS 84, NIMA TR8350.2, table 3.4).
+/// Normal gravity at the equator, m/s²; Somigliana's constant; squared eccentricity (WGS 84, NIMA
+/// TR8350.2, table 3.4).
 const EQUATOR_M_S2: f64 = 9.780_325_335_9;
 const SOMIGLIANA: f64 = 0.001_931_852_652_41;
 const ECCENTRICITY_SQUARED: f64 = 0.006_694_379_990_14;
@@ -24,7 +26,8 @@ fn gravity_m_s2(latitude_rad: f64, height_m: f64) -> f64 {
     EQUATOR_M_S2 * (1.0 + SOMIGLIANA * sine) / (1.0 - ECCENTRICITY_SQUARED * sine).sqrt() - FREE_AIR_PER_S2 * height_m
 }
 
-/// The mean of every channel with its 95 % interval: its variance is that of the slowest cosine coefficient.
+/// The mean of every channel with its 95 % interval: its variance is that of the slowest cosine
+/// coefficient.
 pub(super) fn means(channels: &[Channel], finals: &[Fitted], unit: &str) -> Vec<Estimate> {
     let of = |(channel, fitted): (&Channel, &Fitted)| {
         let mean = channel.mean;
@@ -41,7 +44,8 @@ pub(super) fn means(channels: &[Channel], finals: &[Fitted], unit: &str) -> Vec<
     channels.iter().zip(finals).map(of).collect()
 }
 
-/// Gravity or the Earth's rate beside the length of three means; `None` where the place or the unit is not known.
+/// Gravity or the Earth's rate beside the length of three means; `None` where the place or the unit
+/// is not known.
 pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement> {
     let latitude_rad = model.latitude_deg? * DEGREE;
     let [x, y, z] = means else { return None };
@@ -68,8 +72,9 @@ pub(super) fn reference(model: &Static, means: &[Estimate]) -> Option<Statement>
 mod tests {
     use super::*;
 
-    /// Normal gravity of the World Geodetic System 1984 (TR8350.2): 9.7803253359 at the equator, 9.8321849378 m/s² at a pole.
-    /// At 45° that of the Geodetic Reference System 1980 (Moritz), 9.806199203, from which it differs in the sixth decimal.
+    /// Normal gravity of the World Geodetic System 1984 (TR8350.2): 9.7803253359 at the equator,
+    /// 9.8321849378 m/s² at a pole. At 45° that of the Geodetic Reference System 1980 (Moritz),
+    /// 9.806199203, from which it differs in the sixth decimal.
     #[test]
     fn normal_gravity_is_the_tabulated_one() {
         for (latitude, tabulated) in [(0.0f64, 9.780_325_335_9), (45.0, 9.806_199_203), (90.0, 9.832_184_937_8)] {

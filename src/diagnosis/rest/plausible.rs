@@ -1,6 +1,8 @@
-//! Signs of a wrong unit in a still recording: gravity of the wrong length, noise far from what was promised.
+//! Signs of a wrong unit in a still recording: gravity of the wrong length, noise far from what was
+//! promised.
 //!
-//! Only findings: a sensor may be odd, and a person decides. Not for channels whose unit is unknown.
+//! Only findings: a sensor may be odd, and a person decides. Not for channels whose unit is
+//! unknown.
 
 use super::channel::{Channel, Fitted};
 use super::describe;
@@ -12,7 +14,8 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 /// White noise so many times the promised one, or less by as much, is no spread of manufacture.
 const FAR: f64 = 20.0;
 
-/// Three accelerometer channels at rest read 1 g together; by a factor that units differ in they do not.
+/// Three accelerometer channels at rest read 1 g together; by a factor that units differ in they do
+/// not.
 pub(super) fn gravity(means: &[f64], unit: &str) -> Option<String> {
     let [x, y, z] = means else { return None };
     let unit = Unit::parse(unit, Quantity::Accelerometer).ok()?;

@@ -1,4 +1,5 @@
-//! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where it does not.
+//! Whether a model leaves noise: in frequency by bands, in time by the whitened residual; and where
+//! it does not.
 
 use std::f64::consts::PI;
 
@@ -17,7 +18,8 @@ const RATE: f64 = 0.01;
 /// What is left of a channel when its model is taken off.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Residual {
-    /// Smallest corrected probability that bands, stretches of time and single samples are noise as modelled.
+    /// Smallest corrected probability that bands, stretches of time and single samples are noise as
+    /// modelled.
     pub(super) p_value: f64,
     /// The same of stretches of time and single samples alone.
     pub(super) p_value_in_time: f64,
@@ -27,7 +29,8 @@ pub(super) struct Residual {
     pub(super) frequency_hz: Vec<Stretch>,
     /// Least and most power over that modelled among the stretches of time.
     pub(super) power: [f64; 2],
-    /// Whether its power changes from one stretch of time to another, beyond chance and the tolerance.
+    /// Whether its power changes from one stretch of time to another, beyond chance and the
+    /// tolerance.
     pub(super) uneven: bool,
     /// Whether it changes at once and by so much that something disturbs the sensor for a while.
     pub(super) disturbed: bool,
@@ -37,11 +40,13 @@ pub(super) struct Residual {
     pub(super) jump: Option<f64>,
     /// Hops between two levels that a Gaussian drift does not make.
     pub(super) telegraph: Option<Telegraph>,
-    /// Frequency below which the model has more power than there is, and the share of it that there is.
+    /// Frequency below which the model has more power than there is, and the share of it that there
+    /// is.
     pub(super) fading: Option<[f64; 2]>,
     /// Change of the noise's power from end to end over its mean, where it creeps.
     pub(super) creep: Option<f64>,
-    /// Whether outside the stretches named, which are the smaller part of the log, nothing is amiss.
+    /// Whether outside the stretches named, which are the smaller part of the log, nothing is
+    /// amiss.
     pub(super) only_there: bool,
 }
 
@@ -70,7 +75,8 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
     let p_creep = QUESTIONS * creeping.1;
     let p_uneven = most(&of_time).min(p_creep);
     let uneven = p_uneven < REAL;
-    // Uneven noise is a statement about the noise; what sets in at once is a disturbance, and no noise at all.
+    // Uneven noise is a statement about the noise; what sets in at once is a disturbance, and no
+    // noise at all.
     let disturbed = uneven && abrupt && step <= 1.0;
     let in_time = if disturbed { p_uneven.min(p_jump) } else { p_jump };
     let smallest = most(&of_bands).min(in_time);
@@ -101,7 +107,8 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
 /// Questions that are asked of what is left.
 const QUESTIONS: f64 = 4.0;
 
-/// Squares of innovations, clipped where noise of heavy tails would decide by a few readings, over their mean.
+/// Squares of innovations, clipped where noise of heavy tails would decide by a few readings, over
+/// their mean.
 struct Squares {
     clipped: Vec<f64>,
     /// Variance of one of them; 2 for the squares of normal noise that nothing clips.
@@ -110,7 +117,8 @@ struct Squares {
     kurtosis: f64,
 }
 
-/// Standard deviations, as the larger part of the values shows them, at which innovations are clipped.
+/// Standard deviations, as the larger part of the values shows them, at which innovations are
+/// clipped.
 const CLIPPED_AT: f64 = 3.0;
 
 impl Squares {
@@ -137,8 +145,8 @@ impl Squares {
     }
 }
 
-/// Change of power from end to end along a straight line, over its mean, and the probability of as much by chance beyond a
-/// `tolerance` at either end.
+/// Change of power from end to end along a straight line, over its mean, and the probability of as
+/// much by chance beyond a `tolerance` at either end.
 fn creep(squares: &Squares, tolerance: f64) -> (f64, f64) {
     let count = squares.clipped.len() as f64;
     let sum: f64 = squares.clipped.iter().enumerate().map(|(n, c)| ((n as f64 + 0.5) / count - 0.5) * c).sum();
@@ -148,7 +156,8 @@ fn creep(squares: &Squares, tolerance: f64) -> (f64, f64) {
     (change, 2.0 * normal_cdf(-beyond))
 }
 
-/// Two-sided probability that a mean of `count` squares of unit variance is this far from one, beyond the tolerance.
+/// Two-sided probability that a mean of `count` squares of unit variance is this far from one,
+/// beyond the tolerance.
 fn off(mean: f64, count: f64, tolerance: f64) -> f64 {
     let high = chi_squared_survival(count * mean / (1.0 + tolerance), count);
     let low = 1.0 - chi_squared_survival(count * mean * (1.0 + tolerance), count);
@@ -179,8 +188,8 @@ struct FromBelow {
     power_ratio: f64,
 }
 
-/// From the slowest coefficient up to every octave: what a law has too much of, or too little, over decades shows in none
-/// of the narrow bands, of which each holds few coefficients there.
+/// From the slowest coefficient up to every octave: what a law has too much of, or too little, over
+/// decades shows in none of the narrow bands, of which each holds few coefficients there.
 fn from_below(fitted: &Fitted, tolerance: f64) -> Vec<FromBelow> {
     let (mut sum, mut count, mut next) = (0.0, 0.0, 16.0);
     let mut out = Vec::new();
@@ -234,8 +243,8 @@ struct Stretches {
     abrupt: bool,
 }
 
-/// Stretches whose power differs by this factor, next to one another or on either side of one in which it changes: no noise
-/// grows so fast.
+/// Stretches whose power differs by this factor, next to one another or on either side of one in
+/// which it changes: no noise grows so fast.
 const ABRUPT: f64 = 4.0;
 
 fn stretches(channel: &Channel, squares: &Squares, tolerance: f64) -> Stretches {

@@ -1,8 +1,9 @@
 //! The noise before a coarse rounding: maximum likelihood from how often each step is read.
 //!
-//! When the step is wider than the noise, the variance of the reading depends on where between two steps the value lies,
-//! and subtracting q²/12 is wrong by as much as q²/12. The counts of the steps know both. For independent readings about
-//! a constant; not where the value drifts over steps.
+//! When the step is wider than the noise, the variance of the reading depends on where between two
+//! steps the value lies, and subtracting q²/12 is wrong by as much as q²/12. The counts of the
+//! steps know both. For independent readings about a constant; not where the value drifts over
+//! steps.
 
 use crate::numerics::special::normal_cdf;
 
@@ -60,7 +61,8 @@ impl Counts {
         at(0.5 * (low + high))
     }
 
-    /// The best noise, in steps, its 95 % interval by profile likelihood, and twice what it gains over `promised` steps.
+    /// The best noise, in steps, its 95 % interval by profile likelihood, and twice what it gains
+    /// over `promised` steps.
     pub(super) fn noise(&self, promised: f64) -> (f64, [f64; 2], f64) {
         let at = |log_sigma: f64| self.log_likelihood(log_sigma.exp());
         let (mut low, mut high) = (0.05f64.ln(), (2.0 * self.spread + 1.0).ln());
@@ -88,7 +90,8 @@ mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
 
-    /// At every place between two steps, where the variance less q²/12 is wrong by up to a quarter of a step.
+    /// At every place between two steps, where the variance less q²/12 is wrong by up to a quarter
+    /// of a step.
     #[test]
     fn noise_of_a_third_of_a_step_comes_back_wherever_the_value_lies() {
         let (mut covered, mut alarms) = (0, 0);

@@ -1,4 +1,5 @@
-//! Which candidates a channel needs: stepwise forward by likelihood, checked on data held out, pruned backwards.
+//! Which candidates a channel needs: stepwise forward by likelihood, checked on data held out,
+//! pruned backwards.
 
 use super::candidate::row;
 use super::cause::Cause;
@@ -57,7 +58,8 @@ pub(super) fn select(
     let as_one = beside(channel, environment, channels, control, Vec::new())?;
     let mut steps: Vec<Term> = Vec::new();
     let mut selection = None;
-    // A bias that jumps once or twice is fitted in pieces; one that goes on jumping hops, which `telegraph` looks into.
+    // A bias that jumps once or twice is fitted in pieces; one that goes on jumping hops, which
+    // `telegraph` looks into.
     while steps.len() <= MOST_STEPS {
         let chosen = &selection.as_ref().unwrap_or(&as_one).chosen;
         let Some(step) = jump::missing(channel, chosen, (channels * MOST_STEPS) as f64) else { break };
@@ -69,7 +71,8 @@ pub(super) fn select(
     Ok(selection.filter(|_| steps.len() <= MOST_STEPS).unwrap_or(as_one))
 }
 
-/// The shapes in which a channel follows environment columns, beside other terms: before any noise is offered.
+/// The shapes in which a channel follows environment columns, beside other terms: before any noise
+/// is offered.
 fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> Fitted {
     let before = terms.clone();
     terms.extend(environment.iter().filter_map(|(name, column)| shape::find(channel, name, column, correction)));

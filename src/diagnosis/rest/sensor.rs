@@ -1,5 +1,5 @@
-//! The still sensor as a study runs it: the noise of the channel with most to gain, as its datasheet promised it (without
-//! one, as white noise) and as it was found.
+//! The still sensor as a study runs it: the noise of the channel with most to gain, as its
+//! datasheet promised it (without one, as white noise) and as it was found.
 
 use super::candidate::row;
 use super::cause::Cause;

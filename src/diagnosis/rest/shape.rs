@@ -1,8 +1,9 @@
-//! The shapes in which a reading may follow an environment column: at once, with a lag, with play; straight or bent.
+//! The shapes in which a reading may follow an environment column: at once, with a lag, with play;
+//! straight or bent.
 //!
-//! They are offered before any noise is, and beside a walk and flicker whose strengths are free: a column that only looks like
-//! the drift gains nothing there. What a column explains in some shape is then left to no law of noise. Searched on means of
-//! neighbours, fitted on all values.
+//! They are offered before any noise is, and beside a walk and flicker whose strengths are free: a
+//! column that only looks like the drift gains nothing there. What a column explains in some shape
+//! is then left to no law of noise. Searched on means of neighbours, fitted on all values.
 
 use super::blocks;
 use super::cause::Cause;
@@ -55,7 +56,8 @@ fn powers(values: &[f64], unit: f64, of: &[i32]) -> Vec<Curve> {
     of.iter().map(power).collect()
 }
 
-/// The term in which a channel follows a column, where it does beyond chance (`correction` for all that is tried).
+/// The term in which a channel follows a column, where it does beyond chance (`correction` for all
+/// that is tried).
 pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f64) -> Option<Term> {
     let together = channel.values.len().div_ceil(MOST);
     let own = blocks::channel(channel, &channel.values, together);

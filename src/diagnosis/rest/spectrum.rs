@@ -1,6 +1,8 @@
-//! The likelihood of a still sensor: cosine coefficients are independent, each with the variance of a sum of noise laws.
+//! The likelihood of a still sensor: cosine coefficients are independent, each with the variance of
+//! a sum of noise laws.
 //!
-//! See `numerics::cosine` for why no window is needed. Variances are fitted by Fisher scoring with none negative.
+//! See `numerics::cosine` for why no window is needed. Variances are fitted by Fisher scoring with
+//! none negative.
 
 use std::f64::consts::PI;
 
@@ -23,12 +25,14 @@ pub(super) enum Law {
     Filtered(Filter),
 }
 
-/// What a sensor may do to its readings before it hands them out; the power it lets through is one at low frequencies.
+/// What a sensor may do to its readings before it hands them out; the power it lets through is one
+/// at low frequencies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter {
     /// cos²ᵖθ: means of two neighbours, p times over.
     Smoothing(u8),
-    /// Means of so many readings that overlap by all but one, once or twice over (the second is Bartlett's).
+    /// Means of so many readings that overlap by all but one, once or twice over (the second is
+    /// Bartlett's).
     MovingAverage {
         /// Readings in a mean.
         readings: u16,
@@ -37,7 +41,8 @@ pub enum Filter {
     },
     /// One pole with a memory of so many samples.
     OnePole(f64),
-    /// Two poles: tangent of θ at the cut-off, and the quality factor (bilinear transform; 1/√2 is Butterworth's).
+    /// Two poles: tangent of θ at the cut-off, and the quality factor (bilinear transform; 1/√2 is
+    /// Butterworth's).
     TwoPoles {
         /// tan θ at the cut-off.
         cut: f64,
@@ -163,7 +168,8 @@ pub(super) fn variances(bins: &[Bin], laws: &[Law], strengths: &[f64], promised:
     bins.iter().enumerate().map(at).collect()
 }
 
-/// Maximum likelihood for at most five laws on top of `promised` variances per bin (which may be empty).
+/// Maximum likelihood for at most five laws on top of `promised` variances per bin (which may be
+/// empty).
 pub(super) fn fit(bins: &[Bin], laws: &[Law], promised: &[f64], part: Part) -> Strengths {
     let shapes: Vec<Vec<f64>> = laws.iter().map(|l| bins.iter().map(|b| l.variance(b.theta)).collect()).collect();
     let free: [bool; 5] = std::array::from_fn(|p| p < laws.len());

@@ -1,4 +1,5 @@
-//! How well a candidate does against a model without it, and what each term of a model is worth beside the others.
+//! How well a candidate does against a model without it, and what each term of a model is worth
+//! beside the others.
 
 use super::candidate::row;
 use super::cause::Cause;
@@ -8,7 +9,8 @@ use super::channel::{Channel, Fitted, Term};
 pub(super) const ALPHA: f64 = 0.004;
 /// Candidates tried per channel.
 const TRIED: f64 = 9.0;
-/// Candidates whose merits differ by less are tied: so much chance does to a difference of likelihoods.
+/// Candidates whose merits differ by less are tied: so much chance does to a difference of
+/// likelihoods.
 pub(super) const CLOSE: f64 = 4.0;
 /// Corrected probability above which a term is superfluous beside the others.
 const SUPERFLUOUS: f64 = 0.05;
@@ -19,8 +21,8 @@ pub(super) struct Standing {
     pub(super) cause: Cause,
     /// Twice the gain in log-likelihood.
     pub(super) gain: f64,
-    /// Of that gain by chance, the search for its time constant or frequency included; not yet corrected for the number
-    /// of candidates.
+    /// Of that gain by chance, the search for its time constant or frequency included; not yet
+    /// corrected for the number of candidates.
     pub(super) p_value: f64,
     /// What it gains on data that were not fitted.
     pub(super) held_out: HeldOut,
@@ -31,7 +33,8 @@ pub(super) struct Standing {
 pub(super) enum HeldOut {
     /// A law: log-likelihood of each half of the coefficients under laws fitted to the other.
     LogLikelihood(f64),
-    /// A curve: share of the mean square on every second of sixteen stretches, fitted to the others.
+    /// A curve: share of the mean square on every second of sixteen stretches, fitted to the
+    /// others.
     MeanSquare(f64),
 }
 
@@ -42,7 +45,8 @@ impl HeldOut {
         }
     }
 
-    /// As a share: of the mean square, or of the `possible` gain in log-likelihood; none of nothing.
+    /// As a share: of the mean square, or of the `possible` gain in log-likelihood; none of
+    /// nothing.
     pub(super) fn share_of(self, possible: f64) -> f64 {
         match self {
             Self::LogLikelihood(gain) if possible > 0.0 => (gain / possible).clamp(-1.0, 1.0),
@@ -68,7 +72,8 @@ pub(super) fn correction(channels: usize) -> f64 {
     TRIED * channels as f64
 }
 
-/// Whether the richer candidate imitates the simpler one at the edge of its range: then the simpler one is preferred.
+/// Whether the richer candidate imitates the simpler one at the edge of its range: then the simpler
+/// one is preferred.
 pub(super) fn contains(richer: Cause, simpler: Cause) -> bool {
     row(richer).imitates.contains(&simpler)
 }

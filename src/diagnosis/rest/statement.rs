@@ -1,4 +1,5 @@
-//! What is found of a channel besides missing physics: statements about its readings and its noise, as data.
+//! What is found of a channel besides missing physics: statements about its readings and its noise,
+//! as data.
 //!
 //! None of them is a mismatch. What is one stands in `detail::Location`.
 
@@ -20,7 +21,8 @@ pub enum Statement {
     BadReading {
         /// Which channel.
         channel: String,
-        /// Data row in the file, counted from one; absent where rows were dropped, so that places and rows differ.
+        /// Data row in the file, counted from one; absent where rows were dropped, so that places
+        /// and rows differ.
         row: Option<usize>,
         /// When, s.
         time_s: f64,

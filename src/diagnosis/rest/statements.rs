@@ -7,7 +7,8 @@ use super::spectrum::Law;
 use super::statement::Statement;
 use crate::recording::Recording;
 
-/// Kurtosis from which noise is called heavy-tailed: that of Student's t with ten degrees of freedom is 4.
+/// Kurtosis from which noise is called heavy-tailed: that of Student's t with ten degrees of
+/// freedom is 4.
 const HEAVY: f64 = 4.0;
 
 /// Of all channels, in their order.

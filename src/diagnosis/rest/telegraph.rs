@@ -1,11 +1,13 @@
-//! Popcorn noise: a bias that hops between two levels has the spectrum of a memory of finite length, but not its law.
+//! Popcorn noise: a bias that hops between two levels has the spectrum of a memory of finite
+//! length, but not its law.
 //!
-//! Both have a Lorentzian spectrum, so nothing of second order tells them apart. Their likelihoods do: a chain of two
-//! levels in white noise (the random telegraph; levels, dwells and white noise by expectation–maximisation, Rabiner 1989)
-//! against the Gaussian laws and slow curves fitted to the same values. Where the Gaussian model is true, any other fixed
-//! model gains more than ln c over it with probability below 1/c (the mean of a likelihood ratio is one), and the Gaussian
-//! one is fitted too; for its own fitted numbers the chain pays ½ ln n each (Schwarz 1978). Not for readings rounded
-//! coarser than their noise: those hop between counts anyway.
+//! Both have a Lorentzian spectrum, so nothing of second order tells them apart. Their likelihoods
+//! do: a chain of two levels in white noise (the random telegraph; levels, dwells and white noise
+//! by expectation–maximisation, Rabiner 1989) against the Gaussian laws and slow curves fitted to
+//! the same values. Where the Gaussian model is true, any other fixed model gains more than ln c
+//! over it with probability below 1/c (the mean of a likelihood ratio is one), and the Gaussian one
+//! is fitted too; for its own fitted numbers the chain pays ½ ln n each (Schwarz 1978). Not for
+//! readings rounded coarser than their noise: those hop between counts anyway.
 
 use rand::RngExt;
 
@@ -40,7 +42,8 @@ pub(super) struct Telegraph {
     pub(super) p_value: f64,
 }
 
-/// Samples averaged into one value: a quarter of the time over which white noise must be averaged to show the drift.
+/// Samples averaged into one value: a quarter of the time over which white noise must be averaged
+/// to show the drift.
 fn together(fitted: &Fitted, count: usize) -> usize {
     let white = fitted.white().0;
     let drifts = fitted.bins.iter().zip(&fitted.variances).filter(|(_, v)| **v > 2.0 * white);
@@ -84,7 +87,8 @@ fn coarse(channel: &Channel, fitted: &Fitted) -> bool {
     channel.together == 1 && channel.step.is_some_and(|q| q * q > fitted.white().0)
 }
 
-/// The hops that describe a channel better than its drift as fitted does; `None` where it has no drift or is coarse.
+/// The hops that describe a channel better than its drift as fitted does; `None` where it has no
+/// drift or is coarse.
 pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     let count = channel.values.len();
     let drifts = |t: &Term| match &t.addition {
@@ -119,9 +123,9 @@ pub(super) fn hops(channel: &Channel, fitted: &Fitted) -> Option<Telegraph> {
     })
 }
 
-/// In how many of [`REPLICAS`] recordings hops of the strength and memory of a fitted Gauss–Markov process would have been
-/// told from it at this probability; `None` where another drift acts too. Of a long recording a part is simulated: then
-/// it is at least as many.
+/// In how many of [`REPLICAS`] recordings hops of the strength and memory of a fitted Gauss–Markov
+/// process would have been told from it at this probability; `None` where another drift acts too.
+/// Of a long recording a part is simulated: then it is at least as many.
 pub(super) fn power(channel: &Channel, fitted: &Fitted, p_value: f64) -> Option<usize> {
     let index = fitted.terms.iter().position(|t| matches!(t.addition, Addition::Law(Law::Markov(_))))?;
     let others = fitted.terms.iter().enumerate().filter(|(i, t)| *i != index && t.cause != Cause::BandLimit);
@@ -194,7 +198,8 @@ mod tests {
 
     #[test]
     fn a_gaussian_drift_is_not_taken_for_hops() {
-        // Memories of 4 to 2000 samples, a fifth to five times the noise; walks and sums of relaxations (flicker).
+        // Memories of 4 to 2000 samples, a fifth to five times the noise; walks and sums of
+        // relaxations (flicker).
         let all: Vec<(u64, f64)> = parallel::map_members(0..500, |seed| {
             let mut rng = Philox::new(41, seed, Stream::Host);
             let size = 0.2 * 25f64.powf(rng.random::<f64>());
@@ -230,7 +235,8 @@ mod tests {
             (seed, p_value(&values, vec![term]))
         });
         let alarms: Vec<(u64, f64)> = all.into_iter().filter(|(_, p)| *p < 0.01).collect();
-        // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the penalty keeps it far below.
+        // The bound holds for every recording, so 500 · 0.01 at most are expected; in fact the
+        // penalty keeps it far below.
         assert!(alarms.len() <= 1, "{alarms:?}");
     }
 
@@ -250,7 +256,8 @@ mod tests {
             let found = found(size, dwell, 4000);
             assert!(found >= 19, "{size} {dwell:?}: {found} of 20");
         }
-        // Negative control: a tenth of the noise in dwells of ten shows to nobody, and the power says so.
+        // Negative control: a tenth of the noise in dwells of ten shows to nobody, and the power
+        // says so.
         for (size, dwell) in [(0.1, 10.0), (0.35, 100.0), (1.0, 100.0)] {
             let mut rng = Philox::new(43, 0, Stream::Host);
             let drift = relaxation(4000, dwell / 2.0, &mut rng);

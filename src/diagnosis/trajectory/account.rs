@@ -1,4 +1,5 @@
-//! What a diagnosis of an IMU in motion has to tell, as data; the words are made in `report::diagnosis`.
+//! What a diagnosis of an IMU in motion has to tell, as data; the words are made in
+//! `report::diagnosis`.
 
 use super::candidate::Term;
 
@@ -9,11 +10,13 @@ pub struct Account {
     pub named: Vec<NamedEffect>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
-    /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings are none.
+    /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings
+    /// are none.
     pub is_fitted: bool,
     /// Whether there is a reference.
     pub with_reference: bool,
-    /// Root mean square of the base model's whitened residual on held-out blocks, and that with the named effects.
+    /// Root mean square of the base model's whitened residual on held-out blocks, and that with the
+    /// named effects.
     pub held_out: [f64; 2],
 }
 

@@ -1,7 +1,9 @@
-//! The reference's attitude against the one that the gyro leads to: E with R C = exp(E) Q, in north-east-down.
+//! The reference's attitude against the one that the gyro leads to: E with R C = exp(E) Q, in
+//! north-east-down.
 //!
-//! E changes by −∫ Q δω of an error δω of the rate, so that what is fitted is linear in every parameter, wherever in the
-//! recording it began (Savage, *Strapdown inertial navigation integration algorithm design*, part 1, 1998).
+//! E changes by −∫ Q δω of an error δω of the rate, so that what is fitted is linear in every
+//! parameter, wherever in the recording it began (Savage, *Strapdown inertial navigation
+//! integration algorithm design*, part 1, 1998).
 
 use nalgebra::Vector3;
 

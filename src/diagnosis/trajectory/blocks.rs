@@ -1,5 +1,6 @@
-//! Normal equations of a linearised model, gathered in blocks of time: every question about a subset of the parameters, a
-//! held-out part or a jackknife is then a question about small matrices.
+//! Normal equations of a linearised model, gathered in blocks of time: every question about a
+//! subset of the parameters, a held-out part or a jackknife is then a question about small
+//! matrices.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -33,7 +33,8 @@ pub const CANDIDATES: &[Candidate] = &[
     REFERENCE_NOISE,
 ];
 
-/// Everything that is fitted and judged by held-out blocks, with or without positions in the reference.
+/// Everything that is fitted and judged by held-out blocks, with or without positions in the
+/// reference.
 pub fn terms(has_position: bool) -> Vec<&'static Term> {
     [clock::TERMS, frame::TERMS, sensor::TERMS]
         .into_iter()

@@ -1,4 +1,5 @@
-//! Readings that stand at a limit: flat tops, where nothing is known but that the truth lies beyond.
+//! Readings that stand at a limit: flat tops, where nothing is known but that the truth lies
+//! beyond.
 
 use nalgebra::Vector3;
 
@@ -58,7 +59,8 @@ fn limit(readings: &[Vector3<f64>], axis: usize, masked: &mut [bool]) -> Option<
 /// Sides of three axes of two sensors.
 const LOOKS: f64 = 12.0;
 
-/// Chance that readings repeat themselves so often at their extreme, from how often they do elsewhere.
+/// Chance that readings repeat themselves so often at their extreme, from how often they do
+/// elsewhere.
 fn stays(readings: &[Vector3<f64>], axis: usize, top: f64, sign: f64) -> f64 {
     let (mut repeated, mut pairs, mut held) = (0.0, 0.0, 0.0);
     for pair in readings.windows(2) {

@@ -1,11 +1,13 @@
-//! The colour of a residual: an autoregression whose order is chosen by how likely it makes stretches that it was not fitted on.
+//! The colour of a residual: an autoregression whose order is chosen by how likely it makes
+//! stretches that it was not fitted on.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Stretches of time, and into how many parts they are dealt.
 const STRETCHES: usize = 20;
 const FOLDS: usize = 5;
-/// Added to the diagonal, as a fraction of it: noise without a break in its spectrum has a finite order only nearly.
+/// Added to the diagonal, as a fraction of it: noise without a break in its spectrum has a finite
+/// order only nearly.
 const RIDGE: f64 = 1e-6;
 
 /// Products of a residual with itself at every two lags, by stretch of time and by axis.
@@ -15,7 +17,8 @@ pub(super) struct Lags {
 }
 
 impl Lags {
-    /// Of a residual, at lags up to `most`; rows that do not hold are not used, nor those whose lags reach one.
+    /// Of a residual, at lags up to `most`; rows that do not hold are not used, nor those whose
+    /// lags reach one.
     pub(super) fn of(residual: &[Vector3<f64>], holds: &[bool], most: usize) -> Self {
         let most = most.min(residual.len() / 20);
         let empty = || std::array::from_fn(|_| DMatrix::zeros(most + 1, most + 1));

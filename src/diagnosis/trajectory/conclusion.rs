@@ -1,4 +1,5 @@
-//! From a selection to the verdict: what is named, what the motion could not tell, how well it fits.
+//! From a selection to the verdict: what is named, what the motion could not tell, how well it
+//! fits.
 
 use nalgebra::Vector3;
 
@@ -32,9 +33,11 @@ use crate::sensor::Sense;
 
 /// Points of a figure.
 const DRAWN: usize = 2000;
-/// Held-out mean square over that of the noise which is tolerated, and from which on something is missing.
+/// Held-out mean square over that of the noise which is tolerated, and from which on something is
+/// missing.
 const TOLERATED: [f64; 2] = [1.5, 3.0];
-/// Half an interval over the smallest size that matters, beyond which the motion tells nothing of it.
+/// Half an interval over the smallest size that matters, beyond which the motion tells nothing of
+/// it.
 const WIDE: f64 = 10.0;
 
 /// What a search found.
@@ -262,7 +265,8 @@ fn lies_in_clipped(residuals: &Residuals, from: &Point, to: &Point) -> f64 {
     (1.0 - mean(&|holds| holds) / mean(&|_| true).max(f64::MIN_POSITIVE)).max(0.0)
 }
 
-/// What the chosen model leaves: more than everything together would, or a colour that was not seen.
+/// What the chosen model leaves: more than everything together would, or a colour that was not
+/// seen.
 fn remainder(fit: &Fit, chosen: &Point, held_out_rms: f64) -> Remainder {
     let square = held_out_rms * held_out_rms;
     let mut tests = vec![Test {

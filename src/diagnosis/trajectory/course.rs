@@ -1,4 +1,5 @@
-//! Dead reckoning of attitude with a sensor at a point of the parameters, and how each parameter turns it.
+//! Dead reckoning of attitude with a sensor at a point of the parameters, and how each parameter
+//! turns it.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 

@@ -52,7 +52,8 @@ pub(super) fn fitted(named: &Named, fit: &Fitted, channels: Vec<String>) -> Effe
     effect
 }
 
-/// A mounting by large angles, which the start found: the effect is there, and its numbers are those of the whole rotation.
+/// A mounting by large angles, which the start found: the effect is there, and its numbers are
+/// those of the whole rotation.
 pub(super) fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String; 3]; 2]) {
     let turned = start.turned;
     if turned.angle() == 0.0 {
@@ -75,7 +76,8 @@ pub(super) fn mounted(effects: &mut Vec<Effect>, start: &Start, names: &[[String
     effects.insert(0, effect(&MOUNTING, parameters.collect(), names.concat(), evidence));
 }
 
-/// Readings at a limit; `gain` is the fraction of the error that lies in the time when they stand there.
+/// Readings at a limit; `gain` is the fraction of the error that lies in the time when they stand
+/// there.
 pub(super) fn saturation(limits: &[Limit], sensor: Sense, names: &[String; 3], gain: f64) -> Option<Effect> {
     let parameters: Vec<Estimate> = limits
         .iter()

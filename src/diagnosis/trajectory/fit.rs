@@ -17,8 +17,9 @@ const ROUNDS: usize = 5;
 const SETTLED: f64 = 0.1;
 /// Width of a bin of attitude and of position, s, and in poses at least.
 const WIDTH: [(f64, f64); 2] = [(0.05, 3.0), (0.1, 3.0)];
-/// Rows that the noise of attitude and of position looks back at most. More of attitude would trust the slow part of the
-/// residual, in which references that were smoothed err most; the second differences of position take more to be made white.
+/// Rows that the noise of attitude and of position looks back at most. More of attitude would trust
+/// the slow part of the residual, in which references that were smoothed err most; the second
+/// differences of position take more to be made white.
 const MOST: [usize; 2] = [3, 10];
 
 /// Rows at the last point, with what makes them white.
@@ -89,7 +90,8 @@ impl Fit {
         self.residuals.first().map_or(f64::INFINITY, |r| r.whitening.deviation.norm())
     }
 
-    /// By how much the reference's attitude and the gyro's differ, root mean square of an axis about the mean, rad.
+    /// By how much the reference's attitude and the gyro's differ, root mean square of an axis
+    /// about the mean, rad.
     pub(super) fn tilt_rad(&self) -> f64 {
         let count = self.error.len().max(1) as f64;
         let mean = self.error.iter().sum::<Vector3<f64>>() / count;
@@ -107,7 +109,8 @@ fn leave_out(rows: &mut [Row], from: &Point, to: &Point) {
     rows.iter_mut().zip(&sizes).for_each(|(row, size)| row.holds &= *size <= APART * usual);
 }
 
-/// The colour of the residual that the active parameters leave, and the sums of what it makes white.
+/// The colour of the residual that the active parameters leave, and the sums of what it makes
+/// white.
 fn whitened(point: &Point, all: Vec<(Vec<Row>, f64)>, active: &[usize], ends: [f64; 2]) -> (Linear, Vec<Residuals>) {
     let plain = |(sensor, (rows, width_s)): (usize, (Vec<Row>, f64))| {
         let residual: Vec<_> = rows.iter().map(|r| r.residual).collect();

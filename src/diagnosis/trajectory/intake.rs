@@ -1,4 +1,5 @@
-//! From a file and its model to readings and reference on one clock; what is wrong with them is said by name.
+//! From a file and its model to readings and reference on one clock; what is wrong with them is
+//! said by name.
 
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -12,7 +12,8 @@ pub(super) enum Rule {
     Cubic,
 }
 
-/// The integral from the first sample to each; the straight line also where too few samples stand or the stamps are uneven.
+/// The integral from the first sample to each; the straight line also where too few samples stand
+/// or the stamps are uneven.
 pub(super) fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) -> Vec<Vector3<f64>> {
     let mut sum = Vector3::zeros();
     let mut all = Vec::with_capacity(values.len());
@@ -30,7 +31,8 @@ pub(super) fn cumulative(time_s: &[f64], values: &[Vector3<f64>], rule: Rule) ->
     all
 }
 
-/// Where an instant lies among samples: the one before it and the fraction of the interval; at the ends, those of the ends.
+/// Where an instant lies among samples: the one before it and the fraction of the interval; at the
+/// ends, those of the ends.
 pub(super) fn place(time_s: &[f64], at_s: f64) -> (usize, f64) {
     let after = time_s.partition_point(|t| *t <= at_s).clamp(1, time_s.len() - 1);
     let fraction = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);

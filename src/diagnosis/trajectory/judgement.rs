@@ -1,6 +1,8 @@
-//! What one candidate does to a model: its interval by a jackknife over blocks of time, and what held-out blocks say.
+//! What one candidate does to a model: its interval by a jackknife over blocks of time, and what
+//! held-out blocks say.
 //!
-//! Residuals are coloured and the reference's errors change with the motion: no formula for white noise is trusted alone.
+//! Residuals are coloured and the reference's errors change with the motion: no formula for white
+//! noise is trusted alone.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,7 +12,8 @@ use super::parameters::Point;
 use crate::diagnosis::remainder::REAL;
 use crate::numerics::special::{f_survival, t_quantile};
 
-/// Chance of a false name that is accepted, over all candidates together: what every kind calls real.
+/// Chance of a false name that is accepted, over all candidates together: what every kind calls
+/// real.
 pub(super) const FALSE_NAME: f64 = REAL;
 /// Interleaved parts of the blocks that are held out in turn.
 const FOLDS: usize = 5;
@@ -45,8 +48,8 @@ impl Standing {
     }
 }
 
-/// Half the width of the 95 % interval of a number that is made of parameters: delete-one-block jackknife, and no less than
-/// white noise would give.
+/// Half the width of the 95 % interval of a number that is made of parameters: delete-one-block
+/// jackknife, and no less than white noise would give.
 pub(super) fn half_width(of: &dyn Fn(&Point) -> f64, replicates: &[Point], white: f64) -> f64 {
     let n = replicates.len() as f64;
     let values: Vec<f64> = replicates.iter().map(of).collect();
@@ -114,7 +117,8 @@ fn jackknife(replicates: &[Point], own: &[usize]) -> DMatrix<f64> {
     covariance
 }
 
-/// Chance that parameters which are zero come out like this: Hotelling's T², or χ² where the covariance is known.
+/// Chance that parameters which are zero come out like this: Hotelling's T², or χ² where the
+/// covariance is known.
 fn chance(value: &DVector<f64>, covariance: &DMatrix<f64>, blocks: usize) -> f64 {
     let k = value.len() as f64;
     // In units of the deviations, so that it can be inverted whatever the units.

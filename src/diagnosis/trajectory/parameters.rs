@@ -1,9 +1,11 @@
-//! What an IMU in motion, and its place beside the reference, may have other than the ideal: where each number stands.
+//! What an IMU in motion, and its place beside the reference, may have other than the ideal: where
+//! each number stands.
 //!
-//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = f + b. ω and f stand in the IMU's axes, which are the accelerometer's and
-//! which C = C₀ exp(c) turns to the body axes of the reference. The accelerometer's own scale and axes are not free: most
-//! bodies press along one axis alone, and along the others their slopes would be made of the noise that they are judged by.
-//! An IMU's stamp is late by τ + d (t − t_middle). Zero is "absent", everywhere.
+//! Gyro: y = (I + S) ω + K f + b; accelerometer: y = f + b. ω and f stand in the IMU's axes, which
+//! are the accelerometer's and which C = C₀ exp(c) turns to the body axes of the reference. The
+//! accelerometer's own scale and axes are not free: most bodies press along one axis alone, and
+//! along the others their slopes would be made of the noise that they are judged by. An IMU's stamp
+//! is late by τ + d (t − t_middle). Zero is "absent", everywhere.
 
 use std::ops::Range;
 
@@ -44,7 +46,8 @@ pub(super) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0
 /// Cosines that a slow wander is made of.
 pub(super) const COSINES: usize = 2;
 
-/// How large each number may be at the very most: the standard deviation of a prior that holds fast what nothing shows.
+/// How large each number may be at the very most: the standard deviation of a prior that holds fast
+/// what nothing shows.
 pub(super) fn widths() -> Point {
     let mut widths = [0.0; PARAMETERS];
     let rows: [(Range<usize>, f64); 13] = [

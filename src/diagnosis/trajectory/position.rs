@@ -1,5 +1,5 @@
-//! The reference's position against the one that specific force leads to, along the reference's own attitude:
-//! p + R l − ∬ (R C f + g), in north-east-down.
+//! The reference's position against the one that specific force leads to, along the reference's own
+//! attitude: p + R l − ∬ (R C f + g), in north-east-down.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -61,7 +61,8 @@ pub(super) fn position_rows(case: &Case<'_>, course: &Course, point: &Point, bin
     rows((log, case.masked), bins, 2, &residual, &slopes)
 }
 
-/// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its double integral.
+/// What a parameter takes from the specific force, in the IMU's axes: the residual grows by its
+/// double integral.
 fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64) -> Option<Vector3<f64>> {
     let (w, f, time_s) = (course.rate[k], course.force[k], case.log.time_s[k]);
     let unit = |axis: usize, value: f64| Vector3::ith(axis, value);
@@ -83,7 +84,8 @@ fn integrand(case: &Case<'_>, course: &Course, k: usize, p: usize, middle_s: f64
     }
 }
 
-/// The error of the reckoned attitude without the reference's noise: means over half a second, joined by straight lines.
+/// The error of the reckoned attitude without the reference's noise: means over half a second,
+/// joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Steady {
     start_s: f64,

@@ -1,5 +1,6 @@
-//! Numbers to be used whatever the verdict: calibrations of both sensors, clock and lever arm, fitted beside all that is
-//! named so that none is forced to zero because it was too small to be named.
+//! Numbers to be used whatever the verdict: calibrations of both sensors, clock and lever arm,
+//! fitted beside all that is named so that none is forced to zero because it was too small to be
+//! named.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,7 +14,8 @@ use super::permutation::Permutation;
 use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
 use crate::units::DEGREE;
 
-/// How well the accelerometer's scale and axes are known, which are not fitted: what a sensor may have at most.
+/// How well the accelerometer's scale and axes are known, which are not fitted: what a sensor may
+/// have at most.
 const HELD: f64 = 0.2;
 
 /// A fitted subset with what its intervals are made of.
@@ -66,7 +68,8 @@ pub(super) fn usual(active: &[usize], has_position: bool) -> Vec<usize> {
     all
 }
 
-/// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes are free, so is its mounting.
+/// A model with clock and mounting free, which biases ought not to depend on; where the gyro's axes
+/// are free, so is its mounting.
 pub(super) fn seated(active: &[usize]) -> Vec<usize> {
     let misaligned = active.iter().any(|p| GYRO_MISALIGNMENT.contains(p));
     let mounting = MOUNTING.filter(|_| !misaligned);

@@ -1,7 +1,9 @@
-//! Residuals of a reference against dead reckoning, and their slopes by every parameter, as evenly spaced rows.
+//! Residuals of a reference against dead reckoning, and their slopes by every parameter, as evenly
+//! spaced rows.
 //!
-//! Means over bins of some poses, differenced until what dead reckoning cannot know (where it began, how fast) is gone:
-//! attitude once, position twice. Not for what stands in them: `attitude`, `position`.
+//! Means over bins of some poses, differenced until what dead reckoning cannot know (where it
+//! began, how fast) is gone: attitude once, position twice. Not for what stands in them:
+//! `attitude`, `position`.
 
 use nalgebra::Vector3;
 

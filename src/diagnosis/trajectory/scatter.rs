@@ -1,8 +1,10 @@
-//! Noise in motion, told apart by how it grows: what the reference errs by, and what the sensor does.
+//! Noise in motion, told apart by how it grows: what the reference errs by, and what the sensor
+//! does.
 //!
-//! The angle between reference and dead reckoning changes over a time T by D(T) = ⟨|E(t + T) − E(t)|²⟩. White noise of the
-//! gyro makes it grow as N² T; errors of the reference do not go on growing. No more white noise is in the gyro at any
-//! frequency than its readings show where nothing moves: their floor bounds N.
+//! The angle between reference and dead reckoning changes over a time T by D(T) = ⟨|E(t + T) −
+//! E(t)|²⟩. White noise of the gyro makes it grow as N² T; errors of the reference do not go on
+//! growing. No more white noise is in the gyro at any frequency than its readings show where
+//! nothing moves: their floor bounds N.
 
 use nalgebra::Vector3;
 
@@ -16,13 +18,15 @@ use crate::numerics::spectrum::welch;
 const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Variance over that of the sensor's noise from which the rest is the reference's.
 const BEYOND: f64 = 2.0;
-/// Where readings show their noise alone, as fractions of the sampling rate, and the quantile of the lines that is the floor.
+/// Where readings show their noise alone, as fractions of the sampling rate, and the quantile of
+/// the lines that is the floor.
 const FLOOR: ([f64; 2], f64) = ([0.15, 0.45], 0.25);
 
 /// Noise that a reference has beyond the sensor's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Excess {
-    /// Standard deviation per axis of the reference's means over `mean_s`, in the unit of the errors.
+    /// Standard deviation per axis of the reference's means over `mean_s`, in the unit of the
+    /// errors.
     pub deviation: f64,
     /// Its 95 % interval.
     pub ci95: [f64; 2],
@@ -30,7 +34,8 @@ pub(super) struct Excess {
     pub mean_s: f64,
     /// Variance over the sensor's.
     pub times: f64,
-    /// Chance that so much is seen where there is no such excess, corrected for the times that were compared.
+    /// Chance that so much is seen where there is no such excess, corrected for the times that were
+    /// compared.
     pub p_value: f64,
 }
 
@@ -53,7 +58,8 @@ pub(super) fn floor(readings: &[Vector3<f64>], rate_hz: f64) -> f64 {
     (axis(0) + axis(1) + axis(2)) / 3.0
 }
 
-/// What errors, given as changes per second from bin to bin, show beyond the sensor's white noise; `random_walk` is its N².
+/// What errors, given as changes per second from bin to bin, show beyond the sensor's white noise;
+/// `random_walk` is its N².
 pub(super) fn excess(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
     let found = SPANS.into_iter().filter_map(|span| over(changes, width_s, random_walk, span));
     found.max_by(|a, b| a.deviation.total_cmp(&b.deviation))
@@ -95,18 +101,20 @@ fn over(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64, span: 
     })
 }
 
-/// Probability of a mean this far above zero by chance, where it is one of `blocks` values: Student's t.
+/// Probability of a mean this far above zero by chance, where it is one of `blocks` values:
+/// Student's t.
 pub(super) fn beyond(mean: f64, deviation: f64, blocks: f64) -> f64 {
     let t = mean / deviation.max(f64::MIN_POSITIVE);
     let tail = 0.5 * f_survival(t * t, 1.0, blocks - 1.0);
     if t > 0.0 { tail.max(f64::MIN_POSITIVE) } else { 1.0 - tail }
 }
 
-/// Position errors that are white from bin to bin: σ of a bin's mean out of second differences, whose variance is
-/// 6σ²/W⁴ and which follow each other with a correlation of −2/3. None where the sensor's noise alone makes as much, or
-/// where they do not follow each other like that.
+/// Position errors that are white from bin to bin: σ of a bin's mean out of second differences,
+/// whose variance is 6σ²/W⁴ and which follow each other with a correlation of −2/3. None where the
+/// sensor's noise alone makes as much, or where they do not follow each other like that.
 pub(super) fn position(changes: &[(Vector3<f64>, bool)], width_s: f64, random_walk: f64) -> Option<Excess> {
-    /// Correlation half way between that of the sensor's noise (1/4 for means over two bins) and −2/3.
+    /// Correlation half way between that of the sensor's noise (1/4 for means over two bins) and
+    /// −2/3.
     const ALTERNATES: f64 = -0.2;
     let mut blocks = vec![(0.0, 0.0, 0.0); BLOCKS];
     for (k, pair) in changes.windows(2).enumerate().filter(|(_, p)| p[0].1 && p[1].1) {

@@ -1,4 +1,5 @@
-//! Which candidates are named: forward by what held-out blocks gain, backward to drop what is not needed any more.
+//! Which candidates are named: forward by what held-out blocks gain, backward to drop what is not
+//! needed any more.
 
 use super::blocks::Linear;
 use super::candidate::{MISALIGNMENT, MOUNTING, Term};
@@ -9,9 +10,11 @@ use crate::numerics::order;
 
 /// Turns of adding and dropping before a search that goes in circles ends.
 const ROUNDS: usize = 6;
-/// Two models whose sums of squares differ by less, in units of the noise, are not told apart (Kass & Raftery 1995).
+/// Two models whose sums of squares differ by less, in units of the noise, are not told apart (Kass
+/// & Raftery 1995).
 const TIED: f64 = 6.0;
-/// Fall of the held-out sum of squares that is needed for each parameter: what a criterion of information asks.
+/// Fall of the held-out sum of squares that is needed for each parameter: what a criterion of
+/// information asks.
 const PER_PARAMETER: f64 = 2.0;
 
 /// The outcome of a search.
@@ -54,8 +57,8 @@ pub(super) fn with(active: &[usize], terms: impl IntoIterator<Item = &'static Te
 pub(super) struct Allowed {
     /// Whether it has positions.
     pub has_position: bool,
-    /// By how much its attitude and the gyro's differ, root mean square: what is smaller in the accelerometer may be
-    /// gravity along an attitude that errs.
+    /// By how much its attitude and the gyro's differ, root mean square: what is smaller in the
+    /// accelerometer may be gravity along an attitude that errs.
     pub tilt_rad: f64,
 }
 
@@ -112,8 +115,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What may be added. Where the gyro's misalignment is free it says nothing of a mounting, and the accelerometer alone
-    /// cannot tell a mounting from its own misalignment.
+    /// What may be added. Where the gyro's misalignment is free it says nothing of a mounting, and
+    /// the accelerometer alone cannot tell a mounting from its own misalignment.
     fn rest(&self, named: &[&'static Term]) -> Vec<&'static Term> {
         let misaligned = named.iter().any(|t| t.id() == MISALIGNMENT.id);
         let closed = |t: &Term| misaligned && t.id() == MOUNTING.id;

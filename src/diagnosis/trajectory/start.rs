@@ -1,8 +1,9 @@
 //! Where the search starts: the clocks laid on each other, the axes told apart, biases roughly.
 //!
-//! Rates over short windows, of the reference by its attitudes and of the gyro by its integral, are regressed on each other
-//! for every shift of the clocks: the shift that explains most is the one, whatever the mounting. What is then left is a
-//! matrix: a rotation where the IMU is mounted at an angle, a mirrored one where axes were exchanged.
+//! Rates over short windows, of the reference by its attitudes and of the gyro by its integral, are
+//! regressed on each other for every shift of the clocks: the shift that explains most is the one,
+//! whatever the mounting. What is then left is a matrix: a rotation where the IMU is mounted at an
+//! angle, a mirrored one where axes were exchanged.
 
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, Rotation3, UnitQuaternion, Vector3, Vector4};
 
@@ -40,7 +41,8 @@ pub(super) struct Start {
     pub accelerometer: Permutation,
     /// From the IMU's axes to the reference's body axes.
     pub turned: UnitQuaternion<f64>,
-    /// Chance that these axes fit so much better than those as given, corrected for the ways that were tried; 1 where as given.
+    /// Chance that these axes fit so much better than those as given, corrected for the ways that
+    /// were tried; 1 where as given.
     pub chance_exchanged: f64,
     /// The same of the rotation against none.
     pub chance_turned: f64,
@@ -60,7 +62,8 @@ struct Pairs {
 }
 
 impl Pairs {
-    /// read = M reference + b in least squares, with the fraction of the variance of `read` that this explains.
+    /// read = M reference + b in least squares, with the fraction of the variance of `read` that
+    /// this explains.
     fn regression(&self) -> (Matrix3<f64>, Vector3<f64>, f64) {
         let count = self.read.len().max(1) as f64;
         let mean = self.read.iter().sum::<Vector3<f64>>() / count;
@@ -82,7 +85,8 @@ impl Pairs {
         (matrix, bias, 1.0 - unexplained / f64::max(all, f64::MIN_POSITIVE))
     }
 
-    /// Chance that one matrix fits by so much better than another: ratios of the squares of blocks of time, Student's t.
+    /// Chance that one matrix fits by so much better than another: ratios of the squares of blocks
+    /// of time, Student's t.
     fn better(&self, one: &Matrix3<f64>, other: &Matrix3<f64>) -> f64 {
         let biases = [one, other].map(|m| self.residual(m).1);
         let mut blocks = vec![[f64::MIN_POSITIVE; 2]; BLOCKS];
@@ -232,8 +236,8 @@ fn forces(log: &Log, motion: &Motion, offset_s: f64, gravity_m_s2: f64) -> Pairs
 fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> Axes {
     let none = Permutation::NONE;
     let rotation = |of: &Matrix3<f64>| nearest(of).transpose();
-    // A gyro whose axes are held as they are, or exchanged: the one of 48 ways that comes nearest to a small mounting, where
-    // nothing but an exchange makes a mirrored matrix of it.
+    // A gyro whose axes are held as they are, or exchanged: the one of 48 ways that comes nearest
+    // to a small mounting, where nothing but an exchange makes a mirrored matrix of it.
     let (gyro, turned) = if matrix.determinant() >= 0.0 {
         (none, rotation(matrix))
     } else {
@@ -250,7 +254,8 @@ fn axes(matrix: &Matrix3<f64>, forces: &Pairs) -> Axes {
         if square(&best, turned) < BETTER * square(&none, turned) { best } else { none }
     };
     let accelerometer = best_of(&turned);
-    // Both exchanged alike is a mounting; a gyro turned by right angles that the accelerometer denies is an exchange.
+    // Both exchanged alike is a mounting; a gyro turned by right angles that the accelerometer
+    // denies is an exchange.
     let right = SIGNED.iter().copied().find(|p| *p != none && (p.matrix() - turned.transpose()).norm() < 0.3);
     if let (Some(right), true) = (right, gyro == none && accelerometer != none) {
         let rest = rotation(&(right.matrix().transpose() * matrix));
@@ -269,8 +274,8 @@ fn nearest(matrix: &Matrix3<f64>) -> Matrix3<f64> {
     u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v
 }
 
-/// A mounting that is no small angle: right angles where it comes near to them, itself else. Small angles are for the fit,
-/// which tells them from misalignment.
+/// A mounting that is no small angle: right angles where it comes near to them, itself else. Small
+/// angles are for the fit, which tells them from misalignment.
 fn of_matrix(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let right = SIGNED.iter().map(Permutation::matrix).filter(|p| p.determinant() > 0.0);
     let near = right.into_iter().find(|p| angle(&(p.transpose() * matrix)) < SMALL_RAD);

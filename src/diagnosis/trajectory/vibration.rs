@@ -1,4 +1,5 @@
-//! Noise in motion beyond the static figure, with its lines: spectra of the readings where no body moves any more.
+//! Noise in motion beyond the static figure, with its lines: spectra of the readings where no body
+//! moves any more.
 
 use nalgebra::Vector3;
 

@@ -1,4 +1,5 @@
-//! Rows whose noise is coloured, made white by the autoregression that follows it (Cochrane & Orcutt, JASA 1949).
+//! Rows whose noise is coloured, made white by the autoregression that follows it (Cochrane &
+//! Orcutt, JASA 1949).
 
 use nalgebra::Vector3;
 
@@ -6,7 +7,8 @@ use super::colour::Lags;
 use super::parameters::PARAMETERS;
 use super::rows::Row;
 
-/// An autoregression, the same along each axis, and the standard deviations of what it does not predict.
+/// An autoregression, the same along each axis, and the standard deviations of what it does not
+/// predict.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Whitening {
     coefficients: Vec<f64>,
@@ -27,7 +29,8 @@ impl Whitening {
         of(k) - predicted.sum::<Vector3<f64>>()
     }
 
-    /// A row made white and in units of its deviation; none where something that it needs is missing.
+    /// A row made white and in units of its deviation; none where something that it needs is
+    /// missing.
     pub(super) fn white(&self, rows: &[Row], k: usize) -> Option<(Vector3<f64>, [Vector3<f64>; PARAMETERS])> {
         let order = self.coefficients.len();
         (k >= order && rows[k - order..=k].iter().all(|r| r.holds)).then(|| {

@@ -12,7 +12,8 @@ pub struct Account {
     pub with_gyro: bool,
     /// Named effects, strongest first.
     pub named: Vec<NamedTerm>,
-    /// Residuals of the repaired model above their noise, worst first, with their variance over that of the noise.
+    /// Residuals of the repaired model above their noise, worst first, with their variance over
+    /// that of the noise.
     pub above: Vec<(Group, f64)>,
     /// Candidates that would account for it with values that no sensor has.
     pub oversized: Vec<(&'static str, Sense)>,

@@ -1,10 +1,11 @@
 //! What an IMU makes of specific force and rate, and the way back from counts to m/s² and rad/s.
 //!
-//! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ + d(t), v = M f. Its M is upper triangular with ones: the frame is
-//! the accelerometer's own, z along its z axis, because gravity's length alone cannot show a rotation of all axes together.
-//! Gyro: the same with w = M ω + K f for v; its six off-diagonal M stand against the accelerometer's frame.
-//! τ is an environment column; d(t), the slow drift of an offset, is a sum of three cosines over the recording. Not for
-//! fitting: see `fit`.
+//! Accelerometer, axis i: (y − o)/s = v + k₂v² + k₃v³ + cτ + d(t), v = M f. Its M is upper
+//! triangular with ones: the frame is the accelerometer's own, z along its z axis, because
+//! gravity's length alone cannot show a rotation of all axes together. Gyro: the same with w = M
+//! ω + K f for v; its six off-diagonal M stand against the accelerometer's frame. τ is an
+//! environment column; d(t), the slow drift of an offset, is a sum of three cosines over the
+//! recording. Not for fitting: see `fit`.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -75,7 +76,8 @@ pub mod gyro {
 /// Off-diagonal places of the gyro's M in the order of its parameters.
 pub(crate) const GYRO_OFF_DIAGONAL: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
 
-/// Below this slope a reading's curve is treated as if it went on straight: no sensor in use reads a fifth of a change.
+/// Below this slope a reading's curve is treated as if it went on straight: no sensor in use reads
+/// a fifth of a change.
 const LEAST_SLOPE: f64 = 0.2;
 
 /// One sensor's way from counts to SI, per axis and across axes.
@@ -100,13 +102,15 @@ pub struct Triad {
 }
 
 impl Triad {
-    /// What the reading equation makes of the counts on one axis before its curve is undone: v + k₂v² + k₃v³.
+    /// What the reading equation makes of the counts on one axis before its curve is undone: v +
+    /// k₂v² + k₃v³.
     pub fn curved(&self, axis: usize, counts: f64, slow: &Slow) -> f64 {
         let drift: f64 = (0..DRIFT_TERMS).map(|n| self.drift[(axis, n)] * slow.cosines[n]).sum();
         (counts - self.offset[axis]) / self.scale[axis] - self.temperature[axis] * slow.covariate - drift
     }
 
-    /// The v for which v + k₂v² + k₃v³ = `curved`, on the branch through zero, and the slope of the left side there.
+    /// The v for which v + k₂v² + k₃v³ = `curved`, on the branch through zero, and the slope of the
+    /// left side there.
     pub fn straightened(&self, axis: usize, curved: f64) -> (f64, f64) {
         let (k2, k3) = (self.quadratic[axis], self.cubic[axis]);
         let slope = |v: f64| 1.0 + 2.0 * k2 * v + 3.0 * k3 * v * v;
@@ -114,7 +118,8 @@ impl Triad {
         if k2 == 0.0 && k3 == 0.0 {
             return (v, 1.0);
         }
-        // Newton; where the curve turns back there is no solution, and the nearest point that the steps reach stands for it.
+        // Newton; where the curve turns back there is no solution, and the nearest point that the
+        // steps reach stands for it.
         for _ in 0..20 {
             let step = (v + k2 * v * v + k3 * v * v * v - curved) / slope(v).max(LEAST_SLOPE);
             v -= step;
@@ -202,7 +207,8 @@ impl Calibration {
         self.accelerometer.inverse * self.accelerometer.along_axes(counts.into(), slow)
     }
 
-    /// Angular rate in the accelerometer's frame, rad/s, free of what the specific force does to the gyro.
+    /// Angular rate in the accelerometer's frame, rad/s, free of what the specific force does to
+    /// the gyro.
     pub fn rate_rad_s(&self, counts: [f64; 3], specific_force_m_s2: &Vector3<f64>, slow: &Slow) -> Vector3<f64> {
         self.gyro.inverse * (self.gyro.along_axes(counts.into(), slow) - self.g_sensitivity * specific_force_m_s2)
     }

@@ -1,4 +1,5 @@
-//! What an IMU's calibration model may leave out; one file per candidate, each with the parameters it frees.
+//! What an IMU's calibration model may leave out; one file per candidate, each with the parameters
+//! it frees.
 
 use crate::diagnosis::candidate::Candidate;
 use crate::sensor::Sense;
@@ -29,8 +30,8 @@ pub const CANDIDATES: &[Candidate] = &[
 /// What no pose can tell from the common scale: in the library to be said, never to be fitted.
 pub(super) const NEVER_FITTED: &Candidate = &local_gravity::CANDIDATE;
 
-/// Everything that can be fitted to a recording with or without a gyro and an environment column. `local-gravity` is not
-/// among it: no pose can tell it from the common scale.
+/// Everything that can be fitted to a recording with or without a gyro and an environment column.
+/// `local-gravity` is not among it: no pose can tell it from the common scale.
 pub(crate) fn terms(with_gyro: bool, with_column: bool) -> Vec<&'static Term> {
     [
         scale_factor::TERMS,

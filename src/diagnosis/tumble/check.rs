@@ -1,4 +1,5 @@
-//! What must hold before a tumble recording is judged; each failure says what was wrong and what to do.
+//! What must hold before a tumble recording is judged; each failure says what was wrong and what to
+//! do.
 
 use std::path::Path;
 
@@ -13,9 +14,11 @@ use crate::error::{Error, Result};
 use crate::numerics::order::median;
 use crate::recording::Recording;
 
-/// Fewer poses than this leave no more equations than the base model and one candidate have unknowns.
+/// Fewer poses than this leave no more equations than the base model and one candidate have
+/// unknowns.
 const FEWEST_POSES: usize = 8;
-/// Variance within a pose over that of its noise from which it was moved: a tenfold standard deviation.
+/// Variance within a pose over that of its noise from which it was moved: a tenfold standard
+/// deviation.
 const RESTLESS: f64 = 100.0;
 
 fn fail(path: &Path, cause: impl Into<String>, hint: &str) -> Error {
@@ -65,15 +68,16 @@ pub(crate) fn enough(path: &Path, poses: usize) -> Result<()> {
     ))
 }
 
-/// Whether the poses that were given lie where the recording is still: rows counted from another start, or at another
-/// rate, put them into the moves.
+/// Whether the poses that were given lie where the recording is still: rows counted from another
+/// start, or at another rate, put them into the moves.
 pub(crate) fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<String>) -> Result<()> {
     let imu = &observed.imu;
     let scatter = |of: &[f64]| {
         let mean = of.iter().sum::<f64>() / of.len().max(1) as f64;
         of.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / of.len().max(1) as f64
     };
-    // Noise by differences of neighbours, which hardly see a motion; where rounding hides it, the step stands for it.
+    // Noise by differences of neighbours, which hardly see a motion; where rounding hides it, the
+    // step stands for it.
     let noise = |of: &[f64]| of.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / (2 * of.len().max(1)) as f64;
     let mut moved = vec![false; observed.poses.len()];
     for column in imu.gyro.iter().flatten().chain(&imu.accelerometer) {
@@ -100,7 +104,8 @@ pub(crate) fn still(path: &Path, observed: &Observed<'_>, findings: &mut Vec<Str
     Ok(())
 }
 
-/// The accelerometer moves from pose to pose more than the gyro does: otherwise the two are swapped, or nothing was turned.
+/// The accelerometer moves from pose to pose more than the gyro does: otherwise the two are
+/// swapped, or nothing was turned.
 pub(crate) fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
     let spread = |of: &dyn Fn(usize) -> (Vector3<f64>, Vector3<f64>)| {
         let count = observed.poses.len() as f64;
@@ -133,7 +138,8 @@ pub(crate) fn moving(path: &Path, observed: &Observed<'_>) -> Result<()> {
     Ok(())
 }
 
-/// The gyro's axes turn the way the accelerometer's do: otherwise columns are swapped or mounted the other way round.
+/// The gyro's axes turn the way the accelerometer's do: otherwise columns are swapped or mounted
+/// the other way round.
 pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &Tumble) -> Result<()> {
     let (Some(names), Some(recorded)) = (&model.columns.gyro, &observed.imu.gyro) else { return Ok(()) };
     let as_given = turn_error(observed, guess);
@@ -175,7 +181,8 @@ pub(crate) fn axes(path: &Path, observed: &Observed<'_>, guess: &Point, model: &
     }
 }
 
-/// Median angle between gravity as carried by the gyro and as read, over the moves; the scale is the best of a scan.
+/// Median angle between gravity as carried by the gyro and as read, over the moves; the scale is
+/// the best of a scan.
 fn turn_error(observed: &Observed<'_>, point: &Point) -> f64 {
     let error = |scale: f64| {
         let mut trial = *point;

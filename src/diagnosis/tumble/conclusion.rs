@@ -187,7 +187,8 @@ impl Case<'_> {
         mean_held_out(fit, &GROUPS, self.folds).sqrt()
     }
 
-    /// 95 % interval of after / before on held-out poses: delete-one-pose jackknife of the logarithm.
+    /// 95 % interval of after / before on held-out poses: delete-one-pose jackknife of the
+    /// logarithm.
     fn ratio_interval(&self, selection: &Selection) -> [f64; 2] {
         let per_pose = |fit: &Fit| -> Vec<f64> {
             let groups = GROUPS.map(|g| held_out_squares(fit, g, self.folds));

@@ -1,7 +1,8 @@
-//! The loop closed for a tumble recording: the sensor with its measured noise, and what the omission costs.
+//! The loop closed for a tumble recording: the sensor with its measured noise, and what the
+//! omission costs.
 //!
-//! A study has one axis and one attitude, so misalignment and g-sensitivity enter it as the constant errors that they are
-//! while a sensor keeps one attitude.
+//! A study has one axis and one attitude, so misalignment and g-sensitivity enter it as the
+//! constant errors that they are while a sensor keeps one attitude.
 
 use super::Detail;
 use super::calibration::Calibration;
@@ -81,7 +82,8 @@ impl Case<'_> {
         }
     }
 
-    /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms over the poses.
+    /// What the base model gets wrong at rest beside the repaired one: m/s² and rad/s per axis, rms
+    /// over the poses.
     fn leftover(&self, selection: &Selection) -> (f64, f64) {
         let (base, repaired) =
             (Calibration::from_point(&selection.base.point), Calibration::from_point(&selection.chosen.point));

@@ -11,7 +11,8 @@ pub struct Detail {
     pub poses: Vec<PoseDetail>,
     /// Whether the tool found the poses itself.
     pub poses_found: bool,
-    /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base model, repaired model.
+    /// Root-mean-square residuals on poses that were not fitted, in the units of `Group`: base
+    /// model, repaired model.
     pub held_out: [[f64; 2]; 3],
     /// Calibration with the named physics.
     pub calibration: Calibration,
@@ -34,7 +35,8 @@ pub struct PoseDetail {
     pub time_s: [f64; 2],
     /// Specific force over g, as the repaired model sees it.
     pub share: [f64; 3],
-    /// Residuals before, in the units of `Group`: |f| − g; rate x, y, z; direction error after the following move.
+    /// Residuals before, in the units of `Group`: |f| − g; rate x, y, z; direction error after the
+    /// following move.
     pub before: [f64; 5],
     /// The same residuals with the named physics.
     pub after: [f64; 5],

@@ -1,7 +1,9 @@
-//! The calibration as it is handed out: biases and matrices with their intervals, whatever the verdict.
+//! The calibration as it is handed out: biases and matrices with their intervals, whatever the
+//! verdict.
 //!
-//! It frees what nearly every unit has (offset, scale per axis, misalignment) beside whatever was chosen, so that a number
-//! is not forced to zero because it was too small to be named, and comes out also where something else is left out.
+//! It frees what nearly every unit has (offset, scale per axis, misalignment) beside whatever was
+//! chosen, so that a number is not forced to zero because it was too small to be named, and comes
+//! out also where something else is left out.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,4 +1,5 @@
-//! Least squares over poses and moves together (Levenberg–Marquardt), with whole poses left out at no extra cost.
+//! Least squares over poses and moves together (Levenberg–Marquardt), with whole poses left out at
+//! no extra cost.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -25,16 +26,18 @@ pub(super) struct Fit {
     target: DVector<f64>,
 }
 
-/// A factor on the noise variance of each group, in the order of [`GROUPS`]: what a group misfits beyond its noise is noise
-/// to the parameters that it shares with the others, so that a gyro which does something unknown does not bend the
-/// accelerometer's calibration. (Variance components; Searle, Casella & McCulloch 1992.)
+/// A factor on the noise variance of each group, in the order of [`GROUPS`]: what a group misfits
+/// beyond its noise is noise to the parameters that it shares with the others, so that a gyro which
+/// does something unknown does not bend the accelerometer's calibration. (Variance components;
+/// Searle, Casella & McCulloch 1992.)
 pub(crate) type Inflation = [f64; GROUPS.len()];
 
 /// Every group by its measured noise.
 pub(super) const AS_MEASURED: Inflation = [1.0; GROUPS.len()];
 /// Misfit that the noise's own uncertainty allows before a group counts for less.
 const TOLERATED: f64 = 1.3;
-/// Standard deviation of what is known of the coning coefficient beforehand: wide, and enough where no turn shows it.
+/// Standard deviation of what is known of the coning coefficient beforehand: wide, and enough where
+/// no turn shows it.
 const CONING_PRIOR: f64 = 1.0;
 
 /// Slopes are scaled to columns of length one, so that counts and rad/s weigh alike.
@@ -140,8 +143,9 @@ impl Fit {
         fit
     }
 
-    /// The parameters as they would be without the rows for which `left_out` holds (to first order), and the residuals
-    /// of all rows at that point, over their noise. A new fit differs only by the square of the small change.
+    /// The parameters as they would be without the rows for which `left_out` holds (to first
+    /// order), and the residuals of all rows at that point, over their noise. A new fit differs
+    /// only by the square of the small change.
     pub(super) fn without(&self, left_out: impl Fn(usize) -> bool) -> (Point, DVector<f64>) {
         let Normal { mut matrix, unit } = normal(&self.design);
         let columns = self.active.len();
@@ -167,7 +171,8 @@ impl Fit {
         (0..poses).map(|k| self.without(|r| self.rows.pose[r] == k).0).collect()
     }
 
-    /// Standard deviation of each active parameter if the noise is as it was weighed, and nothing else errs.
+    /// Standard deviation of each active parameter if the noise is as it was weighed, and nothing
+    /// else errs.
     pub(super) fn deviations(&self) -> Vec<f64> {
         let Normal { matrix, unit } = normal(&self.design);
         match factor(matrix, RIDGE) {
@@ -179,7 +184,8 @@ impl Fit {
         }
     }
 
-    /// Residuals of every row when its pose's fold is held out; rows of poses without a fold stay as fitted.
+    /// Residuals of every row when its pose's fold is held out; rows of poses without a fold stay
+    /// as fitted.
     pub(super) fn held_out(&self, folds: &[Option<usize>]) -> DVector<f64> {
         let mut out = self.rows.residual.clone();
         let count = folds.iter().flatten().max().map_or(0, |m| m + 1);
@@ -200,7 +206,8 @@ impl Fit {
         sum / (n as f64 - spent).max(1.0)
     }
 
-    /// Degrees of freedom that the parameters take from a group: the trace of its part of the hat matrix.
+    /// Degrees of freedom that the parameters take from a group: the trace of its part of the hat
+    /// matrix.
     pub(super) fn leverage(&self, group: Group) -> f64 {
         let Normal { matrix, unit } = normal(&self.design);
         let Some(factored) = factor(matrix, RIDGE) else { return 0.0 };

@@ -1,4 +1,5 @@
-//! The recording as this kind sees it: six columns, still poses, moves between them, and how noisy each is.
+//! The recording as this kind sees it: six columns, still poses, moves between them, and how noisy
+//! each is.
 
 use std::ops::Range;
 
@@ -48,7 +49,8 @@ pub struct Observed<'a> {
     pub imu: Imu<'a>,
     /// The poses, in order of time.
     pub poses: Vec<Pose>,
-    /// Counts per m/s² by which noise in counts becomes noise in SI; fixed, so that a fit cannot gain by inflating its noise.
+    /// Counts per m/s² by which noise in counts becomes noise in SI; fixed, so that a fit cannot
+    /// gain by inflating its noise.
     pub accelerometer_scale: f64,
     /// Counts per rad/s, likewise.
     pub gyro_scale: f64,
@@ -118,8 +120,8 @@ impl Observed<'_> {
             Vector3::from_fn(|i, _| {
                 let (expected, own) =
                     (noise[i].mean_variance(length_s), batch_error(&columns[i][samples.clone()]).powi(2));
-                // Batches scatter by chance (7 degrees of freedom: a factor 3.5 is one in a thousand); beyond that the pose
-                // was not still, and counts for less.
+                // Batches scatter by chance (7 degrees of freedom: a factor 3.5 is one in a
+                // thousand); beyond that the pose was not still, and counts for less.
                 if own > 3.5 * expected { own } else { expected }
             })
         };

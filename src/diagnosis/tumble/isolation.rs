@@ -1,4 +1,5 @@
-//! Where the base model's mismatch lives: which residual, which poses, and which component of gravity it follows.
+//! Where the base model's mismatch lives: which residual, which poses, and which component of
+//! gravity it follows.
 
 use nalgebra::Vector3;
 
@@ -56,7 +57,8 @@ pub(crate) fn locate(observed: &Observed<'_>, base: &Fit, forces: &[Vector3<f64>
     (Places { time_s, state, ..Places::default() }, location)
 }
 
-/// The component of gravity that the excess follows most, and the excess in five bins of it (in m/s²).
+/// The component of gravity that the excess follows most, and the excess in five bins of it (in
+/// m/s²).
 fn by_component(base: &Fit, forces: &[Vector3<f64>]) -> (&'static str, Vec<Stretch>) {
     const BINS: usize = 5;
     let g = STANDARD_GRAVITY_M_S2;

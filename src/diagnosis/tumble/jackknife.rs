@@ -1,5 +1,6 @@
-//! Intervals from the fits with one pose left out in turn: they need no model of the noise, only that poses err apart.
-//! Source: Efron & Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11.
+//! Intervals from the fits with one pose left out in turn: they need no model of the noise, only
+//! that poses err apart. Source: Efron & Tibshirani, An Introduction to the Bootstrap, 1993,
+//! chapter 11.
 
 use super::calibration::Point;
 use super::fit::Fit;

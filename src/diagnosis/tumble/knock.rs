@@ -1,8 +1,10 @@
-//! Poses that disagree with all the others, as one that was touched while it was read does: left out, and told.
+//! Poses that disagree with all the others, as one that was touched while it was read does: left
+//! out, and told.
 //!
-//! A law of the sensor shows in every pose of like attitude; a knock in one. Each pose in turn is left out of a fit of what
-//! nearly every unit has and of g-sensitivity, and the fall of the misfit is held against what is left (an F test of the
-//! deleted residuals; Cook & Weisberg, Residuals and Influence in Regression, 1982, §2.2).
+//! A law of the sensor shows in every pose of like attitude; a knock in one. Each pose in turn is
+//! left out of a fit of what nearly every unit has and of g-sensitivity, and the fall of the misfit
+//! is held against what is left (an F test of the deleted residuals; Cook & Weisberg, Residuals and
+//! Influence in Regression, 1982, §2.2).
 
 use super::calibration::Point;
 use super::candidate::{Role, terms};
@@ -15,7 +17,8 @@ use crate::numerics::special::f_survival;
 
 /// Chance of leaving out a pose in which nothing happened, over all poses.
 const FALSE_KNOCK: f64 = 1e-4;
-/// Mean square of a knocked pose's residuals over their noise, at the least; what is left of the others must be less.
+/// Mean square of a knocked pose's residuals over their noise, at the least; what is left of the
+/// others must be less.
 pub(crate) const CLEAR: f64 = 10.0;
 /// One pose in so many may be left out.
 const ONE_IN: usize = 10;

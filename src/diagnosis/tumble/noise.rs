@@ -1,9 +1,10 @@
 //! How far a sensor's mean over a still pose, or its integral over a move, may err by noise alone.
 //!
-//! Measured inside the poses only, so that no mismatch between poses can pass for noise: the pooled Allan deviation of all
-//! poses (by the median, so that a pose that slipped does not count) is split into white noise and flicker,
-//! σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C. A reading whose noise is finer than its step errs by up to half a
-//! step in the whole of a pose, however long: see `rounding`.
+//! Measured inside the poses only, so that no mismatch between poses can pass for noise: the pooled
+//! Allan deviation of all poses (by the median, so that a pose that slipped does not count) is
+//! split into white noise and flicker, σ²(τ) = N²/τ + (2 ln 2/π) B². Source: IEEE 952, annex C. A
+//! reading whose noise is finer than its step errs by up to half a step in the whole of a pose,
+//! however long: see `rounding`.
 
 use crate::numerics::order;
 
@@ -41,14 +42,16 @@ impl AxisNoise {
                 break;
             }
             let count = steps.len() as f64;
-            // Steps between neighbouring means are normal with variance 2σ²; their median size is 0.6745·√2·σ.
+            // Steps between neighbouring means are normal with variance 2σ²; their median size is
+            // 0.6745·√2·σ.
             let deviation = median(&mut steps, rounding.step / m as f64) / (0.674_490 * 2f64.sqrt());
             points.push((m as f64 / rate_hz, deviation * deviation, count));
             m *= 2;
         }
         let (white, flicker) = split(&points);
         Self {
-            // The median of steps between rounded values may be zero; what rounding adds to a sample is not.
+            // The median of steps between rounded values may be zero; what rounding adds to a
+            // sample is not.
             random_walk: white.max(rounding.step * rounding.step / 12.0 / rate_hz).sqrt(),
             bias_instability: (flicker * PI / (2.0 * LN_2)).sqrt(),
             record_s,
@@ -56,8 +59,8 @@ impl AxisNoise {
         }
     }
 
-    /// Variance of a mean over `length_s` about the recording's mean: white noise, and flicker from the record's length
-    /// down to that of the pose.
+    /// Variance of a mean over `length_s` about the recording's mean: white noise, and flicker from
+    /// the record's length down to that of the pose.
     pub fn mean_variance(&self, length_s: f64) -> f64 {
         let octaves = (self.record_s / length_s).max(1.0).ln();
         self.random_walk.powi(2) / length_s + self.bias_instability.powi(2) / PI * octaves + self.rounding
@@ -65,13 +68,14 @@ impl AxisNoise {
 
     /// Variance of an integral over `length_s`, in (u·s)².
     pub fn integral_variance(&self, length_s: f64) -> f64 {
-        // In motion the reading sweeps over many steps, so that rounding averages out as the white noise does.
+        // In motion the reading sweeps over many steps, so that rounding averages out as the white
+        // noise does.
         (self.mean_variance(length_s) - self.rounding) * length_s * length_s
     }
 }
 
-/// Median of values that lie on a grid of this width (zero: on none), each standing for a cell of the grid: without the
-/// cells, the median of a coarse reading is a multiple of its step.
+/// Median of values that lie on a grid of this width (zero: on none), each standing for a cell of
+/// the grid: without the cells, the median of a coarse reading is a multiple of its step.
 fn median(values: &mut [f64], width: f64) -> f64 {
     let middle = values.len() / 2;
     values.select_nth_unstable_by(middle, f64::total_cmp);
@@ -82,7 +86,8 @@ fn median(values: &mut [f64], width: f64) -> f64 {
     low + (high - low) * ((0.5 * values.len() as f64 - below) / within).clamp(0.0, 1.0)
 }
 
-/// Least squares of σ² = white/τ + flat in relative error (the weights 1/σ⁴ that Allan variances call for), both kept positive.
+/// Least squares of σ² = white/τ + flat in relative error (the weights 1/σ⁴ that Allan variances
+/// call for), both kept positive.
 fn split(points: &[(f64, f64, f64)]) -> (f64, f64) {
     let usable = points.iter().filter(|p| p.1 > 0.0);
     let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -142,9 +147,10 @@ impl Rounding {
     }
 }
 
-/// Variance of the mean of rounded values about the truth, in squared steps, when noise of standard deviation `sigma`
-/// (steps) precedes the rounding: Σ exp(−4π²k²σ²)/(2π²k²), which is 1/12 without noise. Source: the Fourier series of the
-/// rounding error; Widrow & Kollár, Quantization Noise, Cambridge 2008, chapter 5.
+/// Variance of the mean of rounded values about the truth, in squared steps, when noise of standard
+/// deviation `sigma` (steps) precedes the rounding: Σ exp(−4π²k²σ²)/(2π²k²), which is 1/12 without
+/// noise. Source: the Fourier series of the rounding error; Widrow & Kollár, Quantization Noise,
+/// Cambridge 2008, chapter 5.
 fn of_mean(sigma: f64) -> f64 {
     if sigma <= 0.0 {
         return 1.0 / 12.0;
@@ -152,7 +158,8 @@ fn of_mean(sigma: f64) -> f64 {
     (1..=2000).map(|k| (PI * f64::from(k)).powi(2)).map(|k| (-4.0 * k * sigma * sigma).exp() / (2.0 * k)).sum()
 }
 
-/// The noise (steps) that leaves this variance within a pose, σ² + 1/12 − `of_mean(σ)`, by bisection.
+/// The noise (steps) that leaves this variance within a pose, σ² + 1/12 − `of_mean(σ)`, by
+/// bisection.
 fn noise_before_rounding(within: f64) -> f64 {
     let (mut low, mut high) = (0.0, within.sqrt() + 1.0);
     for _ in 0..40 {
@@ -162,7 +169,8 @@ fn noise_before_rounding(within: f64) -> f64 {
     low
 }
 
-/// Standard error of a pose's mean from the scatter of eight batches: shows a pose that was not still.
+/// Standard error of a pose's mean from the scatter of eight batches: shows a pose that was not
+/// still.
 pub(super) fn batch_error(values: &[f64]) -> f64 {
     const BATCHES: usize = 8;
     let m = values.len() / BATCHES;
@@ -182,8 +190,8 @@ mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
 
-    /// The mean of a rounded pose errs as the series says, from no noise at all to noise of a step, and the finder of the
-    /// noise gets it from the rounded values alone.
+    /// The mean of a rounded pose errs as the series says, from no noise at all to noise of a step,
+    /// and the finder of the noise gets it from the rounded values alone.
     #[test]
     fn the_mean_of_a_rounded_pose_errs_as_the_series_says() {
         let places = Uniform::new(-500.0, 500.0).expect("a range");

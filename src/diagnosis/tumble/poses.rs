@@ -1,8 +1,9 @@
 //! Where the IMU lay still: read from a file of row ranges, or found in the recording.
 //!
-//! The finder follows Tedaldi, Pretto & Menegatti (ICRA 2014): the variance in a sliding window against a multiple of the
-//! quietest one, the multiple chosen by scanning. They take the one that calibrates best; here the lowest that finds nearly
-//! as many poses as any does, so that the choice does not look at the model that is to be judged.
+//! The finder follows Tedaldi, Pretto & Menegatti (ICRA 2014): the variance in a sliding window
+//! against a multiple of the quietest one, the multiple chosen by scanning. They take the one that
+//! calibrates best; here the lowest that finds nearly as many poses as any does, so that the choice
+//! does not look at the model that is to be judged.
 
 use std::ops::Range;
 use std::path::Path;
@@ -21,11 +22,12 @@ const MARGIN_S: f64 = 0.1;
 /// Multiples of the quietest variance that are tried.
 const MULTIPLES: [f64; 9] = [2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 40.0, 80.0, 160.0];
 
-/// Reads `start_row,end_row_exclusive`, which count rows of the whole file. Of a recording that is only a part of its file,
-/// poses outside that part are left out.
+/// Reads `start_row,end_row_exclusive`, which count rows of the whole file. Of a recording that is
+/// only a part of its file, poses outside that part are left out.
 ///
 /// # Errors
-/// A file that cannot be read; ranges that are empty, out of order or beyond the recording, each with its line.
+/// A file that cannot be read; ranges that are empty, out of order or beyond the recording, each
+/// with its line.
 pub fn read(path: &Path, recording: &Recording) -> Result<Vec<Range<usize>>> {
     let (first, samples) = (recording.first_row, recording.samples());
     let fail = |line: usize, cause: String| {
@@ -74,13 +76,14 @@ pub fn find(imu: &Imu<'_>) -> Vec<Range<usize>> {
     let quiet = sorted[sorted.len() / 100].max(f64::MIN_POSITIVE);
     let tried: Vec<Vec<Range<usize>>> =
         MULTIPLES.iter().map(|m| stretches(&activity, quiet * m, window, imu.rate_hz)).collect();
-    // A low threshold breaks poses apart or loses them, a high one swallows the gentle beginnings of motion: the lowest
-    // that finds nearly all.
+    // A low threshold breaks poses apart or loses them, a high one swallows the gentle beginnings
+    // of motion: the lowest that finds nearly all.
     let most = tried.iter().map(Vec::len).max().unwrap_or(0);
     tried.into_iter().find(|poses| 10 * poses.len() >= 9 * most).unwrap_or_default()
 }
 
-/// Sum over the axes of the variance in a window centred on each sample, each sensor over its own quiet level.
+/// Sum over the axes of the variance in a window centred on each sample, each sensor over its own
+/// quiet level.
 fn activity(imu: &Imu<'_>, window: usize) -> Vec<f64> {
     let samples = imu.accelerometer[0].len();
     if samples < 2 * window {
@@ -130,7 +133,8 @@ fn stretches(activity: &[f64], threshold: f64, window: usize, rate_hz: f64) -> V
                 // The windows k cover samples k..k+window; all of them lie within the stretch.
                 let range = begin..k - 1 + window;
                 match out.last_mut() {
-                    // A motion would leave a gap; stretches that overlap are one, broken by a chance excursion.
+                    // A motion would leave a gap; stretches that overlap are one, broken by a
+                    // chance excursion.
                     Some(last) if range.start <= last.end => last.end = range.end,
                     _ => out.push(range),
                 }

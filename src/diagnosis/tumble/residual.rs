@@ -7,9 +7,11 @@ use crate::diagnosis::remainder::{Remainder, Size, Test, WHITE};
 use crate::numerics::order;
 use crate::numerics::special::f_survival;
 
-/// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard deviation.
+/// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard
+/// deviation.
 const NOISE_FREEDOM: f64 = 60.0;
-/// A residual of so many times the noise variance is material: less is within what a noise model can promise.
+/// A residual of so many times the noise variance is material: less is within what a noise model
+/// can promise.
 const MATERIAL: f64 = 1.6;
 /// Residuals at rest: one of gravity, three of the gyro.
 const AT_REST: usize = 4;
@@ -46,11 +48,13 @@ impl Residual {
         for channel in 0..channels {
             let values: Vec<f64> =
                 at_rest.chunks_exact(channels).map(|rows| fit.rows.residual[rows[channel]]).collect();
-            // Noise of a pose has a 1/f part, which the next pose remembers: that is not white, and no mismatch.
+            // Noise of a pose has a 1/f part, which the next pose remembers: that is not white, and
+            // no mismatch.
             tests.push(Test { p_value: TESTS * memory(&values), size: Size::Negligible });
         }
         let remainder = Remainder::of(tests);
-        // What poses remember has no size of its own here: its probability alone says whether they are white.
+        // What poses remember has no size of its own here: its probability alone says whether they
+        // are white.
         Self { remainder: Remainder { white: remainder.p_value >= WHITE, ..remainder }, above }
     }
 }

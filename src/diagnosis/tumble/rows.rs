@@ -2,11 +2,13 @@
 //!
 //! - gravity: |f| − g, one per pose;
 //! - still: the gyro's reading at rest, three per pose;
-//! - turn: gravity's direction as the integrated gyro carries it from one pose to the next, two per move: see `turn`.
+//! - turn: gravity's direction as the integrated gyro carries it from one pose to the next, two per
+//!   move: see `turn`.
 //!
 //! An accelerometer alone has the first kind only.
 //!
-//! A row belongs to a pose (a move to the pose it starts from), so that whole poses can be held out.
+//! A row belongs to a pose (a move to the pose it starts from), so that whole poses can be held
+//! out.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
@@ -182,7 +184,8 @@ impl Observed<'_> {
 impl Rows {
     fn push(&mut self, group: Group, pose: usize, value_si: f64, deviation_si: f64) -> usize {
         let row = self.deviation.len();
-        // A column without any noise (a perfect simulation, a dead channel) must not divide by zero.
+        // A column without any noise (a perfect simulation, a dead channel) must not divide by
+        // zero.
         let deviation = deviation_si.max(1e-12);
         self.residual[row] = value_si / deviation;
         self.deviation.push(deviation);
@@ -224,7 +227,8 @@ mod tests {
 
     const COUNTS_PER_UNIT: f64 = 1000.0;
 
-    /// Three poses and two turns of an ideal IMU, sampled without noise but for a ripple that gives poses a variance.
+    /// Three poses and two turns of an ideal IMU, sampled without noise but for a ripple that gives
+    /// poses a variance.
     fn columns() -> ([Vec<f64>; 3], [Vec<f64>; 3]) {
         let (mut gyro, mut accelerometer): ([Vec<f64>; 3], [Vec<f64>; 3]) = Default::default();
         let mut attitude = Rotation3::identity();
@@ -275,7 +279,8 @@ mod tests {
             };
             let difference = (at(step) - at(-step)) / (2.0 * step);
             let slope = rows.slope.column(p);
-            // The slopes of turns are first order in one sample's angle (0.05 rad) and in the residual itself.
+            // The slopes of turns are first order in one sample's angle (0.05 rad) and in the
+            // residual itself.
             let error = (&difference - slope).norm() / slope.norm();
             assert!(slope.norm() > 0.0 && error < 0.01, "parameter {p}: {error}");
         }

@@ -1,5 +1,5 @@
-//! Which candidates are named: from what nearly every unit has, forward by evidence and backward to drop what is not needed,
-//! judged on poses that were held out.
+//! Which candidates are named: from what nearly every unit has, forward by evidence and backward to
+//! drop what is not needed, judged on poses that were held out.
 
 use rand::RngExt;
 
@@ -23,7 +23,8 @@ pub(crate) const FALSE_NAME: f64 = 0.005;
 const FOLDS: usize = 5;
 /// Resamplings of poses for the interval of a gain.
 const RESAMPLES: usize = 400;
-/// Two models closer than this in the Bayesian information criterion are not told apart (Kass & Raftery 1995: "positive").
+/// Two models closer than this in the Bayesian information criterion are not told apart (Kass &
+/// Raftery 1995: "positive").
 const TIED: f64 = 6.0;
 
 /// Which poses are held out together; `None` is never held out.
@@ -61,7 +62,8 @@ impl Standing {
         self.p_value < FALSE_NAME && self.ci95[0] > 0.0 && self.criterion > 0.0 && self.determined && self.plausible
     }
 
-    /// Whether it carries most of what it is judged by, with values outside the range that the library allows.
+    /// Whether it carries most of what it is judged by, with values outside the range that the
+    /// library allows.
     pub(super) fn would_but_for_its_size(&self) -> bool {
         !self.plausible && self.p_value < FALSE_NAME && self.ci95[0] > 0.5 && self.criterion > 0.0 && self.determined
     }
@@ -111,8 +113,9 @@ pub(crate) fn select(
     let library = terms(with_gyro, observed.imu.covariate.is_some());
     let base = Fit::new(observed, guess, &start::base(with_gyro), &AS_MEASURED);
     let mut search = Search { observed, folds, control, tried: library.len(), library, banned: Vec::new(), base };
-    // Scale and misalignment hide each other: the search begins with all that nearly every unit has, and drops what is not
-    // needed. Where poses do not determine all of it, it begins with nothing.
+    // Scale and misalignment hide each other: the search begins with all that nearly every unit
+    // has, and drops what is not needed. Where poses do not determine all of it, it begins with
+    // nothing.
     let usual: Vec<&'static Term> = search.library.iter().copied().filter(|t| t.role == Role::EveryUnit).collect();
     let full = search.fitted(&search.base, &usual);
     let mut state = if full.determined { State { named: usual, model: full } } else { search.bare() };
@@ -122,8 +125,8 @@ pub(crate) fn select(
         if doubtful.is_empty() {
             break;
         }
-        // What helps but leaves the residual it is judged by above the noise is not what was left out: it is withdrawn, and
-        // the search goes on without it.
+        // What helps but leaves the residual it is judged by above the noise is not what was left
+        // out: it is withdrawn, and the search goes on without it.
         search.banned.extend(&doubtful);
         state.named.retain(|t| !doubtful.contains(t));
         state.model = search.fitted(&state.model, &state.named);
@@ -150,8 +153,9 @@ struct Search<'a> {
 
 /// Turns of adding and dropping before a search that goes in circles ends.
 const ROUNDS: usize = 6;
-/// Fraction of the excess over the noise that scale and misalignment must remove from poses held out to be kept although
-/// something else is left (lower end of the 95 % interval): less may be the work of stand-ins.
+/// Fraction of the excess over the noise that scale and misalignment must remove from poses held
+/// out to be kept although something else is left (lower end of the 95 % interval): less may be the
+/// work of stand-ins.
 const CARRIES: f64 = 0.5;
 
 impl Search<'_> {
@@ -168,8 +172,8 @@ impl Search<'_> {
         Fit::balanced(self.observed, &start, &active)
     }
 
-    /// Adds what counts and drops what does not, until nothing is dropped. Adding comes first: beside a strong effect that is
-    /// not in the model yet, what belongs there seems not to count.
+    /// Adds what counts and drops what does not, until nothing is dropped. Adding comes first:
+    /// beside a strong effect that is not in the model yet, what belongs there seems not to count.
     fn settled(&self, mut state: State) -> Result<State, Stopped> {
         let mut seen: Vec<Vec<&'static Term>> = Vec::new();
         for _ in 0..ROUNDS {
@@ -198,7 +202,8 @@ impl Search<'_> {
         Ok(state)
     }
 
-    /// Named terms judged by a residual that stays above its noise, but for scale and misalignment that carry most of it.
+    /// Named terms judged by a residual that stays above its noise, but for scale and misalignment
+    /// that carry most of it.
     fn doubtful(&self, state: &State) -> Vec<&'static Term> {
         let above = Residual::of(&state.model).above;
         let doubtful = |group: Group| {
@@ -207,7 +212,8 @@ impl Search<'_> {
             if own.is_empty() {
                 return own;
             }
-            // What only some sensors have needs more than that: a law that nobody knows often looks like a little of it.
+            // What only some sensors have needs more than that: a law that nobody knows often looks
+            // like a little of it.
             let (usual, rare): (Vec<&'static Term>, Vec<_>) = own.into_iter().partition(|t| t.role == Role::EveryUnit);
             if !rare.is_empty() {
                 return rare;
@@ -282,7 +288,8 @@ impl Search<'_> {
 
 fn judge(smaller: &Fit, larger: &Fit, term: &'static Term, folds: &Folds, tried: usize) -> Standing {
     let spent = (larger.active.len() - smaller.active.len()).max(1) as f64;
-    // Each group is weighed by what is left of it, so that another effect's mismatch counts as noise here.
+    // Each group is weighed by what is left of it, so that another effect's mismatch counts as
+    // noise here.
     let improvement: f64 = GROUPS
         .iter()
         .map(|g| (smaller.rows.chi_square(*g).0 - larger.rows.chi_square(*g).0) / larger.reduced(*g).max(1.0))
@@ -326,7 +333,8 @@ fn criterion(fit: &Fit) -> f64 {
     misfit + fit.active.len() as f64 * (rows as f64).max(1.0).ln()
 }
 
-/// Per pose the sum of squares of held-out residuals over their noise, and how many there are; `None` without any.
+/// Per pose the sum of squares of held-out residuals over their noise, and how many there are;
+/// `None` without any.
 pub(crate) fn held_out_squares(fit: &Fit, group: Group, folds: &Folds) -> Vec<Option<(f64, usize)>> {
     let residual = fit.held_out(folds);
     let mut out = vec![None; folds.len()];
@@ -353,7 +361,8 @@ fn held_out_gain(smaller: &Fit, larger: &Fit, group: Group, folds: &Folds) -> (f
     }
     let gain = |chosen: &mut dyn Iterator<Item = usize>| {
         let (b, a, n) = chosen.fold((0.0, 0.0, 0.0), |s, k| (s.0 + pairs[k].0, s.1 + pairs[k].1, s.2 + pairs[k].2));
-        // Where the base is at the noise already, the share of nothing would be any number: a tenth is the least.
+        // Where the base is at the noise already, the share of nothing would be any number: a tenth
+        // is the least.
         ((b - a) / (b - n).max(0.1 * b).max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0)
     };
     let mut rng = Philox::new(1, group as u64, Stream::Host);
@@ -380,7 +389,8 @@ fn plausible(fit: &Fit, term: &Term) -> bool {
     })
 }
 
-/// What is smallest of an effect that would still have been named, in public units: threshold and power of 95 %.
+/// What is smallest of an effect that would still have been named, in public units: threshold and
+/// power of 95 %.
 fn visible(deviations: impl Iterator<Item = (usize, f64)>, tried: usize) -> Vec<f64> {
     // Normal quantiles for a two-sided test at the corrected level, plus 1.645 for the power.
     let level = normal_quantile(1.0 - FALSE_NAME / tried.max(1) as f64 / 2.0) + 1.645;

@@ -7,7 +7,8 @@ use super::group::Group;
 use super::imu::Observed;
 use crate::numerics::order::median;
 
-/// Parameters of the base model: per axis an offset, per sensor one common scale, and how the gyro's filter shapes a turn.
+/// Parameters of the base model: per axis an offset, per sensor one common scale, and how the
+/// gyro's filter shapes a turn.
 pub(super) fn base(with_gyro: bool) -> Vec<usize> {
     let gyro = gyro::OFFSET.chain(gyro::SCALE).chain(gyro::CONING);
     accelerometer::OFFSET.chain(accelerometer::SCALE).chain(gyro.filter(|_| with_gyro)).collect()
@@ -33,7 +34,8 @@ pub(crate) fn guess(observed: &mut Observed<'_>) -> Point {
     point
 }
 
-/// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2 y·o + (r² − o²).
+/// Centre and radius of the sphere through the pose means, by linear least squares on |y|² = 2
+/// y·o + (r² − o²).
 fn sphere(means: &[Vector3<f64>]) -> (Vector3<f64>, f64) {
     let count = means.len().max(1) as f64;
     let centre = means.iter().sum::<Vector3<f64>>() / count;

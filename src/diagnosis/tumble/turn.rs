@@ -1,12 +1,14 @@
 //! A move between two poses: the gyro integrated to a rotation.
 //!
-//! The rates of one interval do not commute: with w linear over the interval h the rotation vector is
-//! φ = h w + (h³/12) w × w′ (the second term of the Magnus series), which integration by rectangles leaves out; a turn by
-//! hand comes out wrong by 1e-4 rad. That coefficient, 1/12, is for a reading that is the mean over its interval. A reading
-//! sampled at one instant, or passed through a low-pass filter, differs from the mean by m w″; over a turn that begins and
-//! ends at rest its integral is −m w × w′, so that the filter of the sensor only changes the coefficient: 1/24 for an instant,
-//! less for a filter longer than the interval. It is fitted with the turns (`gyro::CONING`).
-//! Source: Miller, A new strapdown attitude algorithm, J. Guidance 6 (1983) 287; Savage, J. Guidance 21 (1998) 19.
+//! The rates of one interval do not commute: with w linear over the interval h the rotation vector
+//! is φ = h w + (h³/12) w × w′ (the second term of the Magnus series), which integration by
+//! rectangles leaves out; a turn by hand comes out wrong by 1e-4 rad. That coefficient, 1/12, is
+//! for a reading that is the mean over its interval. A reading sampled at one instant, or passed
+//! through a low-pass filter, differs from the mean by m w″; over a turn that begins and ends at
+//! rest its integral is −m w × w′, so that the filter of the sensor only changes the coefficient:
+//! 1/24 for an instant, less for a filter longer than the interval. It is fitted with the turns
+//! (`gyro::CONING`). Source: Miller, A new strapdown attitude algorithm, J. Guidance 6 (1983) 287;
+//! Savage, J. Guidance 21 (1998) 19.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -18,7 +20,8 @@ use crate::sensor::Sense;
 /// Coefficient of h² w × (h w′) for a reading that is the mean over its interval.
 const CONING_OF_A_MEAN: f64 = 1.0 / 12.0;
 
-/// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it by.
+/// A move integrated: the rotation from its end to its start, and what each gyro parameter turns it
+/// by.
 pub struct Turn {
     /// Rotation from axes at the end of the move to axes at its start.
     pub rotation: Matrix3<f64>,
@@ -41,7 +44,8 @@ impl Observed<'_> {
             let rate = calibration.rate_rad_s(self.imu.gyro_at(k).into(), &force, &slow);
             (slow, force, rate)
         };
-        // Poses are longer than a sample, so that both neighbours exist; the ends of a move are at rest.
+        // Poses are longer than a sample, so that both neighbours exist; the ends of a move are at
+        // rest.
         let mut before = read(samples.start.saturating_sub(1));
         let mut here = read(samples.start.min(self.imu.accelerometer[0].len() - 1));
         for k in samples {
@@ -51,7 +55,8 @@ impl Observed<'_> {
             let coning = rate.cross(&((after.2 - before.2) * 0.5)) * (step_s * step_s);
             let angle = rate * step_s + coning * (CONING_OF_A_MEAN + calibration.coning);
             if let Some(active) = active {
-                // The left Jacobian of this sample's rotation (it turns what came before), to first order in its angle.
+                // The left Jacobian of this sample's rotation (it turns what came before), to first
+                // order in its angle.
                 let frame: Matrix3<f64> = rotation * (Matrix3::identity() + angle.cross_matrix() * 0.5);
                 let lever = frame * unalign * step_s;
                 let mut give = |parameter: usize, axis: usize, phi: f64| {
@@ -86,8 +91,8 @@ mod tests {
     use crate::diagnosis::tumble::calibration::{PARAMETERS, accelerometer};
     use crate::diagnosis::tumble::imu::Imu;
 
-    /// A turn of 1.5 s about two axes at once, read as the mean over each interval or at its middle, against the product
-    /// of rotations over intervals a hundred times finer.
+    /// A turn of 1.5 s about two axes at once, read as the mean over each interval or at its
+    /// middle, against the product of rotations over intervals a hundred times finer.
     fn error_rad(of_mean: bool, coning: f64) -> f64 {
         const FINE: usize = 100;
         let rate = |u: f64| {
@@ -127,7 +132,8 @@ mod tests {
     fn a_turn_is_integrated_to_a_microradian_by_the_coefficient_of_how_it_was_read() {
         assert!(error_rad(true, 0.0) < 1e-6, "{}", error_rad(true, 0.0));
         assert!(error_rad(false, -1.0 / 24.0) < 1e-6, "{}", error_rad(false, -1.0 / 24.0));
-        // Rectangles, and the other reading's coefficient: neither is good enough beside a noise of 8e-5 rad.
+        // Rectangles, and the other reading's coefficient: neither is good enough beside a noise of
+        // 8e-5 rad.
         assert!(error_rad(true, -CONING_OF_A_MEAN) > 2e-5, "{}", error_rad(true, -CONING_OF_A_MEAN));
         assert!(error_rad(false, 0.0) > 1e-5, "{}", error_rad(false, 0.0));
     }

@@ -1,10 +1,11 @@
 //! How far offsets wander from pose to pose by 1/f noise, from the poses themselves.
 //!
-//! Inside a pose 1/f noise hides under the white noise; over the recording it is what moves the poses. Unlike a law of the
-//! sensor, which follows attitude, it is alike in neighbouring poses: two means have the covariance (B²/π) times the mean of
-//! ln(T/|t − s|) over their samples, in a recording of length T (the spectrum B²/(πf) of `noise`). Restricted likelihood
-//! weighs it against a misfit without memory (Patterson & Thompson, Biometrika 58 (1971) 545); where wander accounts for what
-//! is left, the noise of every pose is raised.
+//! Inside a pose 1/f noise hides under the white noise; over the recording it is what moves the
+//! poses. Unlike a law of the sensor, which follows attitude, it is alike in neighbouring poses:
+//! two means have the covariance (B²/π) times the mean of ln(T/|t − s|) over their samples, in a
+//! recording of length T (the spectrum B²/(πf) of `noise`). Restricted likelihood weighs it against
+//! a misfit without memory (Patterson & Thompson, Biometrika 58 (1971) 545); where wander accounts
+//! for what is left, the noise of every pose is raised.
 
 use std::f64::consts::PI;
 
@@ -17,21 +18,25 @@ use super::imu::Observed;
 use super::residual::Residual;
 use crate::sensor::Sense;
 
-/// Loss in twice the log-likelihood, against a misfit without memory, from which wander is ruled out: 5 % for one parameter at
-/// its bound (Self & Liang, J. Am. Stat. Assoc. 82 (1987) 605). Poses are too few to prove wander that small; a mismatch is
-/// claimed only where wander cannot be all of it.
+/// Loss in twice the log-likelihood, against a misfit without memory, from which wander is ruled
+/// out: 5 % for one parameter at its bound (Self & Liang, J. Am. Stat. Assoc. 82 (1987) 605). Poses
+/// are too few to prove wander that small; a mismatch is claimed only where wander cannot be all of
+/// it.
 const RULED_OUT: f64 = 2.7;
-/// Misfit over the noise variance up to which it may be wander. Noise inside the poses that is a few times too small is within
-/// what a second of stillness tells of minutes; more has a cause, and a cause with a memory (hysteresis) wanders too.
+/// Misfit over the noise variance up to which it may be wander. Noise inside the poses that is a
+/// few times too small is within what a second of stillness tells of minutes; more has a cause, and
+/// a cause with a memory (hysteresis) wanders too.
 const MOST: f64 = 4.0;
 /// Factors on the noise variance without memory that are tried.
 const WITHOUT_MEMORY: [f64; 9] = [1.0, 1.5, 2.2, 3.3, 5.0, 10.0, 30.0, 100.0, 1000.0];
-/// Factors on the wander's variance, which begins at a quarter of the mean noise variance of a pose.
+/// Factors on the wander's variance, which begins at a quarter of the mean noise variance of a
+/// pose.
 const WANDER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
 /// More rows than this take too long for what they add.
 const MOST_ROWS: usize = 360;
 
-/// Raises the 1/f noise of sensors whose residual at rest is above its noise and wanders; whether any was raised.
+/// Raises the 1/f noise of sensors whose residual at rest is above its noise and wanders; whether
+/// any was raised.
 pub(crate) fn raise(observed: &mut Observed<'_>, fit: &Fit) -> bool {
     let above: Vec<Group> = Residual::of(fit).above.iter().filter(|a| a.1 < MOST).map(|a| a.0).collect();
     let mut raised = false;
@@ -64,7 +69,8 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
     let calibration = Calibration::from_point(&fit.point);
     let up: Vec<Vector3<f64>> =
         observed.forces_m_s2(&calibration).iter().map(|f| f / f.norm().max(f64::MIN_POSITIVE)).collect();
-    // Along which axes a row reads: gravity along its direction, the gyro at rest along one axis after the other.
+    // Along which axes a row reads: gravity along its direction, the gyro at rest along one axis
+    // after the other.
     let along = |n: usize| match group {
         Group::Gravity => up[fit.rows.pose[rows[n]]],
         _ => Vector3::ith(n % 3, 1.0),
@@ -78,7 +84,8 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
         let deviations = fit.rows.deviation[rows[a]] * fit.rows.deviation[rows[b]];
         along(a).dot(&along(b)) * covariance / deviations
     });
-    // Columns that move these rows, scaled; those that do not are left out, for they would make the design singular.
+    // Columns that move these rows, scaled; those that do not are left out, for they would make the
+    // design singular.
     let columns: Vec<DVector<f64>> = (0..fit.active.len())
         .map(|c| DVector::from_iterator(rows.len(), rows.iter().map(|r| fit.rows.slope[(*r, c)])))
         .filter(|c| c.norm() > 0.0)
@@ -99,7 +106,8 @@ fn wander(observed: &Observed<'_>, fit: &Fit, group: Group) -> Option<f64> {
     (2.0 * (without.0 - with.0) < RULED_OUT).then(|| with.1 / unit)
 }
 
-/// The mean of ln(T/|t − s|) with t and s in two windows of one length whose middles lie `apart_s` apart.
+/// The mean of ln(T/|t − s|) with t and s in two windows of one length whose middles lie `apart_s`
+/// apart.
 fn mean_logarithm(record_s: f64, apart_s: f64, length_s: f64) -> f64 {
     // The second antiderivative of ln x, even in x.
     let second = |x: f64| if x == 0.0 { 0.0 } else { 0.5 * x * x * x.abs().ln() - 0.75 * x * x };
@@ -128,8 +136,9 @@ fn restricted(covariance: &DMatrix<f64>, design: &DMatrix<f64>, residual: &DVect
 mod tests {
     use super::*;
 
-    /// Half the mean square difference of neighbouring means of 1/f noise is its Allan variance, (2 ln 2/π) B² whatever the
-    /// length (IEEE 952, annex C); far apart the mean of the logarithm is the logarithm.
+    /// Half the mean square difference of neighbouring means of 1/f noise is its Allan variance, (2
+    /// ln 2/π) B² whatever the length (IEEE 952, annex C); far apart the mean of the logarithm is
+    /// the logarithm.
     #[test]
     fn means_of_flicker_vary_as_its_allan_variance_says() {
         for length_s in [0.5, 4.0] {

@@ -1,8 +1,9 @@
 //! A fix applied to 64 members. Twin of `shaders/shared/fix.wgsl`.
 //!
-//! What is seen is the error itself and noise; what it corrects is added to the parts, so that it may come at any sample. An
-//! attitude error is turned back, as a navigator turns its attitude: σ of exp(−δ) δC, by the composition of modified Rodrigues
-//! vectors (Shuster, *A survey of attitude representations*, J. Astronaut. Sci. 41 (1993) 439).
+//! What is seen is the error itself and noise; what it corrects is added to the parts, so that it
+//! may come at any sample. An attitude error is turned back, as a navigator turns its attitude: σ
+//! of exp(−δ) δC, by the composition of modified Rodrigues vectors (Shuster, *A survey of attitude
+//! representations*, J. Astronaut. Sci. 41 (1993) 439).
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::navigate::{State, cross, dot, plus};

@@ -1,7 +1,8 @@
 //! Bias instability of 64 members: the terms of `kernel::flicker`, carried from sample to sample.
 //!
-//! Numbers: terms 0 and 1 are renewed by small steps of the samples' counters (`small`); stream 1 renews the slower ones
-//! (one counter for 16 samples: its number 0 is for the first of them, number 1 for the ninth); stream 2 + j starts term j.
+//! Numbers: terms 0 and 1 are renewed by small steps of the samples' counters (`small`); stream 1
+//! renews the slower ones (one counter for 16 samples: its number 0 is for the first of them,
+//! number 1 for the ninth); stream 2 + j starts term j.
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::small;
@@ -77,8 +78,9 @@ pub(super) const FLICKER: Fragment = Fragment {
 ",
 };
 
-/// Starts the terms where a run begins, renews those whose turn it is, and adds `scale` times their weighted sum to the
-/// samples of a stretch. Numbers come from the stream of the samples and from that of the slow terms.
+/// Starts the terms where a run begins, renews those whose turn it is, and adds `scale` times their
+/// weighted sum to the samples of a stretch. Numbers come from the stream of the samples and from
+/// that of the slow terms.
 pub(super) fn add<T: Real>(
     numbers: &mut Numbers<'_, T>,
     [samples, stream]: [Stream; 2],
@@ -100,7 +102,8 @@ pub(super) fn add<T: Real>(
     level.run(AddFlicker { flicker, amplitudes, scale, first, place, bits, slow, out });
 }
 
-/// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive samples.
+/// Renews the terms whose turn it is and adds `scale` times their weighted sum to consecutive
+/// samples.
 struct AddFlicker<'a, T> {
     pub flicker: &'a mut Flicker<T>,
     /// Weights of the terms.
@@ -154,7 +157,8 @@ fn relax<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, number: 
     }
 }
 
-// In functions of their own: where a term may be one of several, the compiler does not see that its lanes are apart.
+// In functions of their own: where a term may be one of several, the compiler does not see that its
+// lanes are apart.
 
 #[inline(always)]
 fn step_fast<T: Real, const FMA: bool>(keep: T, new: T, term: &mut Lane<T>, bits: &Lane<u32>, sample: u64) {

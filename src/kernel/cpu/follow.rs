@@ -1,5 +1,5 @@
-//! What 64 members take from the temperature and from late stamps, added to consecutive samples. Twin of `followed` in
-//! `shaders/navigate.wgsl`.
+//! What 64 members take from the temperature and from late stamps, added to consecutive samples.
+//! Twin of `followed` in `shaders/navigate.wgsl`.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::follow::FOLLOWED;

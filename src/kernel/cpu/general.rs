@@ -1,8 +1,9 @@
-//! Runge–Kutta of order 4 for proof masses with any laws of `physics`; twin of `runge_kutta_4_general` in
-//! `shaders/shared/oscillator.wgsl`.
+//! Runge–Kutta of order 4 for proof masses with any laws of `physics`; twin of
+//! `runge_kutta_4_general` in `shaders/shared/oscillator.wgsl`.
 //!
-//! The stages are those of `oscillator::RungeKutta4`, taken by 64 members together, so that a law that none of them follows
-//! costs nothing: each law that acts is one loop over the lanes of a stage.
+//! The stages are those of `oscillator::RungeKutta4`, taken by 64 members together, so that a law
+//! that none of them follows costs nothing: each law that acts is one loop over the lanes of a
+//! stage.
 
 use super::lanes::{Kernel, LANES, Lane};
 use super::oscillator::{ProofMasses, read, sines};
@@ -13,7 +14,8 @@ use crate::physics::coefficients::laws;
 use crate::physics::library::Term;
 use crate::physics::state::{Base, Instants};
 
-/// A law that some of 64 members follow, and its parameters with the substep as unit of time and the reading as displacement.
+/// A law that some of 64 members follow, and its parameters with the substep as unit of time and
+/// the reading as displacement.
 #[derive(Debug, Clone)]
 pub(super) struct Acting<T> {
     term: Term,
@@ -67,8 +69,8 @@ impl<T: Real> Kernel for General<'_, T> {
     }
 }
 
-/// The force that each member feels at the beginning, the middle and the end of a substep, and by how much it has grown at
-/// the latter two.
+/// The force that each member feels at the beginning, the middle and the end of a substep, and by
+/// how much it has grown at the latter two.
 #[inline(always)]
 fn felt_by_each<T: Real, const FMA: bool>(gain: &Lane<T>, f: &Force<T>, sine: &[Lane<T>; 3]) -> [Lane<T>; 5] {
     let mut out = [Lane::splat(T::of(0.0)); 5];
@@ -108,7 +110,8 @@ impl<T: Real> Mass<'_, T> {
                 (at.time, at.input) = (time + if stage == 3 { one } else { half }, input.0);
                 let before = d[stage - 1];
                 for l in 0..LANES {
-                    // The displacement moves with the rate of the stage before, the rate from the step's own beginning.
+                    // The displacement moves with the rate of the stage before, the rate from the
+                    // step's own beginning.
                     let start = self.e[l] - grown[l];
                     let (rate, from) = (at.v[l], self.q[l]);
                     (e[l], at.v[l]) = if stage == 3 {

@@ -1,4 +1,5 @@
-//! 64 six-axis members: three axes of readings, what couples them, and the navigation that they feed.
+//! 64 six-axis members: three axes of readings, what couples them, and the navigation that they
+//! feed.
 
 use super::fix::Correct;
 use super::follow::Followed;
@@ -24,12 +25,14 @@ pub struct Imu<T: Real> {
     coupling: Option<Box<[Lane<T>; COUPLINGS]>>,
     follow: Option<Box<[Lane<T>; FOLLOWED]>>,
     state: Box<State<T>>,
-    /// What a still start has found of accelerometers and gyros, and fixes since; none without either.
+    /// What a still start has found of accelerometers and gyros, and fixes since; none without
+    /// either.
     found: Option<Box<[[Lane<T>; 3]; 2]>>,
     first_member: u64,
 }
 
-/// What all members share over some samples, which lie all before or all after the end of a still start.
+/// What all members share over some samples, which lie all before or all after the end of a still
+/// start.
 pub struct Tile<'a, T: Real> {
     /// The ensemble.
     pub flight: &'a Flight,
@@ -45,8 +48,8 @@ pub struct Tile<'a, T: Real> {
     pub count: u64,
 }
 
-/// Quantities of one member: position and velocity errors in north-east-down (m, m/s), attitude errors in roll, pitch and
-/// heading (rad).
+/// Quantities of one member: position and velocity errors in north-east-down (m, m/s), attitude
+/// errors in roll, pitch and heading (rad).
 pub type Row = [f64; 9];
 
 impl<T: Real> Imu<T> {
@@ -98,7 +101,8 @@ impl<T: Real> Imu<T> {
         let fixes = &tile.flight.fixes;
         let mut due = fix::next(fixes, from - still_samples);
         while from < end {
-            // Stretches of the readings and chunks of the navigation, which count from the end of the still start.
+            // Stretches of the readings and chunks of the navigation, which count from the end of
+            // the still start.
             let chunk = still_samples + ((from - still_samples) / CHUNK + 1) * CHUNK;
             let mut until = end.min((from / STRETCH as u64 + 1) * STRETCH as u64).min(chunk);
             let next = fixes.get(due).map(|fix| (fix, still_samples + fix.sample));

@@ -1,8 +1,9 @@
-//! Vector instructions without intrinsics: a kernel is written once over arrays of 64 lanes, compiled for three
-//! instruction sets, and the best that the machine has is called.
+//! Vector instructions without intrinsics: a kernel is written once over arrays of 64 lanes,
+//! compiled for three instruction sets, and the best that the machine has is called.
 //!
-//! Trap that this file exists to avoid: `mul_add` without the fma feature is a library call, thirty times slower. Hence
-//! the constant `FMA`. With and without, results differ in the last bit; AVX-512 and AVX2 agree bit for bit.
+//! Trap that this file exists to avoid: `mul_add` without the fma feature is a library call, thirty
+//! times slower. Hence the constant `FMA`. With and without, results differ in the last bit;
+//! AVX-512 and AVX2 agree bit for bit.
 
 use std::ops::{Index, IndexMut};
 use std::sync::OnceLock;
@@ -10,7 +11,8 @@ use std::sync::OnceLock;
 /// Members side by side. Sixteen would wait for each other's latency; sixty-four hide it.
 pub const LANES: usize = 64;
 
-/// One number per member, on a cache line boundary: a vector register that straddles two lines loads at half the speed.
+/// One number per member, on a cache line boundary: a vector register that straddles two lines
+/// loads at half the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub struct Lane<T>(pub [T; LANES]);
@@ -38,7 +40,8 @@ impl<T> IndexMut<usize> for Lane<T> {
     }
 }
 
-/// Work that can be compiled for several instruction sets. Mark `run` and all that it calls `#[inline(always)]`.
+/// Work that can be compiled for several instruction sets. Mark `run` and all that it calls
+/// `#[inline(always)]`.
 pub trait Kernel {
     /// What it returns.
     type Output;
@@ -107,13 +110,15 @@ impl Level {
         }
     }
 
-    /// Runs a kernel compiled for this level, or for the best that the machine has if it lacks this one.
+    /// Runs a kernel compiled for this level, or for the best that the machine has if it lacks this
+    /// one.
     #[inline]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         // Levels are nested and in order: what is not above the best is there.
         match self.min(Self::best()) {
             Self::Baseline => kernel.run::<{ cfg!(target_arch = "aarch64") }>(),
-            // SAFETY: `available` lists a level only where all of its features were detected, and the best is the last.
+            // SAFETY: `available` lists a level only where all of its features were detected, and
+            // the best is the last.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { avx2(kernel) },
             // SAFETY: as above.

@@ -1,8 +1,10 @@
-//! CPU twin of `lyapunov.wgsl`: the largest Lyapunov exponent of forced Duffing oscillators, 64 lanes at a time.
+//! CPU twin of `lyapunov.wgsl`: the largest Lyapunov exponent of forced Duffing oscillators, 64
+//! lanes at a time.
 //!
-//! Each lane carries its orbit and one tangent vector through the same Runge–Kutta step; once per forcing period the
-//! tangent is shortened to one and the logarithm of what it had grown by is summed (Benettin et al., Meccanica 15, 1980).
-//! Generic over f32 (the shader's twin) and f64 (the oracle). No fused multiply-add: results do not depend on the host.
+//! Each lane carries its orbit and one tangent vector through the same Runge–Kutta step; once per
+//! forcing period the tangent is shortened to one and the logarithm of what it had grown by is
+//! summed (Benettin et al., Meccanica 15, 1980). Generic over f32 (the shader's twin) and f64 (the
+//! oracle). No fused multiply-add: results do not depend on the host.
 
 #![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
 

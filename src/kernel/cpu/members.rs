@@ -1,4 +1,5 @@
-//! 64 members of an ensemble as the kernels hold them: what all share, their parameters, and their state between tiles.
+//! 64 members of an ensemble as the kernels hold them: what all share, their parameters, and their
+//! state between tiles.
 //!
 //! Not for stepping them: that is `simulate` and the phases it calls.
 
@@ -23,7 +24,8 @@ pub struct Shared<T> {
     pub substeps: u32,
     /// How the proof mass is stepped.
     pub integrator: Integrator,
-    /// Tilt to horizontal acceleration, per unit of rate summed over samples: gravity × sample period.
+    /// Tilt to horizontal acceleration, per unit of rate summed over samples: gravity × sample
+    /// period.
     pub tilt_gain: T,
     /// Amplitudes of the flicker terms.
     pub flicker: Vec<T>,
@@ -92,7 +94,8 @@ pub struct Members<T> {
     pub(super) active: Active,
     pub(super) columns: [Lane<T>; COLUMNS],
     pub(super) turns: [Lane<u32>; 2],
-    /// Laws that some of these members follow beside the linear one, where the integrator takes them one by one.
+    /// Laws that some of these members follow beside the linear one, where the integrator takes
+    /// them one by one.
     pub(super) laws: Vec<Acting<T>>,
     pub(super) e: Lane<T>,
     pub(super) q: Lane<T>,
@@ -117,8 +120,9 @@ pub struct Snapshot {
 }
 
 impl<T: Real> Members<T> {
-    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat the last one. In a place
-    /// of their own and filled there: ten kilobytes and more, whose copies from hand to hand cost a fifth of starting a run.
+    /// 64 members at rest, from `first_member` on (a multiple of 64). Lanes beyond `columns` repeat
+    /// the last one. In a place of their own and filled there: ten kilobytes and more, whose copies
+    /// from hand to hand cost a fifth of starting a run.
     ///
     /// # Errors
     /// The first of `columns`.
@@ -167,8 +171,8 @@ impl<T: Real> Members<T> {
         }
     }
 
-    /// Replaces every number that a tile changes by what `with` makes of it, always in the same order: to read them all, or to
-    /// set them all to those of a run that was stopped.
+    /// Replaces every number that a tile changes by what `with` makes of it, always in the same
+    /// order: to read them all, or to set them all to those of a run that was stopped.
     pub fn exchange(&mut self, with: &mut dyn FnMut(f64) -> f64) {
         // No `..`: a new field must decide here whether tiles change it.
         let Self {
@@ -195,7 +199,8 @@ impl<T: Real> Members<T> {
         failed.iter_mut().for_each(|f| *f = with(f64::from(u8::from(*f))) != 0.0);
     }
 
-    /// Places every proof mass: error of the reading (m/s²) and rate of the reading times one substep.
+    /// Places every proof mass: error of the reading (m/s²) and rate of the reading times one
+    /// substep.
     pub fn place(&mut self, error_m_s2: f64, rate_step_m_s2: f64) {
         self.e = Lane::splat(T::of(error_m_s2));
         self.q = Lane::splat(T::of(rate_step_m_s2));
@@ -214,8 +219,9 @@ impl<T: Real> Members<T> {
         }
     }
 
-    /// Ends the still start: the mean errors so far are what is taken off from here on, and the integrals begin. Levelling
-    /// by an accelerometer that errs by its mean leaves a tilt whose share of gravity hides that mean.
+    /// Ends the still start: the mean errors so far are what is taken off from here on, and the
+    /// integrals begin. Levelling by an accelerometer that errs by its mean leaves a tilt whose
+    /// share of gravity hides that mean.
     pub(super) fn level(&mut self, shared: &Shared<T>) {
         let sums = &self.sums;
         for l in 0..LANES {
@@ -227,7 +233,8 @@ impl<T: Real> Members<T> {
         self.tilt(shared.level_rad_per_m_s2);
     }
 
-    /// Mean errors of accelerometer (m/s²) and gyro (rad/s) of one member over a still start that has just ended.
+    /// Mean errors of accelerometer (m/s²) and gyro (rad/s) of one member over a still start that
+    /// has just ended.
     pub(super) fn standing_mean(&self, shared: &Shared<T>, lane: usize) -> (f64, f64) {
         let sums = &self.sums;
         let mean = |total: &Lane<f64>, part: &Lane<T>| shared.still_share * (total[lane] + part[lane].f64());

@@ -1,17 +1,20 @@
-//! From reading errors in three axes to errors of attitude, velocity and position, for 64 members. Twin of
-//! `shaders/navigate.wgsl`.
+//! From reading errors in three axes to errors of attitude, velocity and position, for 64 members.
+//! Twin of `shaders/navigate.wgsl`.
 //!
-//! The errors are integrated about the truth, never the readings. With R the true attitude (body to north-east-down), a
-//! computed attitude δC R obeys
+//! The errors are integrated about the truth, never the readings. With R the true attitude (body to
+//! north-east-down), a computed attitude δC R obeys
 //!
 //! - δC′ = δC [R δω + ω_in]× − [ω_in + δω_in]× δC, exactly;
 //! - δv′ = (δC − 1)(R f + R δf) + R δf − δω_c × (v + δv) − ω_c × δv + δg, ω_c = 2ω_ie + ω_en;
-//! - δp′ = δv and what the curvature of the Earth adds, linear in δp (an error of 10 km is 0.2 % of its radius).
+//! - δp′ = δv and what the curvature of the Earth adds, linear in δp (an error of 10 km is 0.2 % of
+//!   its radius).
 //!
-//! δC is kept as σ, four times its modified Rodrigues vector (Marandi & Modi, *A preferred coordinate system and the associated
-//! orientation representation in attitude dynamics*, 1987): tan(φ/4) along the axis, near zero the rotation vector itself.
-//! Three numbers, no norm to keep, no singularity below a full turn; beyond half a turn it is exchanged for its shadow. So
-//! heading errors of any size are right. Sums run in T over 64 samples and are then added to f64 totals, as in `sums`.
+//! δC is kept as σ, four times its modified Rodrigues vector (Marandi & Modi, *A preferred
+//! coordinate system and the associated orientation representation in attitude dynamics*, 1987):
+//! tan(φ/4) along the axis, near zero the rotation vector itself. Three numbers, no norm to keep,
+//! no singularity below a full turn; beyond half a turn it is exchanged for its shadow. So heading
+//! errors of any size are right. Sums run in T over 64 samples and are then added to f64 totals, as
+//! in `sums`.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -27,8 +30,8 @@ type Axes<T> = [Lane<T>; 3];
 /// Errors of 64 members in north-east-down.
 #[derive(Debug, Clone)]
 pub struct State<T> {
-    /// Since the last multiple of [`CHUNK`] samples: attitude σ (rad), velocity (m/s), position (m) without what the total
-    /// of the velocity adds to it.
+    /// Since the last multiple of [`CHUNK`] samples: attitude σ (rad), velocity (m/s), position (m)
+    /// without what the total of the velocity adds to it.
     parts: [Axes<T>; 3],
     /// Sums up to that sample.
     totals: [Axes<f64>; 3],
@@ -54,8 +57,8 @@ impl<T: Real> State<T> {
         (0..3).for_each(|i| self.totals[ATTITUDE][i][lane] = begin.attitude[i]);
     }
 
-    /// Rotation vector of the attitude error (rad), velocity and position error of one member in north-east-down, after
-    /// `samples` samples of `sample_s`.
+    /// Rotation vector of the attitude error (rad), velocity and position error of one member in
+    /// north-east-down, after `samples` samples of `sample_s`.
     pub fn errors(&self, lane: usize, samples: u64, sample_s: f64) -> [Vector3<f64>; 3] {
         let at = |q: usize| Vector3::from_fn(|i, _| self.totals[q][i][lane] + self.parts[q][i][lane].f64());
         let sigma = at(ATTITUDE);
@@ -66,7 +69,8 @@ impl<T: Real> State<T> {
         [turn, at(VELOCITY), at(POSITION) + moved]
     }
 
-    /// Attitude σ, velocity and position error of one member, `since_s` after the totals were last added to.
+    /// Attitude σ, velocity and position error of one member, `since_s` after the totals were last
+    /// added to.
     #[inline(always)]
     pub(super) fn current(&self, lane: usize, since_s: f64) -> [[f64; 3]; 3] {
         let mut all = [[0.0; 3]; 3];
@@ -152,8 +156,8 @@ impl<T: Real> Kernel for Couple<'_, T> {
     }
 }
 
-/// Takes the errors through consecutive samples, of which at most the last is a multiple of [`CHUNK`] after the start of
-/// navigation.
+/// Takes the errors through consecutive samples, of which at most the last is a multiple of
+/// [`CHUNK`] after the start of navigation.
 pub(super) struct Navigate<'a, T, const ROUND: bool> {
     pub state: &'a mut State<T>,
     pub passages: &'a [Passage<T>],
@@ -214,7 +218,8 @@ struct Member<T> {
     turn: [T; 3],
 }
 
-// No closures from here on: they are functions of their own, compiled without the instruction set of their caller.
+// No closures from here on: they are functions of their own, compiled without the instruction set
+// of their caller.
 
 #[inline(always)]
 pub(super) fn cross<T: Real, const FMA: bool>(a: [T; 3], b: [T; 3]) -> [T; 3] {
@@ -252,8 +257,8 @@ fn turned<T: Real, const FMA: bool>(r: &[T; 9], v: [T; 3]) -> [T; 3] {
     [dot::<T, FMA>([r[0], r[1], r[2]], v), dot::<T, FMA>([r[3], r[4], r[5]], v), dot::<T, FMA>([r[6], r[7], r[8]], v)]
 }
 
-/// Errors of the rates that a navigator with a wrong place and velocity computes: of the level against inertial space, and
-/// Coriolis'.
+/// Errors of the rates that a navigator with a wrong place and velocity computes: of the level
+/// against inertial space, and Coriolis'.
 #[inline(always)]
 fn computed_rates<T: Real, const FMA: bool>(p: &Passage<T>, v: [T; 3], at: [T; 3], latitude: T) -> [[T; 3]; 2] {
     let curved = [p.velocity[0] * p.curvature[0], p.velocity[1] * p.curvature[1]];
@@ -332,8 +337,8 @@ fn step<T: Real, const FMA: bool, const ROUND: bool>(
     [turn[0], turn[1], turn[2], speed[0], speed[1], speed[2], place[0], place[1], place[2]]
 }
 
-/// An attitude error's rotation vector about the vehicle's own level axes: roll about forward, pitch about right, heading about
-/// down. `heading_rad` is the vehicle's.
+/// An attitude error's rotation vector about the vehicle's own level axes: roll about forward,
+/// pitch about right, heading about down. `heading_rad` is the vehicle's.
 pub(crate) fn roll_pitch_heading(turn: Vector3<f64>, heading_rad: f64) -> Vector3<f64> {
     Rotation3::from_axis_angle(&Vector3::z_axis(), -heading_rad) * turn
 }

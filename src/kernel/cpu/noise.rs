@@ -1,7 +1,8 @@
 //! Gaussian numbers for 64 members at once. Twin of `shaders/shared/philox.wgsl`.
 //!
-//! The numbers of one purpose are numbered; number n of a member is element n mod 4 of counter n / 4. Counter words:
-//! n / 4, member low, member high, stream; key: seed. So a number depends on nothing but its name.
+//! The numbers of one purpose are numbered; number n of a member is element n mod 4 of counter n
+//! / 4. Counter words: n / 4, member low, member high, stream; key: seed. So a number depends on
+//! nothing but its name.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::numerics::elementary::{Real, gaussian_pair};
@@ -22,12 +23,14 @@ pub fn stream(purpose: Stream, term: usize) -> u32 {
 }
 
 impl Drawer {
-    /// Philox4x32-10 for 64 members, word for word that of `rng`, in 64-bit lanes: a 32-bit multiplication that keeps both
-    /// halves is one instruction there, and what piles up in the upper half is never looked at.
+    /// Philox4x32-10 for 64 members, word for word that of `rng`, in 64-bit lanes: a 32-bit
+    /// multiplication that keeps both halves is one instruction there, and what piles up in the
+    /// upper half is never looked at.
     ///
-    /// Each round waits for the one before: two members at a time, half the lanes apart, give the processor twice as much
-    /// to do meanwhile (Zen 5: a sixth fewer cycles with SSE2 and AVX-512, a twentieth with AVX2; four at a time are ten times slower,
-    /// for the compiler then keeps them in memory).
+    /// Each round waits for the one before: two members at a time, half the lanes apart, give the
+    /// processor twice as much to do meanwhile (Zen 5: a sixth fewer cycles with SSE2 and AVX-512,
+    /// a twentieth with AVX2; four at a time are ten times slower, for the compiler then keeps them
+    /// in memory).
     #[inline(always)]
     fn words(&self, counter: u32, stream: u32, out: &mut [Lane<u32>; 4]) {
         const LOW: u64 = 0xFFFF_FFFF;
@@ -56,7 +59,8 @@ impl Drawer {
         }
     }
 
-    /// Gaussian numbers of consecutive counters from `counter` on: the first `each` (2 or 4) of every counter's four.
+    /// Gaussian numbers of consecutive counters from `counter` on: the first `each` (2 or 4) of
+    /// every counter's four.
     #[inline(always)]
     pub(crate) fn fill<T: Real, const FMA: bool>(&self, stream: u32, counter: u32, each: usize, out: &mut [Lane<T>]) {
         let mut words = [Lane::splat(0_u32); 4];
@@ -76,7 +80,8 @@ fn normals<T: Real, const FMA: bool>(words: &[Lane<u32>; 4], numbers: &mut [Lane
     }
 }
 
-/// The bits of four words that no gaussian number looks at, side by side: seven for each of four samples, see [`super::small`].
+/// The bits of four words that no gaussian number looks at, side by side: seven for each of four
+/// samples, see [`super::small`].
 #[inline(always)]
 fn left_over(words: &[Lane<u32>; 4], out: &mut Lane<u32>) {
     for l in 0..LANES {
@@ -97,8 +102,8 @@ fn gaussian_pairs<T: Real, const FMA: bool>(
     }
 }
 
-/// Draws what consecutive counters have for four samples each: gaussian numbers, unless there is no room for them, and the
-/// bits that are left over.
+/// Draws what consecutive counters have for four samples each: gaussian numbers, unless there is no
+/// room for them, and the bits that are left over.
 pub(crate) struct DrawSamples<'a, T> {
     pub drawer: Drawer,
     pub stream: u32,

@@ -1,8 +1,10 @@
-//! The proof mass in error coordinates, for each integrator, and the reading it gives. Twin of `shaders/shared/oscillator.wgsl`.
+//! The proof mass in error coordinates, for each integrator, and the reading it gives. Twin of
+//! `shaders/shared/oscillator.wgsl`.
 //!
-//! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the substep. Integrating
-//! the error, never the reading, keeps f32 good enough: a constant force of 1 g cancels exactly. Equation, with the
-//! substep as unit of time (see `member`): a″ + Ca′ + W(a + γa³) = W(f + w), with w held. Further laws: `general`.
+//! The state is the error e = a − f of the reading a = ω₀²x, and q, the reading's rate times the
+//! substep. Integrating the error, never the reading, keeps f32 good enough: a constant force of 1
+//! g cancels exactly. Equation, with the substep as unit of time (see `member`): a″ + Ca′ + W(a +
+//! γa³) = W(f + w), with w held. Further laws: `general`.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::force::Force;
@@ -54,8 +56,9 @@ impl<T: Real> Oscillator<T> for ExactHold {
     }
 }
 
-/// Classic Runge–Kutta on (a, q), written for e = a − f: algebraically the same, without the large parts. As q₂ = q + d₁/2,
-/// q₃ = q + d₂/2 and q₄ = q + d₃, the weighted sum of rates is 6q + d₁ + d₂ + d₃.
+/// Classic Runge–Kutta on (a, q), written for e = a − f: algebraically the same, without the large
+/// parts. As q₂ = q + d₁/2, q₃ = q + d₂/2 and q₄ = q + d₃, the weighted sum of rates is 6q + d₁ +
+/// d₂ + d₃.
 #[inline(always)]
 fn runge_kutta<T: Real, const FMA: bool>(e: T, q: T, f: &Force<T>, acceleration: impl Fn(T, T, T) -> T) -> (T, T) {
     let (half, sixth) = (T::of(0.5), T::of(1.0 / 6.0));
@@ -158,7 +161,8 @@ impl<T: Real, O: Oscillator<T>> Kernel for Step<'_, T, O> {
         let m = self.1;
         let zero = Lane::splat(T::of(0.0));
         let (mut e, mut q) = (*m.e, *m.q);
-        // Two loops: with the choice inside one, the state goes through memory (Runge-Kutta a fifth slower, the exact map a third).
+        // Two loops: with the choice inside one, the state goes through memory (Runge-Kutta a fifth
+        // slower, the exact map a third).
         let samples = m.error.iter_mut().zip(m.felt).zip(m.force.chunks_exact(m.substeps)).enumerate();
         if m.gain || m.sine.is_some() {
             let mut half = m.sine.map_or(0, |(_, half)| half);

@@ -1,4 +1,5 @@
-//! CPU twin of `poincare.wgsl`: forced Duffing oscillators strobed once per forcing period, 64 lanes at a time.
+//! CPU twin of `poincare.wgsl`: forced Duffing oscillators strobed once per forcing period, 64
+//! lanes at a time.
 
 #![allow(clippy::needless_range_loop, reason = "one index over many arrays is the form that vectorises")]
 
@@ -25,7 +26,8 @@ pub struct Block<T> {
 }
 
 impl<T: Real> Block<T> {
-    /// Loads up to 64 points; spare lanes repeat the last one. `first` is the number of the block's first point.
+    /// Loads up to 64 points; spare lanes repeat the last one. `first` is the number of the block's
+    /// first point.
     pub fn load(points: &[Point], plan: &Plan, first: u64) -> Self {
         let at = |l: usize| &points[l.min(points.len().saturating_sub(1))];
         let step_s = |p: &Point| 2.0 * std::f64::consts::PI / (p.omega_rad_s * f64::from(plan.steps_per_period));
@@ -46,7 +48,8 @@ impl<T: Real> Block<T> {
     }
 }
 
-/// Runs `plan.strobes` periods from where the block stands; `out` receives the lanes' states after each.
+/// Runs `plan.strobes` periods from where the block stands; `out` receives the lanes' states after
+/// each.
 #[inline(always)]
 pub(crate) fn strobes<T: Real>(
     block: &mut Block<T>,
@@ -89,9 +92,9 @@ pub(super) fn step<T: Real>(block: &mut Block<T>, cosine: [T; 3], noise: &[T; LA
 
 /// The force noise of all lanes over one step; zero where there is none.
 ///
-/// Sum of the eight 16-bit halves of one Philox block, each uniform: an Irwin–Hall deviate, whose moments up to the third
-/// are the normal ones. A force held over one of some hundred steps per period acts only through sums of many steps, so
-/// its own tails are never seen.
+/// Sum of the eight 16-bit halves of one Philox block, each uniform: an Irwin–Hall deviate, whose
+/// moments up to the third are the normal ones. A force held over one of some hundred steps per
+/// period acts only through sums of many steps, so its own tails are never seen.
 #[inline(always)]
 pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usize) -> [T; LANES] {
     let Some(sigma) = &block.sigma else { return [T::of(0.0); LANES] };
@@ -108,7 +111,8 @@ pub(super) fn noise<T: Real>(block: &Block<T>, plan: &Plan, period: u32, j: usiz
     })
 }
 
-/// Marks lanes that left every bound and brings them back to rest, so that they cost nothing and poison nothing.
+/// Marks lanes that left every bound and brings them back to rest, so that they cost nothing and
+/// poison nothing.
 #[inline(always)]
 pub(super) fn lose<T: Real>(block: &mut Block<T>) {
     for l in 0..LANES {

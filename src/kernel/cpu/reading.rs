@@ -1,5 +1,6 @@
-//! What an instrument adds to a reading, law by law: white noise, a random walk, the end of its range and the size of its
-//! steps. Beside each law that the shader takes from here stands its WGSL.
+//! What an instrument adds to a reading, law by law: white noise, a random walk, the end of its
+//! range and the size of its steps. Beside each law that the shader takes from here stands its
+//! WGSL.
 //!
 //! Each is added to consecutive samples of 64 members; bias instability has a file of its own.
 
@@ -42,7 +43,8 @@ impl<T: Real> State<T> {
     }
 }
 
-/// The WGSL of a law; none for those that act on the reading as a whole, which the shader itself has.
+/// The WGSL of a law; none for those that act on the reading as a whole, which the shader itself
+/// has.
 pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
     match law {
         ErrorLaw::White(_) => Some(&WHITE),
@@ -56,7 +58,8 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
     }
 }
 
-/// What the terms are added to: the errors of consecutive samples, and the specific force that was felt at each.
+/// What the terms are added to: the errors of consecutive samples, and the specific force that was
+/// felt at each.
 pub(super) struct Samples<'a, T> {
     /// Specific force along the axis.
     pub felt: &'a [Lane<T>],
@@ -71,7 +74,8 @@ pub(crate) const fn sample_stream(sense: Sense) -> Stream {
     }
 }
 
-/// Adds one term to consecutive samples; laws that act on the reading as a whole are added elsewhere.
+/// Adds one term to consecutive samples; laws that act on the reading as a whole are added
+/// elsewhere.
 pub(super) fn add<T: Real>(
     term: SensorTerm,
     numbers: &mut Numbers<'_, T>,
@@ -325,7 +329,8 @@ impl<T: Real> Kernel for AddForce<'_, T> {
     }
 }
 
-/// Full scale and quantisation, which act on the reading itself: on the specific force felt plus the error so far.
+/// Full scale and quantisation, which act on the reading itself: on the specific force felt plus
+/// the error so far.
 pub(super) struct Limit<'a, T> {
     /// Largest magnitude of a reading.
     pub range: Option<&'a Lane<T>>,

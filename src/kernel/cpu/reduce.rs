@@ -1,7 +1,8 @@
-//! From errors of members to partial sums: moments of each block of 256 members, counts in fixed bins. Twin of
-//! `shaders/reduce.wgsl`.
+//! From errors of members to partial sums: moments of each block of 256 members, counts in fixed
+//! bins. Twin of `shaders/reduce.wgsl`.
 //!
-//! The block is fixed, whatever the tile, thread or lane: so results are the same bits for any of them.
+//! The block is fixed, whatever the tile, thread or lane: so results are the same bits for any of
+//! them.
 
 use super::lanes::LANES;
 use super::members::Snapshot;
@@ -10,7 +11,8 @@ use crate::statistics::{Histogram, Moments};
 /// Members per block.
 pub const BLOCK: usize = 256;
 
-/// Moments of the four quantities over a block that has `members` members, without those that failed.
+/// Moments of the four quantities over a block that has `members` members, without those that
+/// failed.
 pub(crate) fn moments(block: &[Snapshot], members: usize) -> [Moments; 4] {
     Moments::of_each(rows(block, members))
 }

@@ -1,9 +1,11 @@
-//! One tile for 64 members: samples of an ensemble, from state to state. Twin of `shaders/simulate.wgsl`.
+//! One tile for 64 members: samples of an ensemble, from state to state. Twin of
+//! `shaders/simulate.wgsl`.
 //!
-//! Per sample: force noise, the substeps of the proof mass, the reading and its errors, the gyro and the tilt, and two
-//! integrations. Sixteen samples go through each of these phases in turn: a phase is compiled once for each
-//! instruction set, whatever stands before and after it, which a kernel that had them all inside would be for every
-//! integrator and observer (300 to 680 kB each). Units inside: one sample is the unit of time.
+//! Per sample: force noise, the substeps of the proof mass, the reading and its errors, the gyro
+//! and the tilt, and two integrations. Sixteen samples go through each of these phases in turn: a
+//! phase is compiled once for each instruction set, whatever stands before and after it, which a
+//! kernel that had them all inside would be for every integrator and observer (300 to 680 kB each).
+//! Units inside: one sample is the unit of time.
 
 use super::general::General;
 use super::lanes::{Lane, Level};
@@ -33,8 +35,8 @@ pub struct Seen<'a, T> {
 
 type Observer<'a, T> = dyn FnMut(&Seen<'_, T>) + 'a;
 
-/// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a still start; `force`
-/// holds their substeps.
+/// Samples `first` to `first + count` of 64 members, which lie all before or all after the end of a
+/// still start; `force` holds their substeps.
 pub(crate) struct Simulate<'a, T: Real> {
     /// What all members share.
     pub shared: &'a Shared<T>,
@@ -46,7 +48,8 @@ pub(crate) struct Simulate<'a, T: Real> {
     pub observer: Option<&'a mut Observer<'a, T>>,
 }
 
-/// What the samples of a stretch are, phase by phase; those of sample n are at n modulo [`STRETCH`].
+/// What the samples of a stretch are, phase by phase; those of sample n are at n modulo
+/// [`STRETCH`].
 pub(super) struct Stretch<T> {
     room: Room<T>,
     felt: [Lane<T>; STRETCH],
@@ -106,8 +109,8 @@ impl<T: Real> Simulate<'_, T> {
         }
     }
 
-    /// Errors of the readings of samples `from` to `until`, all of one stretch, with what a still start will take off; returns
-    /// whether some gyro has any.
+    /// Errors of the readings of samples `from` to `until`, all of one stretch, with what a still
+    /// start will take off; returns whether some gyro has any.
     pub(super) fn read(
         &mut self,
         level: Level,

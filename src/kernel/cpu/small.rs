@@ -1,9 +1,12 @@
-//! Small steps: numbers of mean 0 and variance 1 that are not normal, for what is soon the sum of many of them.
+//! Small steps: numbers of mean 0 and variance 1 that are not normal, for what is soon the sum of
+//! many of them.
 //!
-//! A gaussian number takes no more than the upper 25 bits of its word (`elementary`). Of the seven that are left over for each
-//! sample, three are the step of a walk, three that of the fastest Gauss–Markov term, each one of eight numbers at equal
-//! distances, and the last ones of four samples together, by how many of them are set, that of the term renewed once in four.
-//! Excess kurtosis −1.24, −1.24 and −0.5: that of a walk after n steps is −1.24/n, that of bias instability below 0.1.
+//! A gaussian number takes no more than the upper 25 bits of its word (`elementary`). Of the seven
+//! that are left over for each sample, three are the step of a walk, three that of the fastest
+//! Gauss–Markov term, each one of eight numbers at equal distances, and the last ones of four
+//! samples together, by how many of them are set, that of the term renewed once in four. Excess
+//! kurtosis −1.24, −1.24 and −0.5: that of a walk after n steps is −1.24/n, that of bias
+//! instability below 0.1.
 
 use crate::numerics::elementary::Real;
 
@@ -57,7 +60,8 @@ mod tests {
         for word in (0..u32::MAX - 127).step_by(9_999_872) {
             let (low, high) = (word & !0x7F, word | 0x7F);
             assert_eq!(gaussian_pair::<f64, false>(low, low), gaussian_pair::<f64, false>(high, high));
-            // Control: the next bit but one is looked at, by the angle at once and by the radius two bits on.
+            // Control: the next bit but one is looked at, by the angle at once and by the radius
+            // two bits on.
             assert_ne!(gaussian_pair::<f64, false>(low, low), gaussian_pair::<f64, false>(low ^ 0x200, low ^ 0x200));
         }
     }

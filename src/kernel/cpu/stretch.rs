@@ -1,4 +1,5 @@
-//! The random numbers of a few consecutive samples of 64 members, drawn for one purpose after the other.
+//! The random numbers of a few consecutive samples of 64 members, drawn for one purpose after the
+//! other.
 
 use std::ops::Range;
 
@@ -7,8 +8,9 @@ use super::noise::{Draw, DrawSamples, Drawer, stream};
 use crate::numerics::elementary::Real;
 use crate::rng::Stream;
 
-/// Samples that go through a phase together: few enough that their numbers stay in the first-level cache, enough that
-/// calling a phase costs nothing. A multiple of the four samples that share a counter, and a divisor of `sums::CHUNK`.
+/// Samples that go through a phase together: few enough that their numbers stay in the first-level
+/// cache, enough that calling a phase costs nothing. A multiple of the four samples that share a
+/// counter, and a divisor of `sums::CHUNK`.
 pub(crate) const STRETCH: usize = 16;
 
 /// Room for the numbers of a stretch.
@@ -68,7 +70,8 @@ impl<T: Real> Numbers<'_, T> {
         &self.room.each[self.samples()]
     }
 
-    /// The bits of each four samples that share a counter, from that of the first on, drawn unless they are there.
+    /// The bits of each four samples that share a counter, from that of the first on, drawn unless
+    /// they are there.
     pub(crate) fn bits(&mut self, purpose: Stream) -> &[Lane<u32>] {
         if self.bits_of != Some(purpose) {
             self.draw(purpose, 0);

@@ -1,14 +1,18 @@
-//! The integrals of 64 members' reading errors: velocity and position of the accelerometer's, tilt of the gyro's.
+//! The integrals of 64 members' reading errors: velocity and position of the accelerometer's, tilt
+//! of the gyro's.
 //!
-//! Sums run in T over 64 samples and are then added to f64 totals (the shader: to compensated ones), so that f32 does not
-//! lose the drift of a long run under a large bias. One sample is the unit of time.
+//! Sums run in T over 64 samples and are then added to f64 totals (the shader: to compensated
+//! ones), so that f32 does not lose the drift of a long run under a large bias. One sample is the
+//! unit of time.
 
 use super::lanes::{Kernel, LANES, Lane};
 use crate::numerics::elementary::{Real, fma};
 
-/// Samples summed in T before they are added to the totals; a power of two, so that its multiples are exact.
+/// Samples summed in T before they are added to the totals; a power of two, so that its multiples
+/// are exact.
 pub(crate) const CHUNK: u64 = 64;
-/// A reading error above this, m/s² (a million g), means that the member has left the range of its model.
+/// A reading error above this, m/s² (a million g), means that the member has left the range of its
+/// model.
 pub(crate) const BOUND_M_S2: f32 = 1e7;
 
 /// Where the integrals have got to.
@@ -41,7 +45,8 @@ impl<T: Real> Sums<T> {
     }
 }
 
-/// Takes the sums through consecutive samples, of which at most the last is a multiple of [`CHUNK`].
+/// Takes the sums through consecutive samples, of which at most the last is a multiple of
+/// [`CHUNK`].
 pub(super) struct Integrate<'a, T> {
     pub sums: &'a mut Sums<T>,
     /// Number of samples done when these are.

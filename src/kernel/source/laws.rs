@@ -1,4 +1,5 @@
-//! The laws of `physics` that a study uses, as WGSL: their own functions, where their coefficients stand, and the sum of them.
+//! The laws of `physics` that a study uses, as WGSL: their own functions, where their coefficients
+//! stand, and the sum of them.
 //!
 //! A law that no member follows is not in the text.
 
@@ -15,8 +16,8 @@ fn coefficients(law: &StudyLaw) -> Vec<String> {
     (0..law.given().len()).map(|parameter| format!("{}_{parameter}", function(law))).collect()
 }
 
-/// What the general integrator needs: `Laws`, `laws_of` a member, and `act`. The coefficients stand in the columns after the
-/// last, in the order of the laws given.
+/// What the general integrator needs: `Laws`, `laws_of` a member, and `act`. The coefficients stand
+/// in the columns after the last, in the order of the laws given.
 pub fn text(laws: &[StudyLaw]) -> String {
     let fields: Vec<String> = laws.iter().flat_map(coefficients).collect();
     let mut text = String::new();

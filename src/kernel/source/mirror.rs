@@ -1,4 +1,5 @@
-//! Tests of the shaders: each parses and validates, and its structs, columns, bindings, workgroups and bounds are the host's.
+//! Tests of the shaders: each parses and validates, and its structs, columns, bindings, workgroups
+//! and bounds are the host's.
 
 use std::mem::offset_of;
 
@@ -167,8 +168,8 @@ fn divides(shader: &Shader) -> bool {
     expressions.any(|(_, e)| matches!(e, naga::Expression::Binary { op: naga::BinaryOperator::Divide, .. }))
 }
 
-/// WGSL promises a division to 2.5 units in the last place only, and less than that takes a quantised reading to another
-/// step: the host divides.
+/// WGSL promises a division to 2.5 units in the last place only, and less than that takes a
+/// quantised reading to another step: the host divides.
 #[test]
 fn no_reading_hangs_on_a_division() {
     let simulate = source::simulate(false, laws());
@@ -200,7 +201,8 @@ fn uses(shader: &Shader, name: &str) -> bool {
     shader.text.split(|c| !word(c)).filter(|w| *w == name).count() > 1
 }
 
-/// Each term's column and switch are declared once and used, so that a row that no law takes up is noticed.
+/// Each term's column and switch are declared once and used, so that a row that no law takes up is
+/// noticed.
 #[test]
 fn every_sensor_term_is_taken_up_by_the_shader() {
     let simulate = source::simulate(false, laws());

@@ -1,8 +1,9 @@
 //! The parts of the ensemble shader that follow from the table of sensor terms.
 //!
-//! `shaders/simulate.wgsl` has lines `#terms WHERE`; each is replaced by what the law of every term has to say there.
-//! The text of a law stands beside its CPU code, in `cpu::reading` and `cpu::flicker`. Laws that act on the reading as a
-//! whole (constants, proportional errors, rounding, full scale) are written in the shader itself.
+//! `shaders/simulate.wgsl` has lines `#terms WHERE`; each is replaced by what the law of every term
+//! has to say there. The text of a law stands beside its CPU code, in `cpu::reading` and
+//! `cpu::flicker`. Laws that act on the reading as a whole (constants, proportional errors,
+//! rounding, full scale) are written in the shader itself.
 
 use crate::kernel::cpu::reading;
 use crate::kernel::fragment::Fragment;
@@ -52,7 +53,8 @@ pub(super) fn declarations() -> String {
     text
 }
 
-/// A shader's text with each line `#terms WHERE` replaced. An unknown WHERE stays, and no shader with it compiles.
+/// A shader's text with each line `#terms WHERE` replaced. An unknown WHERE stays, and no shader
+/// with it compiles.
 pub(crate) fn expand(text: &str) -> String {
     let mut out = String::with_capacity(2 * text.len());
     for line in text.lines() {
@@ -95,7 +97,8 @@ fn named(text: &str, term: SensorTerm) -> String {
         .replace("$sense", term.sense().name())
 }
 
-/// Where the flicker terms of a sensor term begin: behind those of earlier sensor terms that are switched on.
+/// Where the flicker terms of a sensor term begin: behind those of earlier sensor terms that are
+/// switched on.
 fn base(term: SensorTerm) -> String {
     let earlier = SensorTerm::ALL.into_iter().take(term as usize).filter(|t| matches!(t.law(), ErrorLaw::Flicker(_)));
     let sets = earlier.map(|t| format!(" + select(0u, tile.flicker_terms, {})", switch(t)));

@@ -8,14 +8,14 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
-    /// Time in ns, position, quaternion with its scalar first: Burri et al., *The EuRoC micro aerial vehicle datasets*,
-    /// IJRR 2016.
+    /// Time in ns, position, quaternion with its scalar first: Burri et al., *The EuRoC micro
+    /// aerial vehicle datasets*, IJRR 2016.
     Euroc,
-    /// Time in s, position, quaternion with its scalar last: Sturm et al., *A benchmark for the evaluation of RGB-D SLAM
-    /// systems*, IROS 2012.
+    /// Time in s, position, quaternion with its scalar last: Sturm et al., *A benchmark for the
+    /// evaluation of RGB-D SLAM systems*, IROS 2012.
     Tum,
-    /// The upper three rows of a pose matrix, times apart: Geiger et al., *Vision meets robotics: the KITTI dataset*,
-    /// IJRR 2013.
+    /// The upper three rows of a pose matrix, times apart: Geiger et al., *Vision meets robotics:
+    /// the KITTI dataset*, IJRR 2013.
     Kitti,
     /// Columns by their headings.
     Csv,

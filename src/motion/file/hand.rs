@@ -1,7 +1,9 @@
-//! Whether quaternions mean what the file says, by what does not depend on it: seen from the body, the force that carries it
-//! and the direction of its travel keep their places, or wander about if the numbers are read in a wrong order or sense.
+//! Whether quaternions mean what the file says, by what does not depend on it: seen from the body,
+//! the force that carries it and the direction of its travel keep their places, or wander about if
+//! the numbers are read in a wrong order or sense.
 //!
-//! Not a proof: it speaks up only where another reading makes the motion far more regular than the one at hand.
+//! Not a proof: it speaks up only where another reading makes the motion far more regular than the
+//! one at hand.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -19,8 +21,8 @@ enum Reading {
     OtherEnd,
     /// The rotation goes the other way.
     Inverse,
-    /// One axis of the reference points the other way for positions, not for attitudes; where both are mirrored alike, the
-    /// motion is as regular as it was, and nothing can be told.
+    /// One axis of the reference points the other way for positions, not for attitudes; where both
+    /// are mirrored alike, the motion is as regular as it was, and nothing can be told.
     Mirrored,
 }
 
@@ -29,8 +31,8 @@ const STRIDE_S: f64 = 0.1;
 const MOVING_M_S: f64 = 0.3;
 /// Poses that have to move before their direction counts.
 const FEWEST: usize = 50;
-/// Wandering that is none, the share of it that another reading has to leave, and by how much it may disturb the other
-/// direction.
+/// Wandering that is none, the share of it that another reading has to leave, and by how much it
+/// may disturb the other direction.
 const STEADY: f64 = 0.02;
 const SHARE: f64 = 0.25;
 const DISTURBED: f64 = 1.2;
@@ -59,8 +61,8 @@ fn unit(w: f64, x: f64, y: f64, z: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
-/// How much the direction of the force that carries the body, and that of its travel, wander in its own axes: 0 for none,
-/// towards 1 for all about. Travel is none where it hardly moves.
+/// How much the direction of the force that carries the body, and that of its travel, wander in its
+/// own axes: 0 for none, towards 1 for all about. Travel is none where it hardly moves.
 fn wandering(poses: &[Pose], stride: usize, up: Vector3<f64>) -> [Option<f64>; 2] {
     let (mut force, mut travel) = ((Vector3::zeros(), 0usize), (Vector3::zeros(), 0usize));
     let reach = poses.len().saturating_sub(2 * stride);
@@ -94,7 +96,8 @@ fn is_better(said: [Option<f64>; 2], other: [Option<f64>; 2]) -> bool {
 /// Checks poses in the file's own reference, whose up is this.
 ///
 /// # Errors
-/// Quaternions that make a regular motion only in the other order, or as those of a left-handed system.
+/// Quaternions that make a regular motion only in the other order, or as those of a left-handed
+/// system.
 pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<(), Refusal> {
     let span = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
     let stride = ((STRIDE_S * poses.len() as f64 / span.max(STRIDE_S)) as usize).max(1);

@@ -10,7 +10,8 @@ use crate::numerics::order;
 
 /// Poses that come more rarely than this are mentioned, Hz.
 const RARE_HZ: f64 = 9.0;
-/// Between poses, times the usual interval: from the first on poses are missing; for so many seconds the spline may guess.
+/// Between poses, times the usual interval: from the first on poses are missing; for so many
+/// seconds the spline may guess.
 const HOLE: (f64, f64) = (2.5, 1.0);
 /// Beyond, the way from one pose to the next is not known, rad.
 const TURN_RAD: f64 = 2.0;
@@ -19,7 +20,8 @@ const JUMP: [f64; 2] = [50.0, 500.0];
 /// … and is this many times the usual one, and the one that a tenth of the poses exceed.
 const UNUSUAL: [f64; 2] = [30.0, 10.0];
 
-/// A jump that the spline may smooth, m or rad: references do that when they find their bearings again.
+/// A jump that the spline may smooth, m or rad: references do that when they find their bearings
+/// again.
 const SURVIVED: f64 = 0.3;
 
 /// What to do about a part of a file that cannot be used.
@@ -85,7 +87,8 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refu
     Ok(findings)
 }
 
-/// Intervals whose slope is none of their neighbours' by far, and how far each leaps beyond what they explain.
+/// Intervals whose slope is none of their neighbours' by far, and how far each leaps beyond what
+/// they explain.
 fn jumps(slopes: &[Vector3<f64>], intervals: &[f64], limit: f64) -> Vec<(usize, f64)> {
     let leap = |k: usize| (slopes[k] - 0.5 * (slopes[k - 1] + slopes[k + 1])).norm();
     let odd: Vec<f64> = (1..slopes.len().saturating_sub(1)).map(|k| leap(k) / intervals[k]).collect();

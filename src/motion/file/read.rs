@@ -47,7 +47,8 @@ pub(super) struct Read {
     pub findings: Vec<Finding>,
 }
 
-/// Reads the rows of a stretch, and one or two beyond each end, so that poses lie on both sides of it.
+/// Reads the rows of a stretch, and one or two beyond each end, so that poses lie on both sides of
+/// it.
 ///
 /// # Errors
 /// A file that cannot be read, stamps that run backwards, no times.
@@ -98,7 +99,8 @@ pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: S
         }
         all.push(Row { row, time_s, position_m: Vector3::from_column_slice(position), attitude: attitude.to_vec() });
     }
-    // All rows are read first: stamps that run backwards say that something is wrong with the file, wherever it is.
+    // All rows are read first: stamps that run backwards say that something is wrong with the file,
+    // wherever it is.
     let from = all.partition_point(|r| r.time_s < wanted.from_s).saturating_sub(2);
     let to = (all.partition_point(|r| r.time_s <= wanted.to_s) + 2).min(all.len());
     let used = all.get(from..to).unwrap_or_default().to_vec();

@@ -8,10 +8,12 @@ use super::refusal::{Refusal, refusal};
 /// By how much a quaternion's length, or a matrix' rows, may miss one: rounding of printed numbers.
 const ROUNDING: f64 = 1e-2;
 
-/// The attitude of each row; none where the numbers are no rotation. Rows are the numbers of their attitude.
+/// The attitude of each row; none where the numbers are no rotation. Rows are the numbers of their
+/// attitude.
 ///
 /// # Errors
-/// Degrees where radians are expected, left-handed matrices, quaternions that are not of length one.
+/// Degrees where radians are expected, left-handed matrices, quaternions that are not of length
+/// one.
 pub(super) fn attitudes(kind: Rotation, rows: &[Vec<f64>]) -> Result<Vec<Option<UnitQuaternion<f64>>>, Refusal> {
     let all: Vec<Option<UnitQuaternion<f64>>> = match kind {
         Rotation::Quaternion(_) => rows.iter().map(|row| quaternion(row)).collect(),

@@ -27,9 +27,9 @@ pub fn increments(truth: &Truth) -> Vec<Increment> {
     both.map(|(rotation_rad, velocity_m_s)| Increment { rotation_rad, velocity_m_s }).collect()
 }
 
-/// Integrals from each of the values, `interval_s` apart, to the next: the polynomial through eight samples about an interval,
-/// integrated. For motion at a tenth of the sampling rate it errs by 2·10⁻⁵ of the integral, below by the eighth power of the
-/// frequency.
+/// Integrals from each of the values, `interval_s` apart, to the next: the polynomial through eight
+/// samples about an interval, integrated. For motion at a tenth of the sampling rate it errs by
+/// 2·10⁻⁵ of the integral, below by the eighth power of the frequency.
 pub fn integrals(values: &[Vector3<f64>], interval_s: f64) -> Vec<Vector3<f64>> {
     let count = values.len();
     let nodes = NODES.min(count);
@@ -41,9 +41,11 @@ pub fn integrals(values: &[Vector3<f64>], interval_s: f64) -> Vec<Vector3<f64>> 
     (0..count.saturating_sub(1)).map(integral).collect()
 }
 
-/// Integral, from node `at` to the next, of the polynomial through nodes at 0, 1, 2, …: the weight of each.
+/// Integral, from node `at` to the next, of the polynomial through nodes at 0, 1, 2, …: the weight
+/// of each.
 fn weights(nodes: usize, at: usize) -> Vec<f64> {
-    // Gauss and Legendre's four points integrate the seventh degree exactly (Abramowitz & Stegun, table 25.4).
+    // Gauss and Legendre's four points integrate the seventh degree exactly (Abramowitz & Stegun,
+    // table 25.4).
     const POINTS: [(f64, f64); 2] =
         [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
     let places: Vec<f64> = (0..nodes).map(|k| k as f64).collect();

@@ -1,4 +1,5 @@
-//! The navigator against closed forms: coning, the round trip, Schuler's oscillation, the vertical channel.
+//! The navigator against closed forms: coning, the round trip, Schuler's oscillation, the vertical
+//! channel.
 
 use super::*;
 use crate::motion::sources::{self, Section};
@@ -13,7 +14,8 @@ fn truth(toml: &str, earth: &Earth, rate_hz: f64, duration_s: f64) -> Truth {
     sources::trajectory(&section, duration_s).and_then(|t| t.truth(earth, sampling)).expect("made")
 }
 
-/// A motion that cones: the axis of a tilt `a` goes round once in 2π/Ω (Savage, 1998, part 1, §VI; Goodman & Robinson, 1958).
+/// A motion that cones: the axis of a tilt `a` goes round once in 2π/Ω (Savage, 1998, part 1, §VI;
+/// Goodman & Robinson, 1958).
 fn coning(tilt: f64, turning: f64, interval_s: f64, steps: usize) -> Truth {
     let samples = (0..=steps).map(|k| {
         let (t, half) = (k as f64 * interval_s, 0.5 * tilt);
@@ -40,8 +42,9 @@ fn coning_drifts_as_the_closed_form_says() {
         let last = own_error(&Earth::FLAT, integrator, &motion).last().expect("samples").attitude_rad.x;
         last / (interval * steps as f64)
     };
-    // A polygon of rotation vectors encloses less than the cone: ½ sin²a Ω (1 − sin ΩT/ΩT) is missed; the cross product of
-    // neighbouring increments gives back sin²a sin²(ΩT/2) sin ΩT / 3T of it.
+    // A polygon of rotation vectors encloses less than the cone: ½ sin²a Ω (1 − sin ΩT/ΩT) is
+    // missed; the cross product of neighbouring increments gives back sin²a sin²(ΩT/2) sin ΩT / 3T
+    // of it.
     let (swing, amplitude) = (turning * interval, tilt.sin().powi(2));
     let missed = 0.5 * amplitude * turning * (1.0 - swing.sin() / swing);
     let returned = amplitude * (0.5 * swing).sin().powi(2) * swing.sin() / (3.0 * interval);
@@ -81,7 +84,8 @@ fn a_round_trip_without_noise_comes_back() {
     }
 }
 
-/// Errors at each second of a navigator at rest whose increments are disturbed, with the vertical held or free.
+/// Errors at each second of a navigator at rest whose increments are disturbed, with the vertical
+/// held or free.
 fn disturbed(earth: &Earth, seconds: usize, [rate, force]: [Vector3<f64>; 2], held: bool) -> Vec<Difference> {
     let interval = 0.1;
     let motion = truth("kind = \"rest\"", earth, 1.0 / interval, 1.0);
@@ -129,7 +133,8 @@ fn schuler_holds_biases_as_the_closed_forms_say() {
         // Without Schuler's restoring force it is half b t².
         assert!(departs(&errors, of, |t| 0.5 * bias * t * t) > 0.5);
 
-        // A rate about east tilts the north axis down, so that gravity pushes south; about north, east.
+        // A rate about east tilts the north axis down, so that gravity pushes south; about north,
+        // east.
         let mut rate = Vector3::zeros();
         rate[1 - axis] = drift;
         let errors = disturbed(&still, seconds, [rate, Vector3::zeros()], true);

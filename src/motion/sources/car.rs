@@ -1,7 +1,8 @@
-//! `car`: streets drawn at random; it stands, accelerates, drives, brakes, turns by 90° and now and then stops again.
+//! `car`: streets drawn at random; it stands, accelerates, drives, brakes, turns by 90° and now and
+//! then stops again.
 //!
-//! Speed and heading go smoothly from value to value; the body pitches under acceleration and rolls in turns as springs let
-//! it.
+//! Speed and heading go smoothly from value to value; the body pitches under acceleration and rolls
+//! in turns as springs let it.
 
 use nalgebra::{UnitQuaternion, Vector3};
 

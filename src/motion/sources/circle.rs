@@ -1,4 +1,5 @@
-//! `circle`: a level circle to the right at constant speed, nose along the way; it begins northward.
+//! `circle`: a level circle to the right at constant speed, nose along the way; it begins
+//! northward.
 
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -17,13 +17,14 @@ pub struct Compare {
     pub bias: Option<Bias>,
     /// Length of the still stretch that `bias = "still"` takes, s.
     pub still_s: Option<f64>,
-    /// Other flights of the same sensor, each its IMU's log and its reference: their windows give the biases that
-    /// `bias = "others"` subtracts.
+    /// Other flights of the same sensor, each its IMU's log and its reference: their windows give
+    /// the biases that `bias = "others"` subtracts.
     pub files: Option<Vec<[PathBuf; 2]>>,
-    /// Other flights, each its IMU's log and its reference, that the inflation is fitted on; left out, it is fitted on the
-    /// windows that it is then judged by.
+    /// Other flights, each its IMU's log and its reference, that the inflation is fitted on; left
+    /// out, it is fitted on the windows that it is then judged by.
     pub fit: Option<Vec<[PathBuf; 2]>>,
-    /// Further sensors shown beside the stated one: files with `[accelerometer]` and `[gyro]`, such as a repaired.toml.
+    /// Further sensors shown beside the stated one: files with `[accelerometer]` and `[gyro]`, such
+    /// as a repaired.toml.
     pub sensors: Option<Vec<PathBuf>>,
 }
 

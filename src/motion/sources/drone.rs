@@ -1,7 +1,8 @@
-//! `drone`: smooth random motion in all six degrees of freedom; it hovers first, then tilts as its thrust has to.
+//! `drone`: smooth random motion in all six degrees of freedom; it hovers first, then tilts as its
+//! thrust has to.
 //!
-//! Position is a sum of slow sine waves per axis, drawn at random; the thrust axis (body −z) points against the specific
-//! force that this takes, and heading wanders.
+//! Position is a sum of slow sine waves per axis, drawn at random; the thrust axis (body −z) points
+//! against the specific force that this takes, and heading wanders.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 

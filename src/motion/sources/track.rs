@@ -17,7 +17,8 @@ pub trait Curve {
 /// Steps of the parameter's equation between poses.
 const STEPS: usize = 4;
 
-/// Poses of a body that follows a curve, nose along it and wings level, from parameter zero on; `way_m` is the length gone.
+/// Poses of a body that follows a curve, nose along it and wings level, from parameter zero on;
+/// `way_m` is the length gone.
 pub fn along(curve: &impl Curve, duration_s: f64, way_m: impl Fn(f64) -> f64) -> Vec<Pose> {
     let count = (duration_s / POSES.0 - 1e-9).ceil().max(2.0) as usize;
     let mut parameter = 0.0;

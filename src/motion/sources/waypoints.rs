@@ -1,4 +1,5 @@
-//! `waypoints`: from point to point at constant speed on a smooth curve through all of them, and a stop at the last.
+//! `waypoints`: from point to point at constant speed on a smooth curve through all of them, and a
+//! stop at the last.
 //!
 //! The curve is the cubic spline through the points, by the length of their chords, with free ends.
 
@@ -54,7 +55,8 @@ impl Cubic {
         Some(Self { knots, points, bends })
     }
 
-    /// The piece of a parameter, its length, and the distances to its ends; beyond the ends, the outer pieces go straight on.
+    /// The piece of a parameter, its length, and the distances to its ends; beyond the ends, the
+    /// outer pieces go straight on.
     fn piece(&self, q: f64) -> (usize, f64, f64, f64) {
         let piece = self.knots.partition_point(|k| *k <= q).clamp(1, self.knots.len() - 1) - 1;
         let length = self.knots[piece + 1] - self.knots[piece];

@@ -1,9 +1,11 @@
-//! Weights of the control points of a uniform B-spline of order six (degree five), and their derivatives.
+//! Weights of the control points of a uniform B-spline of order six (degree five), and their
+//! derivatives.
 
 /// Control points that matter at an instant.
 pub const ORDER: usize = 6;
 
-/// Weights of the control points of a segment, and their first two derivatives by the segment's own coordinate.
+/// Weights of the control points of a segment, and their first two derivatives by the segment's own
+/// coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
     /// They add up to one.
@@ -14,13 +16,14 @@ pub struct Weights {
     pub second: [f64; ORDER],
 }
 
-/// Raises the weights of one order at `u` to those of the next: Cox and de Boor's recursion on integer knots. `from[k]` is
-/// the k-th of `order`.
+/// Raises the weights of one order at `u` to those of the next: Cox and de Boor's recursion on
+/// integer knots. `from[k]` is the k-th of `order`.
 fn raised(from: [f64; ORDER], order: usize, u: f64) -> [f64; ORDER] {
     let degree = order as f64;
     let mut to = [0.0; ORDER];
     for (k, weight) in to.iter_mut().enumerate().take(order + 1) {
-        // The k-th weight belongs to the function that begins `order − k` knots before this segment.
+        // The k-th weight belongs to the function that begins `order − k` knots before this
+        // segment.
         let since = u + degree - k as f64;
         let before = if k < order { from[k] } else { 0.0 };
         let at = if k > 0 { from[k - 1] } else { 0.0 };
@@ -45,7 +48,8 @@ impl Weights {
         Self { value: orders[5], first: derivative(orders[4]), second: derivative(derivative(orders[3])) }
     }
 
-    /// The sums from each weight to the last: how far each step from one control point to the next is taken.
+    /// The sums from each weight to the last: how far each step from one control point to the next
+    /// is taken.
     pub fn cumulative(&self) -> Self {
         let sums = |weights: [f64; ORDER]| {
             let mut sums = weights;
@@ -62,7 +66,8 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_textbook_and_derivatives_their_slopes() {
-        // de Boor, A practical guide to splines, ch. IX: on integer knots 1/120, 26/120, 66/120, 26/120, 1/120.
+        // de Boor, A practical guide to splines, ch. IX: on integer knots 1/120, 26/120, 66/120,
+        // 26/120, 1/120.
         let knot = Weights::at(0.0).value.map(|w| w * 120.0);
         for (got, expected) in knot.iter().zip([1.0, 26.0, 66.0, 26.0, 1.0, 0.0]) {
             assert!((got - expected).abs() < 1e-12, "{knot:?}");
@@ -82,7 +87,8 @@ mod tests {
 
     #[test]
     fn polynomials_up_to_the_fifth_degree_lie_in_their_span() {
-        // Marsden's identity: the product of (t − knot) over a function's five inner knots weighs it for t⁵-like curves.
+        // Marsden's identity: the product of (t − knot) over a function's five inner knots weighs
+        // it for t⁵-like curves.
         for u in [0.0, 0.3, 0.9] {
             let weights = Weights::at(u).value;
             let at = 0.37;

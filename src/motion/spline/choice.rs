@@ -1,8 +1,9 @@
-//! How close the knots of a spline lie that follows measured poses: as the poses themselves ask for.
+//! How close the knots of a spline lie that follows measured poses: as the poses themselves ask
+//! for.
 //!
-//! Every other pose is kept aside and predicted from the rest; the distance of the knots is the one that predicts best, or a
-//! longer one that does as well: what is noise cannot be predicted, what is motion can (Wahba, *Spline models for
-//! observational data*, 1990, ch. 4).
+//! Every other pose is kept aside and predicted from the rest; the distance of the knots is the one
+//! that predicts best, or a longer one that does as well: what is noise cannot be predicted, what
+//! is motion can (Wahba, *Spline models for observational data*, 1990, ch. 4).
 
 use super::curve::Spline;
 use super::fit::{Departure, Knots, fit};

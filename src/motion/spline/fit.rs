@@ -1,7 +1,7 @@
 //! The spline that follows poses closest, in least squares.
 //!
-//! A rotation of all control attitudes turns the whole curve alike, so the same weights that fit positions fit the rotation
-//! vectors that are still missing; a few rounds leave nothing.
+//! A rotation of all control attitudes turns the whole curve alike, so the same weights that fit
+//! positions fit the rotation vectors that are still missing; a few rounds leave nothing.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -69,12 +69,14 @@ impl Departure {
     }
 }
 
-/// Weight of the control points' third differences: too small to be seen, it alone decides where no pose lies.
+/// Weight of the control points' third differences: too small to be seen, it alone decides where no
+/// pose lies.
 const STIFFNESS: f64 = 1e-9;
 /// Rounds of the attitude, and the rotation below which another one is of no use, rad.
 const ROUNDS: (usize, f64) = (30, 1e-14);
 
-/// Fits a spline to poses in order of time; none where they cannot be fitted (numbers that are not finite).
+/// Fits a spline to poses in order of time; none where they cannot be fitted (numbers that are not
+/// finite).
 pub fn fit(poses: &[Pose], knots: Knots) -> Option<Spline> {
     let places: Vec<_> = poses.iter().map(|pose| knots.place(pose.time_s)).collect();
     let factor = normal_matrix(&places, knots.points()).factor()?;
@@ -171,7 +173,8 @@ fn solved(
 mod tests {
     use super::*;
 
-    /// A body that swings about all axes while it moves on a curve: pose, velocity, acceleration, rate in body axes.
+    /// A body that swings about all axes while it moves on a curve: pose, velocity, acceleration,
+    /// rate in body axes.
     fn swing(t: f64) -> (Pose, Vector3<f64>, Vector3<f64>, Vector3<f64>) {
         let position_m = Vector3::new((0.7 * t).sin() * 3.0, (1.1 * t).cos() * 2.0, 0.5 * (1.3 * t).sin());
         let velocity = Vector3::new((0.7 * t).cos() * 2.1, (1.1 * t).sin() * -2.2, 0.65 * (1.3 * t).cos());
@@ -211,9 +214,9 @@ mod tests {
     #[test]
     fn derivatives_are_the_analytic_ones_to_the_order_of_the_spline() {
         let (coarse, fine) = (errors(&fitted(0.16)), errors(&fitted(0.08)));
-        // Order six: position errs by h⁶, acceleration by h⁴. Rotations about axes that turn do not commute: each step's
-        // part of the next is h³ [ω, ω′], of which no control point takes what varies within a segment, so attitude errs
-        // by h³, rate by h², angular acceleration by h.
+        // Order six: position errs by h⁶, acceleration by h⁴. Rotations about axes that turn do not
+        // commute: each step's part of the next is h³ [ω, ω′], of which no control point takes what
+        // varies within a segment, so attitude errs by h³, rate by h², angular acceleration by h.
         for (k, order) in [(0, 4), (1, 2), (2, 1)] {
             let ratio = coarse[k] / fine[k];
             let expected = 2f64.powi(order);

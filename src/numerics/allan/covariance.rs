@@ -1,16 +1,18 @@
 //! How sure an Allan curve is: the covariance of its points for any mixture of the five terms.
 //!
-//! For a Gaussian signal two points vary together as 2/(n_i n_j) Σ R_ij(u)², R_ij being the covariance of the second
-//! differences behind them, summed over all pairs of windows. R_ij is known in closed form for every term (`law`), so this
-//! is the combined estimate of equivalent degrees of freedom by Greenhall & Riley (PTTI 2003), taken for mixtures and for
-//! pairs of averaging times. Lags are summed in steps of an eighth of the shorter time.
+//! For a Gaussian signal two points vary together as 2/(n_i n_j) Σ R_ij(u)², R_ij being the
+//! covariance of the second differences behind them, summed over all pairs of windows. R_ij is
+//! known in closed form for every term (`law`), so this is the combined estimate of equivalent
+//! degrees of freedom by Greenhall & Riley (PTTI 2003), taken for mixtures and for pairs of
+//! averaging times. Lags are summed in steps of an eighth of the shorter time.
 
 use super::law::{TERMS, Term};
 use crate::numerics::order;
 
 /// Lags per shorter averaging time.
 const LAGS: usize = 8;
-/// Points whose averaging times differ by more than this factor are taken as uncorrelated (it is below 3 %).
+/// Points whose averaging times differ by more than this factor are taken as uncorrelated (it is
+/// below 3 %).
 const REACH: usize = 64;
 
 /// Covariances of a set of points as a quadratic form in the squared coefficients.
@@ -79,7 +81,8 @@ impl Pair {
         Self { factors: factors.map(|m| m as f64), windows, tick_s: 1.0 / rate_hz }
     }
 
-    /// Covariance of the scaled second differences, one from each point, whose windows begin `lag` samples apart.
+    /// Covariance of the scaled second differences, one from each point, whose windows begin `lag`
+    /// samples apart.
     fn covariance(&self, term: Term, lag: f64) -> f64 {
         let [m, n] = self.factors;
         let mut sum = 0.0;
@@ -119,8 +122,8 @@ impl Pair {
                 }
             }
         };
-        // Beyond, white and walking windows share nothing and flickering ones little. Windows centred on each other
-        // begin m − n apart.
+        // Beyond, white and walking windows share nothing and flickering ones little. Windows
+        // centred on each other begin m − n apart.
         let step = (m / LAGS as f64).floor().max(1.0);
         let reach = (3.0 * (m + n) / step).ceil() as i64;
         for k in -reach..=reach {
@@ -146,8 +149,9 @@ mod tests {
         Covariance::new(&[factor], &[samples], 1.0).degrees_of_freedom(0, &squares)
     }
 
-    // Independent arithmetic: for white noise at m = 1 the second difference is y₁ − y₀, whose square correlates by 1/4
-    // with its neighbours, so the variance of the mean of n squares is 2(1 + 2·(1/4)(n − 1)/n)/n.
+    // Independent arithmetic: for white noise at m = 1 the second difference is y₁ − y₀, whose
+    // square correlates by 1/4 with its neighbours, so the variance of the mean of n squares is
+    // 2(1 + 2·(1/4)(n − 1)/n)/n.
     #[test]
     fn white_noise_at_one_sample() {
         let n = 99.0;
@@ -155,9 +159,10 @@ mod tests {
         assert!((degrees_of_freedom(Term::White, 1, 100) / want - 1.0).abs() < 1e-9);
     }
 
-    // NIST SP 1065, section 5.4.1: approximate degrees of freedom of the overlapping Allan variance,
-    // white FM [3(N−1)/2m − 2(N−2)/N] 4m²/(4m²+5); flicker FM 5N²/[4m(N+3m)]; random walk FM
-    // (N−2)/m · [(N−1)² − 3m(N−1) + 4m²]/(N−3)². N counts phase points. Stated there to be good to several per cent.
+    // NIST SP 1065, section 5.4.1: approximate degrees of freedom of the overlapping Allan
+    // variance, white FM [3(N−1)/2m − 2(N−2)/N] 4m²/(4m²+5); flicker FM 5N²/[4m(N+3m)]; random walk
+    // FM (N−2)/m · [(N−1)² − 3m(N−1) + 4m²]/(N−3)². N counts phase points. Stated there to be good
+    // to several per cent.
     #[test]
     fn degrees_of_freedom_follow_the_published_approximations() {
         for (factor, samples) in [(8, 1000), (32, 1000), (100, 1000)] {

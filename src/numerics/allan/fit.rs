@@ -1,12 +1,13 @@
 //! From an Allan curve to Q, N, B, K, R with honest intervals.
 //!
-//! Estimate: generalised least squares on the variance at octave-spaced averaging times, coefficients squared and not
-//! negative, weights from the exact covariance of overlapping points under the fitted mixture (`covariance`), iterated
-//! (a method of wavelet moments: Guerrier et al., *Wavelet-variance-based estimation for composite stochastic processes*,
-//! JASA 2013). Intervals: a Monte Carlo test inverted. A hypothetical value of one coefficient, the others fitted under it,
-//! is kept when the estimate lies within the central 95 % of what simulated curves would give. So skewness at long times,
-//! the wall at zero and the correlation between points are all in the interval. A term whose interval begins at zero is not
-//! supported by the data.
+//! Estimate: generalised least squares on the variance at octave-spaced averaging times,
+//! coefficients squared and not negative, weights from the exact covariance of overlapping points
+//! under the fitted mixture (`covariance`), iterated (a method of wavelet moments: Guerrier et
+//! al., *Wavelet-variance-based estimation for composite stochastic processes*, JASA 2013).
+//! Intervals: a Monte Carlo test inverted. A hypothetical value of one coefficient, the others
+//! fitted under it, is kept when the estimate lies within the central 95 % of what simulated curves
+//! would give. So skewness at long times, the wall at zero and the correlation between points are
+//! all in the interval. A term whose interval begins at zero is not supported by the data.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt as _};
@@ -57,8 +58,8 @@ pub struct Fit {
     pub to_s: f64,
     /// Where the curve leaves the fit most, and measured over fitted deviation there.
     pub worst: (f64, f64),
-    /// How far the curve strays from any sum of the laws beyond chance, as a share of the deviation; zero for a good fit.
-    /// The intervals allow for it.
+    /// How far the curve strays from any sum of the laws beyond chance, as a share of the
+    /// deviation; zero for a good fit. The intervals allow for it.
     pub discrepancy: f64,
 }
 
@@ -86,9 +87,10 @@ impl Fit {
 
 /// Fits an Allan curve. `None` for fewer than four octaves or a signal without any variance.
 ///
-/// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip filter bends them). If
-/// that does not help, the laws are taken as true only to within a share of their value, the smallest that explains the
-/// curve: then no point counts for more than the laws are worth, and the intervals are wide as they should be.
+/// Where the five terms cannot describe the curve, the shortest octaves are left out (an on-chip
+/// filter bends them). If that does not help, the laws are taken as true only to within a share of
+/// their value, the smallest that explains the curve: then no point counts for more than the laws
+/// are worth, and the intervals are wide as they should be.
 pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
     let octaves: Vec<Point> = points.iter().copied().filter(Point::on_octave).collect();
     if octaves.len() < 4 || octaves.iter().any(|p| p.variance.is_nan() || p.variance <= 0.0) {
@@ -115,8 +117,8 @@ pub fn fit(points: &[Point], rate_hz: f64, rng: &mut impl Rng) -> Option<Fit> {
     })
 }
 
-/// The curve with the smallest discrepancy, then the fewest octaves left out, that is described; how probable its
-/// deviations are without any discrepancy; and its squared coefficients.
+/// The curve with the smallest discrepancy, then the fewest octaves left out, that is described;
+/// how probable its deviations are without any discrepancy; and its squared coefficients.
 fn choose(curves: &mut [Curve<'_>]) -> (usize, f64, [f64; 5]) {
     let mut without = 0.0;
     for discrepancy in DISCREPANCIES {
@@ -180,8 +182,8 @@ impl<'a> Curve<'a> {
     fn whitened(&self, squares: &[f64; 5]) -> Whitened {
         let count = self.points.len();
         let mut matrix = DMatrix::from_fn(count, count, |i, j| self.covariance(i, j, squares));
-        // Lags are summed in steps and far pairs left out, so the matrix may miss being positive by a little; what cannot
-        // be repaired (an overflow) is treated as uncorrelated.
+        // Lags are summed in steps and far pairs left out, so the matrix may miss being positive by
+        // a little; what cannot be repaired (an overflow) is treated as uncorrelated.
         let mut factor = None;
         for _ in 0..50 {
             factor = matrix.clone().cholesky().map(|c| c.unpack());
@@ -198,7 +200,8 @@ impl<'a> Curve<'a> {
     }
 
     fn estimate(&self) -> [f64; 5] {
-        // A first guess with white-noise weights: the variance's spread is its value over the root of the windows.
+        // A first guess with white-noise weights: the variance's spread is its value over the root
+        // of the windows.
         let weight =
             |i: usize| self.measured[i] * (self.points[i].factor as f64 / self.points[i].samples as f64).sqrt();
         let laws = DMatrix::from_fn(self.points.len(), 5, |i, p| self.laws[(i, p)] / weight(i));
@@ -226,8 +229,8 @@ impl<'a> Curve<'a> {
         (worse + 1) as f64 / (simulated.len() + 1) as f64
     }
 
-    /// Curves (one per column) as chance would give them: each point a scaled χ² with its own degrees of freedom
-    /// (Wilson–Hilferty), joined by the points' correlation.
+    /// Curves (one per column) as chance would give them: each point a scaled χ² with its own
+    /// degrees of freedom (Wilson–Hilferty), joined by the points' correlation.
     fn simulate(&self, squares: &[f64; 5], whitened: &Whitened) -> DMatrix<f64> {
         let count = self.points.len();
         let mut curves = &whitened.factor * self.draws.rows(self.draws.nrows() - count, count);
@@ -243,8 +246,8 @@ impl<'a> Curve<'a> {
         curves
     }
 
-    /// Fractions of simulated estimates of coefficient `p` at or above, and at or below, the one measured, if its square
-    /// were `value`.
+    /// Fractions of simulated estimates of coefficient `p` at or above, and at or below, the one
+    /// measured, if its square were `value`.
     fn tail_probabilities(&self, p: usize, value: f64, best: &[f64; 5]) -> (f64, f64) {
         let mut free = [true; 5];
         free[p] = false;

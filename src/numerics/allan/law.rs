@@ -50,8 +50,8 @@ impl Term {
         }
     }
 
-    /// Generalised autocovariance of the integral at this lag, coefficient one: second differences of it are true
-    /// covariances. Zero for the ramp, which is no noise.
+    /// Generalised autocovariance of the integral at this lag, coefficient one: second differences
+    /// of it are true covariances. Zero for the ramp, which is no noise.
     pub(super) fn integral_covariance(self, lag_s: f64) -> f64 {
         let lag = lag_s.abs();
         match self {
@@ -65,7 +65,8 @@ impl Term {
     }
 }
 
-/// Allan variance of the sum of all terms; `squares` are squared coefficients in the order of [`TERMS`].
+/// Allan variance of the sum of all terms; `squares` are squared coefficients in the order of
+/// [`TERMS`].
 pub fn variance(squares: &[f64; 5], tau_s: f64) -> f64 {
     TERMS.iter().zip(squares).map(|(term, square)| square * term.variance(tau_s)).sum()
 }

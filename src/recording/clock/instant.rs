@@ -1,4 +1,5 @@
-//! A moment on a clock that several files may share, so that their stamps can be laid beside each other.
+//! A moment on a clock that several files may share, so that their stamps can be laid beside each
+//! other.
 
 use super::stamp::Stamp;
 use crate::recording::time_unit::TimeUnit;
@@ -31,7 +32,8 @@ impl Instant {
     }
 }
 
-/// The unit of stamps whose heading does not say it: what makes a date of our time of this one, else seconds.
+/// The unit of stamps whose heading does not say it: what makes a date of our time of this one,
+/// else seconds.
 pub fn unit_by_size(stamp: &Stamp) -> TimeUnit {
     let size = stamp.value().abs();
     DATES.iter().find(|(from, _)| size >= *from).map_or(TimeUnit::Second, |(_, unit)| *unit)

@@ -1,4 +1,5 @@
-//! Where each row belongs by its stamp: kept, how many samples are missing before it, or dropped and why.
+//! Where each row belongs by its stamp: kept, how many samples are missing before it, or dropped
+//! and why.
 
 use super::stamp::Stamp;
 use super::survey::advance;
@@ -12,7 +13,8 @@ const UNEVEN_GAP: f64 = 3.0;
 /// What becomes of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
-    /// A sample, so many samples after the one before it without a row, at this time since the first stamp, s.
+    /// A sample, so many samples after the one before it without a row, at this time since the
+    /// first stamp, s.
     Kept {
         /// Samples without a row before it.
         missing: usize,

@@ -1,4 +1,5 @@
-//! Rows of an uneven clock made even: interpolated where the samples were uneven, as they are where only the stamps were.
+//! Rows of an uneven clock made even: interpolated where the samples were uneven, as they are where
+//! only the stamps were.
 
 use crate::numerics::lagrange;
 
@@ -6,7 +7,8 @@ use crate::numerics::lagrange;
 const REACH: usize = 6;
 /// A step of more ticks than this has a straight line across it.
 const GAP: f64 = 3.0;
-/// Interpolation smooths noise by itself, to about a third of its roughness; what it smooths no further was even.
+/// Interpolation smooths noise by itself, to about a third of its roughness; what it smooths no
+/// further was even.
 const SMOOTHED: f64 = 0.25;
 
 /// Whether the stamps stay within a tick of an even clock, from the first on.
@@ -14,8 +16,8 @@ pub fn near_even(times_s: &[f64], tick_s: f64) -> bool {
     times_s.iter().enumerate().all(|(i, t)| (t - times_s[0] - i as f64 * tick_s).abs() < tick_s)
 }
 
-/// Whether the samples were even and only the stamps were not, as told by columns: a signal that was sampled evenly is
-/// smooth row by row, one that was not is smooth only after interpolation.
+/// Whether the samples were even and only the stamps were not, as told by columns: a signal that
+/// was sampled evenly is smooth row by row, one that was not is smooth only after interpolation.
 pub fn samples_are_even(times_s: &[f64], tick_s: f64, columns: &[Vec<f64>]) -> bool {
     let ratio = |column: &Vec<f64>| roughness(&even(times_s, tick_s, column)) / roughness(column).max(1e-300);
     columns.iter().map(ratio).fold(f64::INFINITY, f64::min) > SMOOTHED
@@ -39,7 +41,8 @@ pub fn gaps(times_s: &[f64], tick_s: f64) -> Vec<std::ops::Range<usize>> {
     long.map(|w| tick(w[0]).floor() as usize + 1..tick(w[1]).ceil() as usize).collect()
 }
 
-/// A column at even times, by the polynomial through the six rows around each; straight across gaps.
+/// A column at even times, by the polynomial through the six rows around each; straight across
+/// gaps.
 pub fn even(times_s: &[f64], tick_s: f64, values: &[f64]) -> Vec<f64> {
     let mut row = 0;
     let rows = times_s.len();

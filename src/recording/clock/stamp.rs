@@ -21,7 +21,8 @@ impl Stamp {
     /// No stamp.
     pub const MISSING: Self = Self { whole: 0, fraction: f64::NAN, decimals: u8::MAX };
 
-    /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp. The decimal sign may be a comma.
+    /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp. The decimal sign may
+    /// be a comma.
     pub fn parse(cell: &[u8]) -> Option<Self> {
         plain(cell.trim_ascii()).or_else(|| {
             let value = format::number(cell)?;
@@ -29,7 +30,8 @@ impl Stamp {
         })
     }
 
-    /// The stamp that bytes begin with, and its length, where it is digits with at most one point; `None` for anything else.
+    /// The stamp that bytes begin with, and its length, where it is digits with at most one point;
+    /// `None` for anything else.
     #[inline]
     pub fn leading(bytes: &[u8]) -> Option<(Self, usize)> {
         let (whole, rest, decimals, length) = decimal::leading_parts(bytes)?;

@@ -1,7 +1,8 @@
-//! The first pass over a clock: what all its stamps say, in bounded memory, before any row is placed by it.
+//! The first pass over a clock: what all its stamps say, in bounded memory, before any row is
+//! placed by it.
 //!
-//! Steps are gathered in stretches of some rows, each judged by its own usual step, so that a gap or a change of rate
-//! somewhere leaves the others alone. Not for decisions: see `rate`.
+//! Steps are gathered in stretches of some rows, each judged by its own usual step, so that a gap
+//! or a change of rate somewhere leaves the others alone. Not for decisions: see `rate`.
 
 use super::stamp::Stamp;
 use super::timeline::{SetBack, Timeline};
@@ -86,8 +87,8 @@ pub struct Value {
 }
 
 impl Value {
-    /// Whether it comes at nearly equal distances, as rounding of an even clock makes it; at random they would scatter by
-    /// about their mean.
+    /// Whether it comes at nearly equal distances, as rounding of an even clock makes it; at random
+    /// they would scatter by about their mean.
     pub fn is_regular(&self) -> bool {
         let n = self.count - 1.0;
         let mean = self.spacing / n;
@@ -122,7 +123,8 @@ pub struct Survey {
     pub values: Vec<Value>,
     /// The last digit printed, file's unit; none where some stamp has none.
     pub last_digit: Option<f64>,
-    /// Stamps and row numbers as a straight line, apart between breaks: sums of squares and products.
+    /// Stamps and row numbers as a straight line, apart between breaks: sums of squares and
+    /// products.
     pub line: Line,
     /// Runs by size, in powers of two: how many, and their rows.
     runs: [(usize, usize); 32],
@@ -237,7 +239,8 @@ impl Survey {
         }
     }
 
-    /// Runs of one stamp that are far longer than the usual ones: the shortest such run, and rows in them beyond one each.
+    /// Runs of one stamp that are far longer than the usual ones: the shortest such run, and rows
+    /// in them beyond one each.
     pub fn stuck(&self) -> (usize, usize) {
         let total: usize = self.runs.iter().map(|r| r.0).sum();
         let mut below = 0;

@@ -2,7 +2,8 @@
 
 use super::stamp::Stamp;
 
-/// Lengths after which counters start again: powers of two in units and in thousandths and millionths of them, a day, a week.
+/// Lengths after which counters start again: powers of two in units and in thousandths and
+/// millionths of them, a day, a week.
 const MODULI: [f64; 14] = [
     4_294_967_296.0,
     4_294_967.296,
@@ -19,7 +20,8 @@ const MODULI: [f64; 14] = [
     604_800.0,
     604_800_000.0,
 ];
-/// Usual steps that may lie between the last stamp and the overflow, and behind it: a gap there may be a set-back.
+/// Usual steps that may lie between the last stamp and the overflow, and behind it: a gap there may
+/// be a set-back.
 const NEAR: f64 = 20.0;
 
 /// A stamp that is smaller than the one before.
@@ -57,7 +59,8 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Step from the stamp before, in the file's unit; `None` for the first one. Missing stamps are not for here.
+    /// Step from the stamp before, in the file's unit; `None` for the first one. Missing stamps are
+    /// not for here.
     pub fn advance(&mut self, row: usize, stamp: Stamp) -> Result<Option<f64>, SetBack> {
         let (Some(origin), Some(before)) = (self.origin, self.before.replace(stamp)) else {
             self.origin = Some(stamp);

@@ -1,4 +1,5 @@
-//! Which unit a time column is in: by its heading, by the rate that was given, or by the size of its numbers.
+//! Which unit a time column is in: by its heading, by the rate that was given, or by the size of
+//! its numbers.
 
 use crate::recording::time_unit::{Basis, TimeUnit, UNITS};
 

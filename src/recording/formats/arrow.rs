@@ -1,5 +1,6 @@
-//! Arrow files, which are Feather version 2: columns of numbers, batch by batch, plain or compressed by LZ4 or Zstandard.
-//! Format: arrow.apache.org/docs/format/Columnar.html, *IPC File Format*.
+//! Arrow files, which are Feather version 2: columns of numbers, batch by batch, plain or
+//! compressed by LZ4 or Zstandard. Format: arrow.apache.org/docs/format/Columnar.html, *IPC File
+//! Format*.
 
 mod flat;
 

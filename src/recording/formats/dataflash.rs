@@ -1,4 +1,5 @@
-//! ArduPilot's DataFlash logs: messages whose fields the log itself names (FMT). Format: ArduPilot, libraries/AP_Logger.
+//! ArduPilot's DataFlash logs: messages whose fields the log itself names (FMT). Format: ArduPilot,
+//! libraries/AP_Logger.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,5 @@
-//! ROS 2 bags in SQLite, `.db3`, read by an own walk through the tables. Format: sqlite.org/fileformat2.html.
+//! ROS 2 bags in SQLite, `.db3`, read by an own walk through the tables. Format:
+//! sqlite.org/fileformat2.html.
 
 mod record;
 

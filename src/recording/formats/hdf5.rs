@@ -1,8 +1,9 @@
-//! HDF5, also MATLAB's `.mat` of version 7.3: datasets of numbers in one or two dimensions, by the HDF5 library, which must be
-//! installed: the feature `hdf5` is not a default one.
+//! HDF5, also MATLAB's `.mat` of version 7.3: datasets of numbers in one or two dimensions, by the
+//! HDF5 library, which must be installed: the feature `hdf5` is not a default one.
 //!
-//! The numbers are copied once into an unnamed temporary file, where they are read like any other arrays; memory stays
-//! constant. Not for references, compound types or more than two dimensions: they are passed over.
+//! The numbers are copied once into an unnamed temporary file, where they are read like any other
+//! arrays; memory stays constant. Not for references, compound types or more than two dimensions:
+//! they are passed over.
 
 use std::collections::VecDeque;
 use std::io::Read;
@@ -98,7 +99,8 @@ fn gather(group: &Group, depth: usize, into: &mut Vec<Table>) -> hdf5_metno::Res
     Ok(())
 }
 
-/// Whole numbers keep 64 bits, so that stamps in nanoseconds stay exact; the library converts what is narrower.
+/// Whole numbers keep 64 bits, so that stamps in nanoseconds stay exact; the library converts what
+/// is narrower.
 fn element(descriptor: &TypeDescriptor) -> Option<Element> {
     let kind = match descriptor {
         TypeDescriptor::Integer(_) => Kind::Signed,

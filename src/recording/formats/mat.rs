@@ -1,5 +1,5 @@
-//! MATLAB's `.mat` of version 5, also compressed (`-v7`): arrays, and arrays within structures. Format: MathWorks, *MAT-File
-//! Format*, 2019.
+//! MATLAB's `.mat` of version 5, also compressed (`-v7`): arrays, and arrays within structures.
+//! Format: MathWorks, *MAT-File Format*, 2019.
 
 use std::io::Read;
 
@@ -202,7 +202,8 @@ impl Scan {
             }
             _ => {}
         }
-        // What follows the numbers (an imaginary part) is passed over, and so is what was not understood.
+        // What follows the numbers (an imaginary part) is passed over, and so is what was not
+        // understood.
         match end.checked_sub(self.taken) {
             Some(rest) => self.skip(rest),
             None => Err(wrong("a matrix that is longer than it says")),

@@ -1,4 +1,5 @@
-//! MCAP logs: messages in CDR or ROS 1 serialisation, plain or compressed by Zstandard or LZ4. Format: mcap.dev/spec.
+//! MCAP logs: messages in CDR or ROS 1 serialisation, plain or compressed by Zstandard or LZ4.
+//! Format: mcap.dev/spec.
 
 use std::collections::{HashMap, HashSet};
 

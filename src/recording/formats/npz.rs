@@ -1,4 +1,5 @@
-//! NumPy's `.npz`: arrays in a zip archive, stored or deflated. Format: PKWARE's APPNOTE 6.3, with zip64.
+//! NumPy's `.npz`: arrays in a zip archive, stored or deflated. Format: PKWARE's APPNOTE 6.3, with
+//! zip64.
 
 use std::io::Read;
 

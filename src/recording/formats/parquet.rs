@@ -1,4 +1,5 @@
-//! Parquet tables: flat columns of numbers, page by page. Format: parquet.apache.org/docs/file-format.
+//! Parquet tables: flat columns of numbers, page by page. Format:
+//! parquet.apache.org/docs/file-format.
 //!
 //! An own reader: rows stream in constant memory, and what is damaged ends in words.
 

@@ -1,4 +1,5 @@
-//! ROS 1 bags, version 2.0, plain or compressed by LZ4 or bzip2. Format: wiki.ros.org/Bags/Format/2.0.
+//! ROS 1 bags, version 2.0, plain or compressed by LZ4 or bzip2. Format:
+//! wiki.ros.org/Bags/Format/2.0.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,5 @@
-//! PX4's ULog: messages whose fields the log itself names. Format: docs.px4.io/main/en/dev_log/ulog_file_format.
+//! PX4's ULog: messages whose fields the log itself names. Format:
+//! docs.px4.io/main/en/dev_log/ulog_file_format.
 
 use std::collections::HashMap;
 
@@ -100,7 +101,8 @@ pub(crate) fn open(input: &Input) -> Result<Box<dyn Log>> {
     Ok(Box::new(log))
 }
 
-/// Several messages repeat the readings of the sensor that is flown by: that one is meant where none is named.
+/// Several messages repeat the readings of the sensor that is flown by: that one is meant where
+/// none is named.
 fn prefer_combined(parts: &mut [Part]) {
     if parts.iter().any(|p| p.name == "sensor_combined" && p.is_imu) {
         parts.iter_mut().filter(|p| p.name != "sensor_combined").for_each(|p| p.is_imu = false);

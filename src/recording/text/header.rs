@@ -9,8 +9,8 @@ use crate::recording::headings::Headings;
 use crate::recording::{trajectory, unit};
 
 impl Text {
-    /// The first line that is no comment names the columns; where it holds numbers, the comment before it may: EuRoC's files
-    /// begin with `#timestamp [ns],…`.
+    /// The first line that is no comment names the columns; where it holds numbers, the comment
+    /// before it may: EuRoC's files begin with `#timestamp [ns],…`.
     pub(super) fn read_header(&mut self) -> Result<Headings> {
         let mut comment = Vec::new();
         loop {
@@ -56,7 +56,8 @@ impl Text {
         Ok(Headings::counted(self.width))
     }
 
-    /// A row of units below the header: text in every cell that is not empty, and a unit in one at least.
+    /// A row of units below the header: text in every cell that is not empty, and a unit in one at
+    /// least.
     pub(super) fn read_units(&mut self) -> Result<()> {
         if !self.held {
             self.held = self.next_line()?;

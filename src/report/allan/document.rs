@@ -1,5 +1,5 @@
-//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside them; a term that the data do
-//! not support has none (null), only the upper end of its interval.
+//! `proofmass.allan/1`: the result as JSON. Values are in the datasheet units that stand beside
+//! them; a term that the data do not support has none (null), only the upper end of its interval.
 
 use serde_json::{Value, json};
 

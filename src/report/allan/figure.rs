@@ -10,7 +10,8 @@ use crate::report::figure::{Axis, Chart, Ink, Mark, labelled};
 pub(super) const TOGETHER: &str =
     "Overlapping Allan deviation of each axis. Filled dots: its value at 1 s and its minimum.";
 
-/// The curves of the gyros and of the accelerometers, each on one plot; a channel alone has its own.
+/// The curves of the gyros and of the accelerometers, each on one plot; a channel alone has its
+/// own.
 pub(super) fn together(noise: &Noise) -> Vec<Chart> {
     let of = |(quantity, name): (Quantity, &str)| {
         let channels: Vec<&Channel> =
@@ -92,7 +93,8 @@ pub(super) fn density(channel: &Channel) -> Chart {
         Axis::log("frequency / Hz"),
         Axis::log(&labelled("density", unit)),
     );
-    // Twenty points per decade read better than thousands; each is the mean of the bins it stands for.
+    // Twenty points per decade read better than thousands; each is the mean of the bins it stands
+    // for.
     let mut thinned: Vec<(f64, f64)> = Vec::new();
     let mut from = 0;
     while from < density.density.len() {

@@ -1,4 +1,5 @@
-//! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro pair.
+//! A sensor for a study from the coefficients of a log: one fragment per accelerometer-and-gyro
+//! pair.
 
 use crate::escape::line;
 use crate::number::rounded;
@@ -18,8 +19,9 @@ pub struct Fragment {
     pub toml: String,
 }
 
-/// The n-th accelerometer is paired with the n-th gyro: `sensor.toml` for the first pair, `sensor-2.toml` for the next.
-/// Where no scale was given the one fragment holds the coefficients in the file's units, as comments.
+/// The n-th accelerometer is paired with the n-th gyro: `sensor.toml` for the first pair,
+/// `sensor-2.toml` for the next. Where no scale was given the one fragment holds the coefficients
+/// in the file's units, as comments.
 pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     let of = |quantity| noise.channels.iter().filter(move |c| c.unit.quantity == quantity && c.fit.is_some());
     let file = line(file);
@@ -58,8 +60,8 @@ pub fn fragments(file: &str, noise: &Noise) -> Vec<Fragment> {
     }
 }
 
-/// The noise terms of a sense that an Allan analysis estimates and a study simulates, each with the key for its
-/// two-sided coefficient.
+/// The noise terms of a sense that an Allan analysis estimates and a study simulates, each with the
+/// key for its two-sided coefficient.
 pub(super) fn keys(sense: Sense) -> Vec<(Term, &'static Key)> {
     let of = |term: SensorTerm| {
         let estimated = match term.law() {

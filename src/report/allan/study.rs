@@ -1,6 +1,8 @@
-//! A whole study from a log: the sensor as its coefficients have it, and the log laid beside its simulation.
+//! A whole study from a log: the sensor as its coefficients have it, and the log laid beside its
+//! simulation.
 //!
-//! Two commands from a recording to a simulation that is checked against it: `allan --out DIR`, `study DIR/study.toml`.
+//! Two commands from a recording to a simulation that is checked against it: `allan --out DIR`,
+//! `study DIR/study.toml`.
 
 use std::path::Path;
 

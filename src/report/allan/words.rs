@@ -1,4 +1,5 @@
-//! What an Allan curve says, in sentences: what each coefficient is, what the data do not support, and when a fit is bad.
+//! What an Allan curve says, in sentences: what each coefficient is, what the data do not support,
+//! and when a fit is bad.
 
 use crate::number::{duration, rounded, significant, superscript};
 use crate::numerics::allan::law::{TERMS, Term};
@@ -51,8 +52,8 @@ fn interval(value: f64, ci95: [f64; 2]) -> String {
     format!("{value} ({low} – {high}){times}")
 }
 
-/// One row per channel: every coefficient with its interval or upper limit. Two tables, as one would be wider than a screen:
-/// white noise and bias instability, then what is slower or faster.
+/// One row per channel: every coefficient with its interval or upper limit. Two tables, as one
+/// would be wider than a screen: white noise and bias instability, then what is slower or faster.
 pub fn tables(noise: &Noise) -> [Table; 2] {
     let mut first = Table::new(&["channel", "N", "density n", "B by minimum", "B"]);
     let mut second = Table::new(&["channel", "mean", "σ(1 s)", "K", "R", "Q"]);
@@ -102,7 +103,8 @@ pub fn notes(noise: &Noise) -> Vec<String> {
     out
 }
 
-/// The answer in numbers: white noise and lowest Allan deviation of the gyros, the accelerometers and the others.
+/// The answer in numbers: white noise and lowest Allan deviation of the gyros, the accelerometers
+/// and the others.
 pub fn answer(noise: &Noise) -> String {
     let kinds = [(Quantity::Gyro, "Gyro"), (Quantity::Accelerometer, "Accelerometer"), (Quantity::Unknown, "Channel")];
     let of = |(quantity, name): (Quantity, &str)| {
@@ -252,7 +254,8 @@ pub(super) fn name(term: Term) -> &'static str {
     ["Quantisation", "White noise", "Flicker (bias instability)", "Random walk", "Ramp"][term as usize]
 }
 
-/// Terms worth a line in the figure: supported, and the largest part of the fit somewhere on the curve.
+/// Terms worth a line in the figure: supported, and the largest part of the fit somewhere on the
+/// curve.
 pub(super) fn dominant(channel: &Channel) -> Vec<Term> {
     let Some(fit) = &channel.fit else { return Vec::new() };
     let squares = fit.squares();

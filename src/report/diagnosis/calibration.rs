@@ -18,7 +18,8 @@ pub(super) fn meaning(kind: Kind) -> &'static str {
     }
 }
 
-/// Both sensors. The readings of an IMU in motion are in the unit of what they measure, those of other kinds in counts.
+/// Both sensors. The readings of an IMU in motion are in the unit of what they measure, those of
+/// other kinds in counts.
 pub(super) fn text(calibration: &Triads, kind: Kind) -> String {
     let counts = kind != Kind::Trajectory;
     let sensors = [("accelerometer", Some(&calibration.accelerometer)), ("gyro", calibration.gyro.as_ref())];

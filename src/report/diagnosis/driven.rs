@@ -1,7 +1,8 @@
 //! Figures of a diagnosis: input and output of one proof mass, or its free ring-down.
 //!
-//! The opening shows the stretch of held-out samples where base and repaired model differ most; then the whole stretch,
-//! the error in frequency, over the state (the restoring force that is missing) and in time, and the candidates' standing.
+//! The opening shows the stretch of held-out samples where base and repaired model differ most;
+//! then the whole stretch, the error in frequency, over the state (the restoring force that is
+//! missing) and in time, and the candidates' standing.
 
 use crate::diagnosis::driven::Detail;
 use crate::diagnosis::driven::verdict::surface::Surface;
@@ -201,7 +202,8 @@ fn surfaces(detail: &Detail) -> Vec<Exhibit> {
         let values: Vec<f64> = surface.cells.iter().map(|c| c.force).collect();
         let label = format!("missing force over ω₀² / {}", detail.unit);
         let mut raster = Raster::heat_map(&values, surface.side, surface.x, surface.v, (-most, most), &label);
-        // Cells that noise alone may make stand back. Pixels go from the top, cells from the bottom.
+        // Cells that noise alone may make stand back. Pixels go from the top, cells from the
+        // bottom.
         for (i, cell) in surface.cells.iter().enumerate() {
             let pixel = (surface.side - 1 - i / surface.side) * surface.side + i % surface.side;
             if !cell.found && cell.force.is_finite() {

@@ -1,4 +1,5 @@
-//! How well it fits, in words and as tables: errors before and after, the noise beside them, the base model's own numbers.
+//! How well it fits, in words and as tables: errors before and after, the noise beside them, the
+//! base model's own numbers.
 
 use crate::diagnosis::verdict::{Estimate, Role, Verdict};
 use crate::number::significant;

@@ -1,4 +1,5 @@
-//! One figure: how the misfit rises around each named parameter of a driven recording, beside the interval stated.
+//! One figure: how the misfit rises around each named parameter of a driven recording, beside the
+//! interval stated.
 
 use crate::diagnosis::driven::identification::profile::{FALL, Profile};
 

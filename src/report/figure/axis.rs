@@ -96,7 +96,8 @@ pub(super) struct Span {
 impl Span {
     /// 0 at the low end, 1 at the high end.
     ///
-    /// What lies far outside stops a hundred lengths of the axis beyond it, a logarithm of zero included.
+    /// What lies far outside stops a hundred lengths of the axis beyond it, a logarithm of zero
+    /// included.
     pub(super) fn fraction(&self, value: f64) -> f64 {
         let fraction = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),

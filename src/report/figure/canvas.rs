@@ -1,7 +1,8 @@
-//! Where plotters draws the data: elements become SVG in hundredths of a px. Its own SVG is in whole ones, on which curves are
-//! stairs.
+//! Where plotters draws the data: elements become SVG in hundredths of a px. Its own SVG is in
+//! whole ones, on which curves are stairs.
 //!
-//! Colours and widths of lines belong to the page, which knows the theme: each series has a class instead.
+//! Colours and widths of lines belong to the page, which knows the theme: each series has a class
+//! instead.
 
 use std::convert::Infallible;
 

@@ -1,4 +1,5 @@
-//! A chart as data: axes, series, words, a picture behind them. How it looks is decided where it is drawn (`draw`).
+//! A chart as data: axes, series, words, a picture behind them. How it looks is decided where it is
+//! drawn (`draw`).
 
 use super::axis::Axis;
 use super::raster::Raster;
@@ -30,7 +31,8 @@ pub struct Series {
     pub ink: Ink,
     /// How the points are drawn: line, dots, band, bars.
     pub mark: Mark,
-    /// (x, y) in axis units. Points that are not finite, or not positive on a log axis, break the line.
+    /// (x, y) in axis units. Points that are not finite, or not positive on a log axis, break the
+    /// line.
     pub points: Vec<(f64, f64)>,
 }
 

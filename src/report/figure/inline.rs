@@ -1,4 +1,5 @@
-//! A chart in a page: title, legend and labels of the axes are the page's text, which wraps; the plot fills the width.
+//! A chart in a page: title, legend and labels of the axes are the page's text, which wraps; the
+//! plot fills the width.
 
 use super::chart::Chart;
 use super::frame::thousandths;

@@ -9,7 +9,8 @@ pub(super) struct Entry<'a> {
     /// Class of its swatch.
     pub(super) kind: &'static str,
     pub(super) ink: Ink,
-    /// The band that its own band lies on, if any: what shines through in the plot shines through in the legend.
+    /// The band that its own band lies on, if any: what shines through in the plot shines through
+    /// in the legend.
     pub(super) behind: Option<Ink>,
 }
 

@@ -1,4 +1,5 @@
-//! The data of a chart as SVG: one group per series, drawn by plotters in the plot's own coordinates.
+//! The data of a chart as SVG: one group per series, drawn by plotters in the plot's own
+//! coordinates.
 
 use plotters::prelude::*;
 

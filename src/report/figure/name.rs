@@ -1,11 +1,13 @@
-//! Names of columns and files from the words of a figure: "position error / m" is `position_error_m`.
+//! Names of columns and files from the words of a figure: "position error / m" is
+//! `position_error_m`.
 
 /// The unit of a label, as its last part after " / ".
 fn parts(label: &str) -> (&str, Option<&str>) {
     label.rsplit_once(" / ").map_or((label, None), |(quantity, unit)| (quantity, Some(unit)))
 }
 
-/// A quantity and what further describes it, with the unit of `label` at the end, in the way of the keys of a study.
+/// A quantity and what further describes it, with the unit of `label` at the end, in the way of the
+/// keys of a study.
 pub(crate) fn column(label: &str, more: &[&str]) -> String {
     let (quantity, unit) = parts(label);
     let unit = unit.map(|u| match u.trim_matches(['(', ')']).strip_prefix("1/") {
@@ -30,7 +32,8 @@ pub(crate) fn file(title: &str) -> String {
 /// Characters of a file name.
 const LONGEST: usize = 80;
 
-/// ASCII letters and digits, everything else between them one separator; the letters of formulas by their names.
+/// ASCII letters and digits, everything else between them one separator; the letters of formulas by
+/// their names.
 fn slug(text: &str, separator: char) -> String {
     let mut out = String::new();
     let mut apart = false;

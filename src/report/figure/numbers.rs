@@ -1,7 +1,8 @@
 //! The numbers behind a chart, as columns in the chart's own units.
 //!
-//! Series of one abscissa share it; where some have points that others lack, cells are missing. Paths, which turn back, keep
-//! an abscissa each. Lists, whose places are names, become rows of names.
+//! Series of one abscissa share it; where some have points that others lack, cells are missing.
+//! Paths, which turn back, keep an abscissa each. Lists, whose places are names, become rows of
+//! names.
 
 use super::chart::{Chart, Mark, Series};
 use super::name;
@@ -41,7 +42,8 @@ struct Part<'a> {
     columns: Vec<(String, Vec<f64>)>,
 }
 
-/// What a series is called: by its legend, or by that of the next one of its colour, which it belongs to.
+/// What a series is called: by its legend, or by that of the next one of its colour, which it
+/// belongs to.
 fn called(chart: &Chart, place: usize) -> &str {
     let all = &chart.series;
     let same = |s: &&Series| s.ink == all[place].ink && !s.name.is_empty();
@@ -99,7 +101,8 @@ fn columns(chart: &Chart) -> Option<Columns> {
     } else {
         let mut lines: Vec<(&str, Vec<f64>)> = Vec::new();
         for part in parts {
-            // A vertical line says where it stands, and nothing by its ends; those of one legend are one column.
+            // A vertical line says where it stands, and nothing by its ends; those of one legend
+            // are one column.
             match part.x[..] {
                 [x, end] if x == end => match lines.iter_mut().find(|(called, _)| *called == part.called) {
                     Some((_, all)) => all.push(x),

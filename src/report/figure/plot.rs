@@ -1,7 +1,8 @@
 //! The plot as SVG: grid, data, labels of ticks, words.
 //!
-//! Its size is the page's to choose: labels stand at per cents of it and keep their size, the data is a picture in
-//! coordinates of its own that stretches with it. What a reader's script must know stands in `data-` attributes.
+//! Its size is the page's to choose: labels stand at per cents of it and keep their size, the data
+//! is a picture in coordinates of its own that stretches with it. What a reader's script must know
+//! stands in `data-` attributes.
 
 use super::axis::{Axis, Scale, Span};
 use super::chart::{Chart, Note};

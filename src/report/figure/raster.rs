@@ -30,7 +30,8 @@ pub enum Shown {
 }
 
 impl Raster {
-    /// A heat map of `values` (rows from the bottom up, `columns` each), coloured between `limits`; NaN stays clear.
+    /// A heat map of `values` (rows from the bottom up, `columns` each), coloured between `limits`;
+    /// NaN stays clear.
     pub fn heat_map(
         values: &[f64],
         columns: usize,
@@ -71,7 +72,8 @@ impl Raster {
         uri(&self.pixels, self.shape, (png::ColorType::Rgba, png::BitDepth::Eight))
     }
 
-    /// A cloud as a stencil, white where points are: a name of its own for it, and a PNG data URI of two bits a pixel.
+    /// A cloud as a stencil, white where points are: a name of its own for it, and a PNG data URI
+    /// of two bits a pixel.
     pub(super) fn stencil(&self) -> (String, String) {
         let columns = self.shape.0.max(1) as usize;
         let pack =
@@ -90,7 +92,8 @@ fn uri(pixels: &[u8], shape: (u32, u32), (colours, depth): (png::ColorType, png:
     encoder.set_color(colours);
     encoder.set_depth(depth);
     encoder.set_compression(png::Compression::High);
-    // Writing into memory cannot fail for pixels of the right length; a mismatch gives an empty picture.
+    // Writing into memory cannot fail for pixels of the right length; a mismatch gives an empty
+    // picture.
     let written = encoder.write_header().and_then(|mut w| w.write_image_data(pixels));
     if written.is_err() {
         bytes.clear();
@@ -104,7 +107,8 @@ pub(super) fn ramp_uri() -> String {
     uri(&pixels, (1, 128), (png::ColorType::Rgba, png::BitDepth::Eight))
 }
 
-/// A perceptually even ramp from dark blue over green to yellow (control points of viridis), 0 to 1; NaN is clear.
+/// A perceptually even ramp from dark blue over green to yellow (control points of viridis), 0 to
+/// 1; NaN is clear.
 fn colour(fraction: f64) -> [u8; 4] {
     const RAMP: [[f64; 3]; 6] =
         [[68., 1., 84.], [65., 68., 135.], [42., 120., 142.], [34., 168., 132.], [122., 209., 81.], [253., 231., 37.]];

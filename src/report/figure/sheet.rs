@@ -1,4 +1,5 @@
-//! A chart as a file of its own: the plot with title, legend and labels of the axes around it, all SVG.
+//! A chart as a file of its own: the plot with title, legend and labels of the axes around it, all
+//! SVG.
 
 use super::chart::Chart;
 use super::frame::thousandths;

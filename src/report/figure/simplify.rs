@@ -8,8 +8,8 @@ fn from_segment(p: (f64, f64), a: (f64, f64), b: (f64, f64)) -> f64 {
     (p.0 - a.0 - along * dx).hypot(p.1 - a.1 - along * dy)
 }
 
-/// Points of `curve` without those that lie within `tolerance` of the straight line between their neighbours that stay.
-/// Both ends stay.
+/// Points of `curve` without those that lie within `tolerance` of the straight line between their
+/// neighbours that stay. Both ends stay.
 pub(super) fn simplified(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let Some(last) = curve.len().checked_sub(1) else { return Vec::new() };
     let mut kept = vec![false; curve.len()];

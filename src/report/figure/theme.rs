@@ -1,8 +1,8 @@
 //! Colours by role, for light and dark, and the style of figures.
 //!
-//! Series colours begin at Okabe & Ito's set and are moved as little as it takes for any two, text and guides included, to
-//! differ by 11 (CIEDE2000) for readers with and without colour-blindness (Machado 2009), with a contrast of 3 : 1 to the
-//! paper: `tests/suite/colours.rs` keeps this true.
+//! Series colours begin at Okabe & Ito's set and are moved as little as it takes for any two, text
+//! and guides included, to differ by 11 (CIEDE2000) for readers with and without colour-blindness
+//! (Machado 2009), with a contrast of 3 : 1 to the paper: `tests/suite/colours.rs` keeps this true.
 
 /// Role of a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +67,8 @@ pub fn css() -> String {
     )
 }
 
-/// Marks and text of a figure, in a page and in a file. Lines keep their width however a plot is stretched.
+/// Marks and text of a figure, in a page and in a file. Lines keep their width however a plot is
+/// stretched.
 const MARKS: &str = "
 .line,.dashed,.dots{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round}.line,.dashed{stroke-width:1.8}.dots{stroke-linecap:round}.dashed{stroke-dasharray:7 5}
 .band{opacity:.32}.bars{opacity:.5}.cells{image-rendering:pixelated}.f-tint{fill:var(--tint)}

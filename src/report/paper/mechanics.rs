@@ -117,7 +117,8 @@ fn linear(page: &mut Page, linear: &Linear) {
     );
     let error: Curve =
         linear.exact.iter().map(|(t, m)| (*t, reading(&oscillator, m).2 - RECTANGLE.ideal(*t).2)).collect();
-    // While the force lasts the next term of the transfer function adds −(1 − 4ζ²)/ω₀² times the reading.
+    // While the force lasts the next term of the transfer function adds −(1 − 4ζ²)/ω₀² times the
+    // reading.
     let law = vec![(0.0, 0.0), (1.0, 0.0), (1.0, -0.99), (31.0, -3.99), (31.0, -3.0), (END_S, -3.0)];
     let over_time =
         Chart::new("Distance error over time", Axis::linear("time / s"), Axis::linear("distance error / m"))

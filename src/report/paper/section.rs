@@ -1,4 +1,5 @@
-//! What the sections of all figures share: their heading, their checks, and curves thinned to what a page can show.
+//! What the sections of all figures share: their heading, their checks, and curves thinned to what
+//! a page can show.
 
 use crate::number::{significant, worth};
 use crate::paper::check::{Check, Exhibit};

@@ -107,7 +107,8 @@ fn still(page: &mut Page, pitch: &Pitch) {
         hourly(n.ci95[1])
     ));
     let end = pitch.still_walk.last().map_or(1.0, |p| p.0);
-    // With the mean rate taken off, the walk is tied to zero at both ends: its deviation is N√(t(T − t)/T).
+    // With the mean rate taken off, the walk is tied to zero at both ends: its deviation is N√(t(T
+    // − t)/T).
     let arch = |sign: f64| -> Curve {
         let at = |k: u32| f64::from(k) / 100.0 * end;
         (0..=100).map(|k| (at(k), sign * n.value / DEGREE * (at(k) * (end - at(k)) / end).sqrt())).collect()
@@ -238,8 +239,8 @@ fn spread(values: &[f64], unit: f64, digits: usize) -> String {
     format!("{} ({} to {})", at(0.5), at(0.05), at(0.95))
 }
 
-/// Accelerometer, gyro and the three filters: time, the two, the three; s and rad. First what the accelerometer and the
-/// plain filter do; then, enlarged, what hides near zero beside them.
+/// Accelerometer, gyro and the three filters: time, the two, the three; s and rad. First what the
+/// accelerometer and the plain filter do; then, enlarged, what hides near zero beside them.
 fn filters(title: &str, label: &str, lines: &[Line], (from_s, to_s): (f64, f64), reach_deg: f64) -> [Figure; 2] {
     let inside: Vec<_> = lines.iter().filter(|l| l.0 >= from_s && l.0 <= to_s).collect();
     let pick = |value: fn(&Line) -> f64| -> Curve {

@@ -1,4 +1,5 @@
-//! The figures of a study in motion: envelopes over time, the spread on a map of the track, who owns the mean square.
+//! The figures of a study in motion: envelopes over time, the spread on a map of the track, who
+//! owns the mean square.
 
 use crate::backend::flight::Quantity;
 use crate::numerics::order;
@@ -34,8 +35,8 @@ pub(crate) fn distance(answer: &Answer) -> Chart {
         .with("horizontal, 50 %", Ink::Sky, Mark::Line, curve(Quantity::Horizontal, 2))
 }
 
-/// Standard deviations of three of the linear quantities on log axes, with the linear model's; `unit` is what one unit of the
-/// axis is in SI.
+/// Standard deviations of three of the linear quantities on log axes, with the linear model's;
+/// `unit` is what one unit of the axis is in SI.
 pub(crate) fn spreads(answer: &Answer, title: &str, label: &str, first: usize, names: [&str; 3], unit: f64) -> Chart {
     let mut chart = Chart::new(title, Axis::log("time / s"), Axis::log(label));
     for (n, name) in names.into_iter().enumerate() {
@@ -69,7 +70,8 @@ fn ellipse(answer: &Answer, report: usize) -> Vec<(f64, f64)> {
     (0..=POINTS).map(point).collect()
 }
 
-/// The track from above with the errors' ellipses at the report times, and what they are magnified by.
+/// The track from above with the errors' ellipses at the report times, and what they are magnified
+/// by.
 pub(super) fn map(answer: &Answer) -> (Chart, f64) {
     let truth = &answer.flight.course.truth;
     let last = answer.flight.clock().samples - answer.flight.clock().still_samples;

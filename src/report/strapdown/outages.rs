@@ -1,4 +1,5 @@
-//! What the page and the terminal say of aiding: the errors at the end of each outage, and how they get there.
+//! What the page and the terminal say of aiding: the errors at the end of each outage, and how they
+//! get there.
 
 use super::doubt::doubt;
 use crate::backend::flight::Quantity;

@@ -1,5 +1,5 @@
-//! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots beside the bands of the
-//! study's sensor, and the shares inside them.
+//! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots
+//! beside the bands of the study's sensor, and the shares inside them.
 
 use crate::number::{rounded, significant};
 use crate::numerics::special::normal_quantile;
@@ -151,7 +151,8 @@ const CAUSES: [(&str, &str, f64); 5] = [
     ("accelerometer, random walk", "µg/√s", MICRO_G),
 ];
 
-/// The stated sensor with the justified figures, as a file that a study and `export` take; none where nothing was fitted.
+/// The stated sensor with the justified figures, as a file that a study and `export` take; none
+/// where nothing was fitted.
 pub(super) fn inflated_toml(study: &Study, compared: &Compared) -> Option<String> {
     let inflation = compared.inflation.as_ref()?;
     let line = |place: usize, key: &str| {

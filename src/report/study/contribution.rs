@@ -54,7 +54,8 @@ const HEIGHT_PX: f64 = 280.0;
 const LETTER_PX: f64 = 6.8;
 const LINE_PX: f64 = 17.0;
 
-/// The name in its area, where there is most room above and below it along the whole name; none where it has none.
+/// The name in its area, where there is most room above and below it along the whole name; none
+/// where it has none.
 fn inside(chart: &mut Chart, name: &str, time_s: &[f64], floor: &[f64], top: &[f64]) {
     let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else { return };
     let along = |k: usize| (time_s[k] / first).ln() / (last / first).ln();

@@ -1,4 +1,5 @@
-//! How errors are distributed over the members at the report times, with percentiles and the normal of the same mean and sd.
+//! How errors are distributed over the members at the report times, with percentiles and the normal
+//! of the same mean and sd.
 
 use super::moment::moment;
 use crate::drift::Drift;

@@ -1,4 +1,5 @@
-//! Position error over time: percentile bands on linear axes, standard deviation over closed form and guides on log axes.
+//! Position error over time: percentile bands on linear axes, standard deviation over closed form
+//! and guides on log axes.
 
 use crate::drift::Drift;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
@@ -44,7 +45,8 @@ pub fn log_log(drift: &Drift) -> Chart {
     let expected = drift.expected.total(quantity::POSITION);
     let closed: Vec<(f64, f64)> =
         drift.expected.time_s.iter().zip(&expected).map(|(t, m)| (*t, m.variance.sqrt())).collect();
-    // Guides pass a little above the last point, so that they are seen beside the curve and not under it.
+    // Guides pass a little above the last point, so that they are seen beside the curve and not
+    // under it.
     let guide = |power: f64| -> Vec<(f64, f64)> {
         let (end_s, end_m) = sd.last().copied().unwrap_or((1.0, 1.0));
         let lowest = sd.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);

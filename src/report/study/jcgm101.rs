@@ -1,4 +1,5 @@
-//! The result as JCGM 101 states one: estimate, standard uncertainty and coverage intervals with the digits that are stable.
+//! The result as JCGM 101 states one: estimate, standard uncertainty and coverage intervals with
+//! the digits that are stable.
 
 use crate::drift::Drift;
 use crate::report::html::Page;

@@ -24,7 +24,8 @@ pub(super) fn table(study: &Study) -> Table {
     table
 }
 
-/// The number as another key of the same term would give it: a density as a random walk and the other way round.
+/// The number as another key of the same term would give it: a density as a random walk and the
+/// other way round.
 fn by_its_other_key(key: &Key, number: Number) -> String {
     let keys = SensorTerm::ALL.into_iter().map(|term| term.row().keys).find(|keys| keys.contains(key));
     let other = keys.unwrap_or_default().iter().find(|other| *other != key);

@@ -1,5 +1,5 @@
-//! Predicted, and what the sensor then did: windows of a recorded log as quantiles beside the simulated band, and how many
-//! of them lie inside it.
+//! Predicted, and what the sensor then did: windows of a recorded log as quantiles beside the
+//! simulated band, and how many of them lie inside it.
 
 use std::path::Path;
 
@@ -86,7 +86,8 @@ pub(crate) fn sentences(outcome: &Outcome) -> Vec<String> {
     axes.iter().flat_map(|axis| axis.windows.iter().map(move |w| sentence(axis, w))).collect()
 }
 
-/// The picture of the accelerometers, or of the gyros where there are none, side by side; `None` without windows.
+/// The picture of the accelerometers, or of the gyros where there are none, side by side; `None`
+/// without windows.
 pub fn picture(outcome: &Outcome) -> Option<Figure> {
     let (_, axes) = drifted(outcome)?;
     let of = |sense: Sense| axes.iter().filter(move |a| a.sense == sense);

@@ -8,7 +8,8 @@ use crate::trial::outcome::{Limit, Outcome, Planted};
 /// Edges of the size bins, visible rms over noise rms.
 const EDGES: [f64; 9] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0];
 
-/// Fractions noticed and named against size, all effects planted alone taken together, with the fitted curves.
+/// Fractions noticed and named against size, all effects planted alone taken together, with the
+/// fitted curves.
 pub(crate) fn power(outcome: &Outcome) -> Figure {
     let all: Vec<Planted> = outcome.detection_limit.iter().flat_map(|l| l.cases.iter().copied()).collect();
     let x = Axis::log("visible size of the effect / noise (rms)").within(EDGES[0], EDGES[EDGES.len() - 1]);
@@ -45,7 +46,8 @@ pub(crate) fn power(outcome: &Outcome) -> Figure {
     chart.draw()
 }
 
-/// The size that is noticed in nine of ten recordings, per effect with its interval, smallest at the bottom.
+/// The size that is noticed in nine of ten recordings, per effect with its interval, smallest at
+/// the bottom.
 pub fn limits(outcome: &Outcome) -> Figure {
     let of = |l: &Limit| Some((format!("{} ({})", l.id, l.kind.name()), l.effect_over_noise?, l.ci95?));
     let mut found: Vec<(String, f64, [f64; 2])> = outcome.detection_limit.iter().filter_map(of).collect();

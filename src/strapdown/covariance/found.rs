@@ -1,4 +1,5 @@
-//! What a still start finds of constant errors, and what it leaves of them; the attitude that a run begins with.
+//! What a still start finds of constant errors, and what it leaves of them; the attitude that a run
+//! begins with.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 

@@ -159,7 +159,8 @@ impl Given {
             let every = hold / stride;
             let (_, firsts) = flicker::hold_and_firsts(j, PHASES);
             for first in &firsts {
-                // First renewals count from the beginning of the run, steps from the end of the still start.
+                // First renewals count from the beginning of the run, steps from the end of the
+                // still start.
                 let first = (first + hold - flight.clock().still_samples % hold) % hold / stride;
                 let process = Process::Held { every, first, variance };
                 let mut family = Family::new(process, 1.0 / firsts.len() as f64);
@@ -187,7 +188,8 @@ pub fn white(density: [f64; 6], found: Option<&Found>) -> Family {
     family
 }
 
-/// Random walks with these K²: over a still start of T the mean has variance K²T/3, the end K²T, and both K²T/2.
+/// Random walks with these K²: over a still start of T the mean has variance K²T/3, the end K²T,
+/// and both K²T/2.
 pub fn walk(squares: [f64; 6], found: Option<&Found>) -> Family {
     let mut family = Family::new(Process::Walk(squares), 1.0);
     if let Some(found) = found {

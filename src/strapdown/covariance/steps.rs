@@ -1,4 +1,5 @@
-//! The run in steps that resolve the motion, and mean and covariance of the errors carried through them.
+//! The run in steps that resolve the motion, and mean and covariance of the errors carried through
+//! them.
 
 use nalgebra::{Matrix3, SVector, Vector3};
 
@@ -12,8 +13,8 @@ use crate::strapdown::linear::{Model, Square, Step};
 
 /// Largest turn of the body in a step, rad.
 const MOST_TURN_RAD: f64 = 0.1;
-/// Samples of a step, so that a run has `fewest` steps at least: a power of four, so that held processes are renewed at its
-/// beginnings.
+/// Samples of a step, so that a run has `fewest` steps at least: a power of four, so that held
+/// processes are renewed at its beginnings.
 pub fn stride(flight: &Flight, fewest: u64) -> u64 {
     let clock = flight.clock();
     let samples = clock.samples - clock.still_samples;

@@ -15,7 +15,8 @@ const LOOKED_AT: usize = 4000;
 const TURNS_RAD_S: f64 = 0.02;
 /// Correlation of the rates below which they are not of one motion, and below which it is said.
 const CORRELATION: [f64; 2] = [0.3, 0.9];
-/// How far the mean specific force may point away from up, rad, and its size depart from gravity, as a share.
+/// How far the mean specific force may point away from up, rad, and its size depart from gravity,
+/// as a share.
 const TILT_RAD: f64 = 20.0 * DEGREE;
 const SIZE: f64 = 0.15;
 
@@ -124,7 +125,8 @@ fn gravity(sums: &Sums, motion: &InMotion) -> Result<(), (String, &'static str)>
         let cause = format!("the mean specific force is {shown} m/s², gravity {} m/s²", rounded(expected, 4));
         return Err((cause, "scale the accelerometers to m/s², or name their unit in the headings"));
     }
-    // Axes that are turned about level ones spread it over all headings: what is left along up tells by how much.
+    // Axes that are turned about level ones spread it over all headings: what is left along up
+    // tells by how much.
     let tilt = (-mean.z / size).clamp(-1.0, 1.0).acos();
     if tilt > std::f64::consts::PI - TILT_RAD {
         let cause =

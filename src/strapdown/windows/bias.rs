@@ -1,4 +1,5 @@
-//! The biases that are taken off a window's readings: from windows that share no reading with it, or from a still stretch.
+//! The biases that are taken off a window's readings: from windows that share no reading with it,
+//! or from a still stretch.
 
 use std::ops::Range;
 
@@ -34,11 +35,13 @@ pub struct Base {
     variance: Biases,
 }
 
-/// Least spread of end errors that a fit goes by: m, m/s, rad. Below it a sensor without noise would make it singular.
+/// Least spread of end errors that a fit goes by: m, m/s, rad. Below it a sensor without noise
+/// would make it singular.
 const FLOOR: [f64; 3] = [1e-3, 1e-3, 1e-4];
 
 impl Base {
-    /// Fits the biases of a window about a first guess, by generalised least squares with the noise of the stated sensor.
+    /// Fits the biases of a window about a first guess, by generalised least squares with the noise
+    /// of the stated sensor.
     ///
     /// # Errors
     /// A proof mass that no integrator can step; motion in which the biases cannot be told apart.
@@ -88,7 +91,8 @@ pub struct Others {
     pub bases: Vec<(usize, ToBias)>,
     /// How much wider the median spreads than that mean.
     pub excess: f64,
-    /// By what a random walk of unit K² has gone on between them and the window, s: of accelerometers and of gyros.
+    /// By what a random walk of unit K² has gone on between them and the window, s: of
+    /// accelerometers and of gyros.
     pub walked_s: [f64; 2],
     /// Flights that they are of, where these are others than the window's.
     pub flights: Option<usize>,
@@ -109,7 +113,8 @@ pub struct Still {
     pub standing: [Vector3<f64>; 2],
 }
 
-/// The median of the biases of windows that share no reading with one; none where there is no such window.
+/// The median of the biases of windows that share no reading with one; none where there is no such
+/// window.
 pub fn of_others(bases: &[Base], window: &Window) -> Option<Taken> {
     let places: Vec<usize> = (0..bases.len()).filter(|k| !bases[*k].window.meets(window)).collect();
     if places.is_empty() {
@@ -214,8 +219,8 @@ impl Still {
         self.span_s[1] - self.span_s[0]
     }
 
-    /// Covariance of the accelerometers' biases that attitude errors of the reference with these variances about north, east
-    /// and down leave, (m/s²)².
+    /// Covariance of the accelerometers' biases that attitude errors of the reference with these
+    /// variances about north, east and down leave, (m/s²)².
     pub fn levelled(&self, variances: [f64; 3]) -> Matrix3<f64> {
         let turn = self.attitude.to_rotation_matrix().into_inner().transpose();
         let gravity = (self.attitude * self.standing[0]).cross_matrix();

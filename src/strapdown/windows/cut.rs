@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-/// Windows of `steps` intervals in stretches of readings, each given by its first reading: as many as fit, with equal gaps
-/// before, between and after them. Two neighbours may share the reading between them.
+/// Windows of `steps` intervals in stretches of readings, each given by its first reading: as many
+/// as fit, with equal gaps before, between and after them. Two neighbours may share the reading
+/// between them.
 pub(super) fn windows(pieces: &[Range<usize>], steps: usize) -> Vec<usize> {
     let mut all = Vec::new();
     for piece in pieces {

@@ -1,10 +1,11 @@
-//! The inflation that a motion justifies: how large the attitude error of the reference, white noise and random walks would
-//! have to be for the recorded windows to be consistent, each by itself.
+//! The inflation that a motion justifies: how large the attitude error of the reference, white
+//! noise and random walks would have to be for the recorded windows to be consistent, each by
+//! itself.
 //!
-//! The covariance of a window's end error is a sum over causes, each with its own variance. The variances of maximum
-//! likelihood are found by the multiplicative steps of Zhou, Hu, Zhou & Lange (*MM algorithms for variance components
-//! models*, J. Comput. Graph. Stat. 28, 2019), which climb and never leave zero or more. Intervals are of the profile
-//! likelihood.
+//! The covariance of a window's end error is a sum over causes, each with its own variance. The
+//! variances of maximum likelihood are found by the multiplicative steps of Zhou, Hu, Zhou & Lange
+//! (*MM algorithms for variance components models*, J. Comput. Graph. Stat. 28, 2019), which climb
+//! and never leave zero or more. Intervals are of the profile likelihood.
 
 use super::bias::Base;
 use super::linear::{Kind, Linear, Part};
@@ -122,7 +123,8 @@ pub fn fit(windows: &Recorded) -> Option<Inflation> {
     Some(Inflation { coefficients: std::array::from_fn(coefficient), interval, windows: windows.len() })
 }
 
-/// The squared coefficient with which each cause alone would make that error as large as recorded which it makes best.
+/// The squared coefficient with which each cause alone would make that error as large as recorded
+/// which it makes best.
 fn alone(windows: &Recorded) -> [f64; CAUSES.len()] {
     std::array::from_fn(|cause| {
         let ratio = |i: usize| -> f64 {

@@ -1,4 +1,5 @@
-//! What the linear error model says of one window: what biases and each error of a sensor make of its end.
+//! What the linear error model says of one window: what biases and each error of a sensor make of
+//! its end.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -33,7 +34,8 @@ pub struct Linear {
 /// One error of a sensor.
 #[derive(Debug, Clone)]
 pub enum Part {
-    /// A constant of the sensor, the same in every window of a flight: end error per unit, its mean and its variance.
+    /// A constant of the sensor, the same in every window of a flight: end error per unit, its mean
+    /// and its variance.
     Constant {
         /// How it acts.
         gain: Gain,
@@ -129,8 +131,9 @@ impl Linear {
         Ok((parts, left_out))
     }
 
-    /// Errors of the reference's attitude about north, east and down with these variances, rad²: one at the start, which the
-    /// navigator begins with, and one at the end, which it is measured by.
+    /// Errors of the reference's attitude about north, east and down with these variances, rad²:
+    /// one at the start, which the navigator begins with, and one at the end, which it is measured
+    /// by.
     pub fn attitude_part(&self, variances: [f64; 3]) -> Part {
         let mut end = Square::zeros();
         for (response, variance) in self.attitude.iter().zip(variances) {

@@ -2,8 +2,8 @@
 
 use crate::numerics::order;
 
-/// The median of values with weights: half of the weight lies on either side, by straight lines between the middles of the
-/// values' weights. NaN for none.
+/// The median of values with weights: half of the weight lies on either side, by straight lines
+/// between the middles of the values' weights. NaN for none.
 pub(super) fn weighted(values: &[f64], weights: &[f64]) -> f64 {
     let ranked = order::ranked(values);
     let total: f64 = weights.iter().sum();
@@ -23,8 +23,9 @@ pub(super) fn weighted(values: &[f64], weights: &[f64]) -> f64 {
     before.map_or(f64::NAN, |(_, value)| value)
 }
 
-/// Variance of the median of `count` normal values over that of their mean: π/2 for many; for few the formula that is 1 for
-/// one and for two and meets the exact values (David & Nagaraja, *Order statistics*, 3rd ed., §4.6) within 3 %.
+/// Variance of the median of `count` normal values over that of their mean: π/2 for many; for few
+/// the formula that is 1 for one and for two and meets the exact values (David & Nagaraja, *Order
+/// statistics*, 3rd ed., §4.6) within 3 %.
 pub(super) fn excess(count: usize) -> f64 {
     let (n, half_pi) = (count.max(1) as f64, std::f64::consts::FRAC_PI_2);
     let few = if count.is_multiple_of(2) { 2.0 * half_pi - 2.0 } else { half_pi - 1.0 };

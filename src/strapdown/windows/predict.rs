@@ -1,8 +1,9 @@
-//! What a sensor's errors make of a window's end, once the biases are taken off that other windows or a still stretch gave:
-//! mean and covariance, by the linear error model.
+//! What a sensor's errors make of a window's end, once the biases are taken off that other windows
+//! or a still stretch gave: mean and covariance, by the linear error model.
 //!
-//! Constants of the sensor are the same in the window and where its biases come from, so what is taken off takes most of them
-//! along. Noise is another one in each window; the biases that were fitted in it bring its share.
+//! Constants of the sensor are the same in the window and where its biases come from, so what is
+//! taken off takes most of them along. Noise is another one in each window; the biases that were
+//! fitted in it bring its share.
 
 use nalgebra::Matrix6;
 
@@ -74,7 +75,8 @@ fn noise_of(part: &Part) -> Square {
     }
 }
 
-/// What is left of a constant per unit, and the covariance per unit of variance of what is drawn anew for each flight.
+/// What is left of a constant per unit, and the covariance per unit of variance of what is drawn
+/// anew for each flight.
 fn net(place: &Place<'_>, gain: Gain, end: &Nine, in_base: impl Fn(usize) -> Nine) -> (Nine, Square) {
     let to_end = &place.linear.to_end;
     match &place.taken.source {

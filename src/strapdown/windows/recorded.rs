@@ -1,4 +1,5 @@
-//! A recorded flight: the readings of its IMU on the clock of the reference, as far as the two overlap.
+//! A recorded flight: the readings of its IMU on the clock of the reference, as far as the two
+//! overlap.
 
 use std::ops::Range;
 use std::path::Path;
@@ -51,7 +52,8 @@ impl Recorded {
     /// Reads a log and its reference and lays them beside each other.
     ///
     /// # Errors
-    /// Files that cannot be read, clocks that do not overlap, readings that cannot be those of this motion.
+    /// Files that cannot be read, clocks that do not overlap, readings that cannot be those of this
+    /// motion.
     pub fn read(imu: &Path, reference: &Section, flown: &Flown, motion: &InMotion) -> Result<Self> {
         let Whole { trajectory, start, extent_s } = whole(reference)?;
         let shown = imu.display().to_string();

@@ -1,4 +1,5 @@
-//! How often recorded errors lie inside the predicted bands, and whether they are as large as predicted.
+//! How often recorded errors lie inside the predicted bands, and whether they are as large as
+//! predicted.
 
 use super::predict::Expected;
 use super::window::Nine;
@@ -35,7 +36,8 @@ pub struct Nees {
     pub freedom: usize,
     /// Their mean; not a number where nothing is predicted.
     pub mean: f64,
-    /// What it stays within in 95 of 100 cases if the prediction is right: χ² over its degrees of freedom.
+    /// What it stays within in 95 of 100 cases if the prediction is right: χ² over its degrees of
+    /// freedom.
     pub interval: [f64; 2],
 }
 
@@ -82,7 +84,8 @@ pub fn together(errors: &[Nine], expected: &[Expected], places: std::ops::Range<
     let one = |(error, e): (&Nine, &Expected)| -> f64 {
         let off = (error - e.mean).rows(first, count).into_owned();
         let covariance = e.covariance.view((first, first), (count, count)).into_owned();
-        // Positions, velocities and angles are of very different size: each by its own spread first.
+        // Positions, velocities and angles are of very different size: each by its own spread
+        // first.
         let scale = covariance.diagonal().map(|v| if v > 0.0 { 1.0 / v.sqrt() } else { f64::NAN });
         let scaled = |m: nalgebra::DMatrix<f64>| {
             nalgebra::DMatrix::from_fn(count, count, |i, j| m[(i, j)] * scale[i] * scale[j])

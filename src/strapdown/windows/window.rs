@@ -1,4 +1,5 @@
-//! One window: the reference's truth over it, and what dead reckoning from the reference's state makes of the readings.
+//! One window: the reference's truth over it, and what dead reckoning from the reference's state
+//! makes of the readings.
 
 use std::sync::Arc;
 
@@ -62,7 +63,8 @@ impl Window {
         self.increments.len()
     }
 
-    /// Error at its end of the navigator that begins with the reference's state and takes these biases off the readings.
+    /// Error at its end of the navigator that begins with the reference's state and takes these
+    /// biases off the readings.
     pub fn error(&self, motion: &InMotion, biases: &Biases) -> Nine {
         let (course, truth) = (&self.course, &self.course.truth);
         let (Some(first), Some(last)) = (truth.samples.first(), truth.samples.last()) else { return Nine::zeros() };

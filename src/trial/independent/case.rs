@@ -1,4 +1,5 @@
-//! One case of the second generator: its number says its kind, family and sub-family whatever the length of the trial.
+//! One case of the second generator: its number says its kind, family and sub-family whatever the
+//! length of the trial.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,8 @@ use super::truth::{Family, Kind, Truth};
 use super::turned::Turned;
 use super::{foreign, letter, near, null, rest, tumble};
 
-/// How a case is linked to another: the same recording, written otherwise. Their verdicts must agree.
+/// How a case is linked to another: the same recording, written otherwise. Their verdicts must
+/// agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
@@ -90,7 +92,8 @@ const SCHEDULE: [(Kind, Family, usize); 10] = [
     (Kind::Tumble, Family::Null, 4),
 ];
 
-/// Linked cases have the number of their origin and this, times one more than the place of their change.
+/// Linked cases have the number of their origin and this, times one more than the place of their
+/// change.
 const LINKED: usize = 1_000_000;
 
 /// Kind, family and how many of the same came before.
@@ -138,7 +141,8 @@ impl Case {
         Some(case)
     }
 
-    /// Numbers of a trial: so many of its own, and for each fifth of them two that are the same written otherwise.
+    /// Numbers of a trial: so many of its own, and for each fifth of them two that are the same
+    /// written otherwise.
     pub fn numbers(cases: usize) -> Vec<usize> {
         let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {
             let first = n / 5 % Change::ALL.len();
@@ -172,7 +176,8 @@ impl Case {
                     _ => 10,
                 };
                 let rate_hz = o.rate_hz / every as f64;
-                // A held input is not known from every k-th value; a fast one is not known from few rows.
+                // A held input is not known from every k-th value; a fast one is not known from few
+                // rows.
                 let fast = o.input.highest_hz().max(o.omega / std::f64::consts::TAU);
                 if o.held || o.rows / every < 1500 || rate_hz < 4.0 * fast {
                     return None;
@@ -208,7 +213,8 @@ impl Case {
     }
 }
 
-/// A recording at rest in other units or with its sign turned; every k-th row would be another noise.
+/// A recording at rest in other units or with its sign turned; every k-th row would be another
+/// noise.
 fn rewrite_still(still: &mut Still, change: Change) -> Option<()> {
     let factor = match change {
         Change::Units => 1e3,

@@ -15,7 +15,8 @@ pub struct Columns {
     pub input_scale: f64,
     /// Offset of the reading, column units.
     pub offset: f64,
-    /// Step of the reading, column units; zero when written in full. The base model of a null rounds finely.
+    /// Step of the reading, column units; zero when written in full. The base model of a null
+    /// rounds finely.
     pub step: f64,
     /// Headings of input, reading, environment.
     pub headings: [String; 3],

@@ -1,6 +1,8 @@
-//! Random numbers of the second generator: xoshiro256++ (Blackman & Vigna, ACM TOMS 47, 2021), one stream per case.
+//! Random numbers of the second generator: xoshiro256++ (Blackman & Vigna, ACM TOMS 47, 2021), one
+//! stream per case.
 //!
-//! Not the generator of `rng`: the two trials share no numerics with each other or with what they test.
+//! Not the generator of `rng`: the two trials share no numerics with each other or with what they
+//! test.
 
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
@@ -97,7 +99,8 @@ impl Draw {
         -self.unit().ln()
     }
 
-    /// Gamma with a half-integer shape and scale one: sums of exponentials and a half square of a normal number.
+    /// Gamma with a half-integer shape and scale one: sums of exponentials and a half square of a
+    /// normal number.
     pub fn gamma_half(&mut self, twice_shape: usize) -> f64 {
         let whole: f64 = (0..twice_shape / 2).map(|_| self.exponential()).sum();
         whole + if twice_shape % 2 == 1 { 0.5 * self.normal().powi(2) } else { 0.0 }
@@ -121,7 +124,8 @@ mod tests {
         [mean, central(2), central(4) / central(2).powi(2)]
     }
 
-    // Normal: kurtosis 3. Student t with ν > 4: variance ν/(ν − 2), kurtosis 3 + 6/(ν − 4); for ν = 9: 9/7 and 4.2.
+    // Normal: kurtosis 3. Student t with ν > 4: variance ν/(ν − 2), kurtosis 3 + 6/(ν − 4); for ν =
+    // 9: 9/7 and 4.2.
     #[test]
     fn normal_and_student_numbers_have_their_moments() {
         let mut draw = Draw::new(1, 2, 3);

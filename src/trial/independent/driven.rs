@@ -1,4 +1,5 @@
-//! A driven recording of the second generator: an oscillator, its noise, and how its columns are written.
+//! A driven recording of the second generator: an oscillator, its noise, and how its columns are
+//! written.
 
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +61,8 @@ impl Driven {
         Some(Readings { input, reading })
     }
 
-    /// What the best base model leaves of the noiseless reading; it knows the measured input between rows as well.
+    /// What the best base model leaves of the noiseless reading; it knows the measured input
+    /// between rows as well.
     pub fn left_by_base(&self, reading: &[f64]) -> Vec<f64> {
         let o = &self.oscillator;
         let fine = (o.input != super::wave::Shape::None).then(|| measured(o, reading.len()));

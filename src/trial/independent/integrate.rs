@@ -1,5 +1,6 @@
-//! Dormand–Prince 5(4), adaptive (J. Comput. Appl. Math. 6, 1980; coefficients as in Hairer, Nørsett & Wanner, *Solving
-//! Ordinary Differential Equations I*, table II.5.2), and the events of dry friction located within its steps.
+//! Dormand–Prince 5(4), adaptive (J. Comput. Appl. Math. 6, 1980; coefficients as in Hairer,
+//! Nørsett & Wanner, *Solving Ordinary Differential Equations I*, table II.5.2), and the events of
+//! dry friction located within its steps.
 
 /// Largest number of states.
 pub(crate) const STATES: usize = 16;
@@ -58,11 +59,12 @@ pub(crate) fn step(system: &impl System, t: f64, state: &State, h: f64, toleranc
     (next, worst)
 }
 
-/// Steps of one call at most: what needs more between two rows is too stiff for an explicit method, and is not simulated.
+/// Steps of one call at most: what needs more between two rows is too stiff for an explicit method,
+/// and is not simulated.
 pub(crate) const MOST_STEPS: usize = 2000;
 
-/// Advances from one time to another by accepted steps; `h` is the step to try first and carries over. `false` when the
-/// motion runs away or is too stiff.
+/// Advances from one time to another by accepted steps; `h` is the step to try first and carries
+/// over. `false` when the motion runs away or is too stiff.
 pub(crate) fn advance(
     system: &impl System,
     span: [f64; 2],

@@ -1,7 +1,7 @@
 //! Right, honest or false: one verdict against the truth of its case, by fixed rules.
 //!
-//! A name is false unless the truth allows it; names that only point to the right place are right where nothing is called
-//! explained. In a tie one right name is enough.
+//! A name is false unless the truth allows it; names that only point to the right place are right
+//! where nothing is called explained. In a tie one right name is enough.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,9 +13,11 @@ use crate::trial::said::{Ending, Said};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mark {
-    /// All that is there is named and nothing else; a null is adequate; foreign physics is unexplained without a name.
+    /// All that is there is named and nothing else; a null is adequate; foreign physics is
+    /// unexplained without a name.
     Right,
-    /// Called explained by the right name, though the truth departs from its statement by more than a good test sees.
+    /// Called explained by the right name, though the truth departs from its statement by more than
+    /// a good test sees.
     Overclaimed,
     /// Unexplained or undecidable, with right names only.
     HonestNamed,
@@ -119,8 +121,9 @@ pub fn judge(case: &Case, said: &Said) -> Mark {
     }
 }
 
-/// Whether what is called explained is not: the nearest statement leaves too much, or the repaired model runs worse than the
-/// noise by four standard errors of a variance over a third of the rows and by what a good test sees.
+/// Whether what is called explained is not: the nearest statement leaves too much, or the repaired
+/// model runs worse than the noise by four standard errors of a variance over a third of the rows
+/// and by what a good test sees.
 fn overclaims(case: &Case, said: &Said) -> bool {
     let worse = case.truth.floor.is_some_and(|[sigma, rows]| {
         let excess = (said.rmse[1] / sigma).powi(2) - 1.0;

@@ -1,6 +1,8 @@
-//! Forces that a base model may lack: to the letter of a statement in the library, near to it, or foreign.
+//! Forces that a base model may lack: to the letter of a statement in the library, near to it, or
+//! foreign.
 //!
-//! Internal units: time in seconds, displacement of about one. A force is per unit mass and stands on the left-hand side.
+//! Internal units: time in seconds, displacement of about one. A force is per unit mass and stands
+//! on the left-hand side.
 
 use std::f64::consts::TAU;
 
@@ -133,7 +135,8 @@ impl Law {
         }
     }
 
-    /// Force on the left-hand side by a law of x and v alone; the laws with states or a drive are the oscillator's.
+    /// Force on the left-hand side by a law of x and v alone; the laws with states or a drive are
+    /// the oscillator's.
     pub fn plain(&self, x: f64, v: f64, omega: f64) -> f64 {
         match *self {
             Self::OddSpring { size, p } => size * x.abs().powf(p) * x.signum(),
@@ -182,7 +185,8 @@ impl Law {
             Self::BoucWen { size, .. } => size * own[0],
             Self::Absorber { size, omega: w, zeta } => -size * (w * w * (own[0] - x) + 2.0 * zeta * w * (own[1] - v)),
             Self::Fractional { size, alpha } => {
-                // Weights of D^α: relaxation rates r spaced geometrically, weight r^α (diffusive representation).
+                // Weights of D^α: relaxation rates r spaced geometrically, weight r^α (diffusive
+                // representation).
                 let sum: f64 = (0..LADDER).map(|k| (ladder_rate(k, omega) / omega).powf(alpha) * own[k]).sum();
                 size * omega * omega * sum
             }

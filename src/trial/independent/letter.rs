@@ -1,4 +1,5 @@
-//! Driven, to the letter: each candidate as its statement says, alone, in pairs and triples, at an operating point, chaotic.
+//! Driven, to the letter: each candidate as its statement says, alone, in pairs and triples, at an
+//! operating point, chaotic.
 
 use std::f64::consts::TAU;
 

@@ -1,8 +1,9 @@
 //! What the best linear oscillator leaves of a recording: the oracle of how large an effect is.
 //!
-//! For a given ω and ζ the reading is linear in gain, offset and initial state (variable projection, Golub & Pereyra, SIAM
-//! J. Numer. Anal. 10, 1973); the two others are found by Gauss–Newton. Responses are exact for an input that is quadratic
-//! between three points a fine step apart.
+//! For a given ω and ζ the reading is linear in gain, offset and initial state (variable
+//! projection, Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973); the two others are found by
+//! Gauss–Newton. Responses are exact for an input that is quadratic between three points a fine
+//! step apart.
 
 /// Input on a fine grid: `2·fine` values per row; `held` when constant over each row.
 #[derive(Debug, Clone)]

@@ -1,4 +1,5 @@
-//! The motion of an oscillator: rates of its states, dry friction with sticking, laws that remember the path.
+//! The motion of an oscillator: rates of its states, dry friction with sticking, laws that remember
+//! the path.
 
 use super::integrate::{MOST_STEPS, STATES, State, System, Tolerance, advance, step};
 use super::law::Law;

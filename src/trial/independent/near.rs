@@ -1,4 +1,5 @@
-//! Driven, near a law of the library: other exponents, smooth edges, other memories, lags and filters.
+//! Driven, near a law of the library: other exponents, smooth edges, other memories, lags and
+//! filters.
 
 use super::draw::Draw;
 use super::law::{Course, Law};

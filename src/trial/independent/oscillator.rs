@@ -37,7 +37,8 @@ pub struct Oscillator {
     pub laws: Vec<Law>,
     /// What is missing at the readout, in the order in which it acts.
     pub readout: Vec<Readout>,
-    /// The environment column: rise and its time constant as a part of the recording; none when absent.
+    /// The environment column: rise and its time constant as a part of the recording; none when
+    /// absent.
     pub environment: Option<[f64; 2]>,
     /// The input column is late by this, s.
     pub input_lag_s: f64,

@@ -1,4 +1,5 @@
-//! Putting effects on an oscillator at a visible size, and measuring how much evidence of each a recording holds.
+//! Putting effects on an oscillator at a visible size, and measuring how much evidence of each a
+//! recording holds.
 
 use super::draw::Draw;
 use super::driven::{Driven, rms};
@@ -73,8 +74,8 @@ fn order(stage: &Readout) -> usize {
     }
 }
 
-/// Scales a piece until what the base model leaves of the first rows is near `target` of the output. False when no size
-/// does: the motion runs away, or the base model takes it all.
+/// Scales a piece until what the base model leaves of the first rows is near `target` of the
+/// output. False when no size does: the motion runs away, or the base model takes it all.
 pub(super) fn strengthen(base: &Driven, piece: &mut Piece, target: f64) -> bool {
     if piece.size_mut().is_none() {
         return true;
@@ -122,7 +123,8 @@ pub(crate) fn octaves(values: &[f64]) -> Vec<(f64, f64)> {
     octaves
 }
 
-/// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar wavelet variances).
+/// Twice the log-likelihood by which noise of several octaves is told from white noise (Haar
+/// wavelet variances).
 pub(super) fn coloured_evidence(residual: &[f64], sigma: f64) -> f64 {
     let octaves: Vec<(f64, f64)> =
         octaves(residual).into_iter().map(|(count, level)| (count, level / (sigma * sigma) + 1.0)).collect();
@@ -181,7 +183,8 @@ pub(super) fn assemble(base: Driven, pieces: &[(Piece, Effect)], mut truth: Trut
     Some((all, truth))
 }
 
-/// Visible size as a fraction of the output: 1 to 20 %, but at least what the noise lets be seen in most cases.
+/// Visible size as a fraction of the output: 1 to 20 %, but at least what the noise lets be seen in
+/// most cases.
 pub fn target(draw: &mut Draw, base: &Driven) -> f64 {
     let least = (3.0 * base.sigma).min(0.15);
     draw.log_between(0.01f64.max(least), 0.2)

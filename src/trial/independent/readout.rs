@@ -131,7 +131,8 @@ impl Noise {
     }
 }
 
-/// Everything after the analogue filters. `noise` is added where the stages say, `input` is the true input.
+/// Everything after the analogue filters. `noise` is added where the stages say, `input` is the
+/// true input.
 pub fn read(stages: &[Readout], signal: &[f64], input: &[f64], noise: &[f64], rate_hz: f64, seed: u64) -> Vec<f64> {
     let mut y = signal.to_vec();
     let mut draw = Draw::new(seed, 0, 21);

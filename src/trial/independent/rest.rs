@@ -1,4 +1,5 @@
-//! Families at rest: processes to the letter, near laws (other exponents, other courses of a temperature), nulls.
+//! Families at rest: processes to the letter, near laws (other exponents, other courses of a
+//! temperature), nulls.
 
 use std::f64::consts::TAU;
 
@@ -80,7 +81,8 @@ fn bare(draw: &mut Draw, size: Size) -> Still {
     }
 }
 
-/// Evidence of the n-th process in all channels, and its rms over σ in the channel that shows it most.
+/// Evidence of the n-th process in all channels, and its rms over σ in the channel that shows it
+/// most.
 fn evidence(still: &Still, n: usize) -> [f64; 2] {
     let random = still.processes[n].0.is_random();
     let channels = (0..still.sigma.len()).map(|c| {
@@ -235,7 +237,8 @@ fn near(sub: &str, draw: &mut Draw, size: Size) -> Made {
     (sub.to_owned(), still, Truth { effects, departure, ..Truth::default() })
 }
 
-/// Evidence of what the nearest law of the library leaves of the first process, all channels together.
+/// Evidence of what the nearest law of the library leaves of the first process, all channels
+/// together.
 fn departure(still: &Still) -> Option<f64> {
     let rows = still.rows;
     let (ones, dt) = (vec![1.0; rows], 1.0 / still.rate_hz);
@@ -259,8 +262,9 @@ fn departure(still: &Still) -> Option<f64> {
     Some((0..still.sigma.len()).map(of).sum())
 }
 
-/// Twice the log-likelihood by which octaves of white noise of variance one and this process depart from white and 1/f noise:
-/// an octave of Haar details of 1/f noise has the same variance as every other.
+/// Twice the log-likelihood by which octaves of white noise of variance one and this process depart
+/// from white and 1/f noise: an octave of Haar details of 1/f noise has the same variance as every
+/// other.
 fn departure_from_flicker(process: &[f64]) -> f64 {
     let levels: Vec<[f64; 2]> = octaves(process).into_iter().map(|(n, level)| [n, 1.0 + level]).collect();
     let apart = |white: f64, flicker: f64| -> f64 {

@@ -1,4 +1,5 @@
-//! The run: cases are made and sealed, each verdict is asked for and kept, the truth is opened after the last.
+//! The run: cases are made and sealed, each verdict is asked for and kept, the truth is opened
+//! after the last.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -75,7 +76,8 @@ pub type Lines = BTreeMap<usize, Line>;
 
 const HINT: &str = "run it again with --resume; finished verdicts are kept in --out";
 
-/// Makes the cases and seals them; a resumed trial takes those that are sealed. Returns the seal and the cases.
+/// Makes the cases and seals them; a resumed trial takes those that are sealed. Returns the seal
+/// and the cases.
 ///
 /// # Errors
 /// When the file cannot be written or read, when it belongs to another plan, or when stopped.

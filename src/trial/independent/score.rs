@@ -1,5 +1,6 @@
-//! What a trial of the second generator found: marks by family and sub-family, coverage of each parameter, agreement under
-//! other ways of writing, times. The public document of `trial --independent --json`.
+//! What a trial of the second generator found: marks by family and sub-family, coverage of each
+//! parameter, agreement under other ways of writing, times. The public document of
+//! `trial --independent --json`.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +25,8 @@ pub struct Row {
     pub marks: BTreeMap<Mark, usize>,
     /// Number of cases.
     pub cases: usize,
-    /// Right, or honest with the right name, of what a good test sees; for nulls and foreign physics: right.
+    /// Right, or honest with the right name, of what a good test sees; for nulls and foreign
+    /// physics: right.
     pub right_or_honest: Proportion,
     /// False names, however sure, of all.
     pub false_names: Proportion,

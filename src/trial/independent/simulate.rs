@@ -1,4 +1,5 @@
-//! An oscillator integrated row by row in continuous time: inputs held or not, sampling instants of their own.
+//! An oscillator integrated row by row in continuous time: inputs held or not, sampling instants of
+//! their own.
 
 use super::draw::Draw;
 use super::integrate::{STATES, Tolerance};
@@ -91,7 +92,8 @@ pub fn run(o: &Oscillator, rows: usize) -> Option<Run> {
     Some(Run { input, signal })
 }
 
-/// When a row of the reading is taken. Only the reading loses rows: a logger that lost samples of one stream.
+/// When a row of the reading is taken. Only the reading loses rows: a logger that lost samples of
+/// one stream.
 fn instant(o: &Oscillator, row: usize, clock: &mut Draw) -> f64 {
     let jitter = if o.jitter > 0.0 { (o.jitter * clock.normal()).clamp(-0.45, 0.45) } else { 0.0 };
     let lost = o.slip.map_or(0.0, |[part, lost]| if row as f64 >= part * o.rows as f64 { lost } else { 0.0 });
@@ -149,7 +151,8 @@ mod tests {
         assert!(worst(&|t| exact(1.001 * t)) > 1e-3, "another frequency is seen: control");
     }
 
-    // Steady state: amplitude g/|ω₀² − ν² + 2iζω₀ν|; a delay and a pole turn its phase by ντ and arctan ντ.
+    // Steady state: amplitude g/|ω₀² − ν² + 2iζω₀ν|; a delay and a pole turn its phase by ντ and
+    // arctan ντ.
     #[test]
     fn driven_motion_has_its_transfer_function_and_its_readout_its_phase() {
         let (omega, zeta, nu) = (TAU * 2.0, 0.1, TAU * 1.0);
@@ -172,7 +175,8 @@ mod tests {
         }
     }
 
-    // Without viscous damping dry friction f takes 4f/ω₀² of amplitude per cycle, and the mass sticks where ω₀²|x| < f.
+    // Without viscous damping dry friction f takes 4f/ω₀² of amplitude per cycle, and the mass
+    // sticks where ω₀²|x| < f.
     #[test]
     fn dry_friction_takes_its_amplitude_per_cycle_and_then_holds() {
         let omega = TAU * 0.5;

@@ -1,4 +1,5 @@
-//! The oscillator that effects are put on: resonance, quality, rate, rows, input, noise, units, all over wide ranges.
+//! The oscillator that effects are put on: resonance, quality, rate, rows, input, noise, units, all
+//! over wide ranges.
 
 use std::f64::consts::{PI, TAU};
 

@@ -31,7 +31,8 @@ pub enum Process {
     TwoSpeeds { size: f64, tau: f64, part: f64, ratio: f64 },
     /// Sine whose frequency changes by `chirp` of itself over the recording.
     Sine { size: f64, hz: f64, phase: f64, chirp: f64 },
-    /// size per unit of temperature; `square` adds a parabola, `lag` in s follows late, `play` in units of temperature.
+    /// size per unit of temperature; `square` adds a parabola, `lag` in s follows late, `play` in
+    /// units of temperature.
     Temperature { size: f64, square: f64, lag: f64, play: f64 },
     /// One step at a part of the recording.
     Jump { size: f64, at: f64 },
@@ -95,8 +96,9 @@ fn gauss_markov(rows: usize, correlation: f64, draw: &mut Draw) -> Vec<f64> {
         .collect()
 }
 
-/// Noise ∝ f^−alpha: Gauss–Markov terms an octave apart from the sample to twenty times the recording. For alpha = 1 their
-/// sum has the density size²/(πf): each has variance ln 2/π (Σ 4τ/(1 + (ωτ)²) → 1/(f·ln 2)).
+/// Noise ∝ f^−alpha: Gauss–Markov terms an octave apart from the sample to twenty times the
+/// recording. For alpha = 1 their sum has the density size²/(πf): each has variance ln 2/π (Σ
+/// 4τ/(1 + (ωτ)²) → 1/(f·ln 2)).
 pub(crate) fn flicker(rows: usize, alpha: f64, draw: &mut Draw) -> Vec<f64> {
     let octaves = ((20.0 * rows as f64).log2().ceil() as i32).max(1);
     let mut sum = vec![0.0; rows];
@@ -334,7 +336,8 @@ impl Filter {
 mod tests {
     use super::*;
 
-    // Allan deviation of flicker noise: √(2 ln 2/π)·B = 0.664 B at any averaging time well inside the recording.
+    // Allan deviation of flicker noise: √(2 ln 2/π)·B = 0.664 B at any averaging time well inside
+    // the recording.
     #[test]
     fn flicker_has_its_allan_floor_and_a_walk_does_not() {
         let mut draw = Draw::new(2, 0, 0);

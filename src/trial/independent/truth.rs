@@ -1,4 +1,5 @@
-//! What is truly there in a case of the second generator, and which names that makes right, honest or false.
+//! What is truly there in a case of the second generator, and which names that makes right, honest
+//! or false.
 
 use serde::{Deserialize, Serialize};
 
@@ -75,8 +76,8 @@ pub struct Parameter {
 pub struct Effect {
     /// Names of which any one is right.
     pub right: Vec<String>,
-    /// Twice the log-likelihood that it adds over the best base model: the square of the signal-to-noise ratio of a
-    /// matched filter.
+    /// Twice the log-likelihood that it adds over the best base model: the square of the
+    /// signal-to-noise ratio of a matched filter.
     pub evidence: f64,
     /// Root-mean-square over that of the noise.
     pub over_noise: f64,
@@ -89,20 +90,23 @@ pub struct Truth {
     pub effects: Vec<Effect>,
     /// Names that are right as well, whatever the verdict.
     pub also: Vec<String>,
-    /// Names that point to the right place, but explain nothing: right beside `unexplained` or in a tie.
+    /// Names that point to the right place, but explain nothing: right beside `unexplained` or in a
+    /// tie.
     pub tolerable: Vec<String>,
     /// Evidence of everything together.
     pub evidence: f64,
     /// Evidence of what the nearest statement of the library leaves, where it is known.
     pub departure: Option<f64>,
-    /// Rms of the noise in the reading, column units, and rows: what a repaired model that explains has to reach.
+    /// Rms of the noise in the reading, column units, and rows: what a repaired model that explains
+    /// has to reach.
     pub floor: Option<[f64; 2]>,
     /// Intervals are held against these.
     pub parameters: Vec<Parameter>,
 }
 
-/// Evidence that a test must see: 24 candidates tried at 0.1 % on the third of the data that is held out ask for
-/// (3.94 + 2.33)² ≈ 39 there to be seen in 99 of 100, three times that in the whole.
+/// Evidence that a test must see: 24 candidates tried at 0.1 % on the third of the data that is
+/// held out ask for (3.94 + 2.33)² ≈ 39 there to be seen in 99 of 100, three times that in the
+/// whole.
 pub(crate) const SEEN: f64 = 120.0;
 
 impl Truth {

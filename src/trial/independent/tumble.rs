@@ -1,4 +1,5 @@
-//! Families by hand: ordinary IMUs with more or fewer poses and one thing more, near laws, and nulls.
+//! Families by hand: ordinary IMUs with more or fewer poses and one thing more, near laws, and
+//! nulls.
 
 use super::draw::Draw;
 use super::readout::Noise;

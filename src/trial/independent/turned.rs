@@ -1,4 +1,5 @@
-//! An IMU turned by hand as the second generator has it: still poses joined by turns about two axes at once, in closed form.
+//! An IMU turned by hand as the second generator has it: still poses joined by turns about two axes
+//! at once, in closed form.
 
 use serde::{Deserialize, Serialize};
 
@@ -82,7 +83,8 @@ fn rotation(v: Vector) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) + a * k[i][j] + b * kk[i][j]))
 }
 
-/// The rotation Q that makes A·Q upper triangular with a positive diagonal (rows of A from the last one up, Gram–Schmidt).
+/// The rotation Q that makes A·Q upper triangular with a positive diagonal (rows of A from the last
+/// one up, Gram–Schmidt).
 fn upper_gauge(a: &Rotation) -> Rotation {
     let mut axes: [Vector; 3] = [[0.0; 3]; 3];
     for i in (0..3).rev() {
@@ -215,8 +217,9 @@ impl Turned {
         })
     }
 
-    /// Intervals are held against these, in the gauge in which the accelerometer's z axis is exact and its y axis lies in the
-    /// y–z plane: misalignment m_xy, m_xz, m_yz of the accelerometer, all six of the gyro against it.
+    /// Intervals are held against these, in the gauge in which the accelerometer's z axis is exact
+    /// and its y axis lies in the y–z plane: misalignment m_xy, m_xz, m_yz of the accelerometer,
+    /// all six of the gyro against it.
     pub fn parameters(&self) -> Vec<Parameter> {
         let scaled = |sensor: &Sensor| -> Rotation {
             std::array::from_fn(|i| std::array::from_fn(|j| sensor.scale[i] * sensor.skew[i][j]))
@@ -248,7 +251,8 @@ impl Turned {
     pub fn texts(&self) -> [String; 2] {
         let mut motion = self.motion();
         if let Some((pose, size)) = self.knock {
-            // It is pushed while it rests: a force that is not gravity, for the second half of the rest.
+            // It is pushed while it rests: a force that is not gravity, for the second half of the
+            // rest.
             let rows: Vec<usize> = (0..motion.pose.len()).filter(|n| motion.pose[*n] == Some(pose)).collect();
             for n in rows.iter().skip(rows.len() / 2) {
                 motion.force[*n][pose % 3] += size;

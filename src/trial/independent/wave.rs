@@ -1,7 +1,9 @@
-//! Inputs as functions of continuous time: sums of sines, sweeps, smooth steps, shock pulses; band-limited or held.
+//! Inputs as functions of continuous time: sums of sines, sweeps, smooth steps, shock pulses;
+//! band-limited or held.
 //!
-//! Sums of many sines are tabulated at 20 points per shortest period and read by eight-point Lagrange interpolation, whose
-//! error is (ωh)⁸·43/8! ≈ 1e-7 of the amplitude: continuous time costs no more than a look-up.
+//! Sums of many sines are tabulated at 20 points per shortest period and read by eight-point
+//! Lagrange interpolation, whose error is (ωh)⁸·43/8! ≈ 1e-7 of the amplitude: continuous time
+//! costs no more than a look-up.
 
 use std::f64::consts::TAU;
 
@@ -18,14 +20,16 @@ pub enum Shape {
     None,
     /// Few sines: amplitude, frequency in Hz, phase in rad.
     Sines { lines: Vec<[f64; 3]> },
-    /// Many sines of random phase between two frequencies, all multiples of one (`of_hz`) or, for zero, anywhere: noise in
-    /// a band.
+    /// Many sines of random phase between two frequencies, all multiples of one (`of_hz`) or, for
+    /// zero, anywhere: noise in a band.
     Lines { count: usize, from_hz: f64, to_hz: f64, of_hz: f64, odd_only: bool, seed: u64 },
-    /// Frequency goes up exponentially (`exponential`) or linearly and down again, each way in `length_s`.
+    /// Frequency goes up exponentially (`exponential`) or linearly and down again, each way in
+    /// `length_s`.
     Sweep { from_hz: f64, to_hz: f64, length_s: f64, exponential: bool },
     /// Levels that change at times, each with a smooth edge.
     Steps { at_s: Vec<f64>, levels: Vec<f64>, rise_s: f64 },
-    /// Shocks: Gaussian pulses, which rows a few per width apart tell whole; `length_s` is four standard deviations.
+    /// Shocks: Gaussian pulses, which rows a few per width apart tell whole; `length_s` is four
+    /// standard deviations.
     Shocks { at_s: Vec<f64>, peaks: Vec<f64>, length_s: f64 },
 }
 
@@ -132,7 +136,8 @@ impl Shape {
         let count = ((to_s - from_s) / step_s).ceil() as usize + 16;
         let mut values = vec![0.0; count];
         for [amplitude, frequency, phase] in lines {
-            // Rotation by a fixed angle; its rounding grows as the square root of the steps, 1e-13 here.
+            // Rotation by a fixed angle; its rounding grows as the square root of the steps, 1e-13
+            // here.
             let (mut s, mut c) = (TAU * frequency * from_s + phase).sin_cos();
             let (ds, dc) = (TAU * frequency * step_s).sin_cos();
             for value in &mut values {

@@ -16,7 +16,8 @@ pub fn among_files<'a>(taken: impl IntoIterator<Item = &'a Taken>) -> Arrows {
     arrows
 }
 
-/// Room by room: of the modules directly below each module those that are folders, with all that stands in them.
+/// Room by room: of the modules directly below each module those that are folders, with all that
+/// stands in them.
 pub fn among_rooms<'a>(taken: impl IntoIterator<Item = &'a Taken>, is_folder: impl Fn(&Module) -> bool) -> Arrows {
     let mut arrows = Arrows::new();
     for t in taken {

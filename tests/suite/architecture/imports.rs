@@ -1,7 +1,8 @@
 //! Which names the files under `src/` take from one another, by their tokens.
 //!
-//! A name belongs to the file that defines it, however it is reached: `use` lists, `super::`, `self::`, an inline path, or a
-//! re-export elsewhere. `mod` lines and re-exports take nothing themselves, and test code may name anything.
+//! A name belongs to the file that defines it, however it is reached: `use` lists, `super::`,
+//! `self::`, an inline path, or a re-export elsewhere. `mod` lines and re-exports take nothing
+//! themselves, and test code may name anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -93,7 +94,8 @@ impl Imports {
         all
     }
 
-    /// What a module passes on under the name of one of its children, e.g. by `pub use document::document`.
+    /// What a module passes on under the name of one of its children, e.g. by
+    /// `pub use document::document`.
     fn of_same_name(&self, path: &[String]) -> Option<(Module, String)> {
         let (name, parent) = path.split_last()?;
         let file = self.files.get(parent).filter(|_| self.is_module(path))?;
@@ -101,7 +103,8 @@ impl Imports {
         self.defining(&self.absolute(file, &passed_on.written)?, 1)
     }
 
-    /// First segments of all paths in a file that do not lead into this crate: the crates that it names.
+    /// First segments of all paths in a file that do not lead into this crate: the crates that it
+    /// names.
     pub fn foreign(&self, path: &Path) -> BTreeSet<&str> {
         let Some(file) = self.files.get(&module_of(path)) else { return BTreeSet::new() };
         let all = file.uses.iter().map(|u| &u.written).chain(&file.paths);

@@ -16,7 +16,8 @@ fn promise() -> f64 {
     (2.0 / RATE_HZ).sqrt()
 }
 
-/// Unit noise in one channel; in the other the same, changed sample by sample: (sample, fraction of the log, noise).
+/// Unit noise in one channel; in the other the same, changed sample by sample: (sample, fraction of
+/// the log, noise).
 fn told(seed: u64, change: impl Fn(usize, f64, f64) -> f64) -> Result<(Outcome, Vec<String>), Failed> {
     let mut rng = Philox::new(71, seed, Stream::Host);
     let (still, noise) = (white(SAMPLES, &mut rng), white(SAMPLES, &mut rng));
@@ -25,8 +26,8 @@ fn told(seed: u64, change: impl Fn(usize, f64, f64) -> f64) -> Result<(Outcome, 
     Ok((verdict.verdict, verdict.effects.into_iter().map(|e| e.id).collect()))
 }
 
-/// Noise that grows from the promised level, spikes and a hum that sweeps through the band are no white noise. The control
-/// is noise of one and a half times the promised level throughout.
+/// Noise that grows from the promised level, spikes and a hum that sweeps through the band are no
+/// white noise. The control is noise of one and a half times the promised level throughout.
 pub(super) fn passing() -> Result<(), Failed> {
     let phase = |u: f64| std::f64::consts::TAU * SAMPLES as f64 * (0.02 * u + 0.01 * u * u);
     for seed in 0..10 {

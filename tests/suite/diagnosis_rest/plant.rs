@@ -1,4 +1,5 @@
-//! Noise and drift as they are planted: made from their definitions, not from the laws that are fitted.
+//! Noise and drift as they are planted: made from their definitions, not from the laws that are
+//! fitted.
 
 use proofmass::rng::Philox;
 use rand::{Rng, RngExt as _};

@@ -10,8 +10,9 @@ use proofmass::recording::{self, Request};
 use super::diagnose;
 use crate::suite::world::check;
 
-/// The first 200,000 rows (33 min) of a gyro that nothing shakes, one with a vibration near 20 Hz (a spectrum shows ten times
-/// the noise between 18 and 22 Hz) and an accelerometer that sways with its building at 0.564 Hz.
+/// The first 200,000 rows (33 min) of a gyro that nothing shakes, one with a vibration near 20 Hz
+/// (a spectrum shows ten times the noise between 18 and 22 Hz) and an accelerometer that sways with
+/// its building at 0.564 Hz.
 pub(super) fn adis(folder: &Path) -> Result<(), Failed> {
     let names = ["gx_lsb", "gz_lsb", "ax_lsb"].map(str::to_owned).to_vec();
     let request =
@@ -74,12 +75,14 @@ pub(super) fn sense_hat(folder: &Path) -> Result<(), Failed> {
     check(follows(&blind).iter().any(|e| e.channels.len() >= 2), format!("without the column: {}", blind.sentence))?;
     let still = diagnose(&recording::read(&imu, &request(&gyro))?, &model(&gyro, &[]))?.verdict;
     check(follows(&still).is_empty(), format!("gyro: {}", still.sentence))?;
-    // The power of gy goes from 0.14 to 1.8 of its median over the log (64 stretches, differences of neighbours); the other
-    // two are steady within 20 %. Their spectrum falls towards slow frequencies, as no law of the library does: squared cosine
-    // coefficients of gx, means over bands half as wide again as they begin, in 10⁻⁸ (rad/s)²: 3.2 from 14 mHz, 10 from
-    // 3.8 mHz, 26 from 1.0 mHz, 42 from 0.43 mHz (so far nearly 1/f), but 6.3 from 0.049 mHz and 2.9 from 0.012 mHz.
-    // The power of gy changes by at most a factor of 2.0 from one of 64 stretches to the next, 2.5 to the next but one, and
-    // 3.9 among 16: below the fourfold change of a disturbance, so it is uneven noise, a statement and no mismatch.
+    // The power of gy goes from 0.14 to 1.8 of its median over the log (64 stretches, differences
+    // of neighbours); the other two are steady within 20 %. Their spectrum falls towards slow
+    // frequencies, as no law of the library does: squared cosine coefficients of gx, means over
+    // bands half as wide again as they begin, in 10⁻⁸ (rad/s)²: 3.2 from 14 mHz, 10 from 3.8 mHz,
+    // 26 from 1.0 mHz, 42 from 0.43 mHz (so far nearly 1/f), but 6.3 from 0.049 mHz and 2.9 from
+    // 0.012 mHz. The power of gy changes by at most a factor of 2.0 from one of 64 stretches to the
+    // next, 2.5 to the next but one, and 3.9 among 16: below the fourfold change of a disturbance,
+    // so it is uneven noise, a statement and no mismatch.
     let is_uneven = still.findings.iter().any(|f| f.contains("gy_rad_s") && f.contains("uneven"));
     check(is_uneven, format!("{:?}", still.findings))?;
     check(still.location.summary.contains("gx_rad_s: below"), still.location.summary.clone())?;
@@ -100,8 +103,8 @@ pub(super) fn sense_hat(folder: &Path) -> Result<(), Failed> {
     let told = diagnose(&recording::read(&path, &request(&columns))?, &model(&accelerometer, &["temp_p"]))?.verdict;
     let slopes = follows(&told);
     check(slopes.len() == 3, format!("with the column: {}", told.sentence))?;
-    // Slopes of a straight line through each axis, mg/°C (README of the data); signs must agree and sizes within a factor
-    // of two, because a line also takes in what the walk explains here.
+    // Slopes of a straight line through each axis, mg/°C (README of the data); signs must agree and
+    // sizes within a factor of two, because a line also takes in what the walk explains here.
     for (channel, slope_mg) in [("ax_g", 0.568), ("ay_g", 0.411), ("az_g", -0.407)] {
         let found = slopes.iter().find(|e| e.channels == [channel]).map_or(f64::NAN, |e| 1e3 * e.parameters[0].value);
         check((0.5..2.0).contains(&(found / slope_mg)), format!("{channel}: {found} mg/°C, a line has {slope_mg}"))?;

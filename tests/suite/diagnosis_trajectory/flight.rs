@@ -62,8 +62,8 @@ pub fn biases(data: &Path, name: &str) -> Result<Three, Failed> {
     Ok(std::array::from_fn(|i| poses.iter().map(|(_, v)| v[10 + i]).sum::<f64>() / poses.len() as f64))
 }
 
-/// A drone's flight of ninety seconds, 200 readings and 100 poses per second: white noise of a fair consumer sensor, constant
-/// biases, an exact reference.
+/// A drone's flight of ninety seconds, 200 readings and 100 poses per second: white noise of a fair
+/// consumer sensor, constant biases, an exact reference.
 pub fn made_up(seed: u64) -> Result<Flight, Failed> {
     let text = format!("kind = \"drone\"\nspeed_m_s = 3.0\nextent_m = 6.0\nstill_s = 3.0\nseed = {seed}\n");
     let section: Section = document::parse_toml("study.toml", &text)?;
@@ -111,7 +111,8 @@ impl Flight {
         Self { force: self.force.iter().map(|a| of(*a)).collect(), ..self.clone() }
     }
 
-    /// The gyro's x reads so much of the specific force along z, which a drone's thrust changes, rad/s per m/s².
+    /// The gyro's x reads so much of the specific force along z, which a drone's thrust changes,
+    /// rad/s per m/s².
     pub fn with_g_sensitivity(&self, size: f64) -> Self {
         self.with_rate_at(|k, w| [w[0] + size * self.force[k][2], w[1], w[2]])
     }
@@ -159,7 +160,8 @@ impl Flight {
         std::fs::write(&imu, self.imu())?;
         std::fs::write(folder.path().join("reference.csv"), self.reference())?;
         let file = folder.path().join("model.toml");
-        // The static figures of the flights' own sensor.yaml; the made-up flights are given the same.
+        // The static figures of the flights' own sensor.yaml; the made-up flights are given the
+        // same.
         let model = "kind = \"trajectory\"\n[columns]\ntime = \"#timestamp [ns]\"\n[reference]\nfile = \"reference.csv\"\n\
                      [noise.gyro]\ndensity = 1.6968e-4\n[noise.accelerometer]\ndensity = 2.0e-3\n";
         std::fs::write(&file, model)?;

@@ -1,5 +1,5 @@
-//! Simulators: their generators, written anew from their documented laws, against `study`'s readings in Allan deviation, at
-//! octaves from 1 to 1000 s.
+//! Simulators: their generators, written anew from their documented laws, against `study`'s
+//! readings in Allan deviation, at octaves from 1 to 1000 s.
 
 use std::path::Path;
 
@@ -26,7 +26,8 @@ pub fn tests() -> Vec<Trial> {
     all
 }
 
-/// A generator of one axis: noise per sample (uniform or normal), and a bias that decays and is driven at each sample.
+/// A generator of one axis: noise per sample (uniform or normal), and a bias that decays and is
+/// driven at each sample.
 #[derive(Clone, Copy)]
 struct Generator {
     rate_hz: f64,
@@ -37,13 +38,15 @@ struct Generator {
 }
 
 impl Generator {
-    /// White noise of σ per sample at the study's rate, and a walk that steps by so much per sample.
+    /// White noise of σ per sample at the study's rate, and a walk that steps by so much per
+    /// sample.
     fn walk(sigma: f64, step: f64) -> Self {
         Self { rate_hz: RATE_HZ, sigma, uniform: false, decay: 1.0, step }
     }
 }
 
-/// The law of a tool: its exported text and 0 for the accelerometer or 1 for the gyro, to a generator.
+/// The law of a tool: its exported text and 0 for the accelerometer or 1 for the gyro, to a
+/// generator.
 type Law = fn(&str, usize) -> Result<Generator, Failed>;
 
 const GENERATORS: &[(&str, Law)] = &[
@@ -54,7 +57,8 @@ const GENERATORS: &[(&str, Law)] = &[
             (number(text, &format!("{name}_noise_density"), 0)?, number(text, &format!("{name}_random_walk"), 0)?);
         Ok(Generator::walk(n / DT.sqrt(), k * DT.sqrt()))
     }),
-    // stddev per sample; σ_d = √(−σ²τ/2 (e^(−2Δt/τ) − 1)), φ = e^(−Δt/τ). Angular velocity comes first, three axes each.
+    // stddev per sample; σ_d = √(−σ²τ/2 (e^(−2Δt/τ) − 1)), φ = e^(−Δt/τ). Angular velocity comes
+    // first, three axes each.
     ("gazebo-sdf", |text, gyro| {
         let of = |key| number(text, key, [3, 0][gyro]);
         let (sigma, drive, tau) = (of("stddev")?, of("dynamic_bias_stddev")?, of("dynamic_bias_correlation_time")?);
@@ -69,7 +73,8 @@ const GENERATORS: &[(&str, Law)] = &[
         let step = (-drive * drive * tau / 2.0 * ((-2.0 * DT / tau).exp() - 1.0)).sqrt();
         Ok(Generator { decay: (-DT / tau).exp(), ..Generator::walk(n / DT.sqrt(), step) })
     }),
-    // Uniform in ± amplitude at 1000 Hz: 0.01 m/s² + RND; 0.04 °/s and, drawn apart, RND at full throttle.
+    // Uniform in ± amplitude at 1000 Hz: 0.01 m/s² + RND; 0.04 °/s and, drawn apart, RND at full
+    // throttle.
     ("ardupilot-sitl", |text, gyro| {
         let degree = std::f64::consts::PI / 180.0;
         let amplitude = match gyro {
@@ -142,8 +147,8 @@ impl Random {
     }
 }
 
-/// Averaging times, s, and Allan variances of several members, averaged; readings of a faster generator are averaged to the
-/// study's rate.
+/// Averaging times, s, and Allan variances of several members, averaged; readings of a faster
+/// generator are averaged to the study's rate.
 fn curve(members: usize, mut member: impl FnMut(usize, &mut dyn FnMut(f64))) -> Vec<(f64, f64)> {
     let mut sums: Vec<(f64, f64)> = Vec::new();
     for m in 0..members {
@@ -205,7 +210,8 @@ fn generates(name: &str, change: fn(String) -> String) -> Result<(), Failed> {
         let (samples, curve) = generated(law(&text, gyro)?, 77 + gyro as u64);
         check(curve.len() == simulated.len() && curve.len() >= 8, format!("{} averaging times", curve.len()))?;
         for ((tau_s, got), (_, expected)) in curve.iter().zip(simulated) {
-            // Of an Allan deviation with T/τ − 1 differences a member; four standard errors beside the 5 %.
+            // Of an Allan deviation with T/τ − 1 differences a member; four standard errors beside
+            // the 5 %.
             let error = |samples: usize| tau_s * RATE_HZ / samples as f64;
             let spread = (0.5 * (error(samples) + error(LANES * SAMPLES))).sqrt();
             let what =

@@ -12,8 +12,9 @@ use crate::sensor::{Sense, SensorTerm};
 /// Members of the whole job that are asked which parts of the kernel it needs.
 const ASKED: u64 = 256;
 
-/// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the job are asked beside
-/// those of the batch, so that every batch of a job runs the same kernel: two compilations may round differently.
+/// Which parts of the kernel the job needs: the rest is compiled away. Members from all over the
+/// job are asked beside those of the batch, so that every batch of a job runs the same kernel: two
+/// compilations may round differently.
 pub(super) fn constants(job: &Job, batch: &[Column]) -> Result<Vec<(String, f64)>> {
     let drawn = asked(job, batch)?;
     let any = |c: usize| drawn.iter().any(|d| d.values[c] != 0.0);

@@ -1,4 +1,5 @@
-//! What may be said of a body without a spring: named laws in both units, the errors of force and of restarted windows.
+//! What may be said of a body without a spring: named laws in both units, the errors of force and
+//! of restarted windows.
 
 use std::ops::Range;
 
@@ -26,9 +27,11 @@ use super::regression::Regression;
 use super::selection::{Law, Selection, last, search};
 use super::windows;
 
-/// A remainder of this fraction of the variance, when it can be predicted, says that something is missing.
+/// A remainder of this fraction of the variance, when it can be predicted, says that something is
+/// missing.
 const FAINT: f64 = 0.05;
-/// One sample in so many is looked at for structure: what has gone through the low-pass of the force is white from there on.
+/// One sample in so many is looked at for structure: what has gone through the low-pass of the
+/// force is white from there on.
 const EVERY: usize = 12;
 /// Own past that is looked at, in those samples.
 const LAGS: usize = 12;
@@ -128,8 +131,8 @@ impl Models<'_> {
         }
     }
 
-    /// Fraction of the variance of what is left of the force that its past, the motion and the input predict, and the probability
-    /// of as much by chance.
+    /// Fraction of the variance of what is left of the force that its past, the motion and the
+    /// input predict, and the probability of as much by chance.
     fn predictable(&self, fitted: &[Range<usize>]) -> (f64, f64) {
         let rows: Vec<usize> = self.motion.counted(fitted).into_iter().flatten().step_by(EVERY).collect();
         let residual: Vec<f64> = rows.iter().map(|k| self.model.residual(self.motion, *k)).collect();

@@ -1,6 +1,6 @@
-//! The motion of a body without a spring and the force that it takes, both below a twenty-fifth of the sampling rate: what the
-//! equation of motion is compared on (filtered inverse dynamics; Gautier, Janot & Vandanjon, IEEE Trans. Control Syst. Technol. 21,
-//! 2013).
+//! The motion of a body without a spring and the force that it takes, both below a twenty-fifth of
+//! the sampling rate: what the equation of motion is compared on (filtered inverse dynamics;
+//! Gautier, Janot & Vandanjon, IEEE Trans. Control Syst. Technol. 21, 2013).
 
 use std::ops::Range;
 
@@ -8,9 +8,11 @@ use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::several::Piece;
 use crate::numerics::butterworth::zero_phase;
 
-/// Corner of the low-pass that the position goes through before it is differentiated, over the sampling rate.
+/// Corner of the low-pass that the position goes through before it is differentiated, over the
+/// sampling rate.
 const POSITION: f64 = 0.1;
-/// Corner of the low-pass that both sides of the equation of motion go through, over the sampling rate.
+/// Corner of the low-pass that both sides of the equation of motion go through, over the sampling
+/// rate.
 const FORCE: f64 = 0.04;
 /// Samples left out at either end of a recording.
 const CUT: usize = 50;

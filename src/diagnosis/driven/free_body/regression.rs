@@ -76,7 +76,8 @@ impl Regression {
         (value, [value - half, value + half])
     }
 
-    /// The same over the coefficient of the acceleration: an acceleration per unit of the part, by the delta method.
+    /// The same over the coefficient of the acceleration: an acceleration per unit of the part, by
+    /// the delta method.
     pub fn as_acceleration(&self, part: Part) -> (f64, [f64; 2]) {
         let Some(i) = self.place(part) else { return (0.0, [0.0; 2]) };
         let (b, a, c) = (self.coefficients[i], self.coefficients[0], &self.covariance);

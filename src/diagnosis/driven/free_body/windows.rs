@@ -1,5 +1,5 @@
-//! Free simulation of a body without a spring in windows: whatever is wrong with its force is integrated twice, so that it begins
-//! anew every second from the state that was measured.
+//! Free simulation of a body without a spring in windows: whatever is wrong with its force is
+//! integrated twice, so that it begins anew every second from the state that was measured.
 
 use std::ops::Range;
 
@@ -47,7 +47,8 @@ fn one(data: &Data, motion: &MotionAndForce, model: &Regression, window: Range<u
             if v == 0.0 && push.abs() <= friction {
                 continue;
             }
-            // Heun's method with the direction held over the step; a body that turns within it is at rest at its end.
+            // Heun's method with the direction held over the step; a body that turns within it is
+            // at rest at its end.
             let side = if v == 0.0 { push.signum() } else { v.signum() };
             let first = push - side * friction;
             let second = pull(v + h * first, at(1.0)) - side * friction;

@@ -1,10 +1,11 @@
-//! Whether a response is chaotic: a restoring force found without any simulation, and how a small difference grows along the
-//! recorded motion under it.
+//! Whether a response is chaotic: a restoring force found without any simulation, and how a small
+//! difference grows along the recorded motion under it.
 //!
-//! Multiplied by a smooth weight that vanishes at both ends and integrated by parts, the equation of motion holds for the
-//! readings themselves, without derivatives of noise (the weak form: Messenger & Bortz, J. Comput. Phys. 443, 2021). With a
-//! force of third degree it is linear in its coefficients. The growth is that of the variational equation (Benettin et al.,
-//! Meccanica 15, 1980). Not for numbers of the verdict but the exponent and the horizon.
+//! Multiplied by a smooth weight that vanishes at both ends and integrated by parts, the equation
+//! of motion holds for the readings themselves, without derivatives of noise (the weak form:
+//! Messenger & Bortz, J. Comput. Phys. 443, 2021). With a force of third degree it is linear in its
+//! coefficients. The growth is that of the variational equation (Benettin et al., Meccanica 15,
+//! 1980). Not for numbers of the verdict but the exponent and the horizon.
 
 use crate::diagnosis::driven::base::{BASE, GAIN, OFFSET, OMEGA, ZETA};
 use crate::diagnosis::driven::intake::data::Data;
@@ -50,14 +51,14 @@ struct Force {
     explained: f64,
 }
 
-/// Cycles within which a periodic response repeats, samples compared with later ones, and the root-mean-square difference, over
-/// the size of the motion, below which they are the same.
+/// Cycles within which a periodic response repeats, samples compared with later ones, and the
+/// root-mean-square difference, over the size of the motion, below which they are the same.
 const LONGEST: f64 = 12.0;
 const COMPARED: usize = 2048;
 const REPEATED: f64 = 0.1;
 
-/// Whether the response is chaotic within this recording; `None` where it is not, or where no force of third degree describes
-/// it.
+/// Whether the response is chaotic within this recording; `None` where it is not, or where no force
+/// of third degree describes it.
 pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
     let y = &data.reading[data.hull.clone()];
     let (centre, size) = mean_sd(y);
@@ -91,7 +92,8 @@ pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
 }
 
 impl Chaos {
-    /// The recording in windows: each begun from a state of its own, every third one judging where nothing else is said.
+    /// The recording in windows: each begun from a state of its own, every third one judging where
+    /// nothing else is said.
     pub(crate) fn in_windows(&self, data: &mut Data, own_test: bool) {
         let length = ((self.window_s * data.rate_hz) as usize).max(FEWEST);
         if !own_test {
@@ -270,8 +272,8 @@ mod tests {
 
     const PER_CYCLE: usize = 60;
 
-    /// x″ + c·x′ + k·x + b·x³ = F·cos Ωt after 200 periods, 150 periods at 60 samples each, with 0.2 % of noise; RK4 in 20
-    /// steps per sample.
+    /// x″ + c·x′ + k·x + b·x³ = F·cos Ωt after 200 periods, 150 periods at 60 samples each, with
+    /// 0.2 % of noise; RK4 in 20 steps per sample.
     fn recorded([damping, stiffness, cubic]: [f64; 3], force: f64, drive_rad_s: f64) -> Data {
         let (steps, count) = (20, 150 * PER_CYCLE);
         let h = TAU / drive_rad_s / (PER_CYCLE * steps) as f64;
@@ -312,8 +314,8 @@ mod tests {
         }
     }
 
-    // The paper's oscillator (D₀ = 0.1, ε = 0.3) at F₀ = 70.8: the exponent of `dynamics::lyapunov`, which integrates the
-    // equation itself, 0.18 1/s.
+    // The paper's oscillator (D₀ = 0.1, ε = 0.3) at F₀ = 70.8: the exponent of
+    // `dynamics::lyapunov`, which integrates the equation itself, 0.18 1/s.
     #[test]
     fn the_exponent_of_a_chaotic_recording_is_that_of_its_equation() {
         let oscillator = Oscillator { mass_kg: 1.0, damping_kg_s: 0.1, stiffness_n_m: 1.0, cubic_n_m3: 0.3 };
@@ -331,14 +333,16 @@ mod tests {
         assert!(found.wells.is_none());
     }
 
-    // The negative controls: the same spring at a tenth of the force, where it is periodic, and no cubic spring at all.
+    // The negative controls: the same spring at a tenth of the force, where it is periodic, and no
+    // cubic spring at all.
     #[test]
     fn periodic_responses_are_not_chaotic() {
         assert_eq!(chaos(&recorded([0.1, 1.0, 0.3], 7.08, 1.5)), None);
         assert_eq!(chaos(&recorded([0.1, 1.0, 0.0], 7.08, 1.5)), None);
     }
 
-    // x″ + 0.25x′ − x + x³ = 0.4 cos t, chaotic across both wells (Guckenheimer & Holmes 1983): at ±1, where the stiffness is 2.
+    // x″ + 0.25x′ − x + x³ = 0.4 cos t, chaotic across both wells (Guckenheimer & Holmes 1983): at
+    // ±1, where the stiffness is 2.
     #[test]
     fn two_wells_are_seen_and_the_model_begins_in_one() {
         let found = chaos(&recorded([0.25, -1.0, 1.0], 0.4, 1.0)).expect("it is chaotic");

@@ -1,4 +1,5 @@
-//! A model of the recording and its fit: base parameters and terms together, by maximum likelihood of the innovations.
+//! A model of the recording and its fit: base parameters and terms together, by maximum likelihood
+//! of the innovations.
 
 use std::ops::Range;
 
@@ -165,7 +166,8 @@ pub struct Fit {
     pub point: Vec<f64>,
     /// Integration steps per sample.
     pub steps: usize,
-    /// Innovations on the training rows, and their derivatives by the coordinates of the free parameters.
+    /// Innovations on the training rows, and their derivatives by the coordinates of the free
+    /// parameters.
     pub linear: Linear,
     /// Indices of the fitted parameters.
     pub free: Vec<usize>,
@@ -208,7 +210,8 @@ impl Fit {
         (ModelStructure::over(&terms, self.structure.further), point)
     }
 
-    /// Whether a law's parameter lies at the end of its plausible range, where the law is not what its name says.
+    /// Whether a law's parameter lies at the end of its plausible range, where the law is not what
+    /// its name says.
     pub fn at_bound(&self, scales: &Scales) -> bool {
         (0..self.structure.terms.len()).any(|index| self.term_at_bound(index, scales))
     }
@@ -230,8 +233,8 @@ impl Fit {
     }
 }
 
-/// Fits a model from a start; `None` where it breaks down there. A model of another number of recordings is taken over to those
-/// of the data.
+/// Fits a model from a start; `None` where it breaks down there. A model of another number of
+/// recordings is taken over to those of the data.
 pub fn fit(data: &Data, structure: &ModelStructure, start: &[f64], scales: &Scales, most: usize) -> Option<Fit> {
     if structure.further != data.breaks.len() {
         let here = ModelStructure::over(&structure.terms, data.breaks.len());

@@ -1,6 +1,7 @@
-//! How sure a fitted parameter is: its covariance from the innovations, and again from the scatter between blocks, which
-//! holds where the innovations are not quite white; the wider of the two is stated. Where a law has a corner the misfit is no
-//! parabola, and the interval is that of the profile likelihood.
+//! How sure a fitted parameter is: its covariance from the innovations, and again from the scatter
+//! between blocks, which holds where the innovations are not quite white; the wider of the two is
+//! stated. Where a law has a corner the misfit is no parabola, and the interval is that of the
+//! profile likelihood.
 
 use nalgebra::DMatrix;
 
@@ -30,7 +31,8 @@ pub struct Spread {
     pub correlation: DMatrix<f64>,
     /// How far the 95 % interval reaches down and up from each coordinate.
     pub reach: Vec<[f64; 2]>,
-    /// By what factor in variance blocks disagree more than their own noise explains, per free parameter; at least 1.
+    /// By what factor in variance blocks disagree more than their own noise explains, per free
+    /// parameter; at least 1.
     pub dispersion: Vec<f64>,
 }
 
@@ -78,7 +80,8 @@ pub(crate) fn reach() -> f64 {
     special::t_quantile(0.975, BLOCKS as f64 - 1.0)
 }
 
-/// Replaces the intervals of these terms, whose law has a corner, by those of their profile likelihood.
+/// Replaces the intervals of these terms, whose law has a corner, by those of their profile
+/// likelihood.
 pub(crate) fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize], spread: &mut Spread) {
     let places: Vec<(usize, usize)> = terms
         .iter()
@@ -96,7 +99,8 @@ pub(crate) fn profiled(data: &Data, fit: &Fit, scales: &Scales, terms: &[usize],
     }
 }
 
-/// How far from the best value a coordinate can be held before the others, fitted anew, leave a deviance of the 95 % level.
+/// How far from the best value a coordinate can be held before the others, fitted anew, leave a
+/// deviance of the 95 % level.
 fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, index: usize, side: usize) -> f64 {
     let begin = || {
         let mut search = Search::all(data, &fit.structure, &fit.point, scales);
@@ -109,8 +113,8 @@ fn side_of_profile(data: &Data, fit: &Fit, scales: &Scales, spread: &Spread, ind
     let (least, sign) = (fit.variance * fit.linear.residual.len() as f64, if side == 0 { -1.0 } else { 1.0 });
     let unit = fit.variance * spread.dispersion[index] * self::reach().powi(2);
     let mut reach = spread.reach[index][side];
-    // Along the ridge of the covariance, where the others would follow if the misfit were a parabola; then along where the
-    // last place led them.
+    // Along the ridge of the covariance, where the others would follow if the misfit were a
+    // parabola; then along where the last place led them.
     let mut slopes: Vec<f64> = (0..best.len())
         .map(|i| sign * spread.correlation[(i, index)] * spread.deviation[i] / spread.deviation[index].max(1e-300))
         .collect();

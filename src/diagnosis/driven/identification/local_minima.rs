@@ -1,5 +1,6 @@
-//! Whether a model whose law has a corner fits better elsewhere: a stop that is rarely touched looks much the same harder and
-//! further away, or softer and nearer, with a ridge between that no descent crosses.
+//! Whether a model whose law has a corner fits better elsewhere: a stop that is rarely touched
+//! looks much the same harder and further away, or softer and nearer, with a ridge between that no
+//! descent crosses.
 //!
 //! For the model that was chosen, once; where a search begins is not decided here (`start_search`).
 
@@ -14,7 +15,8 @@ const DEEPER: f64 = 2.0;
 /// Iterations of a fit from there.
 const ITERATIONS: usize = 20;
 
-/// The best of a fit and of fits begun where its terms say that they may be mistaken for themselves.
+/// The best of a fit and of fits begun where its terms say that they may be mistaken for
+/// themselves.
 pub(crate) fn deepest(data: &Data, found: Fit, scales: &Scales) -> Fit {
     let rows = found.linear.residual.len() as f64;
     let starts: Vec<Vec<f64>> = found

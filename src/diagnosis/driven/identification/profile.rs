@@ -1,9 +1,10 @@
-//! How sure a named parameter is, seen without assuming a parabola: what likelihood it costs to hold the parameter
-//! elsewhere while all others follow (profile likelihood).
+//! How sure a named parameter is, seen without assuming a parabola: what likelihood it costs to
+//! hold the parameter elsewhere while all others follow (profile likelihood).
 //!
-//! The ensemble evaluates the grid in one go: each point starts where the others' Gaussian approximation puts them, is
-//! simulated, and what they could still take up is projected out. A check on the interval stated (`interval`), not its
-//! source. The strength of a noise has no profile here: it changes no simulation.
+//! The ensemble evaluates the grid in one go: each point starts where the others' Gaussian
+//! approximation puts them, is simulated, and what they could still take up is projected out. A
+//! check on the interval stated (`interval`), not its source. The strength of a noise has no
+//! profile here: it changes no simulation.
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::work::Budget;
@@ -21,7 +22,8 @@ use super::start_search::StartSearch;
 const SIDE: usize = 16;
 /// How far they reach, in half-widths of the stated interval.
 const REACH: f64 = 2.0;
-/// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree of freedom.
+/// Log-likelihood that the 95 % interval gives away: half the 0.95 quantile of χ² with one degree
+/// of freedom.
 pub(crate) const FALL: f64 = 1.920_729;
 
 /// Log-likelihood below which a whole profile is flat.
@@ -41,7 +43,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Where the profile itself crosses the 95 % line on both sides; `None` where it does not within reach.
+    /// Where the profile itself crosses the 95 % line on both sides; `None` where it does not
+    /// within reach.
     pub fn interval(&self) -> Option<[f64; 2]> {
         let lowest = self.points.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?.0;
         let crossing = |outward: Vec<(f64, f64)>| {
@@ -71,8 +74,8 @@ impl Profile {
     }
 }
 
-/// A profile of every parameter of every named effect that a simulation shows, and the labels of those for which the work was
-/// spent.
+/// A profile of every parameter of every named effect that a simulation shows, and the labels of
+/// those for which the work was spent.
 pub fn profiles(
     data: &Data,
     fit: &Fit,
@@ -102,7 +105,8 @@ pub fn profiles(
     (all, left_out)
 }
 
-/// Log-likelihood lost over a grid of one free parameter; scatter between blocks beyond the noise's own weighs less.
+/// Log-likelihood lost over a grid of one free parameter; scatter between blocks beyond the noise's
+/// own weighs less.
 fn rise(
     data: &Data,
     fit: &Fit,

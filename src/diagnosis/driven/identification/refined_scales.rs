@@ -1,4 +1,5 @@
-//! Sizes of what a fit leaves: how large its velocity and its residual are, and which frequencies stand out.
+//! Sizes of what a fit leaves: how large its velocity and its residual are, and which frequencies
+//! stand out.
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::run::trace;
@@ -18,7 +19,8 @@ pub fn refined(data: &Data, fit: &Fit, scales: &Scales) -> Scales {
     scales
 }
 
-/// Frequencies at which a sequence's spectrum stands out most from its neighbourhood, strongest first.
+/// Frequencies at which a sequence's spectrum stands out most from its neighbourhood, strongest
+/// first.
 fn lines(values: &[f64], rate_hz: f64) -> Vec<f64> {
     let raw = spectrum::periodogram(values, rate_hz);
     let count = raw.density.len();

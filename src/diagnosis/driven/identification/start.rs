@@ -1,6 +1,8 @@
-//! Where the base model begins: resonance and damping from the frequency response, or from a ring-down's spectrum.
+//! Where the base model begins: resonance and damping from the frequency response, or from a
+//! ring-down's spectrum.
 //!
-//! Found from the recording itself; the model file's hints are only more places to begin. Not the fit itself (`fit`).
+//! Found from the recording itself; the model file's hints are only more places to begin. Not the
+//! fit itself (`fit`).
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,11 +24,13 @@ use super::fit::{Fit, fit};
 const ZETAS: [f64; 7] = [0.01, 0.03, 0.08, 0.2, 0.45, 0.8, 1.5];
 /// Natural frequencies on the grid, from the rate over this number to half the rate.
 const SLOWEST: f64 = 3000.0;
-/// How finely terms are integrated while they are being chosen; the models chosen are fitted again, more finely.
+/// How finely terms are integrated while they are being chosen; the models chosen are fitted again,
+/// more finely.
 const SEARCHING: f64 = 0.5;
 /// Fitted from this many of the best places.
 const POLISHED: usize = 4;
-/// Fraction of a residual's power that a peak of its spectrum must hold to be where the transient rings.
+/// Fraction of a residual's power that a peak of its spectrum must hold to be where the transient
+/// rings.
 const LEAST_RINGING: f64 = 0.05;
 /// Damping ratios to begin with there.
 const RINGING_ZETAS: [f64; 3] = [0.003, 0.02, 0.1];
@@ -117,8 +121,8 @@ pub fn base(data: &Data, hints: &model::Start) -> Option<(Fit, Scales)> {
     Some(other.unwrap_or(best))
 }
 
-/// Where the residual of a fit rings: at the highest peak of its spectrum, with the gain that answers the loudest line of the
-/// input as the fit does. None where no peak stands out.
+/// Where the residual of a fit rings: at the highest peak of its spectrum, with the gain that
+/// answers the loudest line of the input as the fit does. None where no peak stands out.
 fn by_ringing(data: &Data, input: &[f64], fit: &Fit) -> Vec<Place> {
     let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, false));
     let Some(driven) = loudest(&input[data.hull.clone()], data.rate_hz) else { return Vec::new() };
@@ -141,7 +145,8 @@ fn by_ringing(data: &Data, input: &[f64], fit: &Fit) -> Vec<Place> {
     lines.iter().flat_map(|line| RINGING_ZETAS.map(|zeta| place(line, zeta))).collect()
 }
 
-/// A ring-down is loudest at its beginning: the whole, and shorter looks that see heavy damping too.
+/// A ring-down is loudest at its beginning: the whole, and shorter looks that see heavy damping
+/// too.
 fn looks(values: &[f64]) -> impl Iterator<Item = &[f64]> {
     [1, 4, 16, 64].into_iter().map(|part| &values[..values.len() / part]).filter(|look| look.len() >= 32)
 }

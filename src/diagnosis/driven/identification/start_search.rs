@@ -1,8 +1,9 @@
 //! Search for start values: where to begin with a candidate whose misfit has several local minima.
 //!
-//! A grid of start values around the fitted model is simulated freely, eight at a time, and each is judged by what it would leave
-//! after the parameters fitted so far had moved along: its errors less their projection on the model's own
-//! derivatives. The best few are where the fit begins. Not for noise terms, which no free simulation shows.
+//! A grid of start values around the fitted model is simulated freely, eight at a time, and each is
+//! judged by what it would leave after the parameters fitted so far had moved along: its errors
+//! less their projection on the model's own derivatives. The best few are where the fit begins. Not
+//! for noise terms, which no free simulation shows.
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::filter::Nothing;
@@ -25,12 +26,14 @@ pub struct StartSearch<'a> {
 }
 
 impl<'a> StartSearch<'a> {
-    /// Around a model fitted to this data; `None` where it has noise terms, which no free simulation shows.
+    /// Around a model fitted to this data; `None` where it has noise terms, which no free
+    /// simulation shows.
     pub fn around(data: &'a Data, fit: &'a Fit) -> Option<Self> {
         if fit.structure.is_noisy() { None } else { Self::with_held(data, fit, None) }
     }
 
-    /// Around any model, with one free parameter, by its place among them, held where each point puts it.
+    /// Around any model, with one free parameter, by its place among them, held where each point
+    /// puts it.
     pub fn with_held(data: &'a Data, fit: &'a Fit, held: Option<usize>) -> Option<Self> {
         if fit.linear.residual.len() != data.train_len() {
             return None;
@@ -68,7 +71,8 @@ impl<'a> StartSearch<'a> {
         Some(apart(ranked.into_iter().map(|r| r.1), most))
     }
 
-    /// Sum of squares that each point leaves on the fitted rows after the model's own parameters have moved along.
+    /// Sum of squares that each point leaves on the fitted rows after the model's own parameters
+    /// have moved along.
     fn residuals(&self, term: Term, points: &[Vec<f64>], scales: &Scales) -> Option<Vec<f64>> {
         let models: Vec<(ModelStructure, Vec<f64>)> = points.iter().map(|p| self.fit.with(term, p)).collect();
         let (structure, _) = models.first()?;
@@ -125,7 +129,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Lowest point of a parabola through values at 0, 1 and −1, and its value there; no further out than 3.
+/// Lowest point of a parabola through values at 0, 1 and −1, and its value there; no further out
+/// than 3.
 fn parabola(none: f64, plus: f64, minus: f64) -> (f64, f64) {
     let (slope, bend) = (0.5 * (plus - minus), 0.5 * (plus + minus) - none);
     if bend.is_nan() || bend <= 0.0 {

@@ -1,5 +1,5 @@
-//! How finely a model that has been found must be integrated before its numbers are stated: measured on the model itself,
-//! against the finest integration that would ever be used.
+//! How finely a model that has been found must be integrated before its numbers are stated:
+//! measured on the model itself, against the finest integration that would ever be used.
 //!
 //! Not for the search, which takes a fixed and coarser measure (`start`).
 
@@ -13,15 +13,18 @@ use super::fit::Fit;
 
 /// Steps turn the terms' fastest rate by a quarter of a radian over this: tried in this order.
 const TRIED: [f64; 9] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0];
-/// The finest for laws without a corner, whose errors are of fourth order; a corner's are of second.
+/// The finest for laws without a corner, whose errors are of fourth order; a corner's are of
+/// second.
 const SMOOTH: f64 = 2.0;
-/// By how much of its standard deviation, all parameters taken together, integration may move the answer.
+/// By how much of its standard deviation, all parameters taken together, integration may move the
+/// answer.
 const SHIFT: f64 = 0.2;
-/// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns a name.
+/// Share of the innovations' variance that it may make up: a tenth of the smallest gain that earns
+/// a name.
 const SHARE: f64 = 5e-4;
 
-/// The coarsest measure at which neither the parameters nor the innovations differ from those of the finest by more than
-/// they may. `fit` must have been fitted to this data.
+/// The coarsest measure at which neither the parameters nor the innovations differ from those of
+/// the finest by more than they may. `fit` must have been fitted to this data.
 pub(crate) fn enough(data: &Data, fit: &Fit, scales: &Scales) -> f64 {
     let corner = fit.structure.terms.iter().any(|t| t.has_corner() && t.role().acts_on_mass());
     let finest = if corner { TRIED[TRIED.len() - 1] } else { SMOOTH };

@@ -1,8 +1,9 @@
-//! Whether input and output belong together as they stand: by how many samples one lags the other, and whether the two
-//! columns look exchanged.
+//! Whether input and output belong together as they stand: by how many samples one lags the other,
+//! and whether the two columns look exchanged.
 //!
-//! Every linear oscillator of a grid is compared with the recording at every lag at once, by one Fourier transform each.
-//! Not for delays below a sample or for any number in the verdict: the fit has its own delay (`lag`).
+//! Every linear oscillator of a grid is compared with the recording at every lag at once, by one
+//! Fourier transform each. Not for delays below a sample or for any number in the verdict: the fit
+//! has its own delay (`lag`).
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -23,7 +24,8 @@ const ZETAS: [f64; 4] = [0.01, 0.05, 0.2, 0.8];
 const RATIO: f64 = 1.06;
 /// From this many samples on, a lag is one of the recording and not of the sensor.
 const LATE: isize = 10;
-/// From as many on, the other way, a lead is one of the recording and not of the chain that measures the input.
+/// From as many on, the other way, a lead is one of the recording and not of the chain that
+/// measures the input.
 const EARLY: isize = -LATE;
 /// Part of the cause's power that must lie well below half the rate of what is compared.
 const BAND: f64 = 0.99;
@@ -39,7 +41,8 @@ pub(crate) struct Alignment {
     pub residual: f64,
     /// Residual without any lag.
     pub residual_unshifted: f64,
-    /// Share explained at a lag where nothing belongs together, by chance: exceeded at one lag in twenty.
+    /// Share explained at a lag where nothing belongs together, by chance: exceeded at one lag in
+    /// twenty.
     pub chance: f64,
 }
 
@@ -49,7 +52,8 @@ impl Alignment {
         self.lag != 0 && self.residual < 0.5 * self.residual_unshifted
     }
 
-    /// Whether the two have nothing to do with each other: what little is explained would be at any other lag too.
+    /// Whether the two have nothing to do with each other: what little is explained would be at any
+    /// other lag too.
     pub(crate) fn is_chance(&self) -> bool {
         self.residual > 0.7 && 1.0 - self.residual < 2.0 * self.chance
     }
@@ -60,12 +64,14 @@ impl Alignment {
     }
 }
 
-/// Whether the "output" looks like the cause of the "input": far better explained that way round, and nearly whole.
+/// Whether the "output" looks like the cause of the "input": far better explained that way round,
+/// and nearly whole.
 pub(crate) fn exchanged(forward: &Alignment, backward: &Alignment) -> bool {
     backward.residual < 0.1 && backward.residual < 0.2 * forward.residual
 }
 
-/// The best lag of `effect` behind `cause` within `among`, on its loudest stretch; `None` where there is too little to see.
+/// The best lag of `effect` behind `cause` within `among`, on its loudest stretch; `None` where
+/// there is too little to see.
 pub(crate) fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignment> {
     let stride = stride(&cause[among.clone()]);
     if stride > 1 {
@@ -79,8 +85,8 @@ pub(crate) fn align(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Opti
     aligned(cause, effect, among)
 }
 
-/// Rows that are taken together so that those compared cover as many cycles of the cause as they can: an oversampled recording
-/// shows little of its band in the rows that are looked at.
+/// Rows that are taken together so that those compared cover as many cycles of the cause as they
+/// can: an oversampled recording shows little of its band in the rows that are looked at.
 fn stride(cause: &[f64]) -> usize {
     let most = cause.len() / LOOKED_AT;
     if most < 2 {
@@ -113,7 +119,8 @@ fn aligned(cause: &[f64], effect: &[f64], among: &Range<usize>) -> Option<Alignm
     let rest = length - coarse.lag.unsigned_abs();
     let (late, early) = (coarse.lag.max(0) as usize, (-coarse.lag).max(0) as usize);
     let fine = look(&cause[from + early..][..rest], &effect[from + late..][..rest], 3)?;
-    // Where the rows that have a partner are no better explained than all were without a shift, it was chance.
+    // Where the rows that have a partner are no better explained than all were without a shift, it
+    // was chance.
     if fine.residual >= coarse.residual_unshifted {
         return Some(Alignment { lag: 0, residual: coarse.residual_unshifted, ..coarse });
     }
@@ -258,7 +265,8 @@ mod tests {
     use crate::rng::{Philox, Stream};
     use rand_distr::{Distribution, StandardNormal};
 
-    /// White force and the answer of an oscillator at 0.3 rad per sample, ζ = 0.1, by its own recurrence.
+    /// White force and the answer of an oscillator at 0.3 rad per sample, ζ = 0.1, by its own
+    /// recurrence.
     fn pair(n: usize) -> (Vec<f64>, Vec<f64>) {
         let u: Vec<f64> = StandardNormal.sample_iter(Philox::new(5, 0, Stream::Host)).take(n).collect();
         let (omega, zeta) = (0.3f64, 0.1);
@@ -286,7 +294,8 @@ mod tests {
     #[test]
     fn an_oversampled_recording_is_looked_at_over_its_band() {
         let (u, y) = pair(3000);
-        // Straight lines between the samples: 20 rows each, of which 8192 would hold a seventh of the recording.
+        // Straight lines between the samples: 20 rows each, of which 8192 would hold a seventh of
+        // the recording.
         let dense = |values: &[f64]| -> Vec<f64> {
             let between = |w: &[f64]| (0..20).map(|i| w[0] + (w[1] - w[0]) * f64::from(i) / 20.0).collect::<Vec<_>>();
             values.windows(2).flat_map(between).collect()

@@ -1,4 +1,5 @@
-//! The recording as simulations and fits see it: reading, input, environment, and what each sample is for.
+//! The recording as simulations and fits see it: reading, input, environment, and what each sample
+//! is for.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,7 +23,8 @@ pub struct Data {
     pub rate_hz: f64,
     /// From the first to the last sample that is fitted.
     pub hull: Range<usize>,
-    /// First samples of the further recordings within the hull, ascending: there the mass begins anew.
+    /// First samples of the further recordings within the hull, ascending: there the mass begins
+    /// anew.
     pub breaks: Vec<usize>,
     /// Samples that are fitted, within the hull.
     pub train: Vec<Range<usize>>,

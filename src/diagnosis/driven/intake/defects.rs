@@ -1,8 +1,8 @@
-//! What is wrong with a driven recording besides its physics: glitches, a scale that changes midway, jumps that neither the
-//! past nor the input predicts.
+//! What is wrong with a driven recording besides its physics: glitches, a scale that changes
+//! midway, jumps that neither the past nor the input predicts.
 //!
-//! Only what no oscillator does, so that none of it is taken for physics. What one column shows by itself (gaps, rails, a
-//! dead channel) is the business of `recording`.
+//! Only what no oscillator does, so that none of it is taken for physics. What one column shows by
+//! itself (gaps, rails, a dead channel) is the business of `recording`.
 
 use std::ops::Range;
 
@@ -28,7 +28,8 @@ const SURPRISING: f64 = 15.0;
 const FEW: usize = 3;
 /// Surprises nearer to each other than this are one, which is where it is strongest.
 const APART: usize = 4 * LAGS;
-/// Share of the readings on either side of the range of which too few are known to say what is usual there.
+/// Share of the readings on either side of the range of which too few are known to say what is
+/// usual there.
 const TAIL: f64 = 0.01;
 
 /// Typical absolute size: that of normally distributed values would be their standard deviation.
@@ -70,7 +71,8 @@ pub(super) fn glitches(values: &mut [f64]) -> Vec<usize> {
     found
 }
 
-/// Where the size of the output relative to the input's changes at once and for good, and by what factor.
+/// Where the size of the output relative to the input's changes at once and for good, and by what
+/// factor.
 pub(super) fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> Option<(usize, f64)> {
     let edge = |i: usize| among.start + among.len() * i / BLOCKS;
     let logs: Vec<f64> = (0..BLOCKS)
@@ -97,8 +99,9 @@ pub(super) fn rescaled(input: &[f64], output: &[f64], among: &Range<usize>) -> O
     })
 }
 
-/// Places where the output jumps and neither its past nor the input predicts it; none where the forecast itself goes to the ends
-/// of the range: what a law does where the motion hardly ever comes is not known.
+/// Places where the output jumps and neither its past nor the input predicts it; none where the
+/// forecast itself goes to the ends of the range: what a law does where the motion hardly ever
+/// comes is not known.
 pub(crate) fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<usize> {
     let mut sorted = output[among.clone()].to_vec();
     order::sort(&mut sorted);
@@ -110,8 +113,8 @@ pub(crate) fn jumps(input: Option<&[f64]>, output: &[f64], among: &Range<usize>)
     surprises.into_iter().filter(|s| (known.0..=known.1).contains(&&s.forecast)).map(|s| s.row).collect()
 }
 
-/// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what a model predicts is
-/// physics and no accident.
+/// Those of these places at which the errors of a model, sample by sample of `hull`, jump too: what
+/// a model predicts is physics and no accident.
 pub(super) fn unpredicted(places: &[usize], input: Option<&[f64]>, errors: &[f64], hull: &Range<usize>) -> Vec<usize> {
     let seen = surprises(input.map(|u| &u[hull.clone()]), errors, &(0..errors.len()));
     let near = |place: &usize| seen.iter().any(|s| (hull.start + s.row).abs_diff(*place) <= APART);
@@ -125,7 +128,8 @@ struct Surprise {
     forecast: f64,
 }
 
-/// Where a sequence goes far from what its past and the input predict; nowhere where that happens often.
+/// Where a sequence goes far from what its past and the input predict; nowhere where that happens
+/// often.
 fn surprises(input: Option<&[f64]>, output: &[f64], among: &Range<usize>) -> Vec<Surprise> {
     let rows = among.start.max(LAGS)..among.end.min(output.len().saturating_sub(LAGS));
     if rows.len() < 40 * LAGS {
@@ -206,8 +210,9 @@ mod tests {
         assert!(found.len() == 1 && found[0].abs_diff(1500) <= 2, "{found:?}");
     }
 
-    /// Displacement under two tones that swell once in 3000 samples so that it reaches `stop`, by the semi-implicit method in
-    /// 40 steps per sample, with a small roughness of its own; the force is the second sequence.
+    /// Displacement under two tones that swell once in 3000 samples so that it reaches `stop`, by
+    /// the semi-implicit method in 40 steps per sample, with a small roughness of its own; the
+    /// force is the second sequence.
     fn stopped(stop: f64) -> (Vec<f64>, Vec<f64>) {
         let loud = |k: usize| 0.03 + 0.018 * (-((k as f64 - 900.0) / 20.0).powi(2)).exp();
         let force: Vec<f64> = sine(3000).iter().enumerate().map(|(k, f)| loud(k) * f).collect();

@@ -1,8 +1,10 @@
-//! A recording too long to be fitted at once: its loudest stretch stands for the whole, and that is said.
+//! A recording too long to be fitted at once: its loudest stretch stands for the whole, and that is
+//! said.
 //!
-//! A model's errors and their derivatives are held in memory, some kilobytes per sample; and what half a million samples
-//! cannot show, more of the same will hardly show. Ranges that a model file names are kept as far as they lie in that stretch
-//! and next to it. Not for what is wrong with such ranges: they are left to be refused (`prepare`).
+//! A model's errors and their derivatives are held in memory, some kilobytes per sample; and what
+//! half a million samples cannot show, more of the same will hardly show. Ranges that a model file
+//! names are kept as far as they lie in that stretch and next to it. Not for what is wrong with
+//! such ranges: they are left to be refused (`prepare`).
 
 use std::ops::Range;
 
@@ -26,7 +28,8 @@ pub(crate) struct Part {
     pub model: model::Driven,
     /// A sentence about what was kept.
     pub said: String,
-    /// What a reader of the verdict must know, where ranges that the model names were not used whole.
+    /// What a reader of the verdict must know, where ranges that the model names were not used
+    /// whole.
     pub doubt: Option<String>,
 }
 
@@ -88,7 +91,8 @@ pub(super) fn excerpt(recording: &Recording, model: &model::Driven) -> Option<Pa
     Some(Part { recording: part, model, said, doubt })
 }
 
-/// The stretch of the longest length within `span` in which the samples to be fitted hold most power.
+/// The stretch of the longest length within `span` in which the samples to be fitted hold most
+/// power.
 fn loudest(reading: &[f64], train: &Stretches, span: Range<usize>) -> Option<Range<usize>> {
     if span.len() <= LONGEST {
         return Some(span);

@@ -1,4 +1,5 @@
-//! The input between its samples: band-limited, straight lines or steps, on the grid that the integrator asks for.
+//! The input between its samples: band-limited, straight lines or steps, on the grid that the
+//! integrator asks for.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -26,7 +27,8 @@ impl Interpolation {
     }
 }
 
-/// Samples on either side that the windowed sinc looks at; runs keep this far from the ends of a recording.
+/// Samples on either side that the windowed sinc looks at; runs keep this far from the ends of a
+/// recording.
 pub(crate) const REACH: usize = 24;
 /// Most integration steps per sample.
 pub(crate) const MOST_STEPS: usize = 32;
@@ -35,7 +37,8 @@ pub(crate) const MOST_STEPS: usize = 32;
 #[derive(Debug, Clone)]
 pub struct Input {
     samples: Vec<f64>,
-    /// Where it does not consist of one recording as a whole, the recordings and the samples of each that are used.
+    /// Where it does not consist of one recording as a whole, the recordings and the samples of
+    /// each that are used.
     pieces: Vec<(Vec<f64>, Range<usize>)>,
     /// Interpolation between samples.
     pub interpolation: Interpolation,
@@ -48,7 +51,8 @@ impl Input {
         Self { samples, pieces: Vec::new(), interpolation, dense: (0..=MOST_STEPS).map(|_| OnceLock::new()).collect() }
     }
 
-    /// Parts of several inputs one after another, none of which is interpolated across the end of its own.
+    /// Parts of several inputs one after another, none of which is interpolated across the end of
+    /// its own.
     pub fn joined(pieces: Vec<(Vec<f64>, Range<usize>)>, interpolation: Interpolation) -> Self {
         let samples = pieces.iter().flat_map(|(all, used)| &all[used.clone()]).copied().collect();
         Self { pieces, ..Self::new(samples, interpolation) }
@@ -64,8 +68,9 @@ impl Input {
         &self.samples
     }
 
-    /// Values at every half step for `steps` per sample: index `2·steps·k` is sample k. For a held input the value at a
-    /// jump is the one after it; the integrator never asks for the end of an interval that way (see [`Input::end`]).
+    /// Values at every half step for `steps` per sample: index `2·steps·k` is sample k. For a held
+    /// input the value at a jump is the one after it; the integrator never asks for the end of an
+    /// interval that way (see [`Input::end`]).
     pub fn grid(&self, steps: usize) -> &[f64] {
         let steps = steps.clamp(1, MOST_STEPS);
         self.dense[steps].get_or_init(|| self.densified(2 * steps))
@@ -81,8 +86,8 @@ impl Input {
         self.pieces.iter().flat_map(of_piece).collect()
     }
 
-    /// How far before the end of a step its last value is read, in grid points: 1 for a held input, whose value at the
-    /// end still is the one from its beginning.
+    /// How far before the end of a step its last value is read, in grid points: 1 for a held input,
+    /// whose value at the end still is the one from its beginning.
     pub fn end(&self) -> usize {
         usize::from(self.interpolation == Interpolation::Hold)
     }

@@ -1,6 +1,7 @@
 //! Spectral lines of an input: their powers, and whether it has little else.
 //!
-//! By the four-term window of Blackman and Harris (Harris, Proc. IEEE 66, 1978), whose own lines lie 92 dB down.
+//! By the four-term window of Blackman and Harris (Harris, Proc. IEEE 66, 1978), whose own lines
+//! lie 92 dB down.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +15,12 @@ pub(crate) const HALF_WIDTH: usize = 5;
 const FEW: usize = 3;
 /// Part of an input's power beside its lines that is nothing.
 const NOTHING: f64 = 1e-4;
-/// Part of a recording at either end in which a transient input must be at rest to need no window, and its size there.
+/// Part of a recording at either end in which a transient input must be at rest to need no window,
+/// and its size there.
 const AT_REST: (f64, f64) = (0.02, 1e-3);
 
-/// Mean square of each bin's line: a sine of amplitude A in one bin is A²/2. Empty where nothing moves. Without a window
-/// where the input begins and ends at rest.
+/// Mean square of each bin's line: a sine of amplitude A in one bin is A²/2. Empty where nothing
+/// moves. Without a window where the input begins and ends at rest.
 pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     let n = u.len();
     let (centre, size) = mean_sd(u);
@@ -41,8 +43,9 @@ pub(crate) fn power(u: &[f64]) -> Vec<f64> {
     bins.iter().map(|b| 2.0 * b.norm_sqr() / (sum * sum)).collect()
 }
 
-/// Whether a few lines carry all of an input's power: any response follows from it at those, and it follows from any
-/// response that holds them, so that nothing shows which is the cause and by how much it comes early.
+/// Whether a few lines carry all of an input's power: any response follows from it at those, and it
+/// follows from any response that holds them, so that nothing shows which is the cause and by how
+/// much it comes early.
 pub(super) fn are_all(u: &[f64]) -> bool {
     let mut remaining = power(u);
     remaining.iter_mut().take(HALF_WIDTH).for_each(|p| *p = 0.0);
@@ -70,12 +73,14 @@ mod tests {
         let pulse: Vec<f64> = (0..3000).map(|k| f64::from(u8::from((200..204).contains(&k)))).collect();
         assert!(are_all(&sines(1)) && are_all(&sines(3)));
         assert!(!are_all(&sines(8)) && !are_all(&noise) && !are_all(&pulse));
-        // Half a per cent of noise, in power 2.5e-5 of ½, is that of a measured sine; five per cent are not.
+        // Half a per cent of noise, in power 2.5e-5 of ½, is that of a measured sine; five per cent
+        // are not.
         let with = |part: f64| -> Vec<f64> { sines(1).iter().zip(&noise).map(|(s, e)| s + part * e).collect() };
         assert!(are_all(&with(0.005)) && !are_all(&with(0.05)));
     }
 
-    // A sine of amplitude 2 carries 2 in its line, between the bins too (the window's scalloping is below 0.9 dB).
+    // A sine of amplitude 2 carries 2 in its line, between the bins too (the window's scalloping is
+    // below 0.9 dB).
     #[test]
     fn the_power_of_a_line_is_half_its_amplitude_squared() {
         for cycles in [100.0, 100.5] {

@@ -1,4 +1,5 @@
-//! From a recording and its model to what can be fitted: columns found, ranges checked, defects said.
+//! From a recording and its model to what can be fitted: columns found, ranges checked, defects
+//! said.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -26,7 +27,8 @@ const FEWEST: usize = 20 * BASE;
 pub(super) const FEWEST_JUDGES: usize = 200;
 /// Fewest samples in a row that are worth judging on.
 const PIECE: usize = 20;
-/// Numbers beyond this, or below its inverse, leave the range of double precision once they are squared and summed.
+/// Numbers beyond this, or below its inverse, leave the range of double precision once they are
+/// squared and summed.
 const LARGEST: f64 = 1e100;
 
 /// What can be fitted, and what was noticed on the way.
@@ -58,7 +60,8 @@ pub struct Notes {
 }
 
 impl Notes {
-    /// Of the places where the reading jumps, those at which a model with these errors over `data.hull` does so too.
+    /// Of the places where the reading jumps, those at which a model with these errors over
+    /// `data.hull` does so too.
     pub fn report_jumps(&mut self, data: &Data, errors: &[f64]) {
         let input = data.input.as_ref().map(Input::samples);
         let clause = match defects::unpredicted(&self.jumps, input, errors, &data.hull).as_slice() {
@@ -71,7 +74,8 @@ impl Notes {
         self.doubt(clause, more);
     }
 
-    /// Something that a reader of the verdict must know: as a clause, and with what follows from it.
+    /// Something that a reader of the verdict must know: as a clause, and with what follows from
+    /// it.
     pub fn doubt(&mut self, clause: String, more: &str) {
         self.findings.push(format!("{clause}{more}"));
         self.doubts.push(clause);
@@ -81,8 +85,8 @@ impl Notes {
 /// Checks and arranges.
 ///
 /// # Errors
-/// A column that is not there, values that are not numbers, a reading that never changes, too few samples, ranges outside
-/// the recording or in both train and test.
+/// A column that is not there, values that are not numbers, a reading that never changes, too few
+/// samples, ranges outside the recording or in both train and test.
 pub fn prepare(recording: &Recording, model: &model::Driven) -> Result<Prepared> {
     let mut notes = Notes { findings: recording.sentences(), ..Notes::default() };
     let start = hints(recording, &model.start, &mut notes.findings);
@@ -201,7 +205,8 @@ fn hints(recording: &Recording, start: &model::Start, findings: &mut Vec<String>
     model::Start { resonance_hz, damping_ratio }
 }
 
-/// Whether input and output belong together as they stand; an input that is far early or late is moved.
+/// Whether input and output belong together as they stand; an input that is far early or late is
+/// moved.
 ///
 /// # Errors
 /// Where the two have nothing to do with each other; in words.
@@ -301,7 +306,8 @@ fn column<'a>(recording: &'a Recording, name: &str) -> Result<&'a [f64]> {
     }
 }
 
-/// Fitted and judging ranges as the model file states them; the whole recording where it states nothing.
+/// Fitted and judging ranges as the model file states them; the whole recording where it states
+/// nothing.
 fn ranges(
     recording: &Recording,
     split: &model::Split,

@@ -1,10 +1,11 @@
-//! The noise of a reading, measured without any model: what "at the noise" is held against, so that nothing a fit takes up
-//! can pass for noise.
+//! The noise of a reading, measured without any model: what "at the noise" is held against, so that
+//! nothing a fit takes up can pass for noise.
 //!
-//! Two kinds of measure. What does not repeat, under an input that does or where nothing moves, is noise of any colour, but
-//! also whatever else does not repeat (a drift, a chaotic response). What differences of high order or the quietest part of
-//! the spectrum hold is white noise, but also what is left of the motion there. Either errs upwards, so that the smaller is
-//! the better one; what repeats is believed while both agree. Coloured noise is measured by what repeats alone.
+//! Two kinds of measure. What does not repeat, under an input that does or where nothing moves, is
+//! noise of any colour, but also whatever else does not repeat (a drift, a chaotic response). What
+//! differences of high order or the quietest part of the spectrum hold is white noise, but also
+//! what is left of the motion there. Either errs upwards, so that the smaller is the better one;
+//! what repeats is believed while both agree. Coloured noise is measured by what repeats alone.
 
 use std::ops::Range;
 
@@ -94,7 +95,8 @@ pub(crate) fn reading_noise(s: &Sample<'_>) -> Option<ReadingNoise> {
         return None;
     }
     let u = s.input.and_then(|u| u.get(range));
-    // The quietest of many bands lies a little low by chance: where both agree, differences are the surer measure.
+    // The quietest of many bands lies a little low by chance: where both agree, differences are the
+    // surer measure.
     let (by_differences, by_band) = (differences(y)?, quietest(y, s.rate_hz));
     let white = by_band.filter(|b| b.deviation < AGREE * by_differences.deviation).unwrap_or(by_differences);
     let any_colour = least([u.and_then(|u| periods(u, y)), still(u, y)]);
@@ -150,7 +152,8 @@ fn quietest(y: &[f64], rate_hz: f64) -> Option<ReadingNoise> {
     (0..BANDS).filter_map(band).min_by(|a, b| a.deviation.total_cmp(&b.deviation))
 }
 
-/// By repetition: the scatter of the reading at equal phases of an input that repeats, its first third left out.
+/// By repetition: the scatter of the reading at equal phases of an input that repeats, its first
+/// third left out.
 fn periods(u: &[f64], y: &[f64]) -> Option<ReadingNoise> {
     let period = period(u)?;
     let skipped = y.len() / 3;
@@ -196,7 +199,8 @@ fn period(u: &[f64]) -> Option<usize> {
     (SHORTEST..most).filter(is_peak).take(TRIED).find(repeats)
 }
 
-/// By stillness: the scatter about a straight line in the quietest stretch in which the input does not change.
+/// By stillness: the scatter about a straight line in the quietest stretch in which the input does
+/// not change.
 fn still(u: Option<&[f64]>, y: &[f64]) -> Option<ReadingNoise> {
     let n = y.len();
     let length = (n / 8).min(STILL[1]);
@@ -223,7 +227,8 @@ fn still(u: Option<&[f64]>, y: &[f64]) -> Option<ReadingNoise> {
     Some(ReadingNoise { deviation, how: How::Still { samples: length } })
 }
 
-/// The smallest difference between two readings: the step in which they come, if they come in steps.
+/// The smallest difference between two readings: the step in which they come, if they come in
+/// steps.
 fn step(y: &[f64]) -> f64 {
     let mut sorted = y.to_vec();
     order::sort(&mut sorted);
@@ -251,7 +256,8 @@ mod tests {
         1000.0 * phase.sin() + 200.0 * (3.0 * phase + 0.4).sin() + 50.0 * (5.0 * phase).cos()
     }
 
-    // White noise of unit size: every way must find 1 within 8 % (five standard errors of the least sure one).
+    // White noise of unit size: every way must find 1 within 8 % (five standard errors of the least
+    // sure one).
     #[test]
     fn each_way_finds_the_noise_below_a_motion_a_thousand_times_as_large() {
         let e = noise(6000, 1);
@@ -268,7 +274,8 @@ mod tests {
         assert!((found.deviation - 1.0).abs() < 0.15, "{found:?}");
     }
 
-    // The negative control: what a model would leave unexplained, a drift of the motion's size, is not noise.
+    // The negative control: what a model would leave unexplained, a drift of the motion's size, is
+    // not noise.
     #[test]
     fn what_does_not_repeat_because_it_drifts_is_not_taken_for_noise() {
         let e = noise(6000, 2);

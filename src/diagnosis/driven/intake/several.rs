@@ -1,7 +1,8 @@
-//! Several recordings of one sensor as one data set in which the mass begins anew with each; those that only judge come last.
+//! Several recordings of one sensor as one data set in which the mass begins anew with each; those
+//! that only judge come last.
 //!
-//! The ends of each recording, where its input cannot be interpolated, are left out, so that fitted samples follow on one another
-//! without a gap. Each recording is checked on its own (`prepare`).
+//! The ends of each recording, where its input cannot be interpolated, are left out, so that fitted
+//! samples follow on one another without a gap. Each recording is checked on its own (`prepare`).
 
 use std::ops::Range;
 
@@ -47,8 +48,8 @@ pub struct Taken {
 /// All recordings as one data set.
 ///
 /// # Errors
-/// As [`prepare::prepare`] for each; several recordings whose rates differ, with ranges of samples in the model, or with more
-/// samples than are fitted at once.
+/// As [`prepare::prepare`] for each; several recordings whose rates differ, with ranges of samples
+/// in the model, or with more samples than are fitted at once.
 pub(crate) fn taken(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     match recordings.only() {
         Some(only) => alone(only, model),
@@ -135,7 +136,8 @@ fn joined(recordings: Recordings<'_>, model: &model::Driven) -> Result<Taken> {
     Ok(Taken { prepared, pieces, judging: Vec::new() })
 }
 
-/// Whether the recordings can be of one data set; that the columns are there is seen as each is prepared.
+/// Whether the recordings can be of one data set; that the columns are there is seen as each is
+/// prepared.
 fn agree(recordings: Recordings<'_>, model: &model::Driven) -> Result<()> {
     let first = &recordings.train[0];
     if !(model.split.train.is_empty() && model.split.test.is_empty()) {

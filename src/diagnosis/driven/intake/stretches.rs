@@ -1,4 +1,5 @@
-//! Ranges of samples: which are fitted, which judge, and which stretch of a long recording is searched.
+//! Ranges of samples: which are fitted, which judge, and which stretch of a long recording is
+//! searched.
 //!
 //! Not for finding defects (`prepare`) and not for changing roles once they are given (`folds`).
 
@@ -12,8 +13,8 @@ use super::data::Data;
 /// Half-open ranges of samples, ascending.
 pub(crate) type Stretches = Vec<Range<usize>>;
 
-/// Blocks that a stretch is cut into when the model does not say which samples judge; every third one judges. Many, so that
-/// what happens once is seen by both kinds.
+/// Blocks that a stretch is cut into when the model does not say which samples judge; every third
+/// one judges. Many, so that what happens once is seen by both kinds.
 const BLOCKS: usize = 72;
 /// Recordings longer than this are searched on a stretch only.
 const LONG: usize = 40_000;
@@ -52,8 +53,8 @@ pub(crate) fn minus(from: &[Range<usize>], take: &[Range<usize>]) -> Vec<Range<u
     remaining
 }
 
-/// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to everything afterwards.
-/// `None` where the recording is short enough to be used whole.
+/// The loudest stretch of a long recording, to choose terms on; the terms chosen are fitted to
+/// everything afterwards. `None` where the recording is short enough to be used whole.
 pub(crate) fn loudest(data: &Data) -> Option<Data> {
     if data.hull.len() <= LONG {
         return None;

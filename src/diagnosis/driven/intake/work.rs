@@ -1,9 +1,10 @@
-//! How much has been computed on a recording: integration steps, counted, so that a diagnosis ends at the same place on every
-//! machine. Not a clock.
+//! How much has been computed on a recording: integration steps, counted, so that a diagnosis ends
+//! at the same place on every machine. Not a clock.
 //!
-//! Each stage has a budget of its own: the search for terms, the look for others that would do as well, the conclusion with its
-//! intervals. It is looked at where all fits begun have ended; what has been begun is finished, so that a stage overruns its
-//! budget by at most the fits of one step. What a stage had to leave out is said in the verdict.
+//! Each stage has a budget of its own: the search for terms, the look for others that would do as
+//! well, the conclusion with its intervals. It is looked at where all fits begun have ended; what
+//! has been begun is finished, so that a stage overruns its budget by at most the fits of one step.
+//! What a stage had to leave out is said in the verdict.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,7 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples that a stage may always take for granted: shorter recordings get the work of this many.
 const LEAST_SAMPLES: usize = 20_000;
 
-/// What a stage may spend per sample: integration steps, eight parameter sets side by side counted as one.
+/// What a stage may spend per sample: integration steps, eight parameter sets side by side counted
+/// as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// The base model and the search for terms.

@@ -1,4 +1,5 @@
-//! The base model of a recording, and whether another way of the input between its samples would do what terms seem to.
+//! The base model of a recording, and whether another way of the input between its samples would do
+//! what terms seem to.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -70,7 +71,8 @@ pub fn base(data: &Data, hints: &model::Start, notes: &mut Notes) -> Result<(Fit
     Ok(best)
 }
 
-/// Puts the base model's readings where none were recorded: a straight line there would be taken for physics.
+/// Puts the base model's readings where none were recorded: a straight line there would be taken
+/// for physics.
 pub(crate) fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     if filled.is_empty() {
         return;
@@ -84,8 +86,9 @@ pub(crate) fn bridge(data: &mut Data, base: &Fit, filled: &[Range<usize>]) {
     }
 }
 
-/// Whether steps or straight lines between the samples of the input do as well as the linear terms of `chosen` that they
-/// could be mistaken for: a held input looks late by half a sample, straight lines look like a weak low-pass.
+/// Whether steps or straight lines between the samples of the input do as well as the linear terms
+/// of `chosen` that they could be mistaken for: a held input looks late by half a sample, straight
+/// lines look like a weak low-pass.
 pub(crate) fn other_input(data: &mut Data, chosen: &Judged, scales: &Scales) -> Option<Interpolation> {
     let mistaken = |t: &Term| {
         matches!(

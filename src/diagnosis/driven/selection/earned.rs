@@ -1,5 +1,5 @@
-//! Whether a term earns its place: by the samples that judge, or where these show less than the fitted ones, by all samples in
-//! turn; and a model without the terms that do not.
+//! Whether a term earns its place: by the samples that judge, or where these show less than the
+//! fitted ones, by all samples in turn; and a model without the terms that do not.
 
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
@@ -11,18 +11,20 @@ use super::folds::{Fold, turned};
 use super::held_out::{Comparison, compare, held_out};
 use super::judged::{Judged, judge};
 
-/// Level of the test on validation samples. Only the few candidates that are best on the fitted samples come before it, at a
-/// penalty there of ln(tried), so that no further correction is due.
+/// Level of the test on validation samples. Only the few candidates that are best on the fitted
+/// samples come before it, at a penalty there of ln(tried), so that no further correction is due.
 pub(crate) const LEVEL: f64 = 0.002;
-/// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors begin.
+/// Smallest share of the one-step error that is worth a name: below it, the simulation's own errors
+/// begin.
 pub(crate) const SMALLEST_GAIN: f64 = 0.005;
-/// Lead on the fitted samples at which validation samples that show nothing are doubted: what is rare may have missed them.
+/// Lead on the fitted samples at which validation samples that show nothing are doubted: what is
+/// rare may have missed them.
 const DOUBT: f64 = 25.0;
 /// Iterations of one fit.
 pub(crate) const ITERATIONS: usize = 14;
 
-/// Evidence for a larger model against a reduced one that lacks some of its terms: the validation samples, or where these show
-/// less than the fitted ones, all samples in turn.
+/// Evidence for a larger model against a reduced one that lacks some of its terms: the validation
+/// samples, or where these show less than the fitted ones, all samples in turn.
 pub(crate) fn earned(
     data: &Data,
     reduced: &Judged,
@@ -71,8 +73,8 @@ pub(super) fn pruned(data: &Data, mut model: Judged, scales: &Scales, tried: usi
     model
 }
 
-/// A model refitted without one of its terms: at once, or where that breaks down, with the term made smaller step by step.
-/// `None` only where neither leads to a model.
+/// A model refitted without one of its terms: at once, or where that breaks down, with the term
+/// made smaller step by step. `None` only where neither leads to a model.
 pub(crate) fn without(data: &Data, model: &Judged, index: usize, scales: &Scales) -> Option<Judged> {
     let (structure, point): (ModelStructure, Vec<f64>) = model.fit.without(index);
     let at_once = fit(data, &structure, &point, scales, ITERATIONS);

@@ -1,4 +1,5 @@
-//! Other ways to part the samples that are fitted from those that judge: for what is rare, and happens to lie on one side only.
+//! Other ways to part the samples that are fitted from those that judge: for what is rare, and
+//! happens to lie on one side only.
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
@@ -19,8 +20,9 @@ pub(crate) struct Fold {
     pub validation: Stretches,
 }
 
-/// Two other ways: halves of what is fitted judge in turn. The first samples are fitted in both, for they say where the mass
-/// began: from later ones alone, by when that has faded, any beginning may follow.
+/// Two other ways: halves of what is fitted judge in turn. The first samples are fitted in both,
+/// for they say where the mass began: from later ones alone, by when that has faded, any beginning
+/// may follow.
 pub(crate) fn turned(data: &Data) -> [Fold; 2] {
     let (mut first, mut second) = (Vec::new(), Vec::new());
     let mut beginning = Vec::new();
@@ -43,8 +45,8 @@ pub(crate) fn turned(data: &Data) -> [Fold; 2] {
     [Fold { train: one, validation: first }, Fold { train: other, validation: second }]
 }
 
-/// Another fold, where the errors of a fit stand out in the samples that judge: what they show could not be fitted otherwise.
-/// The quieter half of the fitted samples judges then.
+/// Another fold, where the errors of a fit stand out in the samples that judge: what they show
+/// could not be fitted otherwise. The quieter half of the fitted samples judges then.
 pub(crate) fn fold_with_rare_events(data: &Data, fit: &Fit) -> Option<Fold> {
     let (errors, _) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let power = |ranges: &Stretches| {

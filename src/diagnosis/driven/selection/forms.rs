@@ -1,7 +1,9 @@
-//! Laws that are near the library's and not it: each law that was chosen is given freedom in its form, and what that takes up
-//! is no second effect. A law whose free form predicts samples better that were not fitted departs from its name.
+//! Laws that are near the library's and not it: each law that was chosen is given freedom in its
+//! form, and what that takes up is no second effect. A law whose free form predicts samples better
+//! that were not fitted departs from its name.
 //!
-//! Not for how far it departs (`verdict::form`) and not for what follows for the verdict (`ruling`).
+//! Not for how far it departs (`verdict::form`) and not for what follows for the verdict
+//! (`ruling`).
 
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
 use crate::diagnosis::driven::intake::data::Data;
@@ -21,13 +23,15 @@ use super::held_out::compare;
 use super::judged::{Departing, Judged, Selection, judge};
 use super::residual_structure::residual_structure;
 
-/// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from the stated one.
+/// Log-likelihood that a law's free form must gain, beyond what its values cost, to be told from
+/// the stated one.
 const LEAST_LEAD: f64 = 3.0;
 /// Log-likelihood that one linear step must promise for the free form of a law to be fitted.
 const LEAST_PROMISE: f64 = 8.0;
 /// Laws beside the chosen ones that are tried alone with a free form.
 const OTHERS: usize = 4;
-/// Share of the variance of what is left from which on one law with a free form is tried in the place of all.
+/// Share of the variance of what is left from which on one law with a free form is tried in the
+/// place of all.
 const UNDONE: f64 = 0.02;
 /// Terms beyond which a model is that of a series.
 const MANY: usize = 3;
@@ -64,7 +68,8 @@ fn freed_law(term: &Term) -> Option<Freed> {
     }
 }
 
-/// A typical argument of a law, and the size by which its free form is measured; `None` where it never moves.
+/// A typical argument of a law, and the size by which its free form is measured; `None` where it
+/// never moves.
 fn sizes(data: &Data, model: &Fit, law: Freed, stated: &[f64]) -> Option<(f64, f64)> {
     let values = visits(data, model, law.argument());
     let typical = rms(values.iter().copied());
@@ -87,7 +92,8 @@ fn with_instead(model: &Fit, index: usize, term: Term, values: &[f64]) -> (Model
     (ModelStructure::over(&terms, model.structure.further), point)
 }
 
-/// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a corner.
+/// What one linear step from the stated form promises, as a log-likelihood; unknown for laws with a
+/// corner.
 fn promise(data: &Data, structure: &ModelStructure, point: &[f64], scales: &Scales) -> f64 {
     let search = Search::all(data, structure, point, scales);
     let Some(linear) = search.linearise(&search.z(point)) else { return f64::INFINITY };
@@ -95,8 +101,9 @@ fn promise(data: &Data, structure: &ModelStructure, point: &[f64], scales: &Scal
     0.5 * rows * (normal.sum / normal.predicted().max(1e-300)).ln()
 }
 
-/// A model with the form of one of its laws freed, fitted; `None` where the law has no form to free, or where one linear step
-/// promises nothing. All of the form is free where that promises more than one value does.
+/// A model with the form of one of its laws freed, fitted; `None` where the law has no form to
+/// free, or where one linear step promises nothing. All of the form is free where that promises
+/// more than one value does.
 pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, screened: bool) -> Option<Fit> {
     let law = freed_law(&model.structure.terms[index])?;
     let stated = model.structure.of(index, &model.point);
@@ -134,7 +141,8 @@ pub(crate) fn freed(data: &Data, model: &Fit, index: usize, scales: &Scales, scr
 }
 
 impl Departing {
-    /// Without its terms, other than the one that is free, that are not worth what they cost beside it.
+    /// Without its terms, other than the one that is free, that are not worth what they cost beside
+    /// it.
     fn pruned(mut self, data: &Data, scales: &Scales, least: f64) -> Self {
         loop {
             let others = (0..self.judged.fit.structure.terms.len()).filter(|j| *j != self.index);
@@ -157,9 +165,9 @@ impl Departing {
     }
 }
 
-/// Frees the forms of the laws chosen, and where these are several or leave something, that of each law that does well alone.
-/// Where a free form does the work of more than one term, or predicts better, the selection holds its law and no more than
-/// still earns its place beside it.
+/// Frees the forms of the laws chosen, and where these are several or leave something, that of each
+/// law that does well alone. Where a free form does the work of more than one term, or predicts
+/// better, the selection holds its law and no more than still earns its place beside it.
 pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, budget: Budget) {
     let chosen = selection.chosen.clone();
     let tried = selection.tried;
@@ -180,7 +188,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
         if data.work.is_spent(budget) {
             break;
         }
-        // Where another term may only patch this law's form, the form is free to do so itself, whatever one step promises.
+        // Where another term may only patch this law's form, the form is free to do so itself,
+        // whatever one step promises.
         let Some(found) = freed(data, &chosen.fit, index, scales, chosen.fit.structure.terms.len() == 1) else {
             continue;
         };
@@ -209,7 +218,8 @@ pub(crate) fn settle(data: &Data, selection: &mut Selection, scales: &Scales, bu
     if score_gain < if fewer { -LEAST_LEAD } else { LEAST_LEAD } {
         return;
     }
-    // Of many terms none but the strongest is named: where freedom in one form does not end them, they stay as details.
+    // Of many terms none but the strongest is named: where freedom in one form does not end them,
+    // they stay as details.
     if chosen.fit.structure.terms.len() > MANY && residual_structure(data, &found.judged.fit).r_squared > UNDONE {
         return;
     }

@@ -1,4 +1,5 @@
-//! Prediction on samples that were not fitted: block by block, one step ahead and in free simulation.
+//! Prediction on samples that were not fitted: block by block, one step ahead and in free
+//! simulation.
 
 use std::ops::Range;
 
@@ -70,14 +71,15 @@ pub struct Comparison {
     pub gain: f64,
     /// 95 % interval of the gain, from the scatter between blocks.
     pub ci95: [f64; 2],
-    /// Probability of such a gain by chance: the smaller, doubled, of that from the scatter between blocks and that from the
-    /// likelihood.
+    /// Probability of such a gain by chance: the smaller, doubled, of that from the scatter between
+    /// blocks and that from the likelihood.
     pub p_value: f64,
 }
 
-/// Compares block by block: the mean of the logarithms of the ratios, by Student's t. What happens in a few blocks only is
-/// lost in their scatter; but a model fitted elsewhere is e^L times as likely as the truth with a probability of at most
-/// e^−L (Markov's inequality), so that the likelihood of all blocks together may speak too.
+/// Compares block by block: the mean of the logarithms of the ratios, by Student's t. What happens
+/// in a few blocks only is lost in their scatter; but a model fitted elsewhere is e^L times as
+/// likely as the truth with a probability of at most e^−L (Markov's inequality), so that the
+/// likelihood of all blocks together may speak too.
 pub fn compare(before: &HeldOut, after: &HeldOut) -> Comparison {
     let logs: Vec<f64> = before
         .blocks
@@ -142,7 +144,8 @@ pub(crate) fn held_out(data: &Data, fit: &Fit, scales: &Scales, ranges: &[Range<
     HeldOut { blocks, colour: correlation(&errors, MEMORY) }
 }
 
-/// The fitted model with its state at the beginning of a separate range found from the first samples there.
+/// The fitted model with its state at the beginning of a separate range found from the first
+/// samples there.
 pub(crate) fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usize>) -> Vec<f64> {
     let lead = LEAD.min(range.len() / 4).max(4);
     let mut point = fit.point.clone();
@@ -168,8 +171,8 @@ pub(crate) fn settled(data: &Data, fit: &Fit, scales: &Scales, range: &Range<usi
     search.minimise(10).map_or(point, |m| search.point(&m.z))
 }
 
-/// The fitted model with offset and initial state as free simulation of the training rows wants them: a filter that corrects
-/// itself leaves them undetermined.
+/// The fitted model with offset and initial state as free simulation of the training rows wants
+/// them: a filter that corrects itself leaves them undetermined.
 pub(crate) fn at_rest(data: &Data, fit: &Fit, scales: &Scales) -> Vec<f64> {
     if !fit.structure.is_noisy() {
         return fit.point.clone();

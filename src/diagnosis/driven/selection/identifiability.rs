@@ -1,10 +1,11 @@
-//! What the input can tell apart at all, whatever was recorded: how many spectral lines it has that move the reading, against
-//! the parameters of what is linear.
+//! What the input can tell apart at all, whatever was recorded: how many spectral lines it has that
+//! move the reading, against the parameters of what is linear.
 //!
-//! In the steady state a linear model is seen at the input's lines alone, by amplitude and phase at each: with K lines two
-//! models with 2K parameters or more answer alike (persistent excitation: Ljung, System Identification, ch. 13). What parts
-//! them then is the transient of the start, which a base model that errs elsewhere fits as it pleases; it decides nothing
-//! here. Laws that make harmonics are seen at those and do not belong to the class.
+//! In the steady state a linear model is seen at the input's lines alone, by amplitude and phase at
+//! each: with K lines two models with 2K parameters or more answer alike (persistent excitation:
+//! Ljung, System Identification, ch. 13). What parts them then is the transient of the start, which
+//! a base model that errs elsewhere fits as it pleases; it decides nothing here. Laws that make
+//! harmonics are seen at those and do not belong to the class.
 
 use std::f64::consts::TAU;
 
@@ -25,13 +26,15 @@ const MANY: usize = 8;
 const FAINTEST: f64 = 1e-8;
 /// Log-likelihood that a line must be worth in the reading.
 const WORTH: f64 = 12.0;
-/// Cycles of the resonance below which its frequency and damping, and what stands beside them, are not determined.
+/// Cycles of the resonance below which its frequency and damping, and what stands beside them, are
+/// not determined.
 pub(crate) const FEWEST_CYCLES: f64 = 4.0;
 
 /// What the input and the length of the recording leave undetermined.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Reach {
-    /// Frequencies of the input's lines, Hz, strongest first; empty where there are many, or no input.
+    /// Frequencies of the input's lines, Hz, strongest first; empty where there are many, or no
+    /// input.
     pub lines_hz: Vec<f64>,
     /// Cycles of the base model's resonance in the recording, where they are too few.
     pub few_cycles: Option<f64>,
@@ -49,8 +52,9 @@ impl Reach {
         }
     }
 
-    /// Ids of the laws that answer this input alike beside these terms: all that is linear, where the terms among them have
-    /// as many parameters as the lines have amplitudes and phases. Empty where the input tells them apart.
+    /// Ids of the laws that answer this input alike beside these terms: all that is linear, where
+    /// the terms among them have as many parameters as the lines have amplitudes and phases. Empty
+    /// where the input tells them apart.
     pub fn class(&self, terms: &[Term]) -> Vec<&'static str> {
         let linear: Vec<&Term> = terms.iter().filter(|t| is_linear(t)).collect();
         let seen = |t: &Term| t.candidate().parameters.len();
@@ -68,7 +72,8 @@ impl Reach {
         !self.lines_hz.is_empty() && self.is_full(1)
     }
 
-    /// Whether a linear model with so many parameters beside the base model's fits any amplitudes and phases at the lines.
+    /// Whether a linear model with so many parameters beside the base model's fits any amplitudes
+    /// and phases at the lines.
     fn is_full(&self, parameters: usize) -> bool {
         BASE_SEEN + parameters >= 2 * self.lines_hz.len()
     }
@@ -80,8 +85,8 @@ pub(super) fn is_linear(term: &Term) -> bool {
         || matches!(term, Term::CoupledMode(_))
 }
 
-/// Frequencies of the lines of the input that move the reading beyond its noise, strongest first; as soon as they are many,
-/// no further ones are looked for.
+/// Frequencies of the lines of the input that move the reading beyond its noise, strongest first;
+/// as soon as they are many, no further ones are looked for.
 fn lines(data: &Data, base: &Fit) -> Vec<f64> {
     let Some(input) = &data.input else { return Vec::new() };
     let power = power(&Input::samples(input)[data.hull.clone()]);
@@ -102,7 +107,8 @@ fn lines(data: &Data, base: &Fit) -> Vec<f64> {
     while found.len() <= MANY {
         let Some((bin, most)) = remaining.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         strongest = strongest.max(power[bin]);
-        // Over all samples the line's part of the reading has this power; half of it over the noise is its log-likelihood.
+        // Over all samples the line's part of the reading has this power; half of it over the noise
+        // is its log-likelihood.
         if !(most > 0.0 && 0.5 * n * most / noise > WORTH && power[bin] > FAINTEST * strongest) {
             break;
         }
@@ -196,10 +202,12 @@ mod tests {
         let delay = Term::ReadoutDelay(ReadoutDelay);
         let (mode, cubic) = (Term::ParasiticMode(ParasiticMode), Term::CubicStiffness(CubicStiffness));
         let lines = |n: usize| Reach { lines_hz: vec![1.0; n], few_cycles: None };
-        // One line, two numbers, four parameters; two lines, four numbers, four parameters; three lines, six numbers.
+        // One line, two numbers, four parameters; two lines, four numbers, four parameters; three
+        // lines, six numbers.
         assert!(lines(1).class(&[delay]).len() > 3 && lines(2).class(&[delay]).len() > 3);
         assert!(lines(3).class(&[delay]).is_empty());
-        // A mode has three parameters: with three lines it is one with what has as many, and no delay.
+        // A mode has three parameters: with three lines it is one with what has as many, and no
+        // delay.
         let class = lines(3).class(&[mode]);
         assert!(
             class.contains(&"parasitic-mode") && class.contains(&"coupled-mode") && !class.contains(&"readout-delay")

@@ -1,9 +1,11 @@
-//! Whether noise that a model names is independent of what is known: the disturbance that its filter estimates is regressed on
-//! flexible functions of the input, the motion, time and the environment. Noise follows none of them; a law that is missing does.
+//! Whether noise that a model names is independent of what is known: the disturbance that its
+//! filter estimates is regressed on flexible functions of the input, the motion, time and the
+//! environment. Noise follows none of them; a law that is missing does.
 //!
-//! The estimate at a sample uses later innovations alone (the disturbance smoother of de Jong, Biometrika 76, 1989), the
-//! regressors use earlier ones: with the right model the two are independent. The regression is cross-fitted: each block is
-//! predicted from all others, so that chance makes it worse, not better.
+//! The estimate at a sample uses later innovations alone (the disturbance smoother of de Jong,
+//! Biometrika 76, 1989), the regressors use earlier ones: with the right model the two are
+//! independent. The regression is cross-fitted: each block is predicted from all others, so that
+//! chance makes it worse, not better.
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
@@ -24,7 +26,8 @@ const ROWS_PER_REGRESSOR: usize = 10;
 const KNOTS: [f64; 7] = [0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98];
 /// Cosines of time over the recording.
 const COSINES: usize = 8;
-/// Part of its own size by which each normal equation is held back: regressors may repeat each other.
+/// Part of its own size by which each normal equation is held back: regressors may repeat each
+/// other.
 const RIDGE: f64 = 1e-6;
 
 /// Share of a disturbance's variance that may be predicted as a detail of the other laws.
@@ -48,7 +51,8 @@ pub enum Known {
 pub struct Explained {
     /// Share of its variance, cross-fitted; below zero where chance is all there is.
     pub r_squared: f64,
-    /// Probability of as much by chance: Student's t of the gain per block, times the number of questions.
+    /// Probability of as much by chance: Student's t of the gain per block, times the number of
+    /// questions.
     pub p_value: f64,
     /// Known quantity that explains it best.
     pub by: Known,
@@ -61,7 +65,8 @@ impl Explained {
     }
 }
 
-/// How much is predicted of the disturbance that this noise stands for; `None` where the recording is too short to say.
+/// How much is predicted of the disturbance that this noise stands for; `None` where the recording
+/// is too short to say.
 pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option<Explained> {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let breaks: Vec<usize> = data.breaks.iter().map(|b| b.saturating_sub(data.hull.start)).collect();
@@ -112,8 +117,9 @@ fn bent(values: &[f64]) -> Vec<Vec<f64>> {
     std::iter::once(values.to_vec()).chain(bends).collect()
 }
 
-/// Groups of regressors, row by row of the hull. Of the input only the present value: what follows linearly from the samples beside
-/// it says how the input goes between samples, not that a law is missing.
+/// Groups of regressors, row by row of the hull. Of the input only the present value: what follows
+/// linearly from the samples beside it says how the input goes between samples, not that a law is
+/// missing.
 fn regressors(data: &Data, x: &[f64], v: &[f64]) -> Vec<(Known, Vec<Vec<f64>>)> {
     let rows = x.len();
     let product = |a: &[f64], b: &[f64], f: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(a, b)| f(*a, *b)).collect();
@@ -154,7 +160,8 @@ fn regressors(data: &Data, x: &[f64], v: &[f64]) -> Vec<(Known, Vec<Vec<f64>>)> 
     groups
 }
 
-/// Share of the variance that regressors predict of blocks that they were not fitted to, and the probability of that by chance.
+/// Share of the variance that regressors predict of blocks that they were not fitted to, and the
+/// probability of that by chance.
 fn cross_fitted(values: &[f64], columns: &[Vec<f64>]) -> Option<(f64, f64)> {
     let (rows, width) = (values.len(), columns.len() + 1);
     if rows < ROWS_PER_REGRESSOR * width || rows < 4 * BLOCKS {
@@ -208,7 +215,8 @@ mod tests {
 
     const ROWS: usize = 4800;
 
-    /// A disturbance with a memory of twenty samples beside a broad input, and how much of it is a dead zone's.
+    /// A disturbance with a memory of twenty samples beside a broad input, and how much of it is a
+    /// dead zone's.
     fn explained_of(seed: u64, part: f64) -> Option<(f64, f64)> {
         let mut rng = Philox::new(seed, 0, Stream::Host);
         let input: Vec<f64> = (0..ROWS).map(|_| rng.normal()).collect();
@@ -224,8 +232,8 @@ mod tests {
         cross_fitted(&disturbance, &bent(&input))
     }
 
-    // The gain of a block has a mean below zero by chance, so that fewer than the stated fraction of nulls alarm: of 100 at 1 %,
-    // more than 5 come once in 3000 at most.
+    // The gain of a block has a mean below zero by chance, so that fewer than the stated fraction
+    // of nulls alarm: of 100 at 1 %, more than 5 come once in 3000 at most.
     #[test]
     fn noise_with_a_memory_follows_nothing_and_a_dead_zone_is_predicted() {
         let found = |part: f64| (0..100).filter(|s| explained_of(*s, part).is_some_and(|f| f.1 < 0.01)).count();

@@ -1,4 +1,5 @@
-//! Whether readings are rounded coarsely: found in the values themselves, judged by the likelihood of a rounded reading.
+//! Whether readings are rounded coarsely: found in the values themselves, judged by the likelihood
+//! of a rounded reading.
 
 use crate::numerics::order;
 use crate::numerics::special::normal_cdf;
@@ -16,8 +17,8 @@ pub struct Lattice {
     pub log_score: f64,
 }
 
-/// The lattice of `reading` and its likelihood, given the innovations of a model; `None` where values do not fall on one or
-/// it is finer than the noise.
+/// The lattice of `reading` and its likelihood, given the innovations of a model; `None` where
+/// values do not fall on one or it is finer than the noise.
 pub(crate) fn lattice(reading: &[f64], innovations: &[f64]) -> Option<Lattice> {
     let step = spacing(reading)?;
     let variance = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
@@ -59,7 +60,8 @@ fn spacing(values: &[f64]) -> Option<f64> {
     }
     let mut gaps: Vec<f64> = sorted.windows(2).map(|w| w[1] - w[0]).collect();
     order::sort(&mut gaps);
-    // The smallest gap, averaged over all that round to it, shrugs off decimal rounding in the file.
+    // The smallest gap, averaged over all that round to it, shrugs off decimal rounding in the
+    // file.
     let least = gaps[0];
     let near: Vec<f64> = gaps.iter().copied().filter(|g| *g < 1.5 * least).collect();
     let step = near.iter().sum::<f64>() / near.len() as f64;
@@ -78,9 +80,10 @@ mod tests {
         let coarse = rounded(0.05);
         let errors: Vec<f64> = coarse.iter().zip(&truth).map(|(a, b)| a - b).collect();
         let found = lattice(&coarse, &errors).map_or(0.0, |l| l.gain);
-        // Uniform against Gaussian of the same variance: ½ ln(2πe/12) = 0.176 per sample. The least noise tried, 3 % of the
-        // error, softens both edges: 2·0.03·∫−ln Φ/√12 = 0.010 less. Of 5000 errors, ½ ln of the variance has a
-        // standard deviation of ½√(0.8/5000) = 0.0063; twice that is allowed.
+        // Uniform against Gaussian of the same variance: ½ ln(2πe/12) = 0.176 per sample. The least
+        // noise tried, 3 % of the error, softens both edges: 2·0.03·∫−ln Φ/√12 = 0.010 less. Of
+        // 5000 errors, ½ ln of the variance has a standard deviation of ½√(0.8/5000) = 0.0063;
+        // twice that is allowed.
         assert!((found - 0.166).abs() < 0.0126, "{found}");
         let noisy: Vec<f64> = errors.iter().enumerate().map(|(k, _)| 0.1 * ((k * k) as f64).sin()).collect();
         assert!(lattice(&rounded(0.001), &noisy).is_none());

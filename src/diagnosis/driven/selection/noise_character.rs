@@ -1,8 +1,10 @@
-//! What kind of noise a model leaves: with heavy tails, louder at some times than at others, louder where the motion is
-//! larger. None of that is a mismatch of the physics. Robust throughout, so that a few bad readings do not speak for the rest.
+//! What kind of noise a model leaves: with heavy tails, louder at some times than at others, louder
+//! where the motion is larger. None of that is a mismatch of the physics. Robust throughout, so
+//! that a few bad readings do not speak for the rest.
 //!
-//! Squared errors are clipped at (3 MAD)², MAD being the median of their magnitudes (2.02 σ if they are normal). A sum of
-//! clipped squares has the mean and the variance of χ² with degrees of freedom of its own, which are measured.
+//! Squared errors are clipped at (3 MAD)², MAD being the median of their magnitudes (2.02 σ if they
+//! are normal). A sum of clipped squares has the mean and the variance of χ² with degrees of
+//! freedom of its own, which are measured.
 
 use crate::diagnosis::detection::structure;
 use crate::diagnosis::remainder::REAL;
@@ -23,18 +25,20 @@ const HEAVY: f64 = 3.0;
 const UNEVEN: f64 = 1.2;
 /// Lags of its own past from which the errors of a loud stretch are predicted.
 const OWN_LAGS: usize = 12;
-/// What is asked of noise: its tails, its change with time, its change with amplitude, a loud stretch.
+/// What is asked of noise: its tails, its change with time, its change with amplitude, a loud
+/// stretch.
 const QUESTIONS: f64 = 4.0;
 
 /// Tails and unevenness of the noise, beyond its level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NoiseCharacter {
-    /// Fraction of the readings that lie beyond 3.5 standard deviations of their middle, where that is far more than normal
-    /// noise has.
+    /// Fraction of the readings that lie beyond 3.5 standard deviations of their middle, where that
+    /// is far more than normal noise has.
     pub tails: Option<f64>,
     /// Strength in the last quarter of the time over that in the first, where it changes.
     pub growth: Option<f64>,
-    /// Strength in the quarter of the samples with the largest amplitude over that with the smallest, where it changes.
+    /// Strength in the quarter of the samples with the largest amplitude over that with the
+    /// smallest, where it changes.
     pub with_amplitude: Option<f64>,
     /// The loudest stretch, where it stands out and neither of the two changes accounts for it.
     pub stretch: Option<LoudStretch>,
@@ -82,7 +86,8 @@ fn moments(errors: &[f64], powers: &[f64]) -> (f64, f64, f64) {
     (mean, variance, correlation(&within, MEMORY))
 }
 
-/// Strength of the second set of samples over that of the first, where chance does not account for the difference.
+/// Strength of the second set of samples over that of the first, where chance does not account for
+/// the difference.
 fn strength_ratio(errors: &[f64], powers: &[f64], [first, second]: [Vec<usize>; 2]) -> Option<f64> {
     let (_, variance, colour) = moments(errors, powers);
     let mean = |set: &[usize]| set.iter().map(|k| powers[*k]).sum::<f64>() / set.len() as f64;
@@ -101,7 +106,8 @@ fn tails(errors: &[f64]) -> Option<f64> {
     let n = errors.len() as f64;
     let beyond = errors.iter().filter(|e| e.abs() > TAIL * sigma).count();
     let normal = 2.0 * special::normal_cdf(-TAIL);
-    // Counts of rare events are Poisson: P(N ≥ k) with mean m is P(χ² with 2k degrees of freedom < 2m).
+    // Counts of rare events are Poisson: P(N ≥ k) with mean m is P(χ² with 2k degrees of freedom <
+    // 2m).
     let p_value = 1.0 - special::chi_squared_survival(2.0 * normal * n, 2.0 * beyond as f64);
     (beyond > 0 && QUESTIONS * p_value < REAL && beyond as f64 > HEAVY * normal * n).then_some(beyond as f64 / n)
 }
@@ -115,8 +121,8 @@ fn stretch_powers(errors: &[f64]) -> Option<(Vec<f64>, usize, f64)> {
     Some((powers.chunks_exact(length).map(|c| c.iter().sum()).collect(), length, degrees_of_freedom))
 }
 
-/// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out somewhere are not even noise,
-/// however little of the whole they are.
+/// Probability, by chance alone, of a stretch as loud as the loudest: errors that stand out
+/// somewhere are not even noise, however little of the whole they are.
 fn loudest_by_chance(errors: &[f64]) -> f64 {
     let Some((powers, _, degrees_of_freedom)) = stretch_powers(errors) else { return 1.0 };
     let count = powers.len() as f64;
@@ -127,8 +133,9 @@ fn loudest_by_chance(errors: &[f64]) -> f64 {
     (special::chi_squared_survival(degrees_of_freedom * most / mean.max(1e-300), degrees_of_freedom) * count).min(1.0)
 }
 
-/// Probability, by chance alone, of a stretch as loud as the loudest whose errors are as predictable from their past: even a
-/// loud stretch of noise is white, while a disturbance lets the mass ring.
+/// Probability, by chance alone, of a stretch as loud as the loudest whose errors are as
+/// predictable from their past: even a loud stretch of noise is white, while a disturbance lets the
+/// mass ring.
 pub(crate) fn disturbance_by_chance(errors: &[f64]) -> f64 {
     let loud = loudest_by_chance(errors);
     if loud >= REAL {
@@ -193,8 +200,8 @@ mod tests {
         noise_character(errors, &MassMotion { x: &x, v: &v, omega_rad_s: 1.0 })
     }
 
-    // At the level of the diagnosis (REAL over three questions) 200 trials of each law give 0.27 alarms on average if the
-    // probability is right: more than 4 come once in 10,000.
+    // At the level of the diagnosis (REAL over three questions) 200 trials of each law give 0.27
+    // alarms on average if the probability is right: more than 4 come once in 10,000.
     #[test]
     fn no_stretch_of_even_noise_is_loud_whatever_its_tails_and_a_doubled_one_is() {
         let alarms = |draw: &dyn Fn(&mut Philox, usize) -> f64| {

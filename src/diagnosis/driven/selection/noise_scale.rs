@@ -1,6 +1,7 @@
-//! How strong the noise is at each sample, where its strength changes with time or with the motion: a product of one factor
-//! each for the stretch of time, the displacement, the velocity and the amplitude. With it, errors of uneven noise can be
-//! weighed alike. Not a test: see `noise_character`.
+//! How strong the noise is at each sample, where its strength changes with time or with the motion:
+//! a product of one factor each for the stretch of time, the displacement, the velocity and the
+//! amplitude. With it, errors of uneven noise can be weighed alike. Not a test: see
+//! `noise_character`.
 
 use crate::numerics::order;
 
@@ -72,7 +73,8 @@ mod tests {
         let scale = local_scale(&errors, &MassMotion { x: &x, v: &v, omega_rad_s: 1.0 });
         let mean = truth.iter().sum::<f64>() / f64::from(n);
         let off = scale.iter().zip(&truth).map(|(s, t)| (s * mean / t).ln().powi(2)).sum::<f64>() / f64::from(n);
-        // A range of displacement in which the strength changes by a half errs by a sixth at its ends.
+        // A range of displacement in which the strength changes by a half errs by a sixth at its
+        // ends.
         assert!(off.sqrt() < 0.15, "{}", off.sqrt());
         // Control: one strength for all is three times as wrong.
         let even = truth.iter().map(|t| (mean / t).ln().powi(2)).sum::<f64>() / f64::from(n);

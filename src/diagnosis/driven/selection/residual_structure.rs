@@ -1,4 +1,5 @@
-//! What a model leaves: how much of its innovations, and of their power, can still be predicted. Noise gives nothing away.
+//! What a model leaves: how much of its innovations, and of their power, can still be predicted.
+//! Noise gives nothing away.
 
 use crate::diagnosis::detection::{Structure, structure};
 use crate::diagnosis::driven::base::OMEGA;
@@ -16,14 +17,16 @@ const OWN_LAGS: usize = 24;
 /// Lags over which one-step errors are taken to be correlated.
 pub(crate) const MEMORY: usize = 40;
 
-/// How much can still be predicted of a model's innovations, from their past, the input and the state.
+/// How much can still be predicted of a model's innovations, from their past, the input and the
+/// state.
 pub(crate) fn residual_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     structure(&innovations, OWN_LAGS, &regressors(data, &states))
 }
 
-/// As `residual_structure`, with a probability that also holds for noise of uneven strength: where the innovations look structured, they are
-/// also tested weighed by their local scale, and the larger probability counts.
+/// As `residual_structure`, with a probability that also holds for noise of uneven strength: where
+/// the innovations look structured, they are also tested weighed by their local scale, and the
+/// larger probability counts.
 pub(crate) fn residual_structure_evenly(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let mut known = regressors(data, &states);
@@ -79,8 +82,8 @@ fn regressors(data: &Data, states: &States) -> Vec<Vec<f64>> {
     regressors
 }
 
-/// How much of the innovations' *power* can be predicted from the input, the state and time: noise that belongs to the sensor
-/// does not know what the sensor is doing.
+/// How much of the innovations' *power* can be predicted from the input, the state and time: noise
+/// that belongs to the sensor does not know what the sensor is doing.
 pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let size = innovations.iter().map(|e| e * e).sum::<f64>() / innovations.len().max(1) as f64;
@@ -103,7 +106,8 @@ pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
     structure(&power, 4, &regressors)
 }
 
-/// Samples per independent one, from the correlations over fewer than so many lags of a sequence about zero.
+/// Samples per independent one, from the correlations over fewer than so many lags of a sequence
+/// about zero.
 pub fn correlation(errors: &[f64], lags: usize) -> f64 {
     let total = errors.iter().map(|e| e * e).sum::<f64>().max(1e-300);
     let at = |lag: usize| errors.iter().zip(&errors[lag..]).map(|(a, b)| a * b).sum::<f64>() / total;

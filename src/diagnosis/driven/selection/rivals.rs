@@ -1,5 +1,6 @@
-//! Which other candidates would do as well in the place of a term that was chosen: a better one takes it, an equal one is
-//! remembered, so that no name is given where the recording cannot tell two apart.
+//! Which other candidates would do as well in the place of a term that was chosen: a better one
+//! takes it, an equal one is remembered, so that no name is given where the recording cannot tell
+//! two apart.
 
 use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
@@ -37,8 +38,9 @@ pub(super) struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// A model in which one other candidate does the work of two terms that can be mistaken for each other: what neither of two
-    /// look-alikes is, both together can imitate. `None` where two are needed.
+    /// A model in which one other candidate does the work of two terms that can be mistaken for
+    /// each other: what neither of two look-alikes is, both together can imitate. `None` where two
+    /// are needed.
     ///
     /// # Errors
     /// Stopped.
@@ -84,7 +86,8 @@ impl Look<'_> {
                 Some((_, better)) if again => {
                     selection.chosen = pruned(self.data, better.judged.clone(), self.scales, selection.tried);
                 }
-                // Too late to look around from there: what has been seen from here is weighed against it.
+                // Too late to look around from there: what has been seen from here is weighed
+                // against it.
                 Some((place, better)) => {
                     let id = selection.chosen.fit.structure.terms[place].id();
                     let old = Rival { judged: selection.chosen.clone(), id };
@@ -119,7 +122,8 @@ impl Look<'_> {
         selection.chosen.fit.structure.terms.iter().enumerate().map(of_term).collect()
     }
 
-    /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is the only one, all.
+    /// Candidates in the place of one chosen term: all that it can be mistaken for, and where it is
+    /// the only one, all.
     fn in_place_of(&self, selection: &Selection, index: usize, scales: &Scales) -> Result<Vec<Trial>, Stopped> {
         let (data, candidates) = (self.data, self.candidates);
         let chosen = &selection.chosen;

@@ -1,5 +1,6 @@
-//! One round of candidates on top of a model: each screened by one linear step, the most promising fitted together with the
-//! base and judged. Not the order of rounds (`stepwise`) and not what makes a term worth its place (`earned`).
+//! One round of candidates on top of a model: each screened by one linear step, the most promising
+//! fitted together with the base and judged. Not the order of rounds (`stepwise`) and not what
+//! makes a term worth its place (`earned`).
 
 use crate::control::{Control, Stopped};
 use crate::diagnosis::driven::identification::fit::{Fit, Search, fit};
@@ -44,7 +45,8 @@ fn screen(
 ) -> Vec<(f64, Vec<f64>)> {
     let found = ensemble.and_then(|e| e.starts(term, scales, CORNER_STARTS)).filter(|s| !s.is_empty());
     let starts = found.unwrap_or_else(|| term.starts(scales));
-    // The strength of a noise is only looked at from its starts: it bends every derivative of the base.
+    // The strength of a noise is only looked at from its starts: it bends every derivative of the
+    // base.
     let own = if term.noise().is_some() { 0 } else { term.values() };
     let Some(first) = starts.first() else { return Vec::new() };
     let (structure, point) = model.with(term, first);
@@ -95,8 +97,8 @@ fn screen(
     promises
 }
 
-/// Tries every candidate on top of a model: all by one linear step, the most promising in full. Best first.
-/// At least `sure` of them are fitted, whatever the best promises.
+/// Tries every candidate on top of a model: all by one linear step, the most promising in full.
+/// Best first. At least `sure` of them are fitted, whatever the best promises.
 ///
 /// # Errors
 /// Stopped.
@@ -155,8 +157,8 @@ pub(crate) fn round(
     Ok(trials)
 }
 
-/// A model of springs alone where a force that describes a chaotic motion puts it: its misfit over the linear base has other
-/// minima.
+/// A model of springs alone where a force that describes a chaotic motion puts it: its misfit over
+/// the linear base has other minima.
 fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<f64>)> {
     let force = &data.windows.as_ref()?.force;
     let mut point = vec![0.0; structure.parameters];
@@ -171,15 +173,16 @@ fn known(data: &Data, structure: ModelStructure) -> Option<(ModelStructure, Vec<
     Some((structure, point))
 }
 
-/// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises more than any law of motion
-/// can at first: the two are ranked apart.
+/// Which candidates, best promise first, are fitted in full. Noise corrects itself and so promises
+/// more than any law of motion can at first: the two are ranked apart.
 fn worth_fitting(promised: &[(Term, f64, Vec<Vec<f64>>)], rows: usize, sure: usize) -> Vec<bool> {
     let mut worth = vec![false; promised.len()];
     for noise in [false, true] {
         let alike = || promised.iter().enumerate().filter(|(_, p)| p.0.noise().is_some() == noise);
         let best = alike().next().map_or(1.0, |(_, p)| p.1);
         for (rank, (index, (_, promise, _))) in alike().enumerate().take(FINALISTS) {
-            // Below this no linear step promises what a name would cost; far behind the best, none will catch up.
+            // Below this no linear step promises what a name would cost; far behind the best, none
+            // will catch up.
             worth[index] =
                 0.5 * rows as f64 * -promise.min(1.0).ln() > LEAST_PROMISE && (rank < sure || *promise < best.sqrt());
         }

@@ -1,15 +1,17 @@
-//! When terms that each earn a place say less together than apart: many laws at once, or several that can be mistaken for each
-//! other, are the beginning of a series for something that the library does not hold.
+//! When terms that each earn a place say less together than apart: many laws at once, or several
+//! that can be mistaken for each other, are the beginning of a series for something that the
+//! library does not hold.
 
 use crate::physics::library::Term;
 
 use super::rivals::alike;
 
-/// Laws that may be named together: to say that a model left out more at once claims more than one recording can show.
+/// Laws that may be named together: to say that a model left out more at once claims more than one
+/// recording can show.
 const MOST_LAWS: usize = 3;
 
-/// Terms that only together do the work of something that the library does not hold; whatever stands beside them was fitted to
-/// what they leave.
+/// Terms that only together do the work of something that the library does not hold; whatever
+/// stands beside them was fitted to what they leave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Series {
     /// More laws than may be named at once.

@@ -1,5 +1,6 @@
-//! The order in which terms are added: stepwise forward, with backward pruning after every step, and a second way where the
-//! first one ends with structure left. Not what makes a term worth its place (`earned`).
+//! The order in which terms are added: stepwise forward, with backward pruning after every step,
+//! and a second way where the first one ends with structure left. Not what makes a term worth its
+//! place (`earned`).
 
 use crate::control::{Control, Progress, Stopped};
 use crate::diagnosis::driven::identification::refined_scales::refined;
@@ -20,12 +21,13 @@ use super::round::{SURE, round};
 const MOST_TERMS: usize = 6;
 /// A term must gain at least this part of what is still unexplained with it: first things first.
 const LEAST_OF_REST: f64 = 0.03;
-/// The same for the third term and later ones: what takes so many terms and is not done is something else.
+/// The same for the third term and later ones: what takes so many terms and is not done is
+/// something else.
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.
 const NEARLY_NOTHING: f64 = 0.01;
-/// Terms with which a model is given up that leaves more than [`HOPELESS`] and is not nearly done: what four do not describe
-/// by half is something else.
+/// Terms with which a model is given up that leaves more than [`HOPELESS`] and is not nearly done:
+/// what four do not describe by half is something else.
 const MANY: usize = 4;
 /// Fraction of the residual variance that is predictable in such a model.
 const HOPELESS: f64 = 0.5;
@@ -34,8 +36,9 @@ const DONE: f64 = 0.02;
 /// The same for a model of several terms that will not be.
 const FAR_FROM_DONE: f64 = 0.15;
 
-/// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is missing, and once one does,
-/// little of it shows any more; where they end with structure left, physics alone is tried from the beginning, noise last.
+/// Stepwise forward, with backward pruning after every step. Noise terms can follow whatever is
+/// missing, and once one does, little of it shows any more; where they end with structure left,
+/// physics alone is tried from the beginning, noise last.
 ///
 /// # Errors
 /// Stopped.
@@ -113,7 +116,8 @@ struct Way {
 }
 
 impl Stepwise<'_> {
-    /// The way that these candidates lead, with a second one where noise terms end it with structure left.
+    /// The way that these candidates lead, with a second one where noise terms end it with
+    /// structure left.
     fn best_way(&mut self, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
         let base = self.base;
         let way = self.first_way(base, candidates, reach)?;
@@ -128,8 +132,9 @@ impl Stepwise<'_> {
         Ok(if better { other } else { way })
     }
 
-    /// The way from the base model. Where the input tells nothing linear apart, a linear law takes up whatever is left, and so
-    /// beside others it says nothing: then the way without any is tried as well.
+    /// The way from the base model. Where the input tells nothing linear apart, a linear law takes
+    /// up whatever is left, and so beside others it says nothing: then the way without any is tried
+    /// as well.
     fn first_way(&mut self, base: &Judged, candidates: &[Term], reach: &Reach) -> Result<Way, Stopped> {
         let way = self.forward(base.clone(), candidates)?;
         let terms = &way.chosen.fit.structure.terms;
@@ -196,7 +201,8 @@ impl Stepwise<'_> {
         let qualifying: Vec<(&Judged, f64)> = trials
             .iter()
             .filter_map(|t| t.judged.as_ref())
-            // At the end of its plausible range a law is not what its name says: the others answer without it.
+            // At the end of its plausible range a law is not what its name says: the others answer
+            // without it.
             .filter(|j| !j.fit.at_bound(self.scales))
             .take(3)
             .filter_map(|j| Some((j, earned(data, chosen, j, self.scales, tried)?.gain)))

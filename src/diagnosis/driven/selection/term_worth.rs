@@ -1,4 +1,5 @@
-//! What each term of the final model is worth: how the model fares without it, on fitted samples and on others.
+//! What each term of the final model is worth: how the model fares without it, on fitted samples
+//! and on others.
 //!
 //! Not what follows from that (`conclude`).
 
@@ -16,7 +17,8 @@ use super::judged::{Judged, Rival, Selection};
 pub struct Named {
     /// Place of the term in the model.
     pub index: usize,
-    /// Fraction by which the innovations' variance grows without it, or the test error of free simulation if that is more.
+    /// Fraction by which the innovations' variance grows without it, or the test error of free
+    /// simulation if that is more.
     pub growth: f64,
     /// Comparison with the model without it, on validation samples.
     pub comparison: Comparison,
@@ -24,7 +26,8 @@ pub struct Named {
     pub free_without: f64,
     /// Mean log-likelihood per test sample without it.
     pub log_score_without: f64,
-    /// Log-likelihood that it gains where readings are known to be rounded, less the penalty of its parameters; else `None`.
+    /// Log-likelihood that it gains where readings are known to be rounded, less the penalty of its
+    /// parameters; else `None`.
     pub rounded_lead: Option<f64>,
     /// Candidates that would do as well.
     pub rivals: Vec<Rival>,
@@ -48,8 +51,9 @@ fn validation_is_fitted(data: &Data) -> bool {
     data.validation.iter().any(|v| data.train.iter().any(|t| t.start < v.end && v.start < t.end))
 }
 
-/// Every term of a model, weighed. Where there is no model without it, however slowly it is taken away, the base model stands in
-/// for that: a term that nothing can be fitted without is worth all that the terms do together.
+/// Every term of a model, weighed. Where there is no model without it, however slowly it is taken
+/// away, the base model stands in for that: a term that nothing can be fitted without is worth all
+/// that the terms do together.
 pub(crate) fn weighed(
     data: &Data,
     selection: &Selection,

@@ -1,8 +1,10 @@
-//! One pass over a recording, for [`LANES`] parameter sets at once: simulate, compare with the reading, correct.
+//! One pass over a recording, for [`LANES`] parameter sets at once: simulate, compare with the
+//! reading, correct.
 //!
-//! The oscillator's linear part is propagated exactly (Lawson's fourth-order Runge–Kutta in the rotating frame), so that
-//! step length limits only the terms and the input. Without noise terms nothing is corrected and the innovations are the
-//! errors of free simulation; with them they are one-step prediction errors, whose likelihood is Gaussian and white.
+//! The oscillator's linear part is propagated exactly (Lawson's fourth-order Runge–Kutta in the
+//! rotating frame), so that step length limits only the terms and the input. Without noise terms
+//! nothing is corrected and the innovations are the errors of free simulation; with them they are
+//! one-step prediction errors, whose likelihood is Gaussian and white.
 
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]
@@ -49,7 +51,8 @@ pub(super) struct Beginning {
 
 /// What a pass wants to keep of the state besides the innovations.
 pub trait Keep {
-    /// Called at every sample with displacement and velocity as expected before the reading is seen.
+    /// Called at every sample with displacement and velocity as expected before the reading is
+    /// seen.
     fn keep(&mut self, sample: usize, x: &Lanes, v: &Lanes);
 }
 
@@ -245,7 +248,8 @@ mod tests {
     const OMEGA: f64 = 5.0;
     const PULL: f64 = 25.0;
 
-    /// Displacements at samples a step of `angle` radians apart, pulled by `push` and rubbed by `friction`; ζ = 0.
+    /// Displacements at samples a step of `angle` radians apart, pulled by `push` and rubbed by
+    /// `friction`; ζ = 0.
     fn swings(angle: f64, samples: usize, start: f64, friction: f64, push: impl Fn(f64) -> f64) -> Vec<f64> {
         rubbed(Sides::Alike, &[[friction; LANES]], angle, samples, start, push)
     }
@@ -288,8 +292,8 @@ mod tests {
         pass.innovations(&mut Nothing).iter().map(|e| -e[LANES - 1]).collect()
     }
 
-    // Between turns friction only shifts the equilibrium by f/ω₀²: each half swing loses 2 f/ω₀², until it holds. The
-    // quadrature of a constant force over a step errs by (ω₀h)⁴/2880 of 0.07.
+    // Between turns friction only shifts the equilibrium by f/ω₀²: each half swing loses 2 f/ω₀²,
+    // until it holds. The quadrature of a constant force over a step errs by (ω₀h)⁴/2880 of 0.07.
     #[test]
     fn a_ring_down_in_steps_of_half_a_radian_stops_where_arithmetic_says() {
         let x = swings(0.5, 80, 1.0, 0.07 * PULL, |_| 0.0);
@@ -297,8 +301,9 @@ mod tests {
         assert!(x[50] == x[79], "it holds");
     }
 
-    // Rubbed by 0.09 ω₀² forwards and 0.05 ω₀² backwards, the turning points are −x + 2·0.05 and −x − 2·0.09 in turn: 1, −0.9,
-    // 0.72, −0.62, 0.44, −0.34, 0.16, −0.06, where the spring pulls less than friction forwards holds.
+    // Rubbed by 0.09 ω₀² forwards and 0.05 ω₀² backwards, the turning points are −x + 2·0.05 and −x
+    // − 2·0.09 in turn: 1, −0.9, 0.72, −0.62, 0.44, −0.34, 0.16, −0.06, where the spring pulls less
+    // than friction forwards holds.
     #[test]
     fn friction_that_differs_in_both_directions_ends_off_the_centre() {
         let sizes = [[0.07 * PULL; LANES], [0.02 * PULL; LANES]];

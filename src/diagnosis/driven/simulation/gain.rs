@@ -1,8 +1,9 @@
-//! The stationary Kalman gain of an oscillator with force noise and a walking bias, read directly or through a low-pass: how
-//! far one surprise at the readout moves the expected state.
+//! The stationary Kalman gain of an oscillator with force noise and a walking bias, read directly
+//! or through a low-pass: how far one surprise at the readout moves the expected state.
 //!
-//! Readout noise has unit variance here; strengths are relative to it. Not for nonlinear terms: the gain of the linear
-//! part is used, which is exact where they vanish and close to optimal while they are small.
+//! Readout noise has unit variance here; strengths are relative to it. Not for nonlinear terms: the
+//! gain of the linear part is used, which is exact where they vanish and close to optimal while
+//! they are small.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -29,7 +30,8 @@ pub struct Noisy {
     pub zeta: f64,
     /// Sampling interval, s.
     pub interval_s: f64,
-    /// Stationary displacement that force noise causes, over the standard deviation of readout noise.
+    /// Stationary displacement that force noise causes, over the standard deviation of readout
+    /// noise.
     pub force: f64,
     /// Standard deviation of one sample's step of the bias, over that of readout noise.
     pub walk: f64,
@@ -37,7 +39,8 @@ pub struct Noisy {
     pub lag_s: f64,
 }
 
-/// The linear system behind a gain: displacement, velocity, bias and the low-pass's state, from one sample to the next.
+/// The linear system behind a gain: displacement, velocity, bias and the low-pass's state, from one
+/// sample to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct System {
     /// State at the next sample.
@@ -113,8 +116,9 @@ pub(crate) fn system(noisy: &Noisy) -> System {
     System { transition: f, sees, push, noise: q }
 }
 
-/// What a low-pass at rest holds after a time `t`, per unit of displacement and of velocity that the oscillator began with:
-/// z + τz′ = x is solved by z = c₀x + c₁x′ + c₂e^{−t/τ}, as x″ is −ω²x − 2ζωx′.
+/// What a low-pass at rest holds after a time `t`, per unit of displacement and of velocity that
+/// the oscillator began with: z + τz′ = x is solved by z = c₀x + c₁x′ + c₂e^{−t/τ}, as x″ is −ω²x −
+/// 2ζωx′.
 fn lagging(omega: f64, zeta: f64, lag_s: f64, t: f64) -> [f64; 2] {
     let past = 1.0 - 2.0 * zeta * omega * lag_s;
     let all = past + (omega * lag_s).powi(2);

@@ -73,7 +73,8 @@ pub(crate) fn once<K: Keep>(
     pass.innovations(keep)
 }
 
-/// Where the run begins, by the first recording's parameters wherever that is, and where within it further recordings do.
+/// Where the run begins, by the first recording's parameters wherever that is, and where within it
+/// further recordings do.
 pub(crate) fn beginnings(data: &Data, structure: &ModelStructure, points: &[Vec<f64>], run: &Run) -> Vec<Beginning> {
     let lane = |index: usize| lane(points, index);
     let at = |sample: usize, recording: usize| {

@@ -1,5 +1,5 @@
-//! What carries a state or an input over a fixed time and is known before a pass begins: the free oscillator, and an input
-//! moved by part of a grid point. Not the pass itself (`filter`).
+//! What carries a state or an input over a fixed time and is known before a pass begins: the free
+//! oscillator, and an input moved by part of a grid point. Not the pass itself (`filter`).
 
 // Lanes are indexed alike in many arrays at once; iterators over one of them would hide that.
 #![allow(clippy::needless_range_loop)]

@@ -1,12 +1,13 @@
-//! A model run in windows, each from the state that fits its readings best: for chaotic responses, whose free simulation
-//! parts from any recording however true the model is.
+//! A model run in windows, each from the state that fits its readings best: for chaotic responses,
+//! whose free simulation parts from any recording however true the model is.
 //!
-//! The state of each window is found by Gauss and Newton's method, so that errors and their derivatives are those of the
-//! model alone (variable projection: Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973; multiple shooting without the
-//! continuity: Voss, Timmer & Kurths, Int. J. Bifurcation Chaos 14, 2004). As innovations stand the recursive residuals
-//! (Brown, Durbin & Evans, J. R. Stat. Soc. B 37, 1975): each sample against what the samples before it in the window and
-//! the model predict, over the standard deviation of that forecast. They have the same sum of squares and are white
-//! where the noise is.
+//! The state of each window is found by Gauss and Newton's method, so that errors and their
+//! derivatives are those of the model alone (variable projection: Golub & Pereyra, SIAM J. Numer.
+//! Anal. 10, 1973; multiple shooting without the continuity: Voss, Timmer & Kurths, Int. J.
+//! Bifurcation Chaos 14, 2004). As innovations stand the recursive residuals (Brown, Durbin &
+//! Evans, J. R. Stat. Soc. B 37, 1975): each sample against what the samples before it in the
+//! window and the model predict, over the standard deviation of that forecast. They have the same
+//! sum of squares and are white where the noise is.
 
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::intake::windows::Windows;
@@ -18,10 +19,12 @@ use super::structure::ModelStructure;
 
 /// Steps by Gauss and Newton towards the state of a window.
 const STEPS: usize = 2;
-/// Determinant of the information on a state, relative to its diagonal, below which nothing is predicted yet.
+/// Determinant of the information on a state, relative to its diagonal, below which nothing is
+/// predicted yet.
 const UNKNOWN: f64 = 1e-9;
 
-/// Errors of one point, and their derivatives by displacement and velocity at the beginning of their window, per nudge.
+/// Errors of one point, and their derivatives by displacement and velocity at the beginning of
+/// their window, per nudge.
 struct Errors {
     error: Vec<f64>,
     slopes: [Vec<f64>; 2],
@@ -58,7 +61,8 @@ pub fn innovations<K: Keep>(
                 let mut sums = Information::default();
                 rows.for_each(|k| sums.add([found.slopes[0][k], found.slopes[1][k]], found.error[k]));
                 let step = sums.estimate().unwrap_or([0.0; 2]);
-                // No further than the linear step is worth: a state is known to a few per cent of its size.
+                // No further than the linear step is worth: a state is known to a few per cent of
+                // its size.
                 for (i, s) in state.iter_mut().enumerate() {
                     *s += step[i].clamp(-3e3, 3e3) * windows.nudge[i];
                 }
@@ -187,7 +191,8 @@ impl Information {
         Some([-(aa * a + ab * b), -(ab * a + bb * b)])
     }
 
-    /// An error against its forecast, over the standard deviation of that; zero while there is none.
+    /// An error against its forecast, over the standard deviation of that; zero while there is
+    /// none.
     fn surprise(&self, [a, b]: [f64; 2], error: f64) -> f64 {
         let Some(([aa, ab, bb], [da, db])) = self.inverse().zip(self.estimate()) else { return 0.0 };
         (error + a * da + b * db) / (1.0 + aa * a * a + 2.0 * ab * a * b + bb * b * b).sqrt()
@@ -199,8 +204,8 @@ mod tests {
     use super::*;
     use crate::rng::{Philox, Stream};
 
-    // Errors e = noise − a·s₁ − b·s₂ of a state that is off by s: the recursive residuals do not see s, have the sum of
-    // squares of the noise after its projection, and are white.
+    // Errors e = noise − a·s₁ − b·s₂ of a state that is off by s: the recursive residuals do not
+    // see s, have the sum of squares of the noise after its projection, and are white.
     #[test]
     fn recursive_residuals_forget_the_state_and_keep_the_sum_of_squares() {
         let mut rng = Philox::new(3, 0, Stream::Host);

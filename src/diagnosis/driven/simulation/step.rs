@@ -1,5 +1,6 @@
-//! One step of a pass: the oscillator exactly, the terms and the input by the stages of Lawson's method, and what follows
-//! the mass after it. What does not change during a pass is worked out once.
+//! One step of a pass: the oscillator exactly, the terms and the input by the stages of Lawson's
+//! method, and what follows the mass after it. What does not change during a pass is worked out
+//! once.
 //!
 //! Not for readings, which come between the steps (`filter`).
 
@@ -115,7 +116,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// One step under nothing but the input: exact but for the course of the input, which is a parabola.
+    /// One step under nothing but the input: exact but for the course of the input, which is a
+    /// parabola.
     #[inline(always)]
     pub(super) fn swing(&self, u: [Lanes; 3], motion: &mut StepState) -> Stride {
         let Self { parts, half, full, .. } = self;

@@ -1,5 +1,5 @@
-//! Which parameters a model has, and what follows from them alone: the base, its terms, their places, how each moves, how
-//! short the steps must be. Not for running it (`run`).
+//! Which parameters a model has, and what follows from them alone: the base, its terms, their
+//! places, how each moves, how short the steps must be. Not for running it (`run`).
 
 use crate::diagnosis::driven::base::{BASE, INITIAL, OFFSET, OMEGA, OMEGAS_PER_SAMPLE, PER_RECORDING, ZETA, ZETAS};
 use crate::diagnosis::driven::intake::input::MOST_STEPS;
@@ -9,7 +9,8 @@ use crate::physics::scales::{Coordinate, Scales};
 
 use super::gain::{self, Noisy};
 
-/// Largest angle of the fastest rotation per integration step, rad: fourth-order errors stay below 1e-4 of a term.
+/// Largest angle of the fastest rotation per integration step, rad: fourth-order errors stay below
+/// 1e-4 of a term.
 const ANGLE: f64 = 0.25;
 
 /// A model: the base and some terms.
@@ -31,8 +32,9 @@ impl ModelStructure {
         Self::over(terms, 0)
     }
 
-    /// The same of so many recordings beyond the first: after the base parameters those of each further recording, and after each
-    /// term's values its unknown initial values in each further recording.
+    /// The same of so many recordings beyond the first: after the base parameters those of each
+    /// further recording, and after each term's values its unknown initial values in each further
+    /// recording.
     pub fn over(terms: &[Term], further: usize) -> Self {
         let mut next = BASE + PER_RECORDING * further;
         let first = terms
@@ -46,8 +48,8 @@ impl ModelStructure {
         Self { terms: terms.to_vec(), first, parameters: next, further }
     }
 
-    /// The parameters of this model from those of the same terms over another number of recordings; a recording that is new
-    /// begins at rest, at this displacement.
+    /// The parameters of this model from those of the same terms over another number of recordings;
+    /// a recording that is new begins at rest, at this displacement.
     pub fn from_other(&self, other: &ModelStructure, point: &[f64], displacements: &[f64]) -> Vec<f64> {
         let mut new = point[..BASE].to_vec();
         for (recording, displacement) in displacements.iter().enumerate().take(self.further) {
@@ -72,7 +74,8 @@ impl ModelStructure {
         first..first + term.values() + self.further * term.unknown_beginnings()
     }
 
-    /// Place of the offset of a recording, whose initial displacement and velocity follow for all but the first.
+    /// Place of the offset of a recording, whose initial displacement and velocity follow for all
+    /// but the first.
     pub fn offset(&self, recording: usize) -> usize {
         if recording == 0 { OFFSET } else { BASE + PER_RECORDING * (recording - 1) }
     }
@@ -87,7 +90,8 @@ impl ModelStructure {
         self.terms.iter().any(|t| t.noise().is_some())
     }
 
-    /// Places of what only says where the mass, and the states of terms, begin in the first recording.
+    /// Places of what only says where the mass, and the states of terms, begin in the first
+    /// recording.
     pub fn beginnings(&self) -> Vec<usize> {
         let of_terms = self.terms.iter().zip(&self.first).flat_map(|(term, first)| {
             let end = first + term.values();

@@ -37,7 +37,8 @@ use super::noise_words::how;
 use super::sensor::repair;
 use super::surface::{FreeRun, Surface, surface};
 
-/// Periods of the resonance that a look at both models spans, and the samples that it has at least and at most.
+/// Periods of the resonance that a look at both models spans, and the samples that it has at least
+/// and at most.
 const PERIODS: f64 = 8.0;
 const LEAST_SHOWN: usize = 100;
 const MOST_SHOWN: usize = 600;
@@ -153,7 +154,8 @@ pub fn answer(
     }
 }
 
-/// How far each named law departs from its stated form, by its place in the model, as far as the work for it reaches.
+/// How far each named law departs from its stated form, by its place in the model, as far as the
+/// work for it reaches.
 fn forms(data: &Data, c: &Conclusion, scales: &Scales) -> Vec<(usize, Form)> {
     let known = |index: usize| {
         let found = c.departing.as_ref()?;
@@ -251,7 +253,8 @@ fn range_scores(ranges: &[[usize; 2]], before: &HeldOut, after: &HeldOut) -> Vec
     ranges.iter().filter_map(score).collect()
 }
 
-/// Root-mean-square error of free simulation on the judged blocks within a range, and their samples.
+/// Root-mean-square error of free simulation on the judged blocks within a range, and their
+/// samples.
 fn within(held: &HeldOut, range: &Range<usize>) -> Option<(f64, usize)> {
     let inside = held.blocks.iter().filter(|b| range.start <= b.range.start && b.range.end <= range.end);
     let (sum, count) = inside.fold((0.0, 0), |(s, n), b| (s + b.free, n + b.range.len()));
@@ -289,8 +292,8 @@ fn recording_scores(
     pieces.iter().filter_map(score).collect()
 }
 
-/// Recording and both models around the held-out block on which they differ most (the base errs most, where nothing is
-/// named).
+/// Recording and both models around the held-out block on which they differ most (the base errs
+/// most, where nothing is named).
 fn shown(data: &Data, c: &Conclusion, scales: &Scales, [before, after]: [&[f64]; 2]) -> Shown {
     let named = !c.named.is_empty();
     let gap = |(b, a): (&Block, &Block)| (b.free - if named { a.free } else { 0.0 }) / b.range.len().max(1) as f64;

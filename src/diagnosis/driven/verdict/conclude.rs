@@ -30,11 +30,14 @@ use super::draft::Draft;
 
 /// Share of the innovations' variance that may be predicted before they are no longer called white.
 pub const WHITE: f64 = 0.02;
-/// A remainder of less than this fraction, with no candidate that earns a name, is too faint to say that the library fails.
+/// A remainder of less than this fraction, with no candidate that earns a name, is too faint to say
+/// that the library fails.
 const FAINT: f64 = 0.05;
-/// Share of the innovations' power that may be predicted before noise is no longer taken for the sensor's own.
+/// Share of the innovations' power that may be predicted before noise is no longer taken for the
+/// sensor's own.
 const EVEN: f64 = 0.01;
-/// Questions that are asked of what is left: structure in the innovations, structure in their power, a disturbance.
+/// Questions that are asked of what is left: structure in the innovations, structure in their
+/// power, a disturbance.
 const QUESTIONS: f64 = 3.0;
 /// Probability below which one of them counts as answered.
 const LEVEL: f64 = REAL / QUESTIONS;
@@ -164,7 +167,8 @@ fn character(data: &Data, fit: &Fit) -> NoiseCharacter {
 /// The three questions asked of what a model leaves.
 fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
     let structure = Test { p_value: QUESTIONS * after.p_value, size: Size::of(after.r_squared, WHITE, FAINT) };
-    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a stand-in for physics.
+    // Noise of the sensor's own keeps its strength whatever the sensor does; what does not is a
+    // stand-in for physics.
     let power = model.fit.structure.is_noisy().then(|| power_structure(data, &model.fit));
     let power =
         power.map(|p| Test { p_value: QUESTIONS * p.p_value, size: Size::of(p.r_squared, EVEN, f64::INFINITY) });
@@ -174,7 +178,8 @@ fn remainder(data: &Data, model: &Judged, after: &Structure) -> Remainder {
     Remainder::of([structure, disturbance].into_iter().chain(power))
 }
 
-/// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they need.
+/// Uncertainty of a model's parameters, and whether laws with a corner have the profiles that they
+/// need.
 fn intervals(data: &Data, fit: &Fit, scales: &Scales, named: &[Named], budget: Budget) -> (Spread, bool) {
     let mut spread = interval::spread(fit);
     let cornered: Vec<usize> = named.iter().map(|n| n.index).filter(|i| fit.structure.terms[*i].has_corner()).collect();

@@ -30,9 +30,11 @@ pub struct Detail {
     pub innovations: Vec<f64>,
     /// Sample at which that stretch begins.
     pub from: usize,
-    /// The force that the base model leaves unexplained over displacement and velocity, and the repaired one.
+    /// The force that the base model leaves unexplained over displacement and velocity, and the
+    /// repaired one.
     pub surfaces: [Surface; 2],
-    /// Where nothing is named: root-mean-square, over the noise, from which on something would have been.
+    /// Where nothing is named: root-mean-square, over the noise, from which on something would have
+    /// been.
     pub least_over_noise: f64,
     /// Candidates whose signatures could then not have been told apart.
     pub indistinguishable: Vec<[&'static str; 2]>,
@@ -61,7 +63,8 @@ pub struct Account {
     pub doubts: Vec<String>,
     /// Whether it was driven; else it is a free ring-down.
     pub has_input: bool,
-    /// Fraction of the variance of what is left that is predictable from its past, the input and the state.
+    /// Fraction of the variance of what is left that is predictable from its past, the input and
+    /// the state.
     pub predictable: f64,
     /// Whether that is too much to be called white.
     pub is_structured: bool,

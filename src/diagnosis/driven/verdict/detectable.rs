@@ -1,9 +1,10 @@
-//! What a recording in which nothing is named could have shown: for each candidate the smallest strength that would have been
-//! named, and which candidates it could not have told apart.
+//! What a recording in which nothing is named could have shown: for each candidate the smallest
+//! strength that would have been named, and which candidates it could not have told apart.
 //!
-//! From the base model's fit, linearised: what a candidate does to the reading, less what refitted base parameters would
-//! hide of it, must rise above the noise by what the selection asks for. A forecast from one recording, not a trial: `trial
-//! --like` plants and counts. Noise terms, rounding and contacts are left out: no derivative tells when they begin to show.
+//! From the base model's fit, linearised: what a candidate does to the reading, less what refitted
+//! base parameters would hide of it, must rise above the noise by what the selection asks for. A
+//! forecast from one recording, not a trial: `trial --like` plants and counts. Noise terms,
+//! rounding and contacts are left out: no derivative tells when they begin to show.
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
@@ -32,7 +33,8 @@ const SMALL: f64 = 0.01;
 /// What could have been seen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Limits {
-    /// Root-mean-square, over the noise, that an effect must leave after the base model is refitted.
+    /// Root-mean-square, over the noise, that an effect must leave after the base model is
+    /// refitted.
     pub least_over_noise: f64,
     /// Candidate by candidate, in the library's order.
     pub candidates: Vec<Detectable>,
@@ -61,7 +63,8 @@ pub(super) fn limits(data: &Data, base: &Fit, scales: &Scales, candidates: &[Ter
         (base.linear.residual.len() as f64, data.validation.iter().map(|r| r.len()).sum::<usize>() as f64);
     let noise = base.variance.sqrt();
     let z = |probability: f64| special::normal_quantile(probability);
-    // By the penalty of a parameter, by the test on validation samples, and by the least gain that earns a name.
+    // By the penalty of a parameter, by the test on validation samples, and by the least gain that
+    // earns a name.
     let penalty = 3.0 + (candidates.len().max(1) as f64).ln() + 0.5 * rows.ln();
     let least = (((2.0 * penalty).sqrt() + z(POWER)) / rows.sqrt())
         .max(2.0 * (z(1.0 - LEVEL) + z(POWER)) / judging.max(1.0).sqrt())
@@ -134,7 +137,8 @@ fn signatures(data: &Data, base: &Fit, scales: &Scales, term: Term) -> Vec<Signa
         .collect()
 }
 
-/// What a term with these parameters does to the training rows: its size, what the base cannot hide, the size of that.
+/// What a term with these parameters does to the training rows: its size, what the base cannot
+/// hide, the size of that.
 fn signature(data: &Data, base: &Fit, scales: &Scales, term: Term, values: &[f64]) -> Option<(f64, Vec<f64>, f64)> {
     let (structure, point) = base.with(term, values);
     let steps = structure.coarse_steps(&point, scales).max(base.steps);

@@ -1,5 +1,5 @@
-//! A conclusion in the making: models, what is left of them, and the terms that still have a name. Not for what speaks against a
-//! term (`objection`, `standing`, `unexplained`).
+//! A conclusion in the making: models, what is left of them, and the terms that still have a name.
+//! Not for what speaks against a term (`objection`, `standing`, `unexplained`).
 
 use crate::diagnosis::detection::Structure;
 use crate::diagnosis::driven::identification::fit::{Fit, fit};
@@ -58,8 +58,8 @@ impl<'a> Draft<'a> {
         Self { data, selection, scales, budget, base, model, departing, after, rivals, named, dropped, left_out }
     }
 
-    /// Fits the model with a free form like the others. What it leaves is what is left: the stated form would leave its own
-    /// inexactness besides.
+    /// Fits the model with a free form like the others. What it leaves is what is left: the stated
+    /// form would leave its own inexactness besides.
     pub(super) fn free(&mut self, selection: &Selection) {
         let Some(found) = &selection.departing else { return };
         let old = &found.judged.fit;
@@ -106,7 +106,8 @@ impl<'a> Draft<'a> {
         self.base.fit.variance / self.model.fit.variance.max(1e-300) - 1.0
     }
 
-    /// Named terms in whose place another does as well, in this recording or in any with this input.
+    /// Named terms in whose place another does as well, in this recording or in any with this
+    /// input.
     fn tied(&self) -> usize {
         let class = self.selection.reach.class(&self.model.fit.structure.terms);
         let in_class = |n: &Named| class.contains(&self.term(n.index).id());
@@ -118,7 +119,8 @@ impl<'a> Draft<'a> {
         self.selection.reach.few_cycles.is_none() || self.named.is_empty()
     }
 
-    /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the final model.
+    /// What the verdict rests on; `nameless` is what is carried without a name, in variances of the
+    /// final model.
     pub(super) fn evidence(&self, nameless: f64, stand_ins: bool, rounded: bool, remainder: Remainder) -> Evidence {
         let (model, base) = (&self.model, &self.base);
         Evidence {

@@ -12,9 +12,11 @@ pub enum Dropped {
     MayBeNothing,
     /// It makes the prediction of the test samples worse.
     Worsens,
-    /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its own.
+    /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its
+    /// own.
     NoSecondResonance,
-    /// It is a noise term, but known signals predict its estimate: percentage of its variance, cross-fitted.
+    /// It is a noise term, but known signals predict its estimate: percentage of its variance,
+    /// cross-fitted.
     Dependent {
         /// Known quantity that predicts it.
         by: Known,

@@ -1,5 +1,5 @@
-//! A conclusion in public numbers: named effects with their intervals in the recording's own units, and every candidate's
-//! standing.
+//! A conclusion in public numbers: named effects with their intervals in the recording's own units,
+//! and every candidate's standing.
 
 use crate::diagnosis::driven::base::{GAIN, OFFSET, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
@@ -72,7 +72,8 @@ pub(crate) fn noise_floor(data: &Data, fit: &Fit) -> f64 {
     variance.sqrt()
 }
 
-/// The base model's own numbers, as fitted together with the terms: ω₀, ζ, the gain of a driven recording, the offset.
+/// The base model's own numbers, as fitted together with the terms: ω₀, ζ, the gain of a driven
+/// recording, the offset.
 pub fn base(c: &Conclusion, scales: &Scales, channels: &Channels) -> Vec<Estimate> {
     let fit = &c.model.fit;
     let coordinates = coordinates(&fit.structure, scales);
@@ -152,14 +153,16 @@ fn in_input(force: &Estimate, c: &Conclusion, channels: &Channels) -> Estimate {
     Estimate { name: format!("{}/g", force.name), value, unit: channels.input_unit.clone(), ci95 }
 }
 
-/// The strength of a noise term in the recording's unit. The filter knows it relative to the readout noise; where readout
-/// noise is negligible that ratio is only bounded below, while the strength itself is well known.
+/// The strength of a noise term in the recording's unit. The filter knows it relative to the
+/// readout noise; where readout noise is negligible that ratio is only bounded below, while the
+/// strength itself is well known.
 fn strength(data: &Data, c: &Conclusion, index: usize, noise: Noise, reach: f64, channels: &Channels) -> Estimate {
     let fit = &c.model.fit;
     let place = fit.structure.first[index];
     let factor = if noise == Noise::Walk { data.rate_hz.sqrt() } else { 1.0 };
     let value = fit.point[place] * readout_noise(data, fit);
-    // By the delta method over every noise ratio: all of them are relative to the same readout noise.
+    // By the delta method over every noise ratio: all of them are relative to the same readout
+    // noise.
     let noises: Vec<(usize, f64)> = fit
         .structure
         .terms
@@ -279,7 +282,8 @@ pub fn effects(
     effects
 }
 
-/// Share of the held-out error beyond the noise that a term removes; for a noise term, what it adds to the log-score.
+/// Share of the held-out error beyond the noise that a term removes; for a noise term, what it adds
+/// to the log-score.
 fn gain(c: &Conclusion, named: &Named, floor: f64) -> f64 {
     if c.model.fit.structure.terms[named.index].noise().is_some() {
         return c.model.held_out.log_score(c.model.fit.variance) - named.log_score_without;

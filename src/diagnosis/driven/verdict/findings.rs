@@ -102,7 +102,8 @@ pub(crate) fn left_out(what: LeftOut) -> &'static str {
     }
 }
 
-/// What kind of noise it is, as clauses; none where it is plain. Times count from the recording's first sample on.
+/// What kind of noise it is, as clauses; none where it is plain. Times count from the recording's
+/// first sample on.
 pub fn noise(noise: &NoiseCharacter, rate_hz: f64) -> Vec<String> {
     let tails = noise.tails.map(|beyond| {
         format!(

@@ -1,4 +1,5 @@
-//! How far a named law departs from the form that its name states, over the arguments that the recording visited.
+//! How far a named law departs from the form that its name states, over the arguments that the
+//! recording visited.
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::identification::interval;
@@ -16,8 +17,8 @@ use crate::physics::scales::Scales;
 const PLACES: usize = 41;
 /// Visits that the departure is weighed by.
 const VISITS: usize = 400;
-/// 95 % quantile, as a number of standard deviations, of the length of what three free values do by chance (√χ²₀.₉₅ with
-/// three degrees of freedom): as far as a departure is no evidence of one.
+/// 95 % quantile, as a number of standard deviations, of the length of what three free values do by
+/// chance (√χ²₀.₉₅ with three degrees of freedom): as far as a departure is no evidence of one.
 const BY_CHANCE: f64 = 2.795;
 /// Step of a free value, in standard deviations, for the derivative of the curve.
 const NUDGE: f64 = 0.05;
@@ -45,7 +46,8 @@ pub(crate) fn form(
         return departure(data, &known);
     }
     let fit = freed(data, &model.fit, index, scales, false)?;
-    // Smooth friction, for one, comes near dry friction and never there: where it fits worse it says nothing of the form.
+    // Smooth friction, for one, comes near dry friction and never there: where it fits worse it
+    // says nothing of the form.
     if fit.log_likelihood() < model.fit.log_likelihood() {
         return None;
     }
@@ -195,7 +197,8 @@ mod tests {
         rms(split.rest.iter().copied()) / rms(split.stated.iter().copied())
     }
 
-    // Least squares of |x|^2.4 sgn x by x³ and x over (−1, 1), whose products integrate to 1/(a + b + 1).
+    // Least squares of |x|^2.4 sgn x by x³ and x over (−1, 1), whose products integrate to 1/(a +
+    // b + 1).
     #[test]
     fn the_departure_of_a_power_is_that_of_its_integrals() {
         let product = |a: f64, b: f64| 1.0 / (a + b + 1.0);

@@ -1,5 +1,5 @@
-//! Where the base model's error exceeds the noise: in time, in frequency, in amplitude; each with its excess and a false
-//! discovery rate.
+//! Where the base model's error exceeds the noise: in time, in frequency, in amplitude; each with
+//! its excess and a false discovery rate.
 
 use std::ops::Range;
 
@@ -32,7 +32,8 @@ pub(crate) struct Compared<'a> {
     pub unit: &'a str,
 }
 
-/// Excess everywhere, neighbouring stretches joined; in words; and whether the error's power is that of the noise.
+/// Excess everywhere, neighbouring stretches joined; in words; and whether the error's power is
+/// that of the noise.
 pub(crate) fn locate(c: &Compared<'_>, from: usize) -> (Places, String, bool) {
     let n = c.error.len().min(c.state.len());
     if n < 64 {

@@ -14,8 +14,8 @@ use super::draft::Draft;
 use super::second_resonance::is_beside_the_first;
 
 impl Draft<'_> {
-    /// Why a term may not stay, if it may not: the test samples speak against it, it is not what its name says, or it may be
-    /// nothing.
+    /// Why a term may not stay, if it may not: the test samples speak against it, it is not what
+    /// its name says, or it may be nothing.
     fn objection(&self, named: &Named) -> Option<Dropped> {
         if named.worsens(&self.model) {
             return Some(Dropped::Worsens);

@@ -15,8 +15,8 @@ use crate::physics::library::Term;
 use crate::sensor::{Accelerometer, ProofMass, Sensor};
 use crate::units::key::Sign;
 
-/// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an input, one unit of
-/// output as 1 m.
+/// Sensors with and without the terms of `after`. One unit of input is taken as 1 m/s²; without an
+/// input, one unit of output as 1 m.
 pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>) -> Repair {
     let mut not_expressible = Vec::new();
     let repaired = sensor(data, after, Some(&mut not_expressible));
@@ -56,7 +56,8 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
     let (omega, zeta) = (fit.point[OMEGA], fit.point[ZETA]);
     let mut mass = ProofMass { natural_frequency_rad_s: omega, damping_ratio: zeta, ..ProofMass::default() };
     let readout = fit.variance.sqrt() / fit.structure.gain(&fit.point, data.interval_s()).innovation_variance.sqrt();
-    // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration by ω₀²/G.
+    // A white sequence with deviation σ at rate f has N = σ/√f; displacement becomes acceleration
+    // by ω₀²/G.
     let to_acceleration = omega * omega / gain.abs();
     let mut accelerometer = Accelerometer {
         velocity_random_walk_m_s_rts: readout * to_acceleration * data.interval_s().sqrt(),
@@ -76,7 +77,8 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
             continue;
         }
         match term.noise() {
-            // Stationary displacement variance of white force with two-sided intensity N²: N²/(4ζω³).
+            // Stationary displacement variance of white force with two-sided intensity N²:
+            // N²/(4ζω³).
             Some(Noise::Force) => {
                 mass.force_noise_m_s_rts = p[0] * readout * (4.0 * zeta * omega.powi(3)).sqrt() / gain.abs();
             }
@@ -101,7 +103,8 @@ fn is_refused(law: &StudyLaw, p: &[f64]) -> bool {
     law.given().iter().zip(p).any(|(given, value)| given.key.sign != Sign::Any && *value < 0.0)
 }
 
-/// With the law's parameters in SI: a unit of input is 1 m/s², and displacement becomes metres by the gain.
+/// With the law's parameters in SI: a unit of input is 1 m/s², and displacement becomes metres by
+/// the gain.
 fn metric(mut all: Coefficients, law: &StudyLaw, p: &[f64], gain: f64) -> Coefficients {
     let units = Units { y: 1.0 / gain.abs(), u: 1.0, s: 1.0 };
     for (parameter, (given, value)) in law.given().iter().zip(p).enumerate() {
@@ -125,7 +128,8 @@ mod tests {
         assert!(!is_refused(law("cubic-stiffness"), &[-1.0]));
     }
 
-    // y = G·x with G = −2: β in 1/(y² s²) is 4β in 1/(m² s²), α in 1/(y s²) is −2α, friction in y/s² is half in m/s².
+    // y = G·x with G = −2: β in 1/(y² s²) is 4β in 1/(m² s²), α in 1/(y s²) is −2α, friction in
+    // y/s² is half in m/s².
     #[test]
     fn parameters_become_metric_by_the_gain_and_its_sign() {
         for (id, expected) in [("cubic-stiffness", 12.0), ("quadratic-stiffness", -6.0), ("coulomb-friction", 1.5)] {

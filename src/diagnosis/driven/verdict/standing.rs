@@ -14,14 +14,16 @@ use super::draft::Draft;
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
 pub(super) const FAR_ABOVE: f64 = 30.0;
-/// Part of all that is removed that a term must add to be named: a law is rarely truer than to three parts in a hundred of what
-/// it does, and a tenth of a percent in power of it is no other effect.
+/// Part of all that is removed that a term must add to be named: a law is rarely truer than to
+/// three parts in a hundred of what it does, and a tenth of a percent in power of it is no other
+/// effect.
 const LEAST_PART: f64 = 1e-3;
 /// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
 
 impl Draft<'_> {
-    /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its place. Whether any does.
+    /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its
+    /// place. Whether any does.
     pub(super) fn drop_noise_that_follows(&mut self) -> bool {
         if self.data.windows.is_some() {
             return false;
@@ -43,8 +45,8 @@ impl Draft<'_> {
         !all.is_empty()
     }
 
-    /// The model with its named terms alone, fitted. What is carried without a name says something of the noise too, and is
-    /// not what the verdict states.
+    /// The model with its named terms alone, fitted. What is carried without a name says something
+    /// of the noise too, and is not what the verdict states.
     fn only_named(&self) -> Fit {
         let mut fit = self.model.fit.clone();
         for index in (0..fit.structure.terms.len()).rev().filter(|i| self.named.iter().all(|n| n.index != *i)) {
@@ -66,8 +68,9 @@ impl Draft<'_> {
         }
     }
 
-    /// What is smaller than the remainder, or than the other laws can be trusted, stays in the model, so that it does not bias
-    /// the others, but is not named. How much of the variance these laws carry together.
+    /// What is smaller than the remainder, or than the other laws can be trusted, stays in the
+    /// model, so that it does not bias the others, but is not named. How much of the variance these
+    /// laws carry together.
     pub(super) fn carry_what_is_small(&mut self, r_squared: f64) -> f64 {
         let need = SMALLEST_GAIN.max(if r_squared <= COLOURED { r_squared } else { FAR_ABOVE * r_squared });
         let removed = self.removed();
@@ -87,7 +90,8 @@ impl Draft<'_> {
         carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
     }
 
-    /// Two terms that can be mistaken for each other, neither above the noise, are one thing that the library does not hold.
+    /// Two terms that can be mistaken for each other, neither above the noise, are one thing that
+    /// the library does not hold.
     pub(super) fn drop_twins(&mut self) -> bool {
         let faint: Vec<usize> = self.named.iter().filter(|n| n.growth < 1.0).map(|n| n.index).collect();
         let has_twin = |i: usize| faint.iter().any(|j| i != *j && alike(&self.term(i), &self.term(*j)));

@@ -1,10 +1,11 @@
-//! Where the missing force lives in the plane of displacement and velocity: the restoring-force surface of what the model
-//! leaves (Masri & Caughey, J. Appl. Mech. 46, 1979), with a false-discovery rate.
+//! Where the missing force lives in the plane of displacement and velocity: the restoring-force
+//! surface of what the model leaves (Masri & Caughey, J. Appl. Mech. 46, 1979), with a
+//! false-discovery rate.
 //!
-//! The error of free simulation is turned into the force that would have caused it, (d²/dt² + 2ζω₀ d/dt + ω₀²)e, within a
-//! band around the resonance: beyond it readout noise is all that such a derivative shows. A spring that is missing bends the
-//! surface along the displacement, a damper along the velocity, friction steps where the velocity changes sign. Not for
-//! fitting.
+//! The error of free simulation is turned into the force that would have caused it, (d²/dt² + 2ζω₀
+//! d/dt + ω₀²)e, within a band around the resonance: beyond it readout noise is all that such a
+//! derivative shows. A spring that is missing bends the surface along the displacement, a damper
+//! along the velocity, friction steps where the velocity changes sign. Not for fitting.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,11 +15,13 @@ use realfft::num_complex::Complex64;
 use crate::diagnosis::verdict::StateCell;
 use crate::numerics::{order, special};
 
-/// Cells along either axis: as many as leave this many samples to one, between the fewest and the most worth drawing.
+/// Cells along either axis: as many as leave this many samples to one, between the fewest and the
+/// most worth drawing.
 const SAMPLES: f64 = 80.0;
 const FEWEST: usize = 8;
 const MOST: usize = 16;
-/// Share of the cells named that may be chance (Benjamini & Hochberg 1995; neighbours know of each other, which it bears).
+/// Share of the cells named that may be chance (Benjamini & Hochberg 1995; neighbours know of each
+/// other, which it bears).
 const FALSE_DISCOVERY: f64 = 0.05;
 /// Visits of a cell that say anything of it.
 const VISITS: usize = 6;
@@ -47,7 +50,8 @@ pub struct FreeRun<'a> {
 /// A cell of displacement and velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// Mean of the missing force over ω₀², in the unit of the displacement; NaN where the state seldom is.
+    /// Mean of the missing force over ω₀², in the unit of the displacement; NaN where the state
+    /// seldom is.
     pub force: f64,
     /// Standard error of the force, from the scatter between visits.
     pub error: f64,
@@ -229,8 +233,8 @@ mod tests {
     const OMEGA: f64 = 0.2;
     const ZETA: f64 = 0.05;
 
-    /// Displacement and velocity of an oscillator under random force, with a spring `cubic`·x³ or without; unit rate, by the
-    /// semi-implicit method in 20 steps.
+    /// Displacement and velocity of an oscillator under random force, with a spring `cubic`·x³ or
+    /// without; unit rate, by the semi-implicit method in 20 steps.
     fn motion(cubic: f64, friction: f64) -> (Vec<f64>, Vec<f64>) {
         let noise: Vec<f64> = StandardNormal.sample_iter(Philox::new(3, 0, Stream::Host)).take(12_000).collect();
         let (mut x, mut v) = (0.0f64, 0.0f64);

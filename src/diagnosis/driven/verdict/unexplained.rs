@@ -1,4 +1,5 @@
-//! What keeps a name where the named terms do not account for the mismatch, and the model that such a verdict quotes.
+//! What keeps a name where the named terms do not account for the mismatch, and the model that such
+//! a verdict quotes.
 
 use crate::diagnosis::driven::selection::earned::without;
 use crate::diagnosis::driven::selection::held_out::held_out;
@@ -13,8 +14,8 @@ use super::second_resonance::is_resolved;
 use super::standing::FAR_ABOVE;
 
 impl Draft<'_> {
-    /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In that model each must still be
-    /// what its name says.
+    /// Leaves the names that hold by themselves, in the model that holds them and nothing else. In
+    /// that model each must still be what its name says.
     pub(super) fn settle_unexplained(&mut self, r_squared: f64, tolerated: f64) {
         self.drop_stand_ins(r_squared, tolerated);
         self.keep_what_is_named();
@@ -25,15 +26,17 @@ impl Draft<'_> {
         }
     }
 
-    /// Why a term cannot be told from what the library lacks, if it cannot: beside a misfit of the linear dynamics a mode takes up
-    /// whatever is broad, and only a peak of its own is evidence of a resonance.
+    /// Why a term cannot be told from what the library lacks, if it cannot: beside a misfit of the
+    /// linear dynamics a mode takes up whatever is broad, and only a peak of its own is evidence of
+    /// a resonance.
     fn stands_in(&self, named: &Named) -> Option<Dropped> {
         let is_mode = matches!(self.term(named.index), Term::ParasiticMode(_));
         let blurred = is_mode && !is_resolved(&self.model.fit, named.index);
         self.misnamed(named).or(blurred.then_some(Dropped::NoSecondResonance))
     }
 
-    /// The model of a verdict that explains nothing holds what it names and nothing else; and predicts no worse than the base.
+    /// The model of a verdict that explains nothing holds what it names and nothing else; and
+    /// predicts no worse than the base.
     fn keep_what_is_named(&mut self) {
         let terms = self.model.fit.structure.terms.len();
         let named = |draft: &Self, index: usize| draft.named.iter().any(|n| n.index == index);
@@ -61,10 +64,12 @@ impl Draft<'_> {
         }
     }
 
-    /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by itself.
+    /// Beside a mismatch that stays unexplained, only what towers above the remainder holds by
+    /// itself.
     fn drop_stand_ins(&mut self, r_squared: f64, tolerated: f64) {
         let bar = FAR_ABOVE * r_squared.max(tolerated);
-        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only the noise itself is.
+        // Noise takes up whatever the library lacks: beside it the remainder is no measure, only
+        // the noise itself is.
         let noisy = self.model.fit.structure.is_noisy();
         let dominates = |n: &Named| n.growth >= if noisy && !self.is_noise(n) { bar.max(FAR_ABOVE) } else { bar };
         let (towering, others): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(dominates);

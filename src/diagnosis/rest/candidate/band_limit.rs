@@ -1,7 +1,9 @@
-//! A filter in the sensor that takes the top of its band away. No physics left out: a finding, not a candidate.
+//! A filter in the sensor that takes the top of its band away. No physics left out: a finding, not
+//! a candidate.
 //!
-//! The usual ones are offered: means of neighbours, moving averages (once, or twice as Bartlett's), one pole, two poles. The
-//! shape is chosen on the spectrum as the model so far leaves it; the model with the best of them is then fitted as a whole.
+//! The usual ones are offered: means of neighbours, moving averages (once, or twice as Bartlett's),
+//! one pole, two poles. The shape is chosen on the spectrum as the model so far leaves it; the
+//! model with the best of them is then fitted as a whole.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -35,8 +37,9 @@ pub(super) const ROW: Row = Row {
     ..NO_CANDIDATE
 };
 
-/// Least part of the power at the highest frequency, under a memory with white noise beside it, that is white: with less of
-/// it all that the sensor hands out has gone through the memory, which is a filter then.
+/// Least part of the power at the highest frequency, under a memory with white noise beside it,
+/// that is white: with less of it all that the sensor hands out has gone through the memory, which
+/// is a filter then.
 const BESIDE: f64 = 0.25;
 /// Longest memory of a filter, in samples.
 const LONGEST: f64 = 10.0;

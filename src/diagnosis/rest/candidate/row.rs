@@ -15,12 +15,14 @@ pub(in crate::diagnosis::rest) const MOST_LAWS: usize = 4;
 pub(in crate::diagnosis::rest) struct Row {
     /// What the library says; `None` for what is no physics left out.
     pub(in crate::diagnosis::rest) entry: Option<&'static Candidate>,
-    /// The models with it, each at its best: none where it cannot be added, several where there are several columns.
+    /// The models with it, each at its best: none where it cannot be added, several where there are
+    /// several columns.
     pub(in crate::diagnosis::rest) offer: fn(&Offer<'_>) -> Result<Vec<Fitted>, Stopped>,
     /// Free numbers, searched ones included.
     pub(in crate::diagnosis::rest) numbers: f64,
-    /// Probability of at least this gain (twice the log-likelihood) by chance, for this many samples. A variance at its
-    /// wall counts half (Self & Liang 1987); a searched number multiplies by the independent places it was searched at.
+    /// Probability of at least this gain (twice the log-likelihood) by chance, for this many
+    /// samples. A variance at its wall counts half (Self & Liang 1987); a searched number
+    /// multiplies by the independent places it was searched at.
     pub(in crate::diagnosis::rest) chance: fn(gain: f64, samples: f64) -> f64,
     /// Simpler causes that it imitates at the edge of its range: those are preferred.
     pub(in crate::diagnosis::rest) imitates: &'static [Cause],

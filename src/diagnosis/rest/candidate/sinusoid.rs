@@ -23,7 +23,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     reference: IEEE,
 };
 
-/// Grid points at which a frequency is searched for, and how far to either side of the strongest line, as a part of 1/N.
+/// Grid points at which a frequency is searched for, and how far to either side of the strongest
+/// line, as a part of 1/N.
 const FREQUENCIES: usize = 7;
 const REACH: f64 = 0.6;
 
@@ -51,7 +52,8 @@ fn parameters(of: &Placed<'_>) -> Vec<Estimate> {
     let parts = of.fitted.amplitudes_of(of.index);
     let amplitude = parts[0].0.hypot(parts[1].0);
     let error = parts[0].1.max(parts[1].1);
-    // Cramér–Rao bound of a frequency: var(ω) = 24 s/(A² N³), and 2 s/N is the variance of an amplitude.
+    // Cramér–Rao bound of a frequency: var(ω) = 24 s/(A² N³), and 2 s/N is the variance of an
+    // amplitude.
     let count = of.channel.values.len() as f64;
     let spread = (12.0f64).sqrt() * error / (amplitude * count) / TAU;
     vec![
@@ -60,8 +62,8 @@ fn parameters(of: &Placed<'_>) -> Vec<Estimate> {
     ]
 }
 
-/// Frequency (cycles per sample) where two neighbouring coefficients stand out most from the model and from their
-/// neighbourhood; slower than three cycles is drift.
+/// Frequency (cycles per sample) where two neighbouring coefficients stand out most from the model
+/// and from their neighbourhood; slower than three cycles is drift.
 fn strongest_line(channel: &Channel, current: &Fitted) -> Option<f64> {
     let c = &current.residual;
     let count = c.len();

@@ -1,4 +1,5 @@
-//! `temperature-sensitivity`: a bias that follows an environment column, or a cause that channels share.
+//! `temperature-sensitivity`: a bias that follows an environment column, or a cause that channels
+//! share.
 
 use super::row::{Row, TITTERTON, signed, size};
 use crate::diagnosis::candidate::{Candidate, Kind};

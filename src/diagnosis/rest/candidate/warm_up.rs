@@ -20,7 +20,8 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     reference: TITTERTON,
 };
 
-/// Time constants, as parts of the recording, between which one is searched for; and at how many grid points.
+/// Time constants, as parts of the recording, between which one is searched for; and at how many
+/// grid points.
 const PARTS: [f64; 2] = [0.01, 0.5];
 const TIMES: usize = 9;
 

@@ -1,4 +1,5 @@
-//! `white-noise`: its level is not the promised one. In every model; judged apart, against the promise.
+//! `white-noise`: its level is not the promised one. In every model; judged apart, against the
+//! promise.
 
 use super::row::{IEEE, NO_CANDIDATE, Row, size};
 use crate::diagnosis::candidate::{Candidate, Kind};

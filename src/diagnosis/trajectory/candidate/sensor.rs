@@ -1,4 +1,5 @@
-//! What the sensors do to rates and specific forces: scale, axes, gravity in the gyro, biases that wander, the Earth's rate.
+//! What the sensors do to rates and specific forces: scale, axes, gravity in the gyro, biases that
+//! wander, the Earth's rate.
 
 use super::term::{Term, Unit};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};

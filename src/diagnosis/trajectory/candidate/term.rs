@@ -29,7 +29,8 @@ pub struct Term {
     pub unit: Unit,
     /// Sizes below which it costs nothing, SI.
     pub smallest: f64,
-    /// What looks the same in the readings as an attitude of the reference that errs by one radian, SI; zero where nothing.
+    /// What looks the same in the readings as an attitude of the reference that errs by one radian,
+    /// SI; zero where nothing.
     pub per_tilt: f64,
     /// Whether a reference of attitude alone can show it.
     pub by_attitude: bool,

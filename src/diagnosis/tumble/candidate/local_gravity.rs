@@ -1,4 +1,5 @@
-//! `local-gravity`: gravity is not what the model states. In the library to be said, never to be fitted: see `statement`.
+//! `local-gravity`: gravity is not what the model states. In the library to be said, never to be
+//! fitted: see `statement`.
 
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};
 

@@ -1,4 +1,5 @@
-//! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the accelerometer's.
+//! `misalignment`: sensitive axes are not orthogonal, or the gyro's stand turned against the
+//! accelerometer's.
 
 use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};

@@ -1,8 +1,10 @@
-//! The slow drift of offsets where nothing recorded accounts for it: fitted so that it does not bend a calibration, told as
-//! a finding, and never a name: 1/f noise, a battery and warmth look alike in poses.
+//! The slow drift of offsets where nothing recorded accounts for it: fitted so that it does not
+//! bend a calibration, told as a finding, and never a name: 1/f noise, a battery and warmth look
+//! alike in poses.
 //!
-//! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one takes up; all three at once are nine
-//! parameters of a sensor, too many for the poses that remain when a fold is held out.
+//! Each cosine is judged by itself. Most drifts are nearly a ramp, which the first one takes up;
+//! all three at once are nine parameters of a sensor, too many for the poses that remain when a
+//! fold is held out.
 
 use std::ops::Range;
 

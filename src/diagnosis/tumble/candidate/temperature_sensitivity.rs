@@ -1,4 +1,5 @@
-//! `temperature-sensitivity`: offsets follow a temperature column. Without one there is no such name: see `slow_drift`.
+//! `temperature-sensitivity`: offsets follow a temperature column. Without one there is no such
+//! name: see `slow_drift`.
 
 use super::term::{Role, Seen, Stated, Term};
 use crate::diagnosis::candidate::{Candidate, Kind, Parameter};

@@ -1,4 +1,5 @@
-//! A candidate as the fit takes it: which parameters it frees in which sensor, and the residual that judges it.
+//! A candidate as the fit takes it: which parameters it frees in which sensor, and the residual
+//! that judges it.
 
 use std::ops::Range;
 
@@ -43,8 +44,8 @@ pub(crate) enum Role {
 pub(crate) enum Seen {
     /// From where its least visible parameter would have been.
     InEveryParameter,
-    /// From where its most visible parameter would have been: a known rate, of which one direction looks like something
-    /// else.
+    /// From where its most visible parameter would have been: a known rate, of which one direction
+    /// looks like something else.
     InItsBestDirection,
 }
 
@@ -53,8 +54,8 @@ pub(crate) enum Seen {
 pub(crate) enum Stated {
     /// Each in its public unit.
     AsFitted,
-    /// The scale of each axis, from the common scale and the other two axes' ratios to the first: where these stand, and
-    /// the unit.
+    /// The scale of each axis, from the common scale and the other two axes' ratios to the first:
+    /// where these stand, and the unit.
     AxisScales {
         /// Index of the common scale.
         common: usize,

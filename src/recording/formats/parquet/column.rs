@@ -284,7 +284,8 @@ struct PageHeader {
     stored: u64,
     values: usize,
     encoding: i64,
-    /// Bytes of levels before the values, and of those that repeat among them, in pages of version 2.
+    /// Bytes of levels before the values, and of those that repeat among them, in pages of
+    /// version 2.
     levels: usize,
     repetition: usize,
     is_packed: bool,

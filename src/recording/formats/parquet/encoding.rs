@@ -1,4 +1,5 @@
-//! How Parquet packs numbers: runs and bits, differences, streams of bytes. Format: parquet.apache.org, *Encodings*.
+//! How Parquet packs numbers: runs and bits, differences, streams of bytes. Format:
+//! parquet.apache.org, *Encodings*.
 
 use crate::recording::bytes::Bytes;
 
@@ -126,7 +127,8 @@ mod tests {
 
     #[test]
     fn runs_and_packed_bits_are_read() {
-        // From the format's own text: the numbers 0 to 7 in three bits are 0x88 0xc6 0xfa; a run of four fives.
+        // From the format's own text: the numbers 0 to 7 in three bits are 0x88 0xc6 0xfa; a run of
+        // four fives.
         assert_eq!(hybrid(&[3, 0x88, 0xc6, 0xfa, 8, 5], 3, 12), Some(vec![0, 1, 2, 3, 4, 5, 6, 7, 5, 5, 5, 5]));
         assert_eq!(hybrid(&[3, 0x88], 3, 8), None);
         assert_eq!(hybrid(&[], 1, 1), None);
@@ -135,8 +137,9 @@ mod tests {
 
     #[test]
     fn differences_are_summed() {
-        // The format's example: 7, 5, 3, 1, 2, 3, 4, 5 has the first value 7, the least difference -2, and the differences
-        // above it 0, 0, 0, 3, 3, 3, 3 in two bits; one block of 128 with four parts of 32.
+        // The format's example: 7, 5, 3, 1, 2, 3, 4, 5 has the first value 7, the least
+        // difference -2, and the differences above it 0, 0, 0, 3, 3, 3, 3 in two bits; one block of
+        // 128 with four parts of 32.
         let head = [128, 1, 4, 8, 14, 3, 2, 0, 0, 0];
         let mut packed = [0u8; 8];
         for (i, delta) in [0u8, 0, 0, 3, 3, 3, 3].into_iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Thrift's compact protocol, of which Parquet's metadata are made: apache.org/thrift, *compact protocol*.
+//! Thrift's compact protocol, of which Parquet's metadata are made: apache.org/thrift, *compact
+//! protocol*.
 
 use crate::recording::bytes::Bytes;
 

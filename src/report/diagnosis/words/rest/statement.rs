@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 use crate::diagnosis::rest::statement::{Earth, Filter, Statement};
 use crate::number::{duration, short, significant};
 
-/// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are told together.
+/// All of them in sentences; `unit` is that of the channels. Many bad readings of a channel are
+/// told together.
 pub(crate) fn statements(all: &[Statement], unit: &str) -> Vec<String> {
     let mut out = Vec::new();
     let mut rest = all;
