@@ -22,7 +22,7 @@ pub fn axis_seed(seed: u64, axis: u64) -> u64 {
     seed ^ axis.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
-/// Vertical channel.
+/// How the vertical channel is navigated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Vertical {
     /// By the inertial sensors alone: its error grows without bound, e-fold in 570 s / 2.
@@ -66,7 +66,7 @@ pub struct Misalignment {
     pub heading_sd_rad: f64,
 }
 
-/// One ensemble.
+/// An ensemble of six-axis sensors along one trajectory.
 #[derive(Clone)]
 pub struct Flight {
     /// An accelerometer and a gyro along each body axis; clock and number of members are the same.
@@ -77,9 +77,9 @@ pub struct Flight {
     pub follow: Option<Arc<dyn Fn(u64) -> Follow + Send + Sync>>,
     /// Whether the instants of samples are drawn.
     pub jitters: bool,
-    /// True motion.
+    /// True motion, sampled at the sensor's rate.
     pub course: Arc<Course>,
-    /// Vertical channel.
+    /// How the vertical channel is navigated.
     pub vertical: Vertical,
     /// Attitude errors at the start.
     pub misalignment: Misalignment,
@@ -99,12 +99,12 @@ pub struct Begin {
 }
 
 impl Flight {
-    /// Discrete time.
+    /// Discrete time: interval, samples, report times.
     pub fn clock(&self) -> &Clock {
         &self.axes[0].clock
     }
 
-    /// Members.
+    /// Number of members of the ensemble.
     pub fn members(&self) -> u64 {
         self.axes[0].members
     }

@@ -18,7 +18,7 @@ pub struct Follow {
     pub jitter_s: f64,
 }
 
-/// Numbers of it.
+/// Numbers of a [`Follow`] as the kernels take them.
 pub const FOLLOWED: usize = 14;
 
 impl Follow {

@@ -9,15 +9,15 @@ use crate::parallel;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Force<T> {
-    /// At its beginning.
+    /// Value at the beginning of the substep, m/s².
     pub begin: T,
-    /// In its middle.
+    /// Value in the middle of the substep, m/s².
     pub middle: T,
-    /// At its end.
+    /// Value at the end of the substep, m/s².
     pub end: T,
-    /// Middle less beginning.
+    /// Change from the beginning to the middle, m/s².
     pub to_middle: T,
-    /// End less beginning.
+    /// Change from the beginning to the end, m/s².
     pub to_end: T,
 }
 

@@ -12,7 +12,7 @@ pub struct Fragment {
     pub block: &'static str,
     /// Before each four samples that share a counter.
     pub draw: &'static str,
-    /// At each sample.
+    /// WGSL that is inserted at each sample.
     pub add: &'static str,
     /// After the samples: state for the next tile.
     pub end: &'static str,

@@ -40,9 +40,9 @@ pub enum Integrator {
 /// Which proof masses a method can step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reach {
-    /// None.
+    /// No proof mass.
     Nothing,
-    /// Linear ones.
+    /// Linear proof masses.
     Linear,
     /// Those with a cubic spring that hardens, or none.
     Hardening,
@@ -55,7 +55,7 @@ pub enum Reach {
 /// What is known of a method, whatever its substeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Method {
-    /// In a report.
+    /// Name in reports.
     pub name: &'static str,
     /// Name of its function in `shaders/shared/oscillator.wgsl`, and in capitals of its code.
     pub wgsl: &'static str,

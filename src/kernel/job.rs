@@ -45,20 +45,20 @@ impl Clock {
 /// One member as drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Member {
-    /// Its sensor.
+    /// Nominal sensor with the tolerances of its parameters.
     pub sensor: Sensor,
     /// Its own sine, where the study draws one per member.
     pub sine: Option<MemberSine>,
 }
 
-/// One ensemble.
+/// One ensemble: sensor, excitation, clock and number of members.
 #[derive(Clone)]
 pub struct Job {
     /// Seed of every random number.
     pub seed: u64,
     /// Number of members.
     pub members: u64,
-    /// Discrete time.
+    /// Discrete time: interval, samples, report times.
     pub clock: Clock,
     /// Draws a member; a pure function of its index.
     pub draw: Arc<dyn Fn(u64) -> Member + Send + Sync>,

@@ -28,7 +28,7 @@ pub mod state {
     pub const Q: usize = 1;
     /// Position since the last multiple of 64 samples.
     pub const POSITION: usize = 2;
-    /// Velocity since then.
+    /// Velocity since the last multiple of 64 samples.
     pub const VELOCITY: usize = 3;
     /// Rate of turn summed since then.
     pub const RATE: usize = 4;
@@ -50,7 +50,7 @@ pub mod state {
     pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
     /// Flicker terms follow here, a set for each sensor term that is switched on.
     pub const TERMS: usize = WALKS + WALK_COUNT;
-    /// By name.
+    /// Indices by the names that the shader uses.
     pub const NAMED: [(&str, usize); 12] = [
         ("E", E),
         ("Q", Q),
@@ -67,7 +67,7 @@ pub mod state {
     ];
 }
 
-/// Mirror of `Tile`.
+/// Mirror of the shader's `Tile`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -99,7 +99,7 @@ pub const NAVIGATE_ATTITUDE: usize = 9;
 /// Vectors of the uniform array of passages, 16 bytes each.
 pub const PASSAGES: usize = 4096;
 
-/// Mirror of `Flight`.
+/// Mirror of the shader's `Flight`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -117,7 +117,7 @@ pub struct Flight {
     pub padding: [u32; 2],
 }
 
-/// Mirror of `Fix`.
+/// Mirror of the shader's `Fix`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -134,7 +134,7 @@ pub struct Fix {
 /// Invocations of a workgroup of `lyapunov` and `poincare`.
 pub const ORBIT_WORKGROUP: u32 = 64;
 
-/// Mirror of `OrbitTile`.
+/// Mirror of the shader's `OrbitTile`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -150,7 +150,7 @@ pub struct OrbitTile {
     pub padding: [u32; 2],
 }
 
-/// Mirror of `Partial`.
+/// Mirror of the shader's `Partial`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -163,7 +163,7 @@ pub struct Partial {
     pub greatest: f32,
 }
 
-/// Mirror of `Report`.
+/// Mirror of the shader's `Report`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
@@ -176,7 +176,7 @@ pub struct Report {
     pub padding: [u32; 3],
 }
 
-/// Mirror of `Bins`.
+/// Mirror of the shader's `Bins`, byte for byte.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]

@@ -31,7 +31,7 @@ pub mod column {
     pub const STEPS: usize = 11;
     /// The sensor terms, in the order of their table.
     pub const TERMS: usize = 12;
-    /// By name.
+    /// Indices by the names that the shader uses.
     pub const NAMED: [(&str, usize); 4] = [("GAIN", GAIN), ("SINE", SINE), ("FORCE", FORCE), ("STEPS", STEPS)];
 
     /// Where a term stands.

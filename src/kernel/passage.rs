@@ -240,7 +240,7 @@ impl Passage<f64> {
 /// at the end of a sample sees is the force in its middle: a reading is the mean over its sample,
 /// and the attitude that turns it is the middle's.
 pub struct Along {
-    /// True motion.
+    /// True motion of the flight.
     pub truth: Arc<Truth>,
     /// Which axis: 0, 1, 2.
     pub axis: usize,

@@ -24,7 +24,7 @@ use crate::rng::Stream;
 pub struct Shader {
     /// Name of its file and of its entry point.
     pub name: &'static str,
-    /// WGSL.
+    /// The assembled WGSL.
     pub text: String,
 }
 

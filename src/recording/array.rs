@@ -98,9 +98,9 @@ pub(crate) struct Array {
 /// Dimensions of a plain array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shape {
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Columns.
+    /// Number of columns.
     pub columns: u64,
     /// Columns follow one another, not rows.
     pub in_columns: bool,

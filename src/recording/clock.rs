@@ -56,7 +56,7 @@ pub enum Kind {
 /// What the stamps of a recording say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clock {
-    /// Sampling rate.
+    /// Sampling rate that the clock shows, Hz.
     pub rate_hz: f64,
     /// Unit of the stamps.
     pub unit: TimeUnit,
@@ -75,7 +75,7 @@ pub struct Clock {
 /// What is asked of a clock: words for messages, and what the user said of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
-    /// The file.
+    /// File whose clock is read, for messages.
     pub path: &'a Path,
     /// Heading of the time column.
     pub heading: &'a str,

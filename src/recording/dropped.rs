@@ -60,7 +60,7 @@ impl Serialize for Reason {
 pub struct Dropped {
     /// Reason for leaving the rows out.
     pub reason: Reason,
-    /// Number of rows.
+    /// Number of rows dropped for this reason.
     pub rows: usize,
     /// The first of them, counted from zero after the header.
     pub first_row: usize,

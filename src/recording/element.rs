@@ -16,7 +16,7 @@ pub enum Kind {
 /// How one number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Element {
-    /// Its kind.
+    /// Integer or floating point.
     pub kind: Kind,
     /// 1, 2, 4 or 8.
     pub bytes: usize,

@@ -83,7 +83,7 @@ pub enum Cell {
     TooLarge,
     /// A number with a comma for its point, as one with a point.
     DecimalComma(f64),
-    /// Anything else.
+    /// Neither a number nor empty.
     Text,
 }
 

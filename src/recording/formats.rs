@@ -40,7 +40,7 @@ pub mod ulog;
 /// A format of binary files.
 #[derive(Debug)]
 pub struct Format {
-    /// Its name.
+    /// Name of the format, for people.
     pub name: &'static str,
     /// How its files begin, and at which byte.
     magic: (usize, &'static [u8]),
@@ -105,7 +105,7 @@ const HDF5: &str = "build with --features hdf5 where the HDF5 library is install
 pub enum Found {
     /// Text.
     Text(Box<Text>),
-    /// Anything else.
+    /// A format other than text.
     Log {
         /// Its bytes.
         input: Input,
@@ -121,7 +121,7 @@ pub enum Found {
 pub enum Opened {
     /// Text, which is one table.
     Text(Box<Text>),
-    /// Anything else.
+    /// A format other than text.
     Log {
         /// Its bytes.
         input: Input,
@@ -323,7 +323,7 @@ fn choose(input: &Input, format: &Format, parts: &[Part], topic: Option<&str>) -
 }
 
 impl Opened {
-    /// Its columns.
+    /// Headings of its columns.
     pub fn headings(&self) -> &Headings {
         match self {
             Self::Text(text) => text.headings(),

@@ -48,7 +48,7 @@ pub struct Recording {
 pub struct Averaged {
     /// How many became one.
     pub together: usize,
-    /// Samples before.
+    /// Samples before averaging.
     pub samples: usize,
     /// Per column, the step that its numbers were rounded to before.
     pub steps: Vec<Option<f64>>,

@@ -23,7 +23,7 @@ pub struct Inertial {
     pub sha256: String,
     /// Data rows in the file.
     pub rows: usize,
-    /// The first stamp.
+    /// First stamp of the log.
     pub start: Instant,
     /// Since the first stamp, s.
     pub time_s: Vec<f64>,

@@ -236,7 +236,7 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// Where it stands.
+    /// Position of the reader, bytes from the beginning.
     pub fn place(&self) -> u64 {
         self.at
     }
@@ -253,7 +253,7 @@ impl Read for Cursor {
 /// SHA-256 that is being made.
 #[derive(Debug)]
 pub enum Checksum {
-    /// By a thread.
+    /// A thread computes the digest.
     Running(JoinHandle<std::io::Result<(String, u64)>>),
     /// When it is asked for.
     Later(Cursor),

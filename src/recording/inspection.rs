@@ -31,7 +31,7 @@ const RESTLESS: [f64; 2] = [0.05, 0.3];
 /// What a column holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its heading.
+    /// Heading of the column.
     pub name: String,
     /// Its unit, as the file states it.
     pub stated: Option<String>,
@@ -52,16 +52,16 @@ pub struct Column {
 /// A stretch of time since the first sample, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Its beginning.
+    /// Beginning of the stretch, s.
     pub from_s: f64,
-    /// Its end.
+    /// End of the stretch, s.
     pub to_s: f64,
 }
 
-/// What was seen.
+/// What a file contains: format, columns, clock, ranges, still stretches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
-    /// The format.
+    /// Name of the format.
     pub format: &'static str,
     /// Topics, messages or arrays; empty for one table of text.
     pub parts: Vec<Part>,
@@ -82,7 +82,7 @@ pub struct Rows {
     pub sha256: String,
     /// How many, and how many samples came of them.
     pub rows: usize,
-    /// Samples.
+    /// Number of samples after repeats and gaps are resolved.
     pub samples: usize,
     /// Sampling rate; none without a clock.
     pub rate_hz: Option<f64>,

@@ -15,9 +15,9 @@ use crate::error::{Error, Result};
 pub struct Numbers {
     /// Names of its columns; none: 1, 2, ….
     pub names: Vec<String>,
-    /// Its numbers.
+    /// Type and width of its numbers.
     pub element: Element,
-    /// Its dimensions.
+    /// Number of rows and columns.
     pub shape: Shape,
     /// The numbers themselves, one behind the other.
     pub bytes: Bytes,

@@ -42,7 +42,7 @@ pub struct Deviation {
 /// A spectral line that stands out of its neighbourhood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// Frequency.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Density over the median of its neighbourhood.
     pub excess: f64,
@@ -51,9 +51,9 @@ pub struct Line {
 /// What is known of one channel, in the file's units.
 #[derive(Debug)]
 pub struct Channel {
-    /// Heading.
+    /// Heading of the channel.
     pub name: String,
-    /// Its unit.
+    /// Unit of its readings.
     pub unit: Unit,
     /// Allan deviations by rising averaging time.
     pub curve: Vec<Deviation>,
@@ -62,7 +62,7 @@ pub struct Channel {
     pub fit: Option<Fit>,
     /// Lowest Allan deviation whose degrees of freedom are at least ten.
     pub minimum: Option<Deviation>,
-    /// One-sided density.
+    /// One-sided power spectral density.
     pub density: Density,
     /// Density near half the rate over that between a tenth and a fifth of it: below one, a filter;
     /// above, aliases.

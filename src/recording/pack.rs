@@ -12,7 +12,7 @@ use crate::error::Result;
 /// What the file's bytes are packed by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pack {
-    /// They are not.
+    /// Stored without compression.
     None,
     /// gzip, RFC 1952.
     Gzip,
@@ -35,7 +35,7 @@ pub fn of(head: &[u8]) -> Pack {
 }
 
 impl Pack {
-    /// In words.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "text",

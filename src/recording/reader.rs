@@ -17,7 +17,7 @@ pub(super) const BLOCK_ROWS: usize = 4096;
 /// A column as its file describes it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Heading {
-    /// Its name.
+    /// Name of the part, as the file states it.
     pub name: String,
     /// Its unit, as it is written there.
     pub unit: Option<String>,
@@ -78,7 +78,7 @@ impl Block {
         Self { columns: vec![Vec::new(); columns], rounded: vec![None; columns], ..Self::default() }
     }
 
-    /// No rows.
+    /// Removes all rows and keeps the memory.
     pub fn clear(&mut self) {
         self.rows = 0;
         self.stamps.clear();

@@ -7,7 +7,7 @@ use super::reader::{Block, Choice, Heading};
 /// A number within a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Its column.
+    /// Heading and unit of its column.
     pub heading: Heading,
     /// How it is stored.
     pub element: Element,

@@ -25,7 +25,7 @@ pub enum Meaning {
 pub struct Repeated {
     /// What they stand for.
     pub meaning: Meaning,
-    /// How many.
+    /// Number of repeated rows.
     pub rows: usize,
     /// The first, counted from the first row seen.
     pub first: usize,

@@ -45,9 +45,9 @@ pub struct Streamed {
     pub rows: usize,
     /// Rows that were not used, and why.
     pub dropped: Vec<Dropped>,
-    /// Sampling rate.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
-    /// Samples given.
+    /// Samples handed on so far.
     pub samples: usize,
     /// What was found and survived.
     pub findings: Vec<Finding>,

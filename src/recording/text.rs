@@ -87,7 +87,7 @@ impl Text {
         Ok(text)
     }
 
-    /// Its columns.
+    /// Headings of its columns.
     pub fn headings(&self) -> &Headings {
         &self.headings
     }

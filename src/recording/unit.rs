@@ -19,7 +19,7 @@ pub enum Quantity {
     Unknown,
 }
 
-/// A column's unit.
+/// Unit of a column: its factor to SI and the name that was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
     /// Quantity that the column measures.

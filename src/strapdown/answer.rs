@@ -17,9 +17,9 @@ use crate::kernel::flight::Flight;
 use crate::study::Study;
 use crate::study::in_motion::InMotion;
 
-/// The answer.
+/// Result of a study along a trajectory.
 pub struct Answer {
-    /// What was integrated.
+    /// Ensemble that was integrated.
     pub flight: Flight,
     /// The ensemble, summed up.
     pub ensemble: Ensemble,
@@ -41,9 +41,9 @@ pub struct Answer {
 /// A spread of the ensemble that is not that of the linear model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Apart {
-    /// Which quantity.
+    /// Quantity that the curve shows.
     pub quantity: Quantity,
-    /// When, s.
+    /// Time since the start, s.
     pub time_s: f64,
     /// Standard deviation of the ensemble over that of the model.
     pub ratio: f64,

@@ -52,19 +52,19 @@ impl Cause {
 /// What one cause does.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// Which.
+    /// Error source.
     pub cause: Cause,
     /// Per report time, position (m), velocity (m/s), and roll, pitch and heading (rad): mean of
     /// each.
     pub mean: Vec<[f64; 9]>,
-    /// Variance of each.
+    /// Variance of the nine errors at each report time, squared SI units.
     pub variance: Vec<[f64; 9]>,
 }
 
 /// The covariance at the report times.
 #[derive(Debug, Clone)]
 pub struct Covariance {
-    /// Cause by cause.
+    /// Contribution of each error source.
     pub parts: Vec<Part>,
     /// Causes that it has no place for.
     pub left_out: Vec<Cause>,
@@ -87,7 +87,7 @@ impl Covariance {
         if all > 0.0 { self.horizontal_m2(part, report) / all } else { 0.0 }
     }
 
-    /// Its mean.
+    /// Mean of an error at a report time, SI.
     pub fn mean(&self, report: usize, quantity: usize) -> f64 {
         self.parts.iter().map(|part| part.mean[report][quantity]).sum()
     }
@@ -115,11 +115,11 @@ pub fn own_error(motion: &InMotion, flight: &Flight) -> Part {
 
 /// One cause, as the covariance carries it.
 pub struct Carried {
-    /// Which.
+    /// Error source.
     pub cause: Cause,
-    /// Its constants.
+    /// Errors that stay constant during a run.
     pub columns: Vec<Column>,
-    /// Its noise.
+    /// Noise processes.
     pub families: Vec<Family>,
     /// Mean squares of a sensor's coefficient at the six inputs, SI.
     pub squares: [f64; 6],

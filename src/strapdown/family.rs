@@ -22,7 +22,7 @@ pub struct Column {
     pub gain: Gain,
     /// Mean of the constant.
     pub mean: f64,
-    /// Its variance.
+    /// Variance of the constant.
     pub variance: f64,
 }
 

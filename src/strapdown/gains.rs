@@ -24,7 +24,7 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// Of a fix.
+    /// Gains and covariances of one fix.
     pub fn of(fix: &Fix) -> Self {
         let of_errors = SMatrix::<f64, 9, SEEN>::from_fn(|row, k| fix.gain[row][k]);
         let of_taken = Inputs::from_fn(|row, k| fix.gain[9 + row][k]);

@@ -58,12 +58,12 @@ pub(super) struct Progress {
     pub next_member: u64,
     /// Wall time of the runs before, s.
     pub seconds: f64,
-    /// The sums.
+    /// Sums over the members that are done.
     pub totals: Totals,
 }
 
 impl Kept {
-    /// Nothing is kept.
+    /// A keeper that keeps nothing.
     pub fn none() -> Self {
         Self::of(None, "", false)
     }

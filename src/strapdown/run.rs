@@ -22,7 +22,7 @@ const PILOT: u64 = 1024;
 /// An ensemble, summed up.
 #[derive(Debug, Clone)]
 pub struct Ensemble {
-    /// Members asked for.
+    /// Number of members asked for.
     pub members: u64,
     /// Members that left the range of numbers by the end.
     pub failed: u64,
@@ -34,7 +34,7 @@ pub struct Ensemble {
     pub member_steps: u64,
     /// Wall time, s.
     pub seconds: f64,
-    /// Where.
+    /// Backend that computed them.
     pub machine: Machine,
 }
 

@@ -45,7 +45,7 @@ pub(super) struct Axes {
 
 /// Everything of an answer at some of its report times.
 pub(super) struct At<'a> {
-    /// The answer.
+    /// Result of the study.
     pub answer: &'a Answer,
     /// Places of the times.
     pub places: &'a [usize],

@@ -43,7 +43,7 @@ use window::{Asked, Biases, Nine, Window};
 /// A sensor that the recording is laid beside.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sensor {
-    /// The study's own.
+    /// Sensor as the study states it.
     Stated,
     /// The same with noise and random walks tenfold, as a rule of thumb has it.
     Tenfold,
@@ -80,7 +80,7 @@ pub struct Compared {
 /// Windows of one length.
 #[derive(Debug, Clone)]
 pub struct Length {
-    /// The length, s.
+    /// Length of the windows, s.
     pub seconds: f64,
     /// Seconds of the overlap that lie in no window.
     pub unused_s: f64,
@@ -92,7 +92,7 @@ pub struct Length {
     splits: Vec<Split>,
 }
 
-/// A window, dead-reckoned.
+/// A window after dead reckoning, with its errors at the end.
 #[derive(Debug, Clone, Copy)]
 pub struct Reckoned {
     /// When it begins and ends on the reference's clock, s.

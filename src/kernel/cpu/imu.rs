@@ -34,7 +34,7 @@ pub struct Imu<T: Real> {
 /// What all members share over some samples, which lie all before or all after the end of a still
 /// start.
 pub struct Tile<'a, T: Real> {
-    /// The ensemble.
+    /// Ensemble whose readings are simulated.
     pub flight: &'a Flight,
     /// What the members of each axis share.
     pub shared: &'a [Shared<T>; 3],
@@ -42,9 +42,9 @@ pub struct Tile<'a, T: Real> {
     pub force: &'a [Vec<Force<T>>; 3],
     /// The truth; empty during a still start.
     pub passages: &'a [Passage<T>],
-    /// First sample.
+    /// First sample of the block, counted from the beginning of the flight.
     pub first: u64,
-    /// How many.
+    /// Number of samples in the block.
     pub count: u64,
 }
 

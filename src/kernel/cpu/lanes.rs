@@ -49,7 +49,7 @@ pub trait Kernel {
     fn run<const FMA: bool>(self) -> Self::Output;
 }
 
-/// An instruction set.
+/// Instruction sets that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// What every machine of this architecture has (on aarch64: NEON, with fused multiply-add).

@@ -31,7 +31,7 @@ pub struct Shared<T> {
     pub flicker: Vec<T>,
     /// Samples of the still start.
     pub still_samples: u64,
-    /// One over that.
+    /// Reciprocal of the number of samples of the still start.
     pub still_share: f64,
     /// Tilt that levelling leaves per m/s² of accelerometer error.
     pub level_rad_per_m_s2: f64,

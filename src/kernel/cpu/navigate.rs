@@ -52,7 +52,7 @@ impl<T: Real> Default for State<T> {
 }
 
 impl<T: Real> State<T> {
-    /// Begins one member.
+    /// Sets a lane to the initial state of one member.
     pub fn begin(&mut self, lane: usize, begin: &Begin) {
         (0..3).for_each(|i| self.totals[ATTITUDE][i][lane] = begin.attitude[i]);
     }

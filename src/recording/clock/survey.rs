@@ -77,7 +77,7 @@ pub struct Break {
 /// One value that many steps have, and how regularly it comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Value {
-    /// The step.
+    /// Step between stamps, in the clock's unit.
     pub step: f64,
     /// Number of such steps.
     pub count: f64,
@@ -101,13 +101,13 @@ impl Value {
 pub struct Survey {
     /// The stamps in order.
     pub timeline: Timeline,
-    /// Rows seen.
+    /// Rows seen so far.
     pub rows: usize,
     /// Rows without a stamp, and the first of them.
     pub unknown: (usize, usize),
-    /// Steps.
+    /// Number of steps between stamps.
     pub steps: usize,
-    /// Steps of zero.
+    /// Number of steps of zero: repeated stamps.
     pub zero: usize,
     /// Steps of zero whose row repeats the one before in all other cells too.
     pub zero_alike: usize,

@@ -27,11 +27,11 @@ const NEAR: f64 = 20.0;
 /// A stamp that is smaller than the one before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SetBack {
-    /// Its row.
+    /// Row at which the stamp was found.
     pub row: usize,
     /// The stamp before it, in the file's unit.
     pub from: f64,
-    /// Its stamp.
+    /// The smaller stamp, in the file's unit.
     pub to: f64,
 }
 

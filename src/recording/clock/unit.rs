@@ -17,7 +17,7 @@ const SLOW_HZ: f64 = 10.0;
 pub struct Evidence {
     /// What its heading names.
     pub heading: Option<TimeUnit>,
-    /// The first stamp.
+    /// First stamp, in the clock's unit.
     pub origin: f64,
     /// The usual step from sample to sample, in the file's unit.
     pub step: f64,

@@ -110,14 +110,14 @@ pub fn steps(flight: &Flight, stride: u64) -> Vec<Stop> {
 /// Mean and covariance of position (m), velocity (m/s), and roll, pitch and heading (rad).
 #[derive(Debug, Clone, Copy)]
 pub struct Errors {
-    /// Mean.
+    /// Mean of the nine errors, SI.
     pub mean: SVector<f64, 9>,
-    /// Covariance.
+    /// Covariance of the nine errors, squared SI units.
     pub covariance: Square,
 }
 
 impl Errors {
-    /// Means and variances.
+    /// Means and variances as separate lists.
     pub fn apart(all: &[Self]) -> (Vec<[f64; 9]>, Vec<[f64; 9]>) {
         let mean = |e: &Self| std::array::from_fn(|i| e.mean[i]);
         let variance = |e: &Self| std::array::from_fn(|i| e.covariance[(i, i)].max(0.0));

@@ -23,7 +23,7 @@ const SIZE: f64 = 0.15;
 /// Readings beside the reference.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<'a> {
-    /// The reference's motion.
+    /// Motion of the reference.
     pub trajectory: &'a Trajectory,
     /// Stamps on its clock, s.
     pub time_s: &'a [f64],

@@ -21,7 +21,7 @@ pub type ToBias = SMatrix<f64, 6, 9>;
 
 /// A window that biases are fitted in.
 pub struct Base {
-    /// The window.
+    /// Window in which the biases are fitted.
     pub window: Window,
     /// What the linear model says of it.
     pub linear: Linear,
@@ -71,7 +71,7 @@ impl Base {
 
 /// The biases of one window.
 pub struct Taken {
-    /// Their values.
+    /// Biases of both sensors, SI.
     pub biases: Biases,
     /// Where they come from.
     pub source: Source,
@@ -85,7 +85,7 @@ pub enum Source {
     Still(Still),
 }
 
-/// Other windows.
+/// Biases from the other windows.
 pub struct Others {
     /// Places among the bases, with what their end errors do to the mean of the biases.
     pub bases: Vec<(usize, ToBias)>,
@@ -98,14 +98,14 @@ pub struct Others {
     pub flights: Option<usize>,
 }
 
-/// A still stretch.
+/// Biases from a still stretch.
 #[derive(Debug, Clone)]
 pub struct Still {
     /// Its begin and end on the reference's clock, s.
     pub span_s: [f64; 2],
     /// The readings of it.
     pub readings: Range<usize>,
-    /// The biases.
+    /// Biases of both sensors, SI.
     pub biases: Biases,
     /// From body axes to north-east-down.
     attitude: UnitQuaternion<f64>,

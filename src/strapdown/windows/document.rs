@@ -121,7 +121,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Axis by axis.
+/// Rows of the comparison, one for each axis and length of window.
 pub fn entries(compared: &Compared) -> Vec<Entry> {
     let mut all = Vec::new();
     for length in &compared.lengths {
@@ -156,7 +156,7 @@ pub fn entries(compared: &Compared) -> Vec<Entry> {
     all
 }
 
-/// Window by window.
+/// Entry of the flight with its windows.
 pub fn flight(compared: &Compared) -> Flight {
     let triple = |v: &super::window::Biases, first: usize| [v[first], v[first + 1], v[first + 2]];
     let windows = |length: &Length| Windows {

@@ -25,7 +25,7 @@ pub enum Cause {
     Walk(Sense),
 }
 
-/// All of them.
+/// All causes, in the order of the table.
 pub const CAUSES: [Cause; 5] = [
     Cause::Attitude,
     Cause::White(Sense::Gyro),
@@ -42,7 +42,7 @@ pub type Units = [Part; CAUSES.len()];
 pub struct Split {
     /// Covariance per squared coefficient.
     pub units: [Square; CAUSES.len()],
-    /// All else.
+    /// Sum of all other causes.
     pub rest: Expected,
 }
 
@@ -103,7 +103,7 @@ const STEPS: [usize; 2] = [1000, 150];
 const DROP: f64 = 1.920_729;
 /// Coefficients below this share of what alone would explain everything are zero.
 const NOTHING: f64 = 1e-3;
-/// Fewest windows.
+/// Fewest windows from which an inflation is estimated.
 pub const FEWEST: usize = 4;
 
 /// Finds the coefficients; `None` for too few windows.

@@ -17,7 +17,7 @@ use crate::strapdown::linear::{Felt, Square};
 /// What a window's end is expected to be.
 #[derive(Debug, Clone, Copy)]
 pub struct Expected {
-    /// Mean error.
+    /// Mean of the nine errors at the end of the window, SI.
     pub mean: Nine,
     /// Covariance of the error.
     pub covariance: Square,
@@ -31,7 +31,7 @@ pub struct Place<'a> {
     pub taken: &'a Taken,
     /// When it begins on the reference's clock, s.
     pub begin_s: f64,
-    /// Readings in it.
+    /// Number of readings in the window.
     pub samples: u64,
 }
 

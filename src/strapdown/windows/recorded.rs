@@ -17,14 +17,14 @@ use crate::recording::inertial;
 use crate::study::flown::Flown;
 use crate::study::in_motion::InMotion;
 
-/// A recorded flight.
+/// A recorded flight: log, reference and their common time.
 #[derive(Debug, Clone)]
 pub struct Recorded {
     /// The log, as the study names it.
     pub imu: String,
     /// SHA-256 of the log, hexadecimal.
     pub sha256: String,
-    /// The reference's motion.
+    /// Motion of the reference.
     pub trajectory: Trajectory,
     /// Stamps of the readings within the overlap, s on the reference's clock.
     pub time_s: Vec<f64>,

@@ -13,7 +13,7 @@ const LEVEL: f64 = 0.95;
 /// One of the nine errors over all windows of a length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
-    /// Windows.
+    /// Number of windows judged.
     pub windows: usize,
     /// How many lie inside each of the [`BANDS`].
     pub inside: [usize; 3],

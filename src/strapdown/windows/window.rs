@@ -95,9 +95,9 @@ impl Window {
 /// What a window is cut for.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
-    /// The study.
+    /// Study that the windows are compared with.
     pub motion: &'a InMotion,
-    /// Its recorded flight.
+    /// Recorded flight of the study.
     pub flown: &'a Flown,
     /// Length of the window, s.
     pub seconds: f64,
