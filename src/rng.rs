@@ -36,8 +36,8 @@ pub(crate) fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4
     counter
 }
 
-/// What a random number is for. Each purpose has its own stream, so that switching one error on
-/// does not change another.
+/// What a random number is for. Each purpose has its own stream, or bits of its own in one
+/// (`kernel::cpu::small`), so that switching one error on does not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Stream {
@@ -48,13 +48,13 @@ pub enum Stream {
     AccelerometerWhite = 1,
     /// Slow Gauss–Markov terms of the accelerometer's bias instability.
     AccelerometerFlicker = 2,
-    /// A walk on the host.
+    /// Walk of the accelerometer in the paper's figures; not used by kernels.
     AccelerometerWalk = 3,
     /// Each sample of the gyro, as of the accelerometer.
     GyroWhite = 4,
     /// Slow Gauss–Markov terms of the gyro's bias instability.
     GyroFlicker = 5,
-    /// Another walk on the host.
+    /// Walk of the gyro in the paper's figures; not used by kernels.
     GyroWalk = 6,
     /// Brownian force on the proof mass.
     Force = 7,

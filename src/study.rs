@@ -56,7 +56,7 @@ pub struct Study {
     /// Discrete time from the end of the still start, if there is one; `report_samples` are the
     /// user's report times.
     pub clock: Clock,
-    /// Knowledge of attitude and bias at the start.
+    /// Initial alignment: what is known of attitude and bias at the start.
     pub alignment: Alignment,
     /// Every number that may be drawn.
     pub tolerances: Tolerances,
@@ -152,6 +152,8 @@ impl Study {
         let members = check::members(source, &file)?;
         let clock = check::clock(source, &file)?;
         let mut tolerances = check::tolerances(source, &file, 0)?;
+        // The identity knows a path as it was written: the same study is the same from any folder.
+        let as_written = file.trajectory.clone();
         file.trajectory = file.trajectory.take().map(|section| section.in_folder(&folder));
         let in_motion = in_motion::read(source, &file, &clock, seed)?;
         let alignment = alignment::alignment(source, file.alignment.as_ref(), clock.sample_s(), in_motion.is_some())?;
@@ -166,6 +168,7 @@ impl Study {
         let mut reads: Vec<PathBuf> = recordings.map(|recording| folder.join(recording)).collect();
         let flown = file.trajectory.as_ref().and_then(|t| t.compare.as_ref());
         reads.extend(flown.into_iter().flat_map(|compare| compare.reads()).map(Path::to_path_buf));
+        reads.extend(file.trajectory.iter().flat_map(|t| [&t.file, &t.times]).flatten().cloned());
         let run = Run { source, duration_s: clock.duration_s(), seed, folder: &folder };
         let excitation = excitation::plan(&file.excitation, run)?;
         excitation.drawn.iter().for_each(|(key, number)| tolerances[key] = Some(*number));
@@ -175,7 +178,7 @@ impl Study {
             let hint = "e.g. [sweep] with gyro.bias_deg_h = \"1:20:log8\"";
             Error::new(format!("could not use {source}"), format!("[sweep]: {cause}"), hint)
         })?;
-        (file.members, file.seed) = (Some(members), Some(seed));
+        (file.members, file.seed, file.trajectory) = (Some(members), Some(seed), as_written);
         // Debug writes every key that serde reads, and every digit of its numbers.
         let identity = hexadecimal(&Sha256::digest(format!("{file:?} {:?}", excitation.replayed_sha256)));
         Ok(Self {

@@ -29,6 +29,7 @@ pub(super) struct Request<'a> {
 /// cannot be written.
 pub(super) fn write(asked: &Request<'_>, study: &Study) -> Result<()> {
     let [count, file] = asked.samples else { return Ok(()) };
+    study.along_one_axis()?;
     let fail = |cause: String, hint: &str| Err(Error::new("could not write samples", cause, hint));
     let Some(members) = count.to_str().and_then(|n| n.parse::<u64>().ok()) else {
         let cause = format!("need a number of members, got `{}`", count.display());

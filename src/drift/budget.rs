@@ -41,7 +41,8 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Contribution of the sum of all sources at time `k`, 0 to 1.
+    /// Fraction of the summed variance of all sources that this contribution makes at time `k`, 0
+    /// to 1.
     pub fn fraction(&self, contribution: &Contribution, k: usize) -> f64 {
         let sum: f64 = self.contributions.iter().map(|s| s.variance_m2[k]).sum();
         if sum > 0.0 { contribution.variance_m2[k] / sum } else { 0.0 }

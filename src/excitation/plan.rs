@@ -14,7 +14,7 @@ use crate::units::number::Number;
 pub struct Plan {
     /// Shared by all members, up to their gain.
     pub waveform: Arc<dyn Waveform>,
-    /// Difference between members.
+    /// How the excitation differs between members.
     pub variation: Variation,
     /// Numbers that are drawn per member.
     pub drawn: Vec<(&'static Key, Number)>,

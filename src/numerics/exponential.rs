@@ -86,7 +86,7 @@ pub(crate) fn ln(x: f64) -> f64 {
     exponent * LN_2 + s * horner(s * s, &ODD)
 }
 
-/// tanh x, to 2e-16 of 1.
+/// tanh x, within 4e-16.
 #[inline(always)]
 pub(crate) fn tanh(x: f64) -> f64 {
     let fading = exp(-2.0 * x.abs());

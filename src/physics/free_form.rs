@@ -136,7 +136,9 @@ fn by<T: Real>(value: T, f: impl Fn(f64) -> f64) -> T {
 #[inline(always)]
 fn bounded_power<T: Real>(base: T, exponent: T) -> T {
     let log = exponent * by(base, exponential::ln);
-    by(log.max(T::of(-40.0)).min(T::of(40.0)), exponential::exp)
+    // In this order what is no number stays that.
+    let log = if log > T::of(40.0) { T::of(40.0) } else { log };
+    by(if log < T::of(-40.0) { T::of(-40.0) } else { log }, exponential::exp)
 }
 
 impl FreeForm {

@@ -239,6 +239,7 @@ pub(super) fn simulate<'py>(
 ) -> PyResult<Bound<'py, PyList>> {
     let study = read_study(given, &changes).map_err(|error| raised(py, error))?;
     let columns = detached(py, move |control| {
+        study.along_one_axis()?;
         let choice = Integrator::choose(study.stiffest().as_ref(), study.clock.step_s);
         let job = study.job(choice.integrator, vec![study.clock.samples]);
         ensemble::samples(&job, members, control)

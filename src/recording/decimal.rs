@@ -9,7 +9,7 @@ const TENS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
     1e21, 1e22,
 ];
-/// More digits may not fit into 64 bits.
+/// Most digits that are read here: their whole number fits into 64 bits.
 const MOST_DIGITS: usize = 17;
 
 /// Digits without their point.
@@ -186,7 +186,7 @@ mod tests {
             let bytes = format!("{text}{behind}");
             read(bytes.as_bytes()).map(|(value, length)| value.to_bits() == library.to_bits() && length == text.len())
         });
-        (all[0] == all[1] && all[0] == all[2]).then_some(())?;
+        assert!(all[0] == all[1] && all[0] == all[2], "{text}: what stands behind it matters: {all:?}");
         all[0]
     }
 

@@ -103,7 +103,7 @@ pub fn walk_runs(
         look(path, table, &bar, row)?;
         let is_wanted = row >= range.start;
         let end = if is_wanted { range.end } else { range.start }.min((row / LOOK + 1) * LOOK);
-        if let Some(run) = table.run(end - row) {
+        if let Some(run) = table.run(end - row, is_wanted) {
             row += run.rows.len();
             if is_wanted && matches!(visit(Passed::Run(&run))?, Next::Stop) {
                 break;

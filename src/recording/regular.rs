@@ -136,7 +136,8 @@ impl Layout {
                         Some((value, length)) if self.ends(bytes, from + length) => (value, from + length),
                         _ => self.any(bytes, from, *column, rows)?,
                     };
-                    rows.columns[*column].push(value);
+                    // Minus zero is zero, as where cells are read one by one.
+                    rows.columns[*column].push(value + 0.0);
                     end
                 }
                 Wanted::Stamp => {

@@ -167,9 +167,11 @@ impl Rows {
 
     /// Passes rows that need no look one by one, at most so many; none where the next row must be
     /// gone to by [`Rows::advance`]. Those that text was asked only stamps of hold no numbers.
-    pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
+    ///
+    /// What is said of numbers that are used is noted only where these are `wanted`.
+    pub fn run(&mut self, most: usize, wanted: bool) -> Option<Run<'_>> {
         match &mut self.body {
-            Body::Text(text) => text.run(most),
+            Body::Text(text) => text.run(most, wanted),
             Body::Table(table) => table.run(most),
         }
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::clock::stamp::Stamp;
 
-/// Some rows of a piece of a file, all read and all of them numbers.
+/// Some rows of a piece of a file, all read; a missing number is NaN.
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
     /// Number of the first row, counted from zero after the header.

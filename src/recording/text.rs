@@ -182,11 +182,11 @@ impl Text {
 
     /// Rows that follow, at most so many; none where the next one must be gone to by itself. The
     /// last of them is at hand then.
-    pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
+    pub fn run(&mut self, most: usize, wanted: bool) -> Option<Run<'_>> {
         let before = self.rows;
         let (regular, rows) = self.lines.pass(most)?;
         self.rows += rows.len();
-        for (row, column) in regular.rounded.iter().filter(|(row, _)| rows.contains(row)) {
+        for (row, column) in regular.rounded.iter().filter(|(row, _)| wanted && rows.contains(row)) {
             self.rounded[*column].get_or_insert(before + row - rows.start);
         }
         let (stamps, columns, alike) = (&regular.stamps, &regular.columns, Some(&regular.alike[..]));

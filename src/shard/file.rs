@@ -243,7 +243,7 @@ impl Contents {
         let contents = Self::read(path)?;
         let same = contents.header.pieces.iter().map(|p| &p.piece).eq(header.pieces.iter().map(|p| &p.piece));
         if contents.header.run != header.run || !same {
-            let cause = "it belongs to another run: the study, the file that it replays, the seed, the number of members or \
+            let cause = "it belongs to another run: the study, a file that it reads, the seed, the number of members or \
                          the version of the program is not the same";
             return refuse(cause, "leave --resume out to start over, or give the study, seed and members of that run");
         }

@@ -22,7 +22,7 @@ pub struct Fold {
 /// The moments of 2^level blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Node {
-    /// Number of pairwise merges, so 2^level blocks.
+    /// Depth of the subtree: it holds 2^level blocks.
     pub level: u32,
     /// Moments of each quantity, in the order of `QUANTITIES`.
     pub moments: [Moments; 4],

@@ -89,7 +89,8 @@ impl Answer {
 /// Works out the answer.
 ///
 /// # Errors
-/// Whatever stops a run; mechanics that no integrator can step; members all of which diverge.
+/// Whatever stops a run; mechanics that no integrator can step; fewer than two members that did not
+/// diverge.
 pub fn answer(study: &Study, motion: &InMotion, choice: Choice, control: &Control) -> Result<Answer> {
     answer_kept(study, motion, choice, &mut Kept::none(), control)
 }
@@ -133,7 +134,7 @@ pub(crate) fn flight(study: &Study, motion: &InMotion) -> Result<Flight> {
 /// The answer from the ensemble.
 ///
 /// # Errors
-/// Members all of which diverge.
+/// Fewer than two members that did not diverge.
 pub(super) fn of_ensemble(
     study: &Study,
     motion: &InMotion,

@@ -33,7 +33,7 @@ pub fn run_kept(choice: Choice, flight: &Flight, kept: &mut Kept, control: &Cont
     on(choice, flight, kept, control, run)
 }
 
-/// Integrates the share of a shard, which ends in its file.
+/// Integrates the members of a shard; their sums end up in its file.
 ///
 /// # Errors
 /// As [`run_on`]; a state that cannot be gone on with, a folder that cannot be written.

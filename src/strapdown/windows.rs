@@ -3,8 +3,8 @@
 //!
 //! `recorded` (with `accord`): log and reference on one clock · `cut` → `window`: where windows
 //! lie, and the error at the end of each · `linear` → `predict`: what each error of a sensor makes
-//! of that end · `bias` (with `median`): what is taken off the readings · `score`: shares inside
-//! the bands, normalised errors squared. Bands are of the linear model, window by window: exact for
+//! of that end · `bias` (with `median`): what is taken off the readings · `score`: fractions
+//! inside the bands, normalised errors squared. Bands are of the linear model, window by window: exact for
 //! errors this small, and the ensemble's own check of it stands beside every study. Not for logs at
 //! rest: that is `drift::windows`.
 

@@ -1,4 +1,4 @@
-//! Statistics of a trial: exact intervals for shares, the size at which nine of ten effects are
+//! Statistics of a trial: exact intervals for proportions, the size at which nine of ten effects are
 //! noticed, a median.
 
 use serde::Serialize;
@@ -13,7 +13,7 @@ pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// A share of cases.
+/// A proportion of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Proportion {
     /// Hits over cases; zero when there are none.

@@ -19,6 +19,7 @@ pub fn tests() -> Vec<Trial> {
         ),
         gpu_test("shards in motion: shards of a GPU merge to the bits of that GPU's run", || partitions("gpu")),
         test("shards in motion: missing, foreign and damaged shards are refused by name, and one is resumed", refused),
+        test("shards in motion: poses of a file are those of the shards, from whatever folder they are merged", poses),
         test("shards in motion: digits are stated of the horizontal error, with as many members as they take", digits),
     ]
 }
@@ -116,6 +117,42 @@ fn refused() -> Result<(), Failed> {
     bytes[middle] ^= 1;
     std::fs::write(&state, bytes)?;
     world.merge("some")?.refuses("a flipped bit", "shard-2-of-3.state")
+}
+
+fn poses() -> Result<(), Failed> {
+    let world = World::new("cpu")?;
+    // Level, along a gentle curve: time, position, quaternion (TUM).
+    let poses = |turn: f64| -> String {
+        let pose = |i: i32| {
+            let t = f64::from(i) * 0.02;
+            format!("{t:.2} {:.9} {:.9} 0.0 0.0 0.0 0.0 1.0\n", 20.0 * (turn * t).sin(), 3.0 * (0.2 * t).cos())
+        };
+        (0..500).map(pose).collect()
+    };
+    let study =
+        STUDY.replace("kind = \"circle\"", "kind = \"file\"\nfile = \"poses.txt\"\nformat = \"tum\"\nup = \"z\"");
+    std::fs::write(world.path("study.toml"), study)?;
+    std::fs::write(world.path("poses.txt"), poses(0.3))?;
+    let whole = fields(run(&mut world.study("whole", &[]))?)?;
+    for k in ["1/2", "2/2"] {
+        let mut command = program();
+        command.current_dir(world.folder.path()).args([
+            "--json",
+            "study",
+            "study.toml",
+            "--out",
+            "halves",
+            "--shard",
+            k,
+        ]);
+        let answer = run(command.args(["--backend", "cpu"]))?;
+        check(answer.code == Some(0), format!("{k}: {}", answer.stderr))?;
+    }
+    let merged = fields(world.merge("halves")?)?;
+    check(merged == whole, format!("other numbers than one run's\n{merged}\n{whole}"))?;
+    // Control: other poses are another study, which the shards do not belong to.
+    std::fs::write(world.path("poses.txt"), poses(0.31))?;
+    world.merge("halves")?.refuses("other poses", "poses.txt")
 }
 
 fn digits() -> Result<(), Failed> {

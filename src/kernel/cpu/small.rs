@@ -60,8 +60,7 @@ mod tests {
         for word in (0..u32::MAX - 127).step_by(9_999_872) {
             let (low, high) = (word & !0x7F, word | 0x7F);
             assert_eq!(gaussian_pair::<f64, false>(low, low), gaussian_pair::<f64, false>(high, high));
-            // Control: the next bit but one is looked at, by the angle at once and by the radius
-            // two bits on.
+            // Control: bit 9, the lowest of the radius, is looked at; the angle begins at bit 7.
             assert_ne!(gaussian_pair::<f64, false>(low, low), gaussian_pair::<f64, false>(low ^ 0x200, low ^ 0x200));
         }
     }

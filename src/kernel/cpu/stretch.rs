@@ -39,7 +39,7 @@ pub(crate) struct Numbers<'a, T> {
     /// The sample after the last.
     pub until: u64,
     pub room: &'a mut Room<T>,
-    /// Whose bits there are.
+    /// Stream whose left-over bits are in `room`; none before any are drawn.
     pub bits_of: Option<Stream>,
 }
 

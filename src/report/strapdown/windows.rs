@@ -1,5 +1,5 @@
 //! Predicted, and what the sensor then did in flight: the windows of a recorded flight as dots
-//! beside the bands of the study's sensor, and the shares inside them.
+//! beside the bands of the study's sensor, and the fractions inside them.
 
 use crate::number::{rounded, significant};
 use crate::numerics::special::normal_quantile;
@@ -60,12 +60,12 @@ pub(super) fn section(page: &mut Page, compared: &Compared) {
     page.paragraph(
         "Fractions of the windows inside the central 50, 90 and 99 % of the prediction, in brackets exact 95 % intervals \
          (Clopper and Pearson). The last column is the mean normalised squared error: 1 where errors are as large as \
-         predicted; in brackets the range that then holds it in 95 of 100 cases.",
+         predicted, and then, in 95 of 100 cases, within the range in brackets.",
     );
     page.table(&joint(compared));
     if let Some(inflation) = &compared.inflation {
         page.paragraph(&format!(
-            "The inflation that this motion justifies: the size of each error source at which {} windows of {} s are \
+            "The inflation that this motion justifies: the size of each error source with which {} windows of {} s are \
              consistent, all estimated together by maximum likelihood, with 95 % intervals of the profile likelihood. \
              inflated.toml is the stated sensor with these figures, for a study or `proofmass export`.",
             inflation.windows, compared.lengths[0].seconds,

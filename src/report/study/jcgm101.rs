@@ -19,7 +19,7 @@ fn stated(value: f64, tolerance: f64) -> String {
     format!("{rounded:.decimals$}").replacen('-', "−", 1)
 }
 
-/// The result in a sentence on an error: "Position".
+/// The result in a sentence; `error` is its first word, such as "Position".
 pub(crate) fn sentence(error: &str, of: &Stated) -> String {
     let number = |value: f64| stated(value, of.tolerance);
     let [low, high] = of.interval95.symmetric;

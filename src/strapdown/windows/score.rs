@@ -5,7 +5,7 @@ use super::predict::Expected;
 use super::window::Nine;
 use crate::numerics::special::{chi_squared_quantile, exact_interval, normal_quantile};
 
-/// Central bands, as shares of the predicted errors that they hold.
+/// Central bands, as fractions of the predicted errors that they hold.
 pub const BANDS: [f64; 3] = [0.5, 0.9, 0.99];
 /// Level of every interval.
 const LEVEL: f64 = 0.95;

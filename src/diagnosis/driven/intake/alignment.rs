@@ -37,7 +37,7 @@ const PER_CYCLE: f64 = 8.0;
 pub(crate) struct Alignment {
     /// Samples by which the effect comes late; negative where it comes before its cause.
     pub lag: isize,
-    /// Share of the effect's power that no linear oscillator of the grid explains at that lag.
+    /// Fraction of the effect's power that no linear oscillator of the grid explains at that lag.
     pub residual: f64,
     /// Residual without any lag.
     pub residual_unshifted: f64,
@@ -165,7 +165,7 @@ impl Pair {
         })
     }
 
-    /// Share of the effect explained at every lag up to `most`, from −most on.
+    /// Fraction of the effect explained at every lag up to `most`, from −most on.
     fn all_r_squared(&self, place: Place, most: isize) -> Option<Vec<f64>> {
         let n = self.samples;
         let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(n);
@@ -187,7 +187,7 @@ impl Pair {
         Some((-most..=most).map(at).collect())
     }
 
-    /// Share of the effect explained at one lag.
+    /// Fraction of the effect explained at one lag.
     fn r_squared(&self, place: Place, lag: isize) -> f64 {
         let turn = Complex64::from_polar(1.0, TAU * lag as f64 / self.samples as f64);
         let (mut own, mut product, mut phase) = (0.0, 0.0, Complex64::new(1.0, 0.0));

@@ -75,7 +75,7 @@ pub(super) const EARTH_RATE: Candidate = Candidate {
     equation: "y = ω + Rᵀ ω_ie + b",
     parameters: &[Parameter { name: "north, east, down", unit: "deg/h", range: (-15.1, 15.1) }],
     acts: "readout",
-    signature: "a constant rate in the axes of the reference, of 15 °/h; less than the bias of a consumer gyro wanders",
+    signature: "a constant rate in the axes of the reference, of 15 °/h; a consumer gyro's bias wanders by more",
     confusable_with: &["gyro-bias"],
     reference: "Groves, Principles of GNSS, inertial and multisensor navigation, §5.2",
 };

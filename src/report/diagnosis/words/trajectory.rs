@@ -109,10 +109,10 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
         (Outcome::Unexplained, _) => {
             "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()
         }
-        (_, Some(way)) => format!("To determine what this motion does not: {way}."),
+        (_, Some(way)) => format!("Record {way}: it would determine what this motion does not."),
         (Outcome::Explained, None) => {
             "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
         }
-        _ => "None is needed: this motion could show no more.".into(),
+        _ => "None is needed for what this motion can show.".into(),
     }
 }
