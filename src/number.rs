@@ -32,7 +32,7 @@ pub(crate) fn short(value: f64) -> String {
     significant(value, 3)
 }
 
-/// `value` as the nearest number of so many significant digits.
+/// `value` as the nearest number of this many significant digits.
 pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{:.*e}", digits.saturating_sub(1), value).parse().unwrap_or(value)
 }

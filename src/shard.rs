@@ -2,7 +2,7 @@
 //! files of a run gathered and found to be all of it.
 //!
 //! A run is a line of parts (the ensembles of a study, the maps of an atlas, the cases of a trial),
-//! each of so many units (members, rows, cases). A shard takes a stretch of the line, so a short
+//! each of this many units (members, rows, cases). A shard takes a stretch of the line, so a short
 //! part goes to few shards. Not for starting anything on another machine: batch systems do that.
 
 pub mod file;
@@ -90,7 +90,7 @@ pub struct Part {
     pub units: u64,
     /// Units that stay together.
     pub grain: u64,
-    /// What so many cost, in any measure that all parts share.
+    /// What this many cost, in any measure that all parts share.
     pub effort: u64,
 }
 

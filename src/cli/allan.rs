@@ -77,8 +77,8 @@ const EXAMPLES: &str = "Examples:
 /// Runs it.
 ///
 /// # Errors
-/// A recording that cannot be read, a scale that is none, a column named twice, a folder that
-/// cannot be written.
+/// The recording cannot be read, a scale is invalid, a column is named twice, or the folder cannot
+/// be written.
 pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     let asked = Asked::new(arguments.request(), &arguments.scales())?;
     let target = arguments.to.as_deref().map(export::target).transpose()?;
@@ -133,7 +133,7 @@ impl Asked {
     /// The columns of `request` and those of `scales`; none: all of them.
     ///
     /// # Errors
-    /// A scale that is none, a column named twice.
+    /// A scale is invalid, or a column is named twice.
     pub fn new(request: Request, scales: &Scales) -> Result<Self> {
         let Scales { accelerometer, accelerometer_scale, gyro, gyro_scale } = scales;
         let scaled = [

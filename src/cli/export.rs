@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Replace FILE even if it is not from an earlier run of this command on the same input
     #[arg(long, requires = "out")]
     force: bool,
-    /// List the tools
+    /// List the tools whose configurations can be written
     #[arg(long, conflicts_with_all = ["sensor", "to", "out"])]
     list: bool,
 }

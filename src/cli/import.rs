@@ -12,7 +12,7 @@ use crate::output;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The configuration
+    /// Configuration file of another tool
     configuration: PathBuf,
     /// Tool that it was written for: kalibr, openvins, gazebo-sdf or matlab
     #[arg(long, value_name = "TARGET")]

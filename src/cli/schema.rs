@@ -18,7 +18,7 @@ use crate::study::file::File;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Which file
+    /// Kind of input file
     #[arg(value_enum)]
     kind: Kind,
 }

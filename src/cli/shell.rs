@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  proofmass completions bash > ~/.local/share/bash-completion/completions/proofmass")]
 pub struct Completions {
-    /// Which shell
+    /// Shell to write the completions for
     #[arg(value_enum)]
     shell: Shell,
 }

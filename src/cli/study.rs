@@ -45,7 +45,7 @@ Scope: one axis, small tilt, flat non-rotating Earth, until the study is given a
 pub struct Arguments {
     /// The study (study.toml); without one, the default study
     pub study: Option<PathBuf>,
-    /// Where to integrate
+    /// Backend that integrates the members
     #[arg(long, value_enum, default_value_t)]
     pub backend: Choice,
     /// Number of members, overriding the study's

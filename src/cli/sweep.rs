@@ -40,7 +40,7 @@ pub(super) struct Asked<'a> {
 /// names any.
 ///
 /// # Errors
-/// More than two keys; a limit that is none, or without a sweep.
+/// More than two keys; an invalid limit, or one without a sweep.
 pub(super) fn plan(asked: &Asked<'_>, study: &Study) -> Result<Option<Plan>> {
     let refuse = |cause: String| {
         let hint = "e.g. --sweep gyro.bias_deg_h=1:20:log8 --limit 'p95(position_error_m, 60) < 10'";

@@ -8,7 +8,7 @@ use crate::error::Result;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Which file
+    /// Kind of input file
     #[arg(value_enum)]
     kind: Kind,
 }

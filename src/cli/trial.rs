@@ -66,7 +66,7 @@ pub struct Arguments {
     /// Seed of all random draws
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Rows per recording
+    /// Number of rows of each recording
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// Detection limits of this recording: plant every candidate into copies of it (needs --model)

@@ -1,8 +1,7 @@
-//! A study with as many members as it takes for its last position error to be stable to so many
-//! digits.
+//! `study --digits D`: enough members for D digits of the last position error to be stable.
 //!
-//! The first blocks of members say how many that are (`statistics::jcgm101`); the study then runs
-//! with that many like any other, so that it can be stopped and resumed.
+//! The first blocks of members tell how many that is (`statistics::jcgm101`); the study then runs
+//! with that number like any other, so that it can be stopped and resumed.
 
 use super::values::{Place, Work};
 use super::watched::Watched;
@@ -39,7 +38,7 @@ pub fn need(study: &Study, digits: u32, control: &Control) -> Result<Need> {
     Ok(jcgm101::need(&blocks, digits))
 }
 
-/// The study with as many members as so many digits take.
+/// The study with enough members for this many stable digits.
 ///
 /// # Errors
 /// As [`need`]; more members than can be addressed.
@@ -50,15 +49,16 @@ pub fn sized(source: &StudyText, digits: u32, control: &Control) -> Result<Study
     source.with_members(need.trials)
 }
 
-/// The horizontal error at the last report time of a study in motion, stated with so many digits.
+/// The horizontal error of a study in motion at its last report time, with `digits` digits of its
+/// standard uncertainty.
 /// Without a linear answer beside it: a distance is no linear function of the errors.
 pub fn stated_in_motion(answer: &Answer, digits: u32) -> Option<Stated> {
     let last = answer.report.last()?;
     Some(Stated::of_summary(answer.ensemble.summary(*last, Quantity::Horizontal), digits))
 }
 
-/// The position error at the last report time, stated with so many digits, and the linear (GUM)
-/// answer beside it.
+/// The position error at the last report time, with `digits` digits of its standard uncertainty,
+/// and the linear (GUM) result.
 pub fn stated(drift: &Drift, digits: u32) -> Option<(Stated, Linear)> {
     let summary = drift.at_report(quantity::POSITION).pop()?;
     let stated = Stated::of_summary(summary, digits);

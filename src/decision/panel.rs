@@ -42,7 +42,7 @@ impl Panel {
         self.pairs.len()
     }
 
-    /// The statistic at a value, so many standard errors higher.
+    /// The statistic at a value, this many standard errors higher.
     fn statistic(&self, statistic: Statistic, value: f64, shift: f64, buffer: &mut Vec<f64>) -> f64 {
         let weight = (value - self.at[0]) / (self.at[1] - self.at[0]);
         buffer.clear();

@@ -1,7 +1,8 @@
-//! parts.toml: sensors that one can buy, each judged by whether a study with it in place of its own
-//! sensor meets a requirement.
+//! parts.toml: candidate sensors, each put into the study in turn to see whether it meets a
+//! requirement.
 //!
-//! Every part gets the same members; those far from the limit are decided by few of them.
+//! Every part is simulated with the same members; few of them decide where it is far from the
+//! limit.
 
 use std::path::Path;
 

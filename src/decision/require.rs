@@ -27,7 +27,8 @@ const BISECTIONS: usize = 30;
 pub const TOLERANCE: f64 = 0.01;
 /// Stages of the last search before it is given up.
 const STAGES: usize = 12;
-/// Members are asked for so many times over, so that the next stage is usually the last.
+/// The estimated number of members is multiplied by this, so that the next stage is usually the
+/// last.
 const MARGIN: f64 = 1.15;
 
 /// A requirement and the keys to vary.
@@ -280,8 +281,7 @@ impl Search<'_> {
         point.1 < self.question.limit.below
     }
 
-    /// Whether so many members leave open that a factor at which the limit seems to be missed meets
-    /// it.
+    /// Whether a factor that seems to miss the limit may still meet it, judged by `members`.
     fn is_open(&mut self, factor: f64, members: u64) -> Result<bool> {
         Ok(self.estimate(factor, members)?.ci95[0] < self.question.limit.below)
     }

@@ -228,7 +228,7 @@ mod tests {
                 (0..repeats).filter(|r| inside(*r)).count() as u64
             };
             let hits = holds(truth);
-            // 95 % lies in the 99.9 % interval of so many hits.
+            // 95 % lies in the 99.9 % interval of this many hits.
             let [low, high] = exact_interval(hits, repeats, 0.999);
             assert!(low < 0.95 && 0.95 < high, "{} holds {hits} of {repeats}", statistic.name());
             assert!(holds(truth * 1.5) < repeats / 2, "{} holds what is wrong", statistic.name());

@@ -24,7 +24,7 @@ const MOST_MEMBERS: [u64; 2] = [1 << 18, 1 << 24];
 /// Members that are integrated together.
 const BATCH: u64 = 8192;
 
-/// What is looked at: a quantity after so many samples from the end of the still start.
+/// What is looked at: a quantity after this many samples from the end of the still start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// The error that is evaluated.

@@ -16,14 +16,14 @@ pub enum Gain {
     /// On data that were not fitted: the share of the error above the noise that goes away, or of
     /// the log-likelihood that can be gained there; 1 is all of it.
     HeldOut {
-        /// The share.
+        /// Fraction of the error above the noise, or of the log-likelihood.
         value: f64,
         /// Its 95 % interval, where there is one.
         ci95: Option<[f64; 2]>,
     },
     /// The share of the fitted error that one linear step removes: a promise, not a test.
     InSample {
-        /// The share.
+        /// Fraction of the fitted error.
         value: f64,
     },
 }

@@ -12,7 +12,7 @@ use crate::numerics::order;
 
 /// A reading this many robust deviations off the mean of its second is a knock.
 const KNOCK: f64 = 8.0;
-/// Where readings are coarse, so many steps are needed as well.
+/// Where readings are coarse, this many steps are needed as well.
 const STEPS: f64 = 10.0;
 /// Neighbouring means this many robust deviations of such differences apart are a jump.
 const JUMP: f64 = 6.0;

@@ -137,7 +137,7 @@ struct BudgetRow {
 }
 
 impl Document {
-    /// The same with the result to so many digits.
+    /// The same with the result to this many digits.
     pub fn with_digits(mut self, result: Option<(Stated, Linear)>) -> Self {
         self.jcgm101 = result.map(|(stated, linear)| Jcgm101 { stated, linear });
         self

@@ -38,7 +38,7 @@ pub struct Cut {
     pub seconds: f64,
     /// Samples of the still start.
     still: usize,
-    /// Samples after it.
+    /// Samples after the still start.
     length: usize,
     /// How many windows fit.
     count: usize,

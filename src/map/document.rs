@@ -72,9 +72,9 @@ impl From<Coefficients> for Oscillator {
 pub struct Force {
     /// Amplitude F₀ of the force, N.
     pub amplitude_n: f64,
-    /// ω.
+    /// Drive frequency ω, rad/s.
     omega_rad_s: Option<f64>,
-    /// ω/2π.
+    /// Drive frequency ω/2π, Hz.
     frequency_hz: Option<f64>,
 }
 

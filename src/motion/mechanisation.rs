@@ -91,7 +91,7 @@ pub struct Navigator {
     earth: Earth,
     integrator: Integrator,
     interval_s: f64,
-    /// The increment before.
+    /// Increment of the interval before.
     before: Option<Increment>,
     /// Change of velocity over the interval before, m/s.
     gained_m_s: Vector3<f64>,

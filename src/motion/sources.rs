@@ -44,7 +44,7 @@ pub fn source(kind: Kind) -> &'static Source {
     }
 }
 
-/// The motion that a section describes, for at least so many seconds.
+/// The motion that a section describes, for at least this many seconds.
 ///
 /// # Errors
 /// A key of another kind, a value that makes no sense, a file of poses that cannot be used.

@@ -14,8 +14,8 @@ pub(super) struct Mass {
 }
 
 impl Mass {
-    /// Displacement and velocity after `time_s` in so many steps, from `begin` on, under `law` and
-    /// an input.
+    /// Displacement and velocity after `time_s` in this many steps, from `begin` on, under `law`
+    /// and an input.
     pub(super) fn moved<L: Law>(
         &self,
         law: &L,

@@ -100,8 +100,8 @@ unsafe impl Sync for Kept {}
 
 impl AsRef<[u8]> for Kept {
     fn as_ref(&self) -> &[u8] {
-        // SAFETY: the array is contiguous and has so many bytes. A program that writes into it from
-        // another thread meanwhile gets the noise of a mixture; the documentation says so.
+        // SAFETY: the array is contiguous and has this many bytes. A program that writes into it
+        // from another thread meanwhile gets the noise of a mixture; the documentation says so.
         unsafe { std::slice::from_raw_parts(self.at, self.length) }
     }
 }

@@ -19,7 +19,7 @@ const LYING: u64 = 64;
 /// How bytes of a file are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Packing {
-    /// Not at all.
+    /// Stored without compression.
     None,
     /// DEFLATE, RFC 1951.
     #[cfg(feature = "gzip")]
@@ -65,7 +65,7 @@ impl Place {
     }
 }
 
-/// A reader that has passed over so many bytes.
+/// A reader that has passed over this many bytes.
 #[cfg(feature = "gzip")]
 fn passed(mut reader: Box<dyn Read + Send>, skip: u64) -> std::io::Result<Box<dyn Read + Send>> {
     let passed = std::io::copy(&mut reader.by_ref().take(skip), &mut std::io::sink())?;

@@ -130,7 +130,7 @@ pub fn unit_of(question: &Question<'_>, survey: &Survey) -> Result<(TimeUnit, Ba
 ///
 /// # Errors
 /// A clock that stands still, more than 5 % of the stamps missing or repeated, a rate that changes
-/// or drifts by more than 5 %, that is none, or that disagrees with the one given.
+/// or drifts by more than 5 %, is not a positive number, or disagrees with the one given.
 pub fn judge(question: &Question<'_>, survey: &Survey) -> Result<Clock> {
     let stamped = survey.rows - survey.unknown.0;
     let forward = survey.steps - survey.zero;

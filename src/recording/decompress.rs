@@ -9,7 +9,7 @@ use super::zstandard;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code, reason = "which of them are met is a matter of features")]
 pub enum Codec {
-    /// Not at all.
+    /// Stored without compression.
     None,
     /// Snappy's raw format.
     Snappy,

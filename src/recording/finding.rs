@@ -40,23 +40,23 @@ pub enum Finding {
     },
     /// Bytes that are no part of the format were passed over.
     SkippedBytes {
-        /// Number of bytes.
+        /// Number of bytes passed over.
         bytes: u64,
         /// The first of them, counted from zero.
         first: u64,
     },
     /// The unit of some columns is not stated, and taken for granted.
     UnitAssumed {
-        /// The columns.
+        /// Headings of the columns without a unit.
         columns: Vec<String>,
-        /// The unit.
+        /// Unit that is assumed.
         unit: &'static str,
         /// The option that states it.
         option: &'static str,
     },
     /// Lines between the rows that are comments or blank.
     SkippedLines {
-        /// Number of lines.
+        /// Number of comment or blank lines.
         lines: u64,
         /// The first, counted from one.
         first_line: u64,
@@ -84,13 +84,13 @@ pub enum Finding {
     },
     /// A counter ran over and began again.
     ClockWrapped {
-        /// Number of overflows.
+        /// Number of times the counter overflowed.
         times: usize,
         /// Where it begins again, in the unit of the stamps.
         modulus: f64,
         /// Unit of the stamps.
         unit: TimeUnit,
-        /// The first row.
+        /// First row after an overflow.
         first_row: usize,
     },
     /// The sampling rate changes slowly.
@@ -113,20 +113,20 @@ pub enum Finding {
     },
     /// Samples without a row that straight lines stand in for.
     GapsFilled {
-        /// Samples filled.
+        /// Number of samples that were interpolated.
         samples: usize,
-        /// Number of gaps.
+        /// Number of gaps that were filled.
         gaps: usize,
     },
     /// Gaps too long to be filled: the longest part is used.
     LongGaps {
-        /// Number of gaps.
+        /// Number of gaps that are too long to be filled.
         gaps: usize,
         /// Length of the first.
         first_s: f64,
         /// When it begins, from the first row.
         after_s: f64,
-        /// Rows concerned.
+        /// Number of rows that are not used.
         rows: usize,
         /// Rows in the file.
         of: usize,
@@ -135,12 +135,12 @@ pub enum Finding {
     },
     /// Gaps that no averaging time reaches across.
     Breaks {
-        /// Number of gaps.
+        /// Number of gaps in the recording.
         gaps: usize,
     },
     /// Only part of the file was asked for.
     Cut {
-        /// First row used.
+        /// First row that was used.
         from_row: usize,
         /// Row behind the last one used.
         to_row: usize,
@@ -149,59 +149,59 @@ pub enum Finding {
     },
     /// Rows that repeat the row before them in every column, where no clock tells.
     RepeatedRows {
-        /// Rows concerned.
+        /// Number of repeated rows.
         rows: usize,
-        /// The first row.
+        /// First repeated row.
         first_row: usize,
         /// Whether they stand for lost samples, not for samples written twice.
         lost: bool,
     },
     /// Missing readings of one column, filled by straight lines.
     MissingReadings {
-        /// Heading.
+        /// Heading of the column.
         column: String,
-        /// Number of readings.
+        /// Number of missing readings.
         readings: usize,
         /// Most in a row.
         longest: usize,
     },
     /// A column without any change.
     Constant {
-        /// Heading.
+        /// Heading of the column.
         column: String,
-        /// The value.
+        /// Value of every row.
         value: f64,
     },
     /// Whole numbers of which double precision cannot tell neighbours apart.
     BeyondDouble {
-        /// Heading.
+        /// Heading of the column.
         column: String,
-        /// The first row.
+        /// First row with such a number.
         first_row: usize,
     },
     /// One extreme value far too often.
     Clipped {
-        /// Heading.
+        /// Heading of the column.
         column: String,
-        /// The value.
+        /// The value that recurs.
         value: f64,
         /// Whether it is the highest value, not the lowest.
         highest: bool,
-        /// Rows concerned.
+        /// Number of rows with that value.
         rows: usize,
     },
     /// One value for a long time.
     Stuck {
-        /// Heading.
+        /// Heading of the column.
         column: String,
-        /// The first row.
+        /// First row with the stuck value.
         first_row: usize,
-        /// Rows concerned.
+        /// Number of rows with the stuck value.
         rows: usize,
     },
     /// A single reading far from its neighbours: `ratio` times the usual change.
     Leap {
-        /// Heading.
+        /// Heading of the column.
         column: String,
         /// Row near the jump.
         near_row: usize,

@@ -103,15 +103,15 @@ const HDF5: &str = "build with --features hdf5 where the HDF5 library is install
 /// A file whose format is known.
 #[derive(Debug)]
 pub enum Found {
-    /// Text.
+    /// Text: rows of cells.
     Text(Box<Text>),
     /// A format other than text.
     Log {
-        /// Its bytes.
+        /// Bytes of the file.
         input: Input,
-        /// Its format.
+        /// Format that was recognised.
         format: &'static Format,
-        /// Its parts.
+        /// Topics, messages or arrays of the file.
         log: Box<dyn Log>,
     },
 }
@@ -123,13 +123,13 @@ pub enum Opened {
     Text(Box<Text>),
     /// A format other than text.
     Log {
-        /// Its bytes.
+        /// Bytes of the file.
         input: Input,
-        /// Its parts.
+        /// Topics, messages or arrays of the file.
         log: Box<dyn Log>,
         /// Place of the part among them.
         part: usize,
-        /// Its columns.
+        /// Headings of the part that was chosen.
         headings: Headings,
     },
 }

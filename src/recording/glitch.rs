@@ -11,7 +11,7 @@ const LEAP: f64 = 21.0;
 /// Fewer changes than this tell nothing of what is usual.
 const LEAST: usize = 100;
 
-/// Where readings are coarse, a change of so many steps is no leap, however seldom the reading
+/// Where readings are coarse, a change of this many steps is no leap, however seldom the reading
 /// changes at all.
 const STEPS: f64 = 10.0;
 

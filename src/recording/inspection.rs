@@ -22,7 +22,7 @@ const WINDOW_S: f64 = 1.0;
 /// Fewer samples in a window tell nothing of its variance.
 const FEWEST: usize = 8;
 const SHORTEST: usize = 2;
-/// A window is still whose variance is at most so many times that of the quietest ones.
+/// A window is still whose variance is at most this many times that of the quietest ones.
 const QUIET: f64 = 5.0;
 /// Standard deviations of a sensor at rest are below these, rad/s and m/s²: a hovering drone's are
 /// not.

@@ -100,7 +100,7 @@ impl Lines {
         }
     }
 
-    /// Leaves out so many of the first bytes.
+    /// Leaves out this many of the first bytes.
     pub fn skip(&mut self, bytes: usize) {
         self.at = self.piece.bytes.len().min(self.at + bytes);
     }
@@ -154,7 +154,7 @@ impl Lines {
         Ok(true)
     }
 
-    /// Passes lines of the piece at hand that were parsed, at most so many: the piece's rows, and
+    /// Passes lines of the piece at hand that were parsed, at most this many: the piece's rows, and
     /// which of them. Never its first one, which follows a line of another piece; none where that
     /// is next, or nothing was parsed.
     #[inline]

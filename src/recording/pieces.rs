@@ -138,7 +138,7 @@ impl Source {
         Ok(filled > 0)
     }
 
-    /// Reads so many bytes more behind those that are filled, unless the file ends: how many are
+    /// Reads this many bytes more behind those that are filled, unless the file ends: how many are
     /// filled then.
     fn append(&mut self, bytes: &mut Vec<u8>, mut filled: usize) -> io::Result<usize> {
         let room = filled + PIECE_BYTES;

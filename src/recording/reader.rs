@@ -73,7 +73,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Room for so many columns.
+    /// Room for this many columns.
     pub fn new(columns: usize) -> Self {
         Self { columns: vec![Vec::new(); columns], rounded: vec![None; columns], ..Self::default() }
     }
@@ -98,7 +98,7 @@ pub struct Choice {
 
 /// A file whose parts are known.
 pub trait Log: Debug + Send {
-    /// Its parts.
+    /// Topics, messages or arrays of the file.
     fn parts(&self) -> &[Part];
 
     /// What was found on the way and survived.

@@ -72,7 +72,7 @@ impl Regular {
 }
 
 impl Layout {
-    /// Of rows with so many cells, and a separator that is no blank. `None` where no cell is
+    /// Of rows with this many cells, and a separator that is no blank. `None` where no cell is
     /// wanted, or one twice, which is too rare to be fast.
     pub fn new(separator: u8, width: usize, choice: &Choice) -> Option<Self> {
         let last = choice.places.iter().chain(&choice.time).copied().max()?;

@@ -16,7 +16,7 @@ const WINDOW: usize = 5;
 pub enum Meaning {
     /// The sample before once more.
     WrittenTwice,
-    /// A lost sample.
+    /// Each repeat stands for a lost sample.
     Lost,
 }
 

@@ -165,7 +165,7 @@ impl Rows {
         }
     }
 
-    /// Passes rows that need no look one by one, at most so many; none where the next row must be
+    /// Passes rows that need no look one by one, at most this many; none where the next row must be
     /// gone to by [`Rows::advance`]. Those that text was asked only stamps of hold no numbers.
     ///
     /// What is said of numbers that are used is noted only where these are `wanted`.

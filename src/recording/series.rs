@@ -42,7 +42,7 @@ pub(crate) struct Series {
 }
 
 impl Series {
-    /// Empty.
+    /// A series without samples.
     pub(crate) fn new(name: &str, keep: &Keep) -> Self {
         Self {
             keep: keep.clone(),

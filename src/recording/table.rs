@@ -85,7 +85,7 @@ impl Table {
         self.next_block()
     }
 
-    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The
+    /// Rows that follow, at most this many; none where the next one must be gone to by itself. The
     /// last of them is at hand then.
     pub fn run(&mut self, most: usize) -> Option<Run<'_>> {
         let next = self.at + 1;

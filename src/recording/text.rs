@@ -44,7 +44,7 @@ pub struct Text {
     /// Place in the row of each column wanted, and of the time column.
     choice: Choice,
     width: usize,
-    /// Rows given.
+    /// Number of rows handed on.
     rows: usize,
     dropped: Tally,
     /// Per column, the first row with a whole number that was rounded.
@@ -180,7 +180,7 @@ impl Text {
         }
     }
 
-    /// Rows that follow, at most so many; none where the next one must be gone to by itself. The
+    /// Rows that follow, at most this many; none where the next one must be gone to by itself. The
     /// last of them is at hand then.
     pub fn run(&mut self, most: usize, wanted: bool) -> Option<Run<'_>> {
         let before = self.rows;

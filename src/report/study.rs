@@ -143,7 +143,7 @@ fn mean_and_doubt(mean: f64, doubt: f64) -> String {
 }
 
 /// Sizes and percentiles of the position error, with the closed form. Every number to the digit
-/// that so many members settle.
+/// that this many members settle.
 fn drift_table(drift: &Drift) -> Table {
     let mut table = Table::new(&[
         "time / s",

@@ -83,7 +83,7 @@ macro_rules! sensor_terms {
             /// All of them, accelerometer first.
             pub const ALL: [Self; ROWS.len()] = [$($(Self::$term,)+)+];
 
-            /// Whose it is.
+            /// Sensor that the error belongs to.
             pub const fn sense(self) -> Sense {
                 match self {
                     $($(Self::$term)|+ => Sense::$instrument,)+

@@ -1,4 +1,4 @@
-//! How many trials a Monte Carlo result takes to be stable to so many digits, and the result:
+//! How many trials a Monte Carlo result takes to be stable to this many digits, and the result:
 //! estimate, standard uncertainty, coverage intervals. JCGM 101:2008, §7.
 //!
 //! The adaptive procedure of §7.9.4 stops when twice the standard error of a few block results is
@@ -37,8 +37,8 @@ pub struct Need {
     pub tolerance: f64,
 }
 
-/// Half a unit of the last of so many digits of a standard uncertainty: c × 10ˡ with c of that many
-/// digits has δ = ½ 10ˡ.
+/// Half a unit of the last of this many digits of a standard uncertainty: c × 10ˡ with c of that
+/// many digits has δ = ½ 10ˡ.
 pub fn tolerance(standard_uncertainty: f64, digits: u32) -> f64 {
     if standard_uncertainty == 0.0 || !standard_uncertainty.is_finite() {
         return 0.0;
@@ -56,7 +56,7 @@ pub fn block(values: &mut [f64]) -> Block {
     [mean, sd, low, high]
 }
 
-/// How many trials so many digits take, judged by the blocks of the first stage.
+/// Number of trials for this many stable digits, judged by the blocks of the first stage.
 pub fn need(blocks: &[Block], digits: u32) -> Need {
     let h = blocks.len() as f64;
     // Bonferroni over the four results.
@@ -162,7 +162,7 @@ impl Stated {
     }
 }
 
-/// The result of any sampler, stable to so many digits: `sample` gives the values of a range of
+/// The result of any sampler, stable to this many digits: `sample` gives the values of a range of
 /// trials.
 ///
 /// # Errors

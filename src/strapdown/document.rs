@@ -153,7 +153,7 @@ impl Document {
         Self { jcgm101, ..self }
     }
 
-    /// The same, put together from so many files.
+    /// The same, put together from this many files.
     pub(crate) fn with_shards(self, shards: Option<usize>) -> Self {
         Self { shards, ..self }
     }

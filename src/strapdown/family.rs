@@ -99,7 +99,7 @@ pub enum Process {
         every: u64,
         /// Steps before the first.
         first: u64,
-        /// Of each input.
+        /// Variance of each input.
         variance: [f64; 6],
     },
     /// White noise of the instants at which samples are taken, of this density, s²·s: it acts by

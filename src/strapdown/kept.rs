@@ -17,13 +17,13 @@ use crate::kernel::flight::Flight;
 use crate::shard::file::damaged;
 use crate::statistics::Machine;
 
-/// The file.
+/// Name of the file in the folder of results.
 const FILE: &str = "interrupted-1.json";
 const SCHEMA: &str = "proofmass.flight-state/1";
 /// Seconds of work after which it is kept. `PROOFMASS_STATE_INTERVAL_S` sets another number.
 const INTERVAL_S: f64 = 30.0;
 
-/// The file's content.
+/// Content of that file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct State {
     schema: String,

@@ -19,9 +19,9 @@ pub(super) type Drive = SMatrix<f64, 9, 6>;
 /// The model over some time: x′ = F x + B u.
 #[derive(Debug, Clone, Copy)]
 pub struct Model {
-    /// F.
+    /// F: derivative of the errors by the errors.
     pub dynamics: Square,
-    /// B.
+    /// B: derivative of the errors by the inputs.
     pub drive: Drive,
     /// What the sensor feels.
     pub felt: Felt,
@@ -146,9 +146,9 @@ impl Model {
 /// A model stepped: x(t + Δ) = Φ x + Γ u, u held.
 #[derive(Debug, Clone, Copy)]
 pub struct Step {
-    /// Φ.
+    /// Φ: errors after the step per error before.
     pub transition: Square,
-    /// Γ.
+    /// Γ: errors after the step per constant input.
     pub response: Drive,
     /// Δ, s.
     pub seconds: f64,

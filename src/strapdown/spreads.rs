@@ -52,7 +52,7 @@ pub(super) struct At<'a> {
 }
 
 impl At<'_> {
-    /// One quantity.
+    /// Distribution of one quantity.
     pub(super) fn distribution(&self, quantity: Quantity) -> Distribution {
         let at = |place: &usize| self.answer.ensemble.summary(*place, quantity);
         Distribution::of(&self.places.iter().map(at).collect::<Vec<_>>())

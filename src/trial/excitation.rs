@@ -21,20 +21,20 @@ pub enum Excitation {
     Random(Lines),
     /// A sine whose frequency rises linearly.
     Sweep {
-        /// Amplitude.
+        /// Amplitude, in the unit of the input.
         amplitude: f64,
         /// Frequency at time zero.
         from_hz: f64,
         /// Frequency at the end.
         to_hz: f64,
-        /// Length.
+        /// Length of the sweep, s.
         duration_s: f64,
     },
     /// A recorded input, taken as band-limited between its samples.
     Recorded {
         /// From time zero on.
         samples: Vec<f64>,
-        /// Sampling rate.
+        /// Sampling rate, Hz.
         rate_hz: f64,
     },
 }

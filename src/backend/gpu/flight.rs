@@ -307,7 +307,7 @@ impl<'a> Carried<'a> {
         })
     }
 
-    /// The fix that a tile ends with after so many samples, if one is due.
+    /// The fix that a tile ends with after this many samples, if one is due.
     fn fix(&self, passed: u64) -> layout::Fix {
         let tile = &self.axes[0].tile;
         let mut all = layout::Fix { seed: tile.seed, first_member: tile.first_member, ..layout::Fix::zeroed() };

@@ -1,8 +1,8 @@
-//! `proofmass trial --shard K/N`: one share of a blind trial, and its state file; and the trial
+//! `proofmass trial --shard K/N`: one shard of a blind trial, and its state file; and the trial
 //! from all of them.
 //!
-//! While it runs, its sealed truth and the lines of its verdicts stand in a folder of its own
-//! beside the state, from which `--resume` goes on.
+//! While it runs, the sealed truth and the verdicts so far are kept in a separate folder next to
+//! the state; `--resume` continues from there.
 
 use std::path::{Path, PathBuf};
 

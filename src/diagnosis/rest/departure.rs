@@ -158,7 +158,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let coarse = |terms: Vec<&Term>| terms.into_iter().filter_map(|t| blocks::term(t, together)).collect::<Vec<Term>>();
     let rest = coarse(chosen.terms.iter().filter(|t| !drifts(t)).collect());
     let before = own.fit(coarse(chosen.terms.iter().collect()));
-    // What a number costs where it is fitted to so many values (Schwarz 1978): a curve takes up
+    // What a number costs where it is fitted to this many values (Schwarz 1978): a curve takes up
     // what it can of any noise.
     let penalty = (count as f64).ln();
     let with = |curves: Vec<Curve>| -> f64 {

@@ -15,7 +15,7 @@ const BLOCK: usize = 64;
 const FAR: f64 = 6.0;
 /// So many far readings alone are bad ones; more are a property of the noise.
 const FEW: usize = 12;
-/// With more of them, one is bad if it is so many times as far off as the [`FEW`]th: 12/8³ is the
+/// With more of them, one is bad if it is this many times as far off as the [`FEW`]th: 12/8³ is the
 /// chance of it in noise with tails as heavy as Student's with three degrees of freedom.
 const BEYOND_TAIL: f64 = 8.0;
 /// Robust standard deviations beyond which a tail shows, before its readings are far off: one in
@@ -129,8 +129,8 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
         }
     }
     let rate = far.len() as f64 / off.len() as f64;
-    // Chance that so many more follow one another so closely somewhere, if far readings were placed
-    // at random.
+    // Chance that this many more follow one another so closely somewhere, if far readings were
+    // placed at random.
     let by_chance = |run: &[usize]| far.len() as f64 * (CLOSE as f64 * rate).powi(run.len() as i32 - 1);
     let (knocks, alone): (Vec<Vec<usize>>, Vec<Vec<usize>>) =
         runs.into_iter().partition(|run| run.len() >= 3 && (far.len() - run.len() < FEW || by_chance(run) < CHANCE));
@@ -139,7 +139,7 @@ pub(super) fn take_out(values: &mut [f64]) -> Disturbances {
     }
     let mut alone: Vec<usize> = alone.into_iter().flatten().collect();
     alone.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
-    // The chance of so many between, in normal noise, is below one in a thousand; and a tail has
+    // The chance of this many between, in normal noise, is below one in a thousand; and a tail has
     // more of them than far ones.
     let beside_knock = |n: usize| found.knocks.iter().any(|k| k.from <= n + BLOCK && n < k.to + BLOCK);
     let between = (0..off.len()).filter(|n| (OUTLYING..=FAR).contains(&size(*n)) && !beside_knock(*n)).count();

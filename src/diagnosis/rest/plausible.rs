@@ -11,7 +11,7 @@ use crate::number::short;
 use crate::recording::unit::{Quantity, Unit};
 use crate::units::STANDARD_GRAVITY_M_S2;
 
-/// White noise so many times the promised one, or less by as much, is no spread of manufacture.
+/// White noise this many times the promised one, or less by as much, is no spread of manufacture.
 const FAR: f64 = 20.0;
 
 /// Three accelerometer channels at rest read 1 g together; by a factor that units differ in they do

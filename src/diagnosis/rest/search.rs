@@ -3,7 +3,7 @@
 use super::channel::Fitted;
 use crate::control::{Control, Stopped};
 
-/// The model of highest likelihood between two values of a number, from a grid of so many points.
+/// The model of highest likelihood between two values of a number, from a grid of this many points.
 ///
 /// # Errors
 /// Stopped.

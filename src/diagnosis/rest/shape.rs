@@ -28,7 +28,7 @@ const POWERS: [&[i32]; 4] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3]];
 /// Shapes that differ by more than chance, for the correction of a probability.
 const SHAPES: f64 = 10.0;
 
-/// After a first-order lag of so many samples, settled at the beginning.
+/// After a first-order lag of this many samples, settled at the beginning.
 fn lagged(column: &[f64], samples: f64) -> Vec<f64> {
     let keep = (-1.0 / samples).exp();
     let mut state = column.first().copied().unwrap_or(0.0);

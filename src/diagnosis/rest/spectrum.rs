@@ -31,7 +31,7 @@ pub(super) enum Law {
 pub enum Filter {
     /// cos²ᵖθ: means of two neighbours, p times over.
     Smoothing(u8),
-    /// Means of so many readings that overlap by all but one, once or twice over (the second is
+    /// Means of this many readings that overlap by all but one, once or twice over (the second is
     /// Bartlett's).
     MovingAverage {
         /// Readings in a mean.
@@ -39,14 +39,14 @@ pub enum Filter {
         /// How often in a row.
         times: u8,
     },
-    /// One pole with a memory of so many samples.
+    /// One pole with a memory of this many samples.
     OnePole(f64),
     /// Two poles: tangent of θ at the cut-off, and the quality factor (bilinear transform; 1/√2 is
     /// Butterworth's).
     TwoPoles {
         /// tan θ at the cut-off.
         cut: f64,
-        /// Quality factor.
+        /// Quality factor of the line.
         quality: f64,
     },
 }

@@ -19,30 +19,30 @@ pub enum Earth {
 pub enum Statement {
     /// A single reading was left out.
     BadReading {
-        /// Which channel.
+        /// Heading of the channel.
         channel: String,
         /// Data row in the file, counted from one; absent where rows were dropped, so that places
         /// and rows differ.
         row: Option<usize>,
         /// When, s.
         time_s: f64,
-        /// As recorded.
+        /// The reading as recorded, in the channel's unit.
         value: f64,
         /// How far off, in standard deviations of the noise.
         deviations: f64,
     },
     /// More readings far off than normal noise has.
     HeavyTails {
-        /// Which channel.
+        /// Heading of the channel.
         channel: String,
         /// Fourth moment over the squared second one; 3 for normal noise.
         kurtosis: f64,
     },
     /// A filter in the sensor takes the top of its band away: no error that drifts.
     Filtered {
-        /// Which channel.
+        /// Heading of the channel.
         channel: String,
-        /// Of which shape.
+        /// Shape of the filter.
         filter: Filter,
         /// Part of the white power that is gone at half the sampling rate.
         lost: f64,
@@ -64,7 +64,7 @@ pub enum Statement {
     },
     /// The power of the noise is not the same at all times.
     Uneven {
-        /// Which channel.
+        /// Heading of the channel.
         channel: String,
         /// Least and most power of stretches over the mean.
         power: [f64; 2],

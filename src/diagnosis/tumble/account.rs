@@ -105,9 +105,9 @@ pub enum Fate {
 pub enum SeenFrom {
     /// Strength in its least visible parameter.
     Strength {
-        /// How much.
+        /// Smallest strength that would have been seen.
         value: f64,
-        /// In which unit.
+        /// Unit of that strength.
         unit: String,
     },
     /// Of the earth's rate, whose size is known: °/h, in the direction in which it shows best.

@@ -20,7 +20,7 @@ const FALSE_KNOCK: f64 = 1e-4;
 /// Mean square of a knocked pose's residuals over their noise, at the least; what is left of the
 /// others must be less.
 pub(crate) const CLEAR: f64 = 10.0;
-/// One pose in so many may be left out.
+/// One pose in this many may be left out.
 const ONE_IN: usize = 10;
 
 /// Marks knocked poses as not counting and returns them, in order of time.

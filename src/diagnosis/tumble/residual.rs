@@ -10,7 +10,7 @@ use crate::numerics::special::f_survival;
 /// Degrees of freedom behind the measured noise: its own uncertainty is about ±13 % in standard
 /// deviation.
 const NOISE_FREEDOM: f64 = 60.0;
-/// A residual of so many times the noise variance is material: less is within what a noise model
+/// A residual of this many times the noise variance is material: less is within what a noise model
 /// can promise.
 const MATERIAL: f64 = 1.6;
 /// Residuals at rest: one of gravity, three of the gyro.

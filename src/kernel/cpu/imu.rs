@@ -181,7 +181,7 @@ impl<T: Real> Imu<T> {
         }
     }
 
-    /// Applies a fix.
+    /// Corrects the members' errors by a fix.
     fn correct(&mut self, flight: &Flight, fix: &Fix, number: u32, level: Level) {
         let Some(taken) = self.found.as_deref_mut() else { return };
         let drawer = Drawer { seed: flight.seed(), first_member: self.first_member };

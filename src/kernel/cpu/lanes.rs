@@ -43,9 +43,9 @@ impl<T> IndexMut<usize> for Lane<T> {
 /// Work that can be compiled for several instruction sets. Mark `run` and all that it calls
 /// `#[inline(always)]`.
 pub trait Kernel {
-    /// What it returns.
+    /// Result of the work.
     type Output;
-    /// Does the work.
+    /// Does the work with or without fused multiply-add.
     fn run<const FMA: bool>(self) -> Self::Output;
 }
 

@@ -15,7 +15,7 @@ pub(crate) const STRETCH: usize = 16;
 
 /// Room for the numbers of a stretch.
 pub(crate) struct Room<T> {
-    /// One a sample.
+    /// Numbers of the stretch, one for each sample.
     each: [Lane<T>; STRETCH],
     /// Two for the stretch.
     pair: [Lane<T>; 2],

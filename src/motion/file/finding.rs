@@ -10,7 +10,7 @@ use crate::number::rounded;
 pub enum Finding {
     /// Layout that was recognised.
     Recognised {
-        /// Its format.
+        /// Format of the file.
         format: Format,
         /// Whether the scalar of its quaternions comes first; none: it has none.
         scalar_first: Option<bool>,
@@ -24,21 +24,21 @@ pub enum Finding {
     NamedAxes,
     /// Rows without a pose were left out.
     Dropped {
-        /// How many.
+        /// Number of rows left out.
         rows: usize,
-        /// The first.
+        /// First row left out.
         first_row: usize,
     },
     /// Rows that repeat the stamp before were left out.
     Repeated {
-        /// How many.
+        /// Number of rows left out.
         rows: usize,
-        /// The first.
+        /// First row left out.
         first_row: usize,
     },
     /// Poses are missing, and the motion was carried on through the hole.
     Bridged {
-        /// How often.
+        /// Number of holes in the poses.
         holes: usize,
         /// The longest, s.
         longest_s: f64,
@@ -50,9 +50,9 @@ pub enum Finding {
     },
     /// The poses jump as no body does.
     Jumps {
-        /// How often.
+        /// Number of jumps in the poses.
         jumps: usize,
-        /// The widest.
+        /// Size of the widest jump.
         largest: Leap,
         /// The row before it.
         first_row: usize,

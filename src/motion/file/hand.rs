@@ -15,7 +15,7 @@ use crate::units::STANDARD_GRAVITY_M_S2;
 /// Another reading of the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reading {
-    /// As they stand.
+    /// Taken as the file states them.
     AsSaid,
     /// The scalar stands at the other end.
     OtherEnd,
@@ -31,8 +31,8 @@ const STRIDE_S: f64 = 0.1;
 const MOVING_M_S: f64 = 0.3;
 /// Poses that have to move before their direction counts.
 const FEWEST: usize = 50;
-/// Wandering that is none, the share of it that another reading has to leave, and by how much it
-/// may disturb the other direction.
+/// Below the first, gravity's direction is steady; the second is the largest part of its wandering
+/// that a better reading may leave, the third how much it may disturb the other direction.
 const STEADY: f64 = 0.02;
 const SHARE: f64 = 0.25;
 const DISTURBED: f64 = 1.2;

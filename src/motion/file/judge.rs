@@ -10,7 +10,7 @@ use crate::numerics::order;
 
 /// Poses that come more rarely than this are mentioned, Hz.
 const RARE_HZ: f64 = 9.0;
-/// Between poses, times the usual interval: from the first on poses are missing; for so many
+/// Between poses, times the usual interval: from the first on poses are missing; for this many
 /// seconds the spline may guess.
 const HOLE: (f64, f64) = (2.5, 1.0);
 /// Beyond, the way from one pose to the next is not known, rad.

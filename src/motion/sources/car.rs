@@ -45,7 +45,7 @@ impl Stretch {
     }
 }
 
-/// The drive, from a standstill of so many seconds on.
+/// The drive, from a standstill of this many seconds on.
 fn drive(random: &mut Philox, speed_m_s: f64, still_s: f64, duration_s: f64) -> Vec<Stretch> {
     let mut uniform = |low: f64, high: f64| low + (high - low) * f64::from(random.next_u32()) / f64::from(u32::MAX);
     let mut stretches: Vec<Stretch> = Vec::new();

@@ -4,7 +4,7 @@ use super::section::Section;
 use crate::error::{Error, Result};
 use crate::motion::pose::Pose;
 
-/// Poses of a computed motion over so many seconds.
+/// Poses of a computed motion over this many seconds.
 pub type Computed = fn(&Section, f64) -> Result<Vec<Pose>>;
 
 /// A kind of trajectory.
@@ -14,7 +14,7 @@ pub struct Source {
     pub name: &'static str,
     /// The keys that it takes.
     pub keys: &'static [&'static str],
-    /// Its poses over so many seconds; none: they come from a file.
+    /// Its poses over this many seconds; none: they come from a file.
     pub poses: Option<Computed>,
 }
 

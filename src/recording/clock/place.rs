@@ -13,7 +13,7 @@ const UNEVEN_GAP: f64 = 3.0;
 /// What becomes of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
-    /// A sample, so many samples after the one before it without a row, at this time since the
+    /// A sample, this many samples after the one before it without a row, at this time since the
     /// first stamp, s.
     Kept {
         /// Samples without a row before it.

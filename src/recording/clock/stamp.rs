@@ -18,7 +18,7 @@ pub struct Stamp {
 const LARGEST: f64 = 9e18;
 
 impl Stamp {
-    /// No stamp.
+    /// Stands for a row without a stamp.
     pub const MISSING: Self = Self { whole: 0, fraction: f64::NAN, decimals: u8::MAX };
 
     /// Reads a cell: `None` for text, NaN in the fraction for a missing stamp. The decimal sign may
@@ -40,7 +40,7 @@ impl Stamp {
         (fraction < 1.0).then_some((stamp, length))
     }
 
-    /// A whole number.
+    /// Stamp of a whole number.
     pub fn of_integer(whole: i64) -> Self {
         Self { whole, fraction: 0.0, decimals: 0 }
     }
@@ -77,7 +77,7 @@ impl Stamp {
         (self.whole.div_euclid(each), (self.whole.rem_euclid(each) as f64 + self.fraction) / each as f64)
     }
 
-    /// Nearest double.
+    /// Nearest double-precision number.
     pub fn value(&self) -> f64 {
         self.whole as f64 + self.fraction
     }

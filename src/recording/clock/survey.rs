@@ -115,9 +115,9 @@ pub struct Survey {
     pub other_alike: usize,
     /// The longest run of one stamp: rows, its first row, its time.
     pub longest_run: (usize, usize, f64),
-    /// Stretches in order.
+    /// Stretches between breaks, in the order of time.
     pub stretches: Vec<Stretch>,
-    /// Breaks in order.
+    /// Breaks, in the order of time.
     pub breaks: Vec<Break>,
     /// Up to four values that steps have, the first met.
     pub values: Vec<Value>,

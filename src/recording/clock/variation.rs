@@ -24,7 +24,7 @@ pub enum Variation {
     Slight {
         /// The shortest, and its row where rates are far apart.
         shortest: f64,
-        /// The longest, likewise.
+        /// The longest step, and its row where rates are far apart.
         longest: f64,
     },
     /// From one step to another, near this row.
@@ -33,16 +33,16 @@ pub enum Variation {
         row: usize,
         /// Time since the first stamp.
         at: f64,
-        /// Step before.
+        /// Step before the change.
         before: f64,
-        /// Step after.
+        /// Step after the change.
         after: f64,
     },
     /// Between these steps, at these rows.
     Far {
         /// The shortest, and its row where rates are far apart.
         shortest: (f64, usize),
-        /// The longest, likewise.
+        /// The longest step and its row.
         longest: (f64, usize),
     },
 }
@@ -81,7 +81,7 @@ impl Count {
         }
     }
 
-    /// Neighbours joined to at most so many pieces, none of them too short to tell a step.
+    /// Neighbours joined to at most this many pieces, none of them too short to tell a step.
     fn pieces(self, stretches: &[Stretch], most: usize) -> Vec<Stretch> {
         let total: f64 = stretches.iter().map(|s| s.steps).sum();
         let enough = |s: &Stretch| {

@@ -158,7 +158,7 @@ impl Scan {
         Ok(data)
     }
 
-    /// The content of a matrix of so many bytes, which lies within `outer` of the file.
+    /// The content of a matrix of this many bytes, which lies within `outer` of the file.
     fn matrix(&mut self, bytes: u64, path: &[String], outer: Place, found: &mut Vec<Found>) -> std::io::Result<()> {
         if bytes == 0 {
             return Ok(());

@@ -16,7 +16,7 @@ use crate::sensor::Sense;
 use crate::study::name_for;
 use crate::units::{DEGREE, MILLI_G};
 
-/// The run is this long, s, and at least so many samples.
+/// The run is this long, s, and at least this many samples.
 const LASTS_S: f64 = 60.0;
 const LEAST_SAMPLES: f64 = 100.0;
 

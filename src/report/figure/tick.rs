@@ -28,7 +28,7 @@ pub(super) fn horizontal(span: &Span) -> Vec<Tick> {
     ticks.map(|(k, (value, label))| Tick { value, label, wide: wide[k], narrow: narrow[k] }).collect()
 }
 
-/// Which labels fit on an axis of so many px; only those among `among`, where it is given.
+/// Which labels fit on an axis of this many pixels; only those among `among`, where it is given.
 fn labelled(span: &Span, values: &[f64], labels: &[String], px: f64, among: &[bool]) -> Vec<bool> {
     let at = |k: usize| px * span.fraction(values[k]);
     let reach = |k: usize| 0.5 * (ADVANCE_PX * labels[k].chars().count() as f64 + AIR_PX);

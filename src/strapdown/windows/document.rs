@@ -56,7 +56,7 @@ pub struct Flight {
     inflation_windows: Option<usize>,
 }
 
-/// One cause, inflated.
+/// Inflation of one cause, with its interval.
 #[derive(Debug, Clone, Serialize)]
 struct Inflated {
     cause: &'static str,
@@ -83,7 +83,7 @@ struct Windows {
     windows: Vec<One>,
 }
 
-/// One window.
+/// Errors and predictions of one window.
 #[derive(Debug, Clone, Serialize)]
 struct One {
     from_s: f64,

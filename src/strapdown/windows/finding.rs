@@ -9,7 +9,7 @@ use crate::number::rounded;
 pub enum Finding {
     /// Rows without a reading were left out.
     LeftOut {
-        /// How many.
+        /// Number of rows left out.
         rows: usize,
         /// The first, counted from zero after the header.
         first_row: usize,
@@ -21,7 +21,7 @@ pub enum Finding {
     },
     /// Holes that no window goes across.
     Holes {
-        /// How many.
+        /// Number of holes in the readings.
         holes: usize,
         /// The longest, s.
         longest_s: f64,
@@ -53,7 +53,7 @@ pub enum Finding {
     NoOther {
         /// The length, s.
         seconds: f64,
-        /// How many.
+        /// Number of windows of that length.
         windows: usize,
     },
     /// Where the still stretch was found.

@@ -37,13 +37,13 @@ pub enum Part {
     /// A constant of the sensor, the same in every window of a flight: end error per unit, its mean
     /// and its variance.
     Constant {
-        /// How it acts.
+        /// Input that the constant acts on, and how.
         gain: Gain,
         /// End error per unit.
         end: Nine,
-        /// Its mean.
+        /// Mean of the constant.
         mean: f64,
-        /// Its variance.
+        /// Variance of the constant.
         variance: f64,
     },
     /// Noise that no two windows share.
@@ -64,7 +64,7 @@ pub enum Kind {
     White,
     /// A random walk, which goes on between.
     Walk,
-    /// A bias instability.
+    /// Bias instability: flicker noise.
     Flicker,
     /// The attitude of the reference.
     Attitude,

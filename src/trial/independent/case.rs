@@ -141,7 +141,7 @@ impl Case {
         Some(case)
     }
 
-    /// Numbers of a trial: so many of its own, and for each fifth of them two that are the same
+    /// Numbers of a trial: this many of its own, and for each fifth of them two that are the same
     /// written otherwise.
     pub fn numbers(cases: usize) -> Vec<usize> {
         let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {

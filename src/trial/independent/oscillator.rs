@@ -46,7 +46,7 @@ pub struct Oscillator {
     pub input_noise: f64,
     /// Standard deviation of sampling instants, rows.
     pub jitter: f64,
-    /// Rows lost without a trace: after this part of the recording, so many rows.
+    /// Rows lost without a trace: after this part of the recording, this many rows.
     pub slip: Option<[f64; 2]>,
 }
 

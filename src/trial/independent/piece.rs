@@ -19,7 +19,7 @@ pub(crate) enum Piece {
     InputNoise(f64),
     /// Sampling instants scatter, rows.
     Jitter(f64),
-    /// After this part of the recording so many rows are lost.
+    /// After this part of the recording this many rows are lost.
     Slip([f64; 2]),
 }
 

@@ -45,7 +45,7 @@ pub enum Process {
 pub enum Filter {
     /// White noise as drawn.
     None,
-    /// Mean of so many samples.
+    /// Mean of this many samples.
     Mean { taps: usize },
     /// Two equal poles, neighbour correlation of each.
     TwoPoles { pole: f64 },

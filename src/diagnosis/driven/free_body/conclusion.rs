@@ -30,8 +30,8 @@ use super::windows;
 /// A remainder of this fraction of the variance, when it can be predicted, says that something is
 /// missing.
 const FAINT: f64 = 0.05;
-/// One sample in so many is looked at for structure: what has gone through the low-pass of the
-/// force is white from there on.
+/// Every twelfth sample is examined for structure: at that spacing the low-pass of the force leaves
+/// white noise white.
 const EVERY: usize = 12;
 /// Own past that is looked at, in those samples.
 const LAGS: usize = 12;

@@ -20,9 +20,9 @@ const CUT: usize = 50;
 /// One part of the force that a body takes, as a function of its motion and of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// Acceleration x″.
+    /// Acceleration x″, output unit/s².
     Acceleration,
-    /// Velocity x′.
+    /// Velocity x′, output unit/s.
     Velocity,
     /// A constant.
     Constant,

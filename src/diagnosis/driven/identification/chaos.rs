@@ -92,8 +92,8 @@ pub(crate) fn chaos(data: &Data) -> Option<Chaos> {
 }
 
 impl Chaos {
-    /// The recording in windows: each begun from a state of its own, every third one judging where
-    /// nothing else is said.
+    /// Divides the recording into windows, each with its own initial state; every third one is for
+    /// validation, unless the model file names the test samples.
     pub(crate) fn in_windows(&self, data: &mut Data, own_test: bool) {
         let length = ((self.window_s * data.rate_hz) as usize).max(FEWEST);
         if !own_test {

@@ -154,7 +154,7 @@ fn looks(values: &[f64]) -> impl Iterator<Item = &[f64]> {
 /// A peak of a spectrum.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    /// rad/s.
+    /// Angular frequency of the resonance, rad/s.
     omega: f64,
     /// Of all power, what it and two ordinates to each side hold.
     fraction: f64,

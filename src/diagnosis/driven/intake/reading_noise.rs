@@ -24,7 +24,7 @@ const FEWEST: usize = 128;
 const MOST_ORDER: usize = 16;
 /// Blocks whose powers are compared, so that a knock does not speak for the rest.
 const BLOCKS: usize = 32;
-/// A block counts no more than so many times the middle one.
+/// A block counts no more than this many times the middle one.
 const LOUDEST: f64 = 4.0;
 /// Bands of the spectrum, the quietest of which counts.
 const BANDS: usize = 12;
@@ -32,13 +32,13 @@ const BANDS: usize = 12;
 const SHORTEST: usize = 8;
 /// Periods of the input that are tried for being exact repetitions.
 const TRIED: usize = 48;
-/// Root-mean-square difference of an input from itself a period later, over its size, that is none.
+/// An input repeats whose root-mean-square change over a period is below this part of its size.
 const REPEATS: f64 = 1e-3;
 /// Longest still stretch that is looked at, in samples, and the shortest that says anything.
 const STILL: [usize; 2] = [256, 4096];
-/// The quietest band is believed below so many times what differences show.
+/// The quietest band is believed below this many times what differences show.
 const AGREE: f64 = 0.85;
-/// What does not repeat is believed up to so many times what differences show.
+/// What does not repeat is believed up to this many times what differences show.
 const BELIEVED: f64 = 3.0;
 
 /// From what the noise was measured.
@@ -109,7 +109,8 @@ fn least<const N: usize>(all: [Option<ReadingNoise>; N]) -> Option<ReadingNoise>
     all.into_iter().flatten().min_by(|a, b| a.deviation.total_cmp(&b.deviation))
 }
 
-/// Mean of the blocks' mean squares, a loud one counted no more than so many times the middle one.
+/// Mean of the blocks' mean squares, a loud one counted no more than this many times the middle
+/// one.
 fn steady_power(values: &[f64]) -> f64 {
     let n = values.len();
     let blocks = BLOCKS.min(n / 8).max(1);

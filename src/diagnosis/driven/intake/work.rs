@@ -60,7 +60,7 @@ impl Work {
         self.0.fetch_add(steps as u64, Ordering::Relaxed);
     }
 
-    /// What a stage that begins here may spend on so many samples.
+    /// What a stage that begins here may spend on this many samples.
     pub fn budget(&self, stage: Stage, samples: usize) -> Budget {
         Budget(self.spent() + stage.steps_per_sample() * samples.max(LEAST_SAMPLES) as u64)
     }

@@ -72,7 +72,7 @@ impl Reach {
         !self.lines_hz.is_empty() && self.is_full(1)
     }
 
-    /// Whether a linear model with so many parameters beside the base model's fits any amplitudes
+    /// Whether a linear model with this many parameters beside the base model's fits any amplitudes
     /// and phases at the lines.
     fn is_full(&self, parameters: usize) -> bool {
         BASE_SEEN + parameters >= 2 * self.lines_hz.len()

@@ -16,9 +16,9 @@ use super::residual_structure::{MEMORY, correlation};
 /// Stretches whose powers are compared, and the fewest samples in one.
 const STRETCHES: usize = 64;
 const LEAST_SAMPLES: usize = 8;
-/// Squares are clipped at so many MAD, squared.
+/// Squares are clipped at this many MAD, squared.
 const CLIP: f64 = 3.0;
-/// A reading so many normal standard deviations off is in the tails.
+/// A reading this many normal standard deviations off is in the tails.
 const TAIL: f64 = 3.5;
 /// Tails are heavy, strengths different, from such a ratio on.
 const HEAVY: f64 = 3.0;
@@ -173,7 +173,7 @@ mod tests {
 
     const ROWS: usize = 6400;
 
-    /// Student's t with so many degrees of freedom, from normal numbers.
+    /// Student's t with this many degrees of freedom, from normal numbers.
     fn student(rng: &mut Philox, degrees_of_freedom: usize) -> f64 {
         let chi: f64 = (0..degrees_of_freedom).map(|_| rng.normal().powi(2)).sum();
         rng.normal() / (chi / degrees_of_freedom as f64).sqrt()

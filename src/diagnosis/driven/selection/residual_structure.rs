@@ -106,7 +106,7 @@ pub(crate) fn power_structure(data: &Data, fit: &Fit) -> Structure {
     structure(&power, 4, &regressors)
 }
 
-/// Samples per independent one, from the correlations over fewer than so many lags of a sequence
+/// Samples per independent one, from the correlations over fewer than this many lags of a sequence
 /// about zero.
 pub fn correlation(errors: &[f64], lags: usize) -> f64 {
     let total = errors.iter().map(|e| e * e).sum::<f64>().max(1e-300);

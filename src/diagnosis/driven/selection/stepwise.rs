@@ -21,7 +21,7 @@ use super::round::{SURE, round};
 const MOST_TERMS: usize = 6;
 /// A term must gain at least this part of what is still unexplained with it: first things first.
 const LEAST_OF_REST: f64 = 0.03;
-/// The same for the third term and later ones: what takes so many terms and is not done is
+/// The same for the third term and later ones: what takes this many terms and is not done is
 /// something else.
 const FAIR_PART_OF_REST: f64 = 0.2;
 /// Unless next to nothing is left of the base model's error: the rest is detail then.

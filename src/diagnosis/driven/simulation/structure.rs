@@ -32,7 +32,7 @@ impl ModelStructure {
         Self::over(terms, 0)
     }
 
-    /// The same of so many recordings beyond the first: after the base parameters those of each
+    /// The same of this many recordings beyond the first: after the base parameters those of each
     /// further recording, and after each term's values its unknown initial values in each further
     /// recording.
     pub fn over(terms: &[Term], further: usize) -> Self {

@@ -25,7 +25,8 @@ const MOST: usize = 16;
 const FALSE_DISCOVERY: f64 = 0.05;
 /// Visits of a cell that say anything of it.
 const VISITS: usize = 6;
-/// The band ends at so many times the resonance: a cubic spring acts at three times what moves it.
+/// The band ends at this many times the resonance: a cubic spring acts at three times what moves
+/// it.
 const BAND: f64 = 4.0;
 /// Share of the samples beyond each edge of the surface.
 const TAIL: f64 = 0.01;

@@ -75,7 +75,7 @@ impl<'a> Table<'a> {
         Some(String::from_utf8_lossy(bytes).into_owned())
     }
 
-    /// Structures of so many bytes, one after the other.
+    /// Structures of this many bytes, one after the other.
     pub(super) fn structures(&self, index: usize, bytes: usize) -> Option<std::slice::ChunksExact<'a, u8>> {
         let at = self.target(index)?;
         let count = u32_at(self.bytes, at)?;
