@@ -168,99 +168,103 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var before = forces[0].x;
     for (var block = tile.first_sample >> 4u; block <= (stop - 1u) >> 4u; block++) {
 #terms block
-    for (var counter = max(4u * block, first_counter); counter <= min(4u * block + 3u, last_counter); counter++) {
-        if draws_accelerometer() {
-            accelerometer_words = philox(vec4<u32>(counter, member, STREAM_ACCELEROMETER), seed);
-        }
-        if draws_gyro() {
-            gyro_words = philox(vec4<u32>(counter, member, STREAM_GYRO), seed);
-        }
-        if HAS_FORCE {
-            pushes = gaussians(counter, member, STREAM_FORCE, seed);
-        }
+        for (
+            var counter = max(4u * block, first_counter);
+            counter <= min(4u * block + 3u, last_counter);
+            counter++
+        ) {
+            if draws_accelerometer() {
+                accelerometer_words = philox(vec4<u32>(counter, member, STREAM_ACCELEROMETER), seed);
+            }
+            if draws_gyro() {
+                gyro_words = philox(vec4<u32>(counter, member, STREAM_GYRO), seed);
+            }
+            if HAS_FORCE {
+                pushes = gaussians(counter, member, STREAM_FORCE, seed);
+            }
 #terms draw
 
-        for (var number = 0u; number < 4u; number++) {
-            let n = 4u * counter + number;
-            if n >= tile.first_sample && n < stop {
-                // Mechanics.
-                let push = force_sigma * pick(pushes, number);
-                var felt = 0.0;
-                for (var substep = 0u; substep < SUBSTEPS; substep++) {
-                    let now = forces[(n - tile.first_sample) * SUBSTEPS + substep + 1u];
-                    var own = vec3<f32>();
-                    if HAS_SINE {
-                        let half = (n * SUBSTEPS + substep) * 2u;
-                        own.x = sine * sin_cos_turns(phase + half * phase_step).x;
-                        own.y = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
-                        own.z = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
+            for (var number = 0u; number < 4u; number++) {
+                let n = 4u * counter + number;
+                if n >= tile.first_sample && n < stop {
+                    // Mechanics.
+                    let push = force_sigma * pick(pushes, number);
+                    var felt = 0.0;
+                    for (var substep = 0u; substep < SUBSTEPS; substep++) {
+                        let now = forces[(n - tile.first_sample) * SUBSTEPS + substep + 1u];
+                        var own = vec3<f32>();
+                        if HAS_SINE {
+                            let half = (n * SUBSTEPS + substep) * 2u;
+                            own.x = sine * sin_cos_turns(phase + half * phase_step).x;
+                            own.y = sine * sin_cos_turns(phase + (half + 1u) * phase_step).x;
+                            own.z = sine * sin_cos_turns(phase + (half + 2u) * phase_step).x;
+                        }
+                        let f = Force(
+                            fma(gain, before, own.x),
+                            fma(gain, now.y, own.y),
+                            fma(gain, now.x, own.z),
+                            fma(gain, now.z, own.y - own.x),
+                            fma(gain, now.w, own.z - own.x),
+                        );
+                        before = now.x;
+                        s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
+                        felt = f.end;
                     }
-                    let f = Force(
-                        fma(gain, before, own.x),
-                        fma(gain, now.y, own.y),
-                        fma(gain, now.x, own.z),
-                        fma(gain, now.z, own.y - own.x),
-                        fma(gain, now.w, own.z - own.x),
-                    );
-                    before = now.x;
-                    s = advance(k, laws, s, f, push, f32(n * SUBSTEPS + substep));
-                    felt = f.end;
-                }
 
-                // The accelerometer's reading.
-                error = s.x + bias;
-                if HAS_READING {
-                    let a = felt + s.x;
-                    error = fma(fma(k2, a, scale), a, error);
-                }
+                    // The accelerometer's reading.
+                    error = s.x + bias;
+                    if HAS_READING {
+                        let a = felt + s.x;
+                        error = fma(fma(k2, a, scale), a, error);
+                    }
 #terms add accelerometer
-                if HAS_RANGE {
-                    error = max(min(error, range - felt), -range - felt);
-                }
-                if HAS_QUANTISATION {
-                    // Opaque, so that no compiler fuses what must round to the same whole number
-                    // everywhere.
-                    let reading = opaque((opaque(felt, zero) + error) * steps, zero);
-                    error = fma(lsb, round(reading) - reading, error);
-                }
-                if HAS_STILL {
-                    error -= mean;
-                }
+                    if HAS_RANGE {
+                        error = max(min(error, range - felt), -range - felt);
+                    }
+                    if HAS_QUANTISATION {
+                        // Opaque, so that no compiler fuses what must round to the same whole number
+                        // everywhere.
+                        let reading = opaque((opaque(felt, zero) + error) * steps, zero);
+                        error = fma(lsb, round(reading) - reading, error);
+                    }
+                    if HAS_STILL {
+                        error -= mean;
+                    }
 
 #trace accelerometer
 
-                // The gyro, the tilt and what gravity makes of it.
-                if HAS_GYRO {
-                    var turn = gyro_bias;
+                    // The gyro, the tilt and what gravity makes of it.
+                    if HAS_GYRO {
+                        var turn = gyro_bias;
 #terms add gyro
-                    if HAS_STILL {
-                        turn -= gyro_mean;
-                    }
+                        if HAS_STILL {
+                            turn -= gyro_mean;
+                        }
 #trace gyro
-                    error = fma(tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
-                    rate += turn;
+                        error = fma(tilt_gain, fma(0.5, turn, rate_total.x + rate), error);
+                        rate += turn;
+                    }
+
+                    // Two integrations.
+                    position += fma(0.5, error, velocity);
+                    velocity += error;
                 }
+            }
 
-                // Two integrations.
-                position += fma(0.5, error, velocity);
-                velocity += error;
+            if (counter & 15u) == 15u && 4u * counter + 3u < stop {
+                position_total = add_compensated(position_total, 64.0 * velocity_total.x, zero);
+                position_total = add_compensated(position_total, position, zero);
+                position_total.y += 64.0 * velocity_total.y;
+                velocity_total = add_compensated(velocity_total, velocity, zero);
+                rate_total = add_compensated(rate_total, rate, zero);
+                position = 0.0;
+                velocity = 0.0;
+                rate = 0.0;
+                if (bitcast<u32>(error) & 0x7FFFFFFFu) > bound || (bitcast<u32>(s.x) & 0x7FFFFFFFu) > bound {
+                    failed = 1.0;
+                }
             }
         }
-
-        if (counter & 15u) == 15u && 4u * counter + 3u < stop {
-            position_total = add_compensated(position_total, 64.0 * velocity_total.x, zero);
-            position_total = add_compensated(position_total, position, zero);
-            position_total.y += 64.0 * velocity_total.y;
-            velocity_total = add_compensated(velocity_total, velocity, zero);
-            rate_total = add_compensated(rate_total, rate, zero);
-            position = 0.0;
-            velocity = 0.0;
-            rate = 0.0;
-            if (bitcast<u32>(error) & 0x7FFFFFFFu) > bound || (bitcast<u32>(s.x) & 0x7FFFFFFFu) > bound {
-                failed = 1.0;
-            }
-        }
-    }
     }
 
     state[STATE_E * stride + i] = s.x;

@@ -64,8 +64,9 @@ pub(crate) fn fma<T: Real, const FMA: bool>(a: T, b: T, c: T) -> T {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// The polynomial with these coefficients, the constant one first.
 #[inline(always)]
-fn horner<T: Real, const FMA: bool, const N: usize>(x: T, coefficients: [f64; N]) -> T {
+pub(super) fn horner<T: Real, const FMA: bool, const N: usize>(x: T, coefficients: [f64; N]) -> T {
     let mut sum = T::of(coefficients[N - 1]);
     let mut i = N - 1;
     while i > 0 {
@@ -196,24 +197,9 @@ impl Real for f64 {
         f64::from_bits(self.to_bits() ^ u64::from(word & SIGN) << 32)
     }
 
-    // 2 artanh((m−1)/(m+1)), series to 1e-16.
     #[inline(always)]
     fn ln_parts<const FMA: bool>(mantissa: f32, exponent: i32) -> f64 {
-        const ODD: [f64; 10] = [
-            2.0,
-            2.0 / 3.0,
-            2.0 / 5.0,
-            2.0 / 7.0,
-            2.0 / 9.0,
-            2.0 / 11.0,
-            2.0 / 13.0,
-            2.0 / 15.0,
-            2.0 / 17.0,
-            2.0 / 19.0,
-        ];
-        let m = mantissa as f64;
-        let s = (m - 1.0) / (m + 1.0);
-        fma::<f64, FMA>(exponent as f64, std::f64::consts::LN_2, s * horner::<f64, FMA, 10>(s * s, ODD))
+        fma::<f64, FMA>(exponent as f64, std::f64::consts::LN_2, ln_mantissa::<FMA>(mantissa as f64))
     }
 
     #[inline(always)]
@@ -241,6 +227,15 @@ impl Real for f64 {
         let cos = fma::<f64, FMA>(z * z, horner::<f64, FMA, 7>(z, COS), fma::<f64, FMA>(z, -0.5, 1.0));
         (sin, cos)
     }
+}
+
+/// ln m for m in [√½, √2): 2 artanh((m − 1)/(m + 1)), whose series ends below 1e-17.
+#[inline(always)]
+pub(super) fn ln_mantissa<const FMA: bool>(m: f64) -> f64 {
+    const ODD: [f64; 10] =
+        [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0, 2.0 / 15.0, 2.0 / 17.0, 2.0 / 19.0];
+    let s = (m - 1.0) / (m + 1.0);
+    s * horner::<f64, FMA, 10>(s * s, ODD)
 }
 
 /// ln u for the uniform number u = (2k + 1)·2⁻²⁴ made of the upper 23 bits k of a random word:

@@ -107,7 +107,7 @@ pub(super) fn study(
             let answer = strapdown::answer::answer(&study, motion, backend, control)?;
             let findings = report::strapdown::findings(&answer);
             let json = to_json(&strapdown::document::Document::of(&study, &answer, findings))?;
-            let draw = move || report::strapdown::page(&study, &answer).finish();
+            let draw = move || report::strapdown::page(&study, &answer, None).finish();
             return Ok(Answer { json, repaired: None, draw: Box::new(draw) });
         }
         let options = Options { backend, control: control.clone(), ..Options::default() };

@@ -7,15 +7,18 @@ mod windows;
 
 use self::doubt::doubt;
 use super::html::Page;
+use super::study::jcgm101;
 use super::table::Table;
 use crate::backend::flight::Quantity;
 use crate::number::{duration, significant, worth};
+use crate::statistics::jcgm101::Stated;
 use crate::strapdown::answer::Answer;
 use crate::strapdown::covariance::{Cause, Part};
 use crate::study::Study;
 use crate::units::DEGREE;
 
-pub(crate) fn page(study: &Study, answer: &Answer) -> Page {
+/// The page; `stated` is the last horizontal error where digits were asked for.
+pub(crate) fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> Page {
     let mut page = Page::new(&format!("{}: how far it drifts", study.name), &lede(answer));
     page.section("How far it drifts");
     let distance = figures::distance(answer).draw();
@@ -27,6 +30,10 @@ pub(crate) fn page(study: &Study, answer: &Answer) -> Page {
     ]);
     page.table(&position_table(answer));
     page.list(&findings(answer));
+    if let Some(stated) = stated {
+        page.section(jcgm101::TITLE);
+        page.paragraph(&jcgm101::sentence("Horizontal", stated));
+    }
     page.section("Where it drifts to");
     let (map, magnified) = figures::map(answer);
     let scale = if magnified == 1.0 { String::new() } else { format!(", magnified {magnified} times") };

@@ -1,6 +1,5 @@
 //! Pages as a reader sees them: nothing clipped or touching at any width, on a phone and on paper;
-//! figures that answer; one script, the page's own. A headless Chromium looks; where there is none,
-//! those tests are shown as ignored.
+//! figures that answer; one script, the page's own.
 
 use std::fs;
 use std::path::Path;
@@ -16,6 +15,9 @@ use sha2::{Digest, Sha256};
 
 use super::bench::{Bench, run};
 use super::world::{check, program, test};
+use browser::{browser_test, look};
+
+mod browser;
 
 /// Tests of this module.
 pub fn tests() -> Vec<Trial> {
@@ -25,30 +27,13 @@ pub fn tests() -> Vec<Trial> {
         browser_test("pages: what measures them sees what is wrong", blind),
         browser_test("pages: a study's figures answer mouse, keys and fingers, with the right numbers", answers),
         browser_test("pages: a study is whole at every width", study),
+        browser_test("pages: a study along a trajectory, with its digits, is whole at every width", flight),
         browser_test("pages: the noise of a log is whole at every width", allan),
         browser_test("pages: a map is whole at every width, and its colours can be read", map),
         browser_test("pages: diagnoses at rest, of a drive and of a turntable are whole at every width", diagnoses),
         browser_test("pages: wide tables are whole at every width", tables),
         browser_test("pages: a trial is whole at every width", trial),
     ]
-}
-
-/// Names under which a Chromium may be installed.
-const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-
-fn browser() -> Option<String> {
-    let answers = |name: &str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
-    std::env::var("PROOFMASS_CHROMIUM").ok().or_else(|| NAMES.iter().find(|n| answers(n)).map(|n| (*n).to_owned()))
-}
-
-/// A test that needs a Chromium: ignored where there is none, a failure where
-/// `PROOFMASS_REQUIRE_BROWSER=1` demands one.
-fn browser_test(name: &str, body: fn() -> Result<(), Failed>) -> Trial {
-    static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
-    if *PRESENT.get_or_init(|| browser().is_some()) || std::env::var_os("PROOFMASS_REQUIRE_BROWSER").is_some() {
-        return Trial::test(name, body);
-    }
-    Trial::test(format!("{name} (needs a browser: install chromium)"), || Ok(())).with_ignored_flag(true)
 }
 
 /// The page without the one script that its policy allows by digest; an error where another one is
@@ -109,52 +94,6 @@ fn sub_pixel() -> Result<(), Failed> {
 /// Widths of screens, and of a sheet of A4 between its margins, px.
 const WIDTHS: [u32; 4] = [390, 960, 1280, 1920];
 const SHEET: u32 = 718;
-
-/// What the browser says of pages in frames: lines per frame. `work` is an expression of `win`,
-/// `width` and `print`.
-fn look(pages: &[(u32, bool, &str)], work: &str) -> Result<Vec<Vec<String>>, Failed> {
-    let folder = tempfile::tempdir()?;
-    let mut frames = String::new();
-    for (width, print, page) in pages {
-        // On paper the rules of print hold at once; the policy names the untouched style, so it
-        // must go.
-        let page = match print {
-            true => page.replace("@media print", "@media all").replace("http-equiv=\"Content-Security-Policy\"", ""),
-            false => (*page).to_owned(),
-        };
-        let page = page.replace('&', "&amp;").replace('"', "&quot;");
-        frames +=
-            &format!("<iframe data-print=\"{print}\" width=\"{width}\" height=\"900\" srcdoc=\"{page}\"></iframe>\n");
-    }
-    let html = format!(
-        "<!doctype html><meta charset=\"utf-8\"><style>iframe{{border:0}}</style>{frames}<pre></pre><script>\n{}\n{}\n\
-         addEventListener('load', async () => {{ const out = [];\n\
-         for (const frame of document.querySelectorAll('iframe')) {{\n\
-         const win = frame.contentWindow, width = +frame.width, print = frame.dataset.print === 'true';\n\
-         try {{ out.push(await {work}); }} catch (e) {{ out.push([String(e.stack)]); }} }}\n\
-         document.querySelector('pre').textContent = '[[' + JSON.stringify(out) + ']]'; }});</script>",
-        include_str!("pages/measure.js"),
-        include_str!("pages/touch.js"),
-    );
-    let file = folder.path().join("frames.html");
-    fs::write(&file, html)?;
-    let mut command = Command::new(browser().ok_or("there is no browser")?);
-    command.args([
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--window-size=2000,1000",
-        "--virtual-time-budget=20000",
-    ]);
-    command.arg(format!("--user-data-dir={}", folder.path().join("profile").display()));
-    let output = command.arg("--dump-dom").arg(format!("file://{}", file.display())).output()?;
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let said = dom.rsplit_once("<pre>[[").and_then(|(_, rest)| rest.split_once("]]</pre>"));
-    let said =
-        said.ok_or_else(|| format!("the browser gave no answer: {}", String::from_utf8_lossy(&output.stderr)))?.0;
-    let said = said.replace("&lt;", "<").replace("&gt;", ">").replace("&nbsp;", " ").replace("&amp;", "&");
-    Ok(serde_json::from_str(&said)?)
-}
 
 /// Fails where a page is clipped, hard to read or has labels that touch, at any width or in print;
 /// where its first figure does not answer; and where it is too big.
@@ -270,6 +209,26 @@ fn study() -> Result<(), Failed> {
         "report.times_s=[0.1, 1.0, 3.0, 10.0, 20.0, 30.0, 60.0]",
     ];
     whole("study with long tables", &study_page(&bench, &more)?.0)
+}
+
+fn flight() -> Result<(), Failed> {
+    let bench = Bench::new()?;
+    let file = bench.file(
+        "study.toml",
+        "members = 256\nduration_s = 4.0\n[sensor]\nsample_rate_hz = 50.0\n[trajectory]\nkind = \"car\"\n[earth]\n\
+         latitude_deg = 47.4\n[accelerometer]\nnoise_density_ug_rthz = 100.0\nbias_mg = { mean = 0.0, sd = 1.0 }\n\
+         [gyro]\nbias_deg_h = { mean = 0.0, sd = 20.0 }\n[alignment]\nkind = \"still\"\nstill_s = 1.0\n[report]\n\
+         times_s = [1.0, 4.0]\n",
+    )?;
+    let mut command = program();
+    command.arg("study").arg(&file).args(["--backend", "cpu", "--digits", "1"]);
+    let page = page_of(&bench.path("out"), &mut command)?;
+    check(page.contains("The result as JCGM 101 states it"), "the digits are not on the page")?;
+    command = program();
+    command.arg("study").arg(&file).args(["--backend", "cpu"]);
+    let without = page_of(&bench.path("without"), &mut command)?;
+    check(!without.contains("JCGM"), "digits that nobody asked for (control)")?;
+    whole("study along a trajectory", &page)
 }
 
 fn normals(seed: u64) -> impl FnMut() -> f64 {

@@ -2,12 +2,14 @@
 //! what is no part of it is refused by name. Digits are stated of its horizontal error.
 
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use libtest_mimic::{Failed, Trial};
 use serde_json::Value;
 
 use super::bench::{Answer, run};
+use super::shards::done;
 use super::world::{check, gpu_test, near, program, test};
 
 /// Tests of this module.
@@ -19,6 +21,7 @@ pub fn tests() -> Vec<Trial> {
         ),
         gpu_test("shards in motion: shards of a GPU merge to the bits of that GPU's run", || partitions("gpu")),
         test("shards in motion: missing, foreign and damaged shards are refused by name, and one is resumed", refused),
+        test("shards in motion: a shard that is killed half-way resumes and merges to the same bits", killed),
         test("shards in motion: poses of a file are those of the shards, from whatever folder they are merged", poses),
         test("shards in motion: digits are stated of the horizontal error, with as many members as they take", digits),
     ]
@@ -117,6 +120,36 @@ fn refused() -> Result<(), Failed> {
     bytes[middle] ^= 1;
     std::fs::write(&state, bytes)?;
     world.merge("some")?.refuses("a flipped bit", "shard-2-of-3.state")
+}
+
+/// Numbers of members: the first whose shard takes long enough to be killed here is taken.
+const MEMBERS: [&str; 3] = ["60000", "240000", "960000"];
+
+fn killed() -> Result<(), Failed> {
+    for members in MEMBERS {
+        let world = World::new("cpu")?;
+        let state = world.path("halves/shard-1-of-2.state");
+        let mut command = world.study("halves", &["--members", members, "--shard", "1/2"]);
+        command.env("PROOFMASS_STATE_INTERVAL_S", "0.0").stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn()?;
+        while child.try_wait()?.is_none() && (!state.exists() || done(&state) == 0) {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        child.kill()?;
+        let kept = if child.wait()?.success() { 0 } else { done(&state) };
+        let other = run(&mut world.study("halves", &["--members", members, "--shard", "2/2"]))?;
+        check(other.code == Some(0), other.stderr)?;
+        // Both halves have one size: a run that was finished before it was killed shows nothing.
+        if kept == 0 || kept == done(&world.path("halves/shard-2-of-2.state")) {
+            continue;
+        }
+        world.merge("halves")?.refuses("an unfinished shard", "shard-1-of-2.state")?;
+        let resumed = run(&mut world.study("halves", &["--members", members, "--shard", "1/2", "--resume"]))?;
+        check(resumed.code == Some(0), resumed.stderr)?;
+        let whole = fields(run(&mut world.study("whole", &["--members", members]))?)?;
+        return check(fields(world.merge("halves")?)? == whole, "a resumed shard has other numbers");
+    }
+    Err("no shard was long enough to be killed".into())
 }
 
 fn poses() -> Result<(), Failed> {

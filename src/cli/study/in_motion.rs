@@ -57,7 +57,7 @@ pub(super) fn run(asked: Asked<'_>, study: &Study, motion: &InMotion, json: bool
     let answer = answer_kept(study, motion, backend, &mut kept, &progress::terminal())?;
     let stated = digits.and_then(|digits| digits::stated_in_motion(&answer, digits));
     print(study, &answer, stated.as_ref(), None, json)?;
-    write(&mut folder, study, &answer)?;
+    write(&mut folder, study, &answer, stated.as_ref())?;
     if !json {
         sayln!("report:     {}", path.join(REPORT).display())?;
     }
@@ -79,8 +79,8 @@ fn print(study: &Study, answer: &Answer, stated: Option<&Stated>, shards: Option
     stated.map_or(Ok(()), |stated| sayln!("{}", sentence("Horizontal", stated)))
 }
 
-fn write(folder: &mut Folder, study: &Study, answer: &Answer) -> Result<()> {
-    folder.write(REPORT, page::page(study, answer).finish().as_bytes())?;
+fn write(folder: &mut Folder, study: &Study, answer: &Answer, stated: Option<&Stated>) -> Result<()> {
+    folder.write(REPORT, page::page(study, answer, stated).finish().as_bytes())?;
     if let Some(inflated) = page::inflated_toml(study, answer) {
         folder.write(INFLATED, inflated.as_bytes())?;
     }
@@ -119,7 +119,7 @@ pub(in crate::cli) fn merge(
     let answer = divided::merged(study, motion, found, &progress::terminal())?;
     print(study, &answer, None, Some(found.len()), json)?;
     if let Some(mut folder) = folder {
-        write(&mut folder, study, &answer)?;
+        write(&mut folder, study, &answer, None)?;
         if !json {
             sayln!("report:     {}", folder.path().join(REPORT).display())?;
         }

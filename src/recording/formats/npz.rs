@@ -10,7 +10,7 @@ use crate::recording::bytes::Bytes;
 use crate::recording::input::Input;
 use crate::recording::reader::Log;
 
-/// The end of the archive lies within this many bytes of the end.
+/// The record that ends an archive lies within this many of its last bytes.
 const TAIL: u64 = 66_000;
 /// No list of files is longer, bytes.
 const LONGEST_LIST: u64 = 64 << 20;

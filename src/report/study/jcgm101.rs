@@ -51,9 +51,12 @@ pub fn validation(linear: &Linear, left_out: &[String]) -> String {
     format!("The linear answer (GUM, JCGM 101 §8) {verdict}.{besides}")
 }
 
+/// Title of the section.
+pub(crate) const TITLE: &str = "The result as JCGM 101 states it";
+
 /// The section of the page.
 pub(crate) fn section(page: &mut Page, of: &Stated, linear: &Linear, drift: &Drift) {
-    page.section("The result as JCGM 101 states it");
+    page.section(TITLE);
     page.paragraph(&sentence("Position", of));
     let number = |value: f64| stated(value, of.tolerance);
     let mut table = Table::new(&["how", "estimate / m", "standard uncertainty / m", "95 % from / m", "to / m"]);
