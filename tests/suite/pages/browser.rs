@@ -14,11 +14,16 @@ fn browser() -> Option<String> {
     std::env::var("PROOFMASS_CHROMIUM").ok().or_else(|| NAMES.iter().find(|n| answers(n)).map(|n| (*n).to_owned()))
 }
 
+/// Whether there is one on this machine.
+pub fn installed() -> bool {
+    static INSTALLED: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
+    *INSTALLED.get_or_init(|| browser().is_some())
+}
+
 /// A test that needs a Chromium: ignored where there is none, a failure where
 /// `PROOFMASS_REQUIRE_BROWSER=1` demands one.
 pub fn browser_test(name: &str, body: fn() -> Result<(), Failed>) -> Trial {
-    static PRESENT: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
-    if *PRESENT.get_or_init(|| browser().is_some()) || std::env::var_os("PROOFMASS_REQUIRE_BROWSER").is_some() {
+    if installed() || std::env::var_os("PROOFMASS_REQUIRE_BROWSER").is_some() {
         return Trial::test(name, body);
     }
     Trial::test(format!("{name} (needs a browser: install chromium)"), || Ok(())).with_ignored_flag(true)
