@@ -28,8 +28,9 @@ struct Flight {
     sine: f32,
     // Number of the tile's first sample.
     first_sample: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Samples from the end of the still start to it.
+    passed: u32,
+    padding: u32,
 }
 
 // One sample of the truth; mirrored in `src/kernel/passage.rs`.
@@ -192,11 +193,12 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var warm_force = array<vec3<f32>, 2>();
     var warm_rate = array<vec3<f32>, 2>();
-    var offset_s = vec2<f32>();
+    // Offset and jitter of the stamps, s, and what they gain on the true time.
+    var stamps = vec3<f32>();
     if FOLLOWS {
         warm_force = array<vec3<f32>, 2>(followed(i, 0u), followed(i, 1u));
         warm_rate = array<vec3<f32>, 2>(followed(i, 2u), followed(i, 3u));
-        offset_s = vec2<f32>(given[45u * stride + i], given[46u * stride + i]);
+        stamps = followed(i, 4u);
     }
 
     for (var n = 0u; n < flight.samples; n++) {
@@ -215,11 +217,11 @@ fn navigate(@builtin(global_invocation_id) id: vec3<u32>) {
             turn += p.body_rate * rate_rows + p.body_force * felt_rows;
         }
         if FOLLOWS {
-            var late = offset_s.x;
+            var late = fma(stamps.z, (f32(flight.passed + n) + 0.5) * h, stamps.x);
             if JITTERS {
                 let sample = flight.first_sample + n;
                 let instants = gaussians(sample >> 2u, member_of(i), STREAM_JITTER, fix.seed);
-                late = fma(offset_s.y, instants[sample & 3u], late);
+                late = fma(stamps.y, instants[sample & 3u], late);
             }
             error += p.warmer * (warm_force[1] * p.body_force + warm_force[0]) - late * p.force_change;
             turn += p.warmer * (warm_rate[1] * p.body_rate + warm_rate[0]) - late * p.rate_change;

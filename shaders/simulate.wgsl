@@ -20,6 +20,9 @@ override HAS_STILL: bool = false;
 // first begins. Uniform memory, because all members read the same place at the same time.
 @group(0) @binding(4) var<uniform> forces: array<vec4<f32>, 4096>;
 @group(0) @binding(5) var<storage, read_write> errors: array<f32>;
+// How much warmer than its reference the sensor is in each sample of the tile, K; one zero where it
+// stays there.
+@group(0) @binding(6) var<storage, read> warmer: array<f32>;
 #trace declare
 
 fn column(i: u32, which: u32) -> f32 {

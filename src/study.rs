@@ -16,6 +16,7 @@ mod preset;
 pub mod section;
 pub mod source;
 pub mod sweep;
+mod temperature;
 pub mod tolerances;
 
 use std::path::{Path, PathBuf};
@@ -30,6 +31,7 @@ use crate::excitation::plan::Plan;
 use crate::excitation::reader::Run;
 use crate::kernel::flight::Flight;
 use crate::kernel::job::{Clock, Integrator, Job, Member};
+use crate::motion::temperature::Temperature;
 use crate::sensor::{ProofMass, SensorTerm};
 use crate::units::STANDARD_GRAVITY_M_S2;
 use alignment::Alignment;
@@ -62,6 +64,8 @@ pub struct Study {
     pub tolerances: Tolerances,
     /// Excitation of the sensor.
     pub excitation: Plan,
+    /// Temperature of the sensor along one axis; along a trajectory its course has it.
+    pub temperature: Arc<Temperature>,
     /// A static log to compare with the simulation.
     pub compare: Option<file::Compare>,
     /// What makes it one of six axes, where a trajectory carries it.
@@ -162,6 +166,10 @@ impl Study {
         {
             tolerances[&SensorTerm::InitialTilt.row().keys[0]] = Some(tilt);
         }
+        let temperature = match in_motion {
+            Some(_) => Temperature::default(),
+            None => temperature::read(source, file.temperature.as_ref(), std::slice::from_ref(&tolerances))?,
+        };
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
         let recordings = file.excitation.file().map(Path::new).into_iter().chain(compared);
@@ -189,6 +197,7 @@ impl Study {
             alignment,
             tolerances,
             excitation,
+            temperature: Arc::new(temperature),
             compare: file.compare,
             in_motion,
             folder,
@@ -286,6 +295,7 @@ impl Study {
             draw: Arc::new(move |index| draw::member(&tolerances, variation, seed, index)),
             waveform: self.excitation.waveform.clone(),
             integrator,
+            temperature: self.temperature.clone(),
             gravity_m_s2: STANDARD_GRAVITY_M_S2,
         }
     }

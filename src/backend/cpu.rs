@@ -164,10 +164,10 @@ impl Cpu {
         let most = self.tile_samples.min(MOST_SUBSTEPS / u64::from(shared.substeps)).max(4);
         while let Some(tile) = tile::next(&job.clock, from, most) {
             let count = tile.samples.end - from;
-            let table = force::table::<T>(job, from, count);
+            let (table, warmer) = (force::table::<T>(job, from, count), job.warmer_k::<T>(from, count));
             parallel::for_each_mut(groups, |_, members| {
-                let work = Simulate { shared, members, force: &table, first: from, count, observer: None };
-                work.run(self.level);
+                let (force, warmer) = (&table[..], &warmer[..]);
+                Simulate { shared, members, force, warmer, first: from, count, observer: None }.run(self.level);
             });
             from = tile.samples.end;
             after(&tile, groups);
@@ -303,6 +303,7 @@ pub fn readings<T: Real>(job: &Job, member: u64, control: &Control, mut sink: im
             shared: &shared,
             members: &mut members,
             force: &force,
+            warmer: &job.warmer_k::<T>(from, count),
             first: from,
             count,
             observer: Some(&mut sink),

@@ -36,6 +36,7 @@ fn job(sensor: Sensor, members: u64, samples: u64, integrator: Integrator) -> Jo
         draw: Arc::new(move |_| Member { sensor, sine: None }),
         waveform: Arc::new(Sine { amplitude_m_s2: 7.0, frequency_hz: 1.3, offset_m_s2: 0.0 }),
         integrator,
+        temperature: Arc::default(),
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
     }
 }

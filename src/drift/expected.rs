@@ -50,7 +50,7 @@ impl Expected {
         let laws = ErrorSource::ALL.map(|source| (source, law(study, source)));
         // Worth its millions of steps only where a source follows the motion.
         let moves = laws.iter().any(|(_, law)| matches!(law, Law::Motion { .. }));
-        let motion = if moves { ForceIntegrals::of(study, &time_s) } else { ForceIntegrals::default() };
+        let motion = if moves { CourseIntegrals::of(study, &time_s) } else { CourseIntegrals::default() };
         let mut left_out = Vec::new();
         let (mut sources, mut bias_left) = (Vec::new(), Vec::new());
         for (source, law) in laws {
@@ -85,10 +85,16 @@ impl Expected {
                     }
                     sources.push((source, chain(source, &time_s, moment, levelled)));
                 }
-                Law::Motion { power, mean, variance } => {
+                Law::Motion { course, mean, variance } => {
                     let at = |k: usize| {
-                        let integrals = motion.integrals[power - 1][k];
-                        let integrals = if source.is_gyro() { integrals.through_tilt() } else { integrals.direct() };
+                        let integrals = motion.integrals[course as usize][k];
+                        let mut integrals = match source.is_gyro() {
+                            true => integrals.through_tilt(),
+                            false => integrals.direct(),
+                        };
+                        if course == Course::Warmer && !source.is_gyro() {
+                            integrals[quantity::TILT] = -motion.taken_k / STANDARD_GRAVITY_M_S2;
+                        }
                         integrals.map(|i| Moment { mean: mean * i, variance: variance * i * i })
                     };
                     sources.push((source, (0..time_s.len()).map(at).collect()));
@@ -173,13 +179,29 @@ enum Law {
         integrals: u32,
     },
     Random(Vec<Process>),
-    /// A constant per member times the force to a power.
+    /// A constant per member times what all members share.
     Motion {
-        power: usize,
+        course: Course,
         mean: f64,
         variance: f64,
     },
 }
+
+/// What all members share over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Course {
+    /// The specific force.
+    Force,
+    /// Its square.
+    Square,
+    /// How much warmer than its reference the sensor is, less what a still start takes off.
+    Warmer,
+    /// That times the specific force.
+    WarmerForce,
+}
+
+/// How many courses there are.
+const COURSES: usize = 4;
 
 fn law(study: &Study, source: ErrorSource) -> Law {
     match source {
@@ -211,8 +233,13 @@ fn level(study: &Study, key: &Key) -> f64 {
 fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
     let level_si = level(study, key);
     match term.law() {
-        ErrorLaw::Proportional(power) => motion(study, key, power as usize),
-        ErrorLaw::Force(power) => motion(study, key, power as usize),
+        ErrorLaw::Proportional(1) | ErrorLaw::Force(1) => motion(study, key, Course::Force),
+        ErrorLaw::Proportional(_) | ErrorLaw::Force(_) => motion(study, key, Course::Square),
+        ErrorLaw::Warm(0) => {
+            let (mean, variance) = study.tolerances.moments(key);
+            Law::Motion { course: Course::Warmer, mean, variance }
+        }
+        ErrorLaw::Warm(_) => motion(study, key, Course::WarmerForce),
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),
@@ -255,23 +282,24 @@ fn flicker_processes(study: &Study, instability: f64) -> Vec<Process> {
 }
 
 /// Scale errors act on the motion: a drawn coefficient times a drawn gain to the same power.
-fn motion(study: &Study, key: &Key, power: usize) -> Law {
+fn motion(study: &Study, key: &Key, course: Course) -> Law {
     let (mean, variance) = study.tolerances.moments(key);
     if mean == 0.0 && variance == 0.0 {
         return Law::Absent;
     }
     match study.excitation.variation {
         Variation::Sine => Law::None("its motion is drawn per member"),
-        Variation::None => Law::Motion { power, mean, variance },
+        Variation::None => Law::Motion { course, mean, variance },
         Variation::Gain => {
             let gain = study.tolerances[&excitation::SIZE].unwrap_or(Number::Fixed(1.0));
             let expect = |p: i32| {
                 let cut = excitation::SIZE.is_cut_at_zero();
                 (0..4096).map(|k| gain.quantile((f64::from(k) + 0.5) / 4096.0, cut).powi(p)).sum::<f64>() / 4096.0
             };
-            let (first, second) = (expect(power as i32), expect(2 * power as i32));
+            let power = if course == Course::Square { 2 } else { 1 };
+            let (first, second) = (expect(power), expect(2 * power));
             Law::Motion {
-                power,
+                course,
                 mean: mean * first,
                 variance: (mean * mean + variance) * second - (mean * first).powi(2),
             }
@@ -279,7 +307,7 @@ fn motion(study: &Study, key: &Key, power: usize) -> Law {
     }
 }
 
-/// The force to a power at a time, and its integrals up to there.
+/// A course at a time, and its integrals up to there.
 #[derive(Clone, Copy)]
 struct Integrals {
     now: f64,
@@ -301,34 +329,39 @@ impl Integrals {
     }
 }
 
-/// Integrals of the shared force and of its square.
+/// Integrals of the courses.
 #[derive(Default)]
-struct ForceIntegrals {
-    /// Per power (1, 2), per time.
-    integrals: [Vec<Integrals>; 2],
+struct CourseIntegrals {
+    /// Per course, per time.
+    integrals: [Vec<Integrals>; COURSES],
+    /// How much warmer the sensor is during a still start, K; 0 without one.
+    taken_k: f64,
 }
 
-impl ForceIntegrals {
+impl CourseIntegrals {
     /// By the trapezoidal rule on the integration steps, or on ten million of them where there are
     /// more.
     fn of(study: &Study, time_s: &[f64]) -> Self {
         let waveform: &dyn Waveform = study.excitation.waveform.as_ref();
-        let mut integrals = [Vec::new(), Vec::new()];
+        let warmer_k = |t: f64| study.temperature.above_reference_k(t);
+        let taken_k = if study.still_s() > 0.0 { warmer_k(0.0) } else { 0.0 };
+        let mut integrals = [const { Vec::new() }; COURSES];
         let steps = (study.duration_s() / study.clock.step_s).min(1e7);
         let step_s = study.duration_s() / steps;
-        let force = |t: f64| {
-            let f = waveform.specific_force_m_s2(t);
-            [f, f * f]
+        let course = |t: f64| {
+            let (f, warmer) = (waveform.specific_force_m_s2(t), warmer_k(t));
+            [f, f * f, warmer - taken_k, warmer * f]
         };
-        let (mut velocity, mut position, mut area, mut now_s) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
-        let mut before = force(0.0);
+        let none = [0.0; COURSES];
+        let (mut velocity, mut position, mut area, mut now_s) = (none, none, none, 0.0);
+        let mut before = course(0.0);
         for time_s in time_s {
             let parts = ((time_s - now_s) / step_s).round().max(1.0);
             let h = (time_s - now_s) / parts;
             for part in 1..=parts as u64 {
-                let after = force(now_s + h * part as f64);
-                for p in 0..2 {
-                    // Exact for a force that is linear over the step.
+                let after = course(now_s + h * part as f64);
+                for p in 0..COURSES {
+                    // Exact for one that is linear over the step.
                     let third = h * h * h * (before[p] / 8.0 + after[p] / 24.0);
                     area[p] += h * position[p] + 0.5 * h * h * velocity[p] + third;
                     position[p] += h * velocity[p] + h * h * (before[p] / 3.0 + after[p] / 6.0);
@@ -337,12 +370,12 @@ impl ForceIntegrals {
                 before = after;
             }
             now_s = *time_s;
-            for p in 0..2 {
+            for p in 0..COURSES {
                 let (once, twice, three_times) = (velocity[p], position[p], area[p]);
                 integrals[p].push(Integrals { now: before[p], once, twice, three_times });
             }
         }
-        Self { integrals }
+        Self { integrals, taken_k }
     }
 }
 

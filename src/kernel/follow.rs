@@ -2,7 +2,8 @@
 //! run, the same law for all members with numbers of their own.
 //!
 //! A reading that is stamped τ late was taken τ earlier: its error is −τ times the rate of change
-//! of what it reads.
+//! of what it reads. A clock that gains d on the true time stamps the reading at time t by d t
+//! late.
 
 use nalgebra::Vector3;
 
@@ -16,15 +17,17 @@ pub struct Follow {
     pub late_s: f64,
     /// Standard deviation of how late a single sample is, s: drawn for each, the same for all axes.
     pub jitter_s: f64,
+    /// What the stamps gain on the true time from the end of the still start on, 1.
+    pub drift: f64,
 }
 
 /// Numbers of a [`Follow`] as the kernels take them.
-pub const FOLLOWED: usize = 14;
+pub const FOLLOWED: usize = 15;
 
 impl Follow {
     /// Row by row, and the times.
     pub fn numbers(&self) -> [f64; FOLLOWED] {
-        let times = [self.late_s, self.jitter_s];
+        let times = [self.late_s, self.jitter_s, self.drift];
         std::array::from_fn(|i| if i < 12 { self.per_kelvin[i / 3][i % 3] } else { times[i - 12] })
     }
 

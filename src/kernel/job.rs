@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 pub use super::integrator::Integrator;
 pub use crate::excitation::{MemberSine, Waveform};
+use crate::motion::temperature::Temperature;
+use crate::numerics::elementary::Real;
 use crate::sensor::Sensor;
 
 /// Discrete time. A sample is `steps_per_sample` integration steps; a run is a whole number of
@@ -66,6 +68,8 @@ pub struct Job {
     pub waveform: Arc<dyn Waveform>,
     /// How the proof mass is stepped, the same for all members.
     pub integrator: Integrator,
+    /// Temperature of the sensor; its times count from the end of the still start.
+    pub temperature: Arc<Temperature>,
     /// g by which tilt becomes acceleration, m/s².
     pub gravity_m_s2: f64,
 }
@@ -75,6 +79,16 @@ impl Job {
     /// share of gravity hides the error, rad/(m/s²). Zero without gravity.
     pub fn level_rad_per_m_s2(&self) -> f64 {
         if self.gravity_m_s2 == 0.0 { 0.0 } else { 1.0 / self.gravity_m_s2 }
+    }
+
+    /// How much warmer than its reference the sensor is in the middle of each of `count` samples from
+    /// `first` on, K; empty where it stays at its reference.
+    pub fn warmer_k<T: Real>(&self, first: u64, count: u64) -> Vec<T> {
+        if self.temperature.points.is_empty() {
+            return Vec::new();
+        }
+        let time_s = |n: u64| (n as f64 - self.clock.still_samples as f64 + 0.5) * self.clock.sample_s();
+        (first..first + count).map(|n| T::of(self.temperature.above_reference_k(time_s(n)))).collect()
     }
 
     /// Steps that the integrator does in a sample, substeps counted.

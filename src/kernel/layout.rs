@@ -114,7 +114,8 @@ pub struct Flight {
     pub cosine: f32,
     pub sine: f32,
     pub first_sample: u32,
-    pub padding: [u32; 2],
+    pub passed: u32,
+    pub padding: u32,
 }
 
 /// Mirror of the shader's `Fix`, byte for byte.

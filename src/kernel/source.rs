@@ -49,14 +49,14 @@ pub fn simulate(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, false)
 }
 
-/// The same, writing the errors of every reading of a tile for `navigate`: binding 6.
+/// The same, writing the errors of every reading of a tile for `navigate`: binding 7.
 pub(crate) fn simulate_traced(int64: bool, laws: &[StudyLaw]) -> Shader {
     ensemble(int64, laws, true)
 }
 
 /// What stands at the lines `#trace …`.
 const TRACE: [(&str, &str); 3] = [
-    ("#trace declare", "@group(0) @binding(6) var<storage, read_write> trace: array<f32>;"),
+    ("#trace declare", "@group(0) @binding(7) var<storage, read_write> trace: array<f32>;"),
     ("#trace accelerometer", "trace[2u * (n - tile.first_sample) * stride + i] = error;"),
     ("#trace gyro", "trace[(2u * (n - tile.first_sample) + 1u) * stride + i] = turn;"),
 ];

@@ -1,7 +1,7 @@
 //! The keys of study.toml by which a reading takes from another axis or instrument, from the
 //! temperature or from a late clock: a gyro's scale factor, misalignments and g-sensitivity,
-//! temperature coefficients, a time offset. Along one axis the g-sensitivity is a sensor term of
-//! its own, in the same slot.
+//! temperature coefficients, a time offset and a clock that drifts. Along one axis the g-sensitivity and the temperature
+//! coefficients but the gyro's scale factor's are sensor terms of their own, in the same slots.
 
 use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative};
@@ -49,6 +49,9 @@ pub(crate) const TIME_OFFSET: Key = Key::new(51, "sensor.time_offset_us", "time 
 /// that it is stamped with.
 pub(crate) const TIME_JITTER: Key = Key::new(52, "sensor.time_jitter_us", "time jitter", "µs", MICRO, NotNegative);
 
+/// What the clock of all readings gains on the true time: stamps come later and later.
+pub(crate) const CLOCK_DRIFT: Key = Key::new(53, "sensor.clock_drift_ppm", "clock drift", "ppm", PPM, Any);
+
 /// What one axis takes from another one or from the other instrument.
 pub(crate) const COUPLINGS: [&Key; 4] =
     [&ACCELEROMETER_MISALIGNMENT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &G_SENSITIVITY];
@@ -58,7 +61,7 @@ pub(crate) const OVER_TEMPERATURE: [&Key; 4] =
 
 /// All that act along a trajectory by the motion or the temperature, in the order of a sensor
 /// table.
-pub(crate) const KEYS: [&Key; 10] = [
+pub(crate) const KEYS: [&Key; 11] = [
     &ACCELEROMETER_MISALIGNMENT,
     &GYRO_SCALE_FACTOR,
     &GYRO_MISALIGNMENT,
@@ -69,16 +72,13 @@ pub(crate) const KEYS: [&Key; 10] = [
     &GYRO_SCALE_PER_K,
     &TIME_OFFSET,
     &TIME_JITTER,
+    &CLOCK_DRIFT,
 ];
+/// What is wrong with the one clock of all axes.
+pub(crate) const OF_THE_CLOCK: [&Key; 3] = [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT];
 
 /// Those that mean something only along a trajectory.
-pub(crate) const IN_MOTION: [&Key; 8] = [
-    &TIME_OFFSET,
-    &TIME_JITTER,
-    &ACCELEROMETER_BIAS_PER_K,
-    &ACCELEROMETER_SCALE_PER_K,
-    &GYRO_SCALE_FACTOR,
-    &GYRO_MISALIGNMENT,
-    &GYRO_BIAS_PER_K,
-    &GYRO_SCALE_PER_K,
-];
+pub(crate) const IN_MOTION: [&Key; 6] =
+    [&TIME_OFFSET, &TIME_JITTER, &CLOCK_DRIFT, &GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K];
+/// Those of them that multiply a rate of rotation, which one axis has not.
+pub(crate) const OF_ROTATION: [&Key; 3] = [&GYRO_SCALE_FACTOR, &GYRO_MISALIGNMENT, &GYRO_SCALE_PER_K];

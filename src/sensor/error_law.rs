@@ -18,6 +18,9 @@ pub enum ErrorLaw {
     /// In proportion to the specific force along the axis to a power, unit/(m/s²)^power: in an
     /// instrument that should not feel it.
     Force(u32),
+    /// In proportion to how much warmer than its reference the sensor is, and to the specific force
+    /// along the axis to a power, unit/K/(m/s²)^power.
+    Warm(u32),
     /// In proportion to the true signal to a power, unit^(1 − power).
     Proportional(u32),
     /// White noise with random-walk coefficient N, unit·√s.
@@ -70,6 +73,7 @@ impl ErrorLaw {
             Self::Ramp => 7,
             Self::Offset => 8,
             Self::Force(_) => 9,
+            Self::Warm(_) => 10,
         }
     }
 
@@ -80,9 +84,12 @@ impl ErrorLaw {
             Self::Ramp => Growth::OfAConstant(1),
             Self::White(_) => Growth::OfWhiteNoise(0),
             Self::Walk(_) => Growth::OfWhiteNoise(1),
-            Self::Force(_) | Self::Proportional(_) | Self::Flicker(_) | Self::Rounding | Self::FullScale => {
-                Growth::Other
-            }
+            Self::Force(_)
+            | Self::Warm(_)
+            | Self::Proportional(_)
+            | Self::Flicker(_)
+            | Self::Rounding
+            | Self::FullScale => Growth::Other,
         }
     }
 
@@ -114,6 +121,7 @@ impl ErrorLaw {
             Self::Constant
             | Self::Offset
             | Self::Force(_)
+            | Self::Warm(_)
             | Self::Proportional(_)
             | Self::Flicker(_)
             | Self::Rounding => coefficient,

@@ -11,7 +11,7 @@
 //! kernels' columns, states and switches on both backends, the error budget, the closed form, the
 //! sensor table and the repaired sensor.
 
-use super::coupling::G_SENSITIVITY;
+use super::coupling::{ACCELEROMETER_BIAS_PER_K, ACCELEROMETER_SCALE_PER_K, G_SENSITIVITY, GYRO_BIAS_PER_K};
 use super::error_law::ErrorLaw;
 use crate::rng::Stream;
 use crate::units::key::Key;
@@ -210,6 +210,18 @@ sensor_terms! {
             law: ErrorLaw::Ramp,
             keys: &[Key::new(29, "accelerometer.acceleration_ramp_mg_h", "acceleration ramp R", "mg/h", MILLI_G / 3600.0, Any)],
         };
+        /// Change of the bias per kelvin, m/s²/K.
+        bias_m_s2_per_k: AccelerometerBiasPerKelvin = Row {
+            name: "accelerometer bias over temperature",
+            law: ErrorLaw::Warm(0),
+            keys: &[ACCELEROMETER_BIAS_PER_K],
+        };
+        /// Change of the scale factor per kelvin, 1/K.
+        scale_factor_per_k: ScaleFactorPerKelvin = Row {
+            name: "scale factor over temperature",
+            law: ErrorLaw::Warm(1),
+            keys: &[ACCELEROMETER_SCALE_PER_K],
+        };
         /// Quantisation step of the reading, m/s².
         quantisation_m_s2: Quantisation = Row {
             name: "quantisation",
@@ -265,6 +277,12 @@ sensor_terms! {
             name: "rate random walk",
             law: ErrorLaw::Walk(Stream::GyroWhite),
             keys: &[Key::new(25, "gyro.rate_random_walk_deg_h_rth", "rate random walk K", "°/h/√h", DEGREE_PER_HOUR_PER_ROOT_HOUR, NotNegative)],
+        };
+        /// Change of the bias per kelvin, rad/s/K.
+        bias_rad_s_per_k: GyroBiasPerKelvin = Row {
+            name: "gyro bias over temperature",
+            law: ErrorLaw::Warm(0),
+            keys: &[GYRO_BIAS_PER_K],
         };
         /// Rate ramp R, rad/s².
         ramp_rad_s2: RateRamp = Row {

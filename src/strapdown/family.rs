@@ -45,6 +45,9 @@ pub enum Gain {
     WarmerFelt(usize),
     /// What each input changes by, taken off all of them: per second that the stamps are late.
     Late,
+    /// The same times the time from the end of the still start: per second that they gain each
+    /// second.
+    Later,
 }
 
 impl Gain {
@@ -66,6 +69,7 @@ impl Gain {
                 (0..3).for_each(|i| inputs[i] = -felt.force_change[i]);
                 (0..3).for_each(|i| inputs[3 + i] = -felt.rate_change[i]);
             }
+            Self::Later => inputs = Self::Late.inputs(felt, time_s) * time_s,
         }
         inputs
     }

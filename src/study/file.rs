@@ -63,7 +63,7 @@ pub struct File {
     pub earth: Option<Earth>,
     /// Measurements that aid the navigation along the trajectory.
     pub aiding: Option<Aiding>,
-    /// Temperature of the sensor along the trajectory.
+    /// Temperature of the sensor during the run.
     pub temperature: Option<Temperature>,
     /// Mounting of the sensor in the moving body.
     pub mounting: Option<Mounting>,

@@ -10,6 +10,7 @@ use super::check::{self, refuse};
 use super::draw;
 use super::file::{AlignmentKind, File, VerticalKind};
 use super::flown::{self, Flown};
+use super::temperature;
 use super::tolerances::Tolerances;
 use crate::error::Result;
 use crate::excitation::Waveform;
@@ -20,7 +21,6 @@ use crate::kernel::follow::Follow;
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::{Clock, Job};
 use crate::kernel::passage::{Along, Course};
-use crate::motion::temperature::Temperature;
 use crate::motion::{Earth, Integrator as Mechanisation, Sampling, sources};
 use crate::sensor::{ProofMass, coupling};
 use crate::units::DEGREE;
@@ -111,7 +111,8 @@ pub(super) fn read(name: &str, file: &File, clock: &Clock, seed: u64) -> Result<
         _ => Vertical::Free,
     };
     let aiding = aiding::read(name, file.aiding.as_ref(), clock, &truth, vertical)?;
-    let temperature = temperature(name, file, &between)?;
+    one_clock(name, &between)?;
+    let temperature = temperature::read(name, file.temperature.as_ref(), &between)?;
     let course = Arc::new(Course::new(truth, earth, rotation).with_temperature(temperature));
     let vibration = vibration(name, file, clock.duration_s(), seed)?;
     let mechanisation = file.navigator.as_ref().and_then(|n| n.integrator).unwrap_or_default();
@@ -137,16 +138,15 @@ fn one_axis(name: &str, file: &File) -> Result<()> {
     }
     let all = check::tolerances(name, file, 0)?;
     if let Some(key) = coupling::IN_MOTION.into_iter().find(|key| all[key].is_some()) {
-        let cause = match coupling::COUPLINGS.contains(&key) {
-            true => format!("`{}` acts between axes, and the study has one axis", key.path),
-            false => format!("`{}` follows the motion or the temperature, and the study has no trajectory", key.path),
+        let cause = match coupling::OF_ROTATION.contains(&key) {
+            true => format!("`{}` multiplies a rate of rotation, and a study of one axis does not rotate", key.path),
+            false => format!("`{}` follows the motion, and the study has no trajectory", key.path),
         };
         return Err(refuse(name, cause, "add a [trajectory], e.g. kind = \"rest\""));
     }
     let sections = [
         ("earth", file.earth.is_some()),
         ("aiding", file.aiding.is_some()),
-        ("temperature", file.temperature.is_some()),
         ("mounting", file.mounting.is_some()),
         ("vibration", file.vibration.is_some()),
         ("navigator", file.navigator.is_some()),
@@ -189,41 +189,15 @@ fn earth(name: &str, file: &File) -> Result<Earth> {
     }
 }
 
-/// How warm the sensor is on the way.
-fn temperature(name: &str, file: &File, between: &[Tolerances; 3]) -> Result<Temperature> {
-    let given = |key: &&Key| between.iter().any(|axis| axis[key].is_some());
-    let clock = [&coupling::TIME_OFFSET, &coupling::TIME_JITTER];
-    if let Some(key) = clock.into_iter().find(|key| between.iter().any(|axis| axis[*key] != between[0][*key])) {
-        let cause = format!("`{}` is a list of three, and all axes share one clock", key.path);
-        return Err(refuse(name, cause, "give one number"));
+/// Refuses clocks that differ from axis to axis.
+fn one_clock(name: &str, between: &[Tolerances; 3]) -> Result<()> {
+    match coupling::OF_THE_CLOCK.into_iter().find(|key| between.iter().any(|axis| axis[*key] != between[0][*key])) {
+        Some(key) => {
+            let cause = format!("`{}` is a list of three, and all axes share one clock", key.path);
+            Err(refuse(name, cause, "give one number"))
+        }
+        None => Ok(()),
     }
-    let key = coupling::OVER_TEMPERATURE.into_iter().find(given);
-    let Some(section) = &file.temperature else {
-        return match key {
-            None => Ok(Temperature::default()),
-            Some(key) => Err(refuse(
-                name,
-                format!("`{}` needs a [temperature]", key.path),
-                "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
-            )),
-        };
-    };
-    let points = section.profile_s_deg_c.clone();
-    let rises = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-    let sound = points.iter().all(|[time_s, deg_c]| time_s.is_finite() && (-273.15..1000.0).contains(deg_c));
-    if points.is_empty() || !rises || !sound {
-        return Err(refuse(
-            name,
-            "`temperature.profile_s_deg_c` needs pairs of time and temperature, times increasing, in °C",
-            "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
-        ));
-    }
-    let reference_deg_c = section.reference_deg_c.unwrap_or(points[0][1]);
-    if !(-273.15..1000.0).contains(&reference_deg_c) {
-        let cause = format!("`temperature.reference_deg_c` = {reference_deg_c:?}: no sensor is calibrated there");
-        return Err(refuse(name, cause, "give °C, e.g. 25.0"));
-    }
-    Ok(Temperature { points, reference_deg_c })
 }
 
 /// Where the sensor sits: lever arm, m, and the turn from its axes to the body's.
@@ -301,8 +275,8 @@ impl InMotion {
     fn follow(all: &[Tolerances; 3], seed: u64, member: u64) -> Follow {
         let draw = |key, axis: usize| all[axis].draw(key, axis_seed(seed, axis as u64), member);
         let bias_then_scale = coupling::OVER_TEMPERATURE.map(|key| std::array::from_fn(|axis| draw(key, axis)));
-        let [late_s, jitter_s] = [&coupling::TIME_OFFSET, &coupling::TIME_JITTER].map(|key| draw(key, 0));
-        Follow { per_kelvin: bias_then_scale, late_s, jitter_s }
+        let [late_s, jitter_s, drift] = coupling::OF_THE_CLOCK.map(|key| draw(key, 0));
+        Follow { per_kelvin: bias_then_scale, late_s, jitter_s, drift }
     }
 
     /// The ensemble of a run, with statistics at `report_samples` after the end of the still start.
@@ -332,6 +306,8 @@ impl InMotion {
                     vibration: self.vibration[axis].clone(),
                 }),
                 integrator,
+                // What follows the temperature is added where the axes are coupled.
+                temperature: Arc::default(),
                 // Tilt and gravity are the navigation's.
                 gravity_m_s2: 0.0,
             })
@@ -340,7 +316,7 @@ impl InMotion {
         let has = |keys: &[&Key]| all.iter().any(|t| keys.iter().any(|key| t[*key].is_some_and(|n| !n.is_zero())));
         let couples = has(&coupling::COUPLINGS);
         let jitters = has(&[&coupling::TIME_JITTER]);
-        let follows = has(&coupling::OVER_TEMPERATURE) || has(&[&coupling::TIME_OFFSET]) || jitters;
+        let follows = has(&coupling::OVER_TEMPERATURE) || has(&coupling::OF_THE_CLOCK);
         let again = all.clone();
         let followed = move |member: u64| Self::follow(&again, seed, member);
         let draws = move |member: u64| Self::coupling(&all, seed, member);

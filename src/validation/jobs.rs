@@ -92,6 +92,7 @@ pub fn job(sensor: Sensor, members: u64, report_s: &[f64], force: Sine, integrat
         draw: Arc::new(move |_| Member { sensor, sine: None }),
         waveform: Arc::new(force),
         integrator,
+        temperature: Arc::default(),
         gravity_m_s2: STANDARD_GRAVITY_M_S2,
     }
 }

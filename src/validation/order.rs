@@ -74,8 +74,15 @@ fn integrate(mass: &ProofMass, integrator: Integrator, step_s: f64, steps: u64, 
     // At rest in the middle: the reading is zero, so its error is minus the force.
     members.place(-crate::kernel::job::Waveform::specific_force_m_s2(&waveform, 0.0), 0.0);
     let force = force::table::<f64>(&job, 0, steps);
-    let work =
-        Simulate { shared: &shared, members: &mut members, force: &force, first: 0, count: steps, observer: None };
+    let work = Simulate {
+        shared: &shared,
+        members: &mut members,
+        force: &force,
+        warmer: &[],
+        first: 0,
+        count: steps,
+        observer: None,
+    };
     work.run(Level::best());
     members.placed(0).0
 }

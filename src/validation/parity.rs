@@ -1,11 +1,14 @@
 //! CPU in f32 against a GPU: the same study, percentile by percentile, for every integrator and
 //! with everything on.
 
+use std::sync::Arc;
+
 use super::jobs::{Place, Sine, job, masses};
 use super::row::Row;
 use crate::control::Control;
 use crate::error::Result;
 use crate::kernel::job::Job;
+use crate::motion::temperature::Temperature;
 use crate::sensor::Sensor;
 use crate::statistics::Statistics;
 use crate::statistics::histogram::BIN_SD;
@@ -24,7 +27,8 @@ pub fn rows(gpu: &mut Place, control: &Control) -> Result<Vec<Row>> {
         let mut sensor = Sensor { proof_mass: Some(mass), ..everything() };
         sensor.proof_mass.iter_mut().for_each(|m| m.force_noise_m_s_rts = 1e-4);
         let force = Sine { amplitude_m_s2: 5.0, frequency_hz: 3.0, offset_m_s2: 0.0 };
-        let job = job(sensor, MEMBERS, &[0.5, 5.0], force, integrator);
+        let temperature = Arc::new(Temperature { points: vec![[0.0, 21.0], [5.0, 31.0]], reference_deg_c: 20.0 });
+        let job = Job { temperature, ..job(sensor, MEMBERS, &[0.5, 5.0], force, integrator) };
         let (here, there) = (cpu.run(&job)?, gpu.run(&job)?);
         let what = format!(
             "{integrator}, all errors on: largest difference of mean, sd or (beyond a bin) percentile in sd, CPU − {}",
@@ -54,6 +58,8 @@ pub fn everything() -> Sensor {
     a.range_m_s2 = 4.9;
     a.misalignment_m_s2 = MILLI_G;
     a.initial_tilt_m_s2 = 0.5 * MILLI_G;
+    a.bias_m_s2_per_k = 20.0 * MICRO_G;
+    a.scale_factor_per_k = 1e-4;
     let g = &mut sensor.gyro;
     g.bias_rad_s = 5.0 * DEGREE_PER_HOUR;
     g.angle_random_walk_rad_rts = 1e-4;
@@ -61,6 +67,7 @@ pub fn everything() -> Sensor {
     g.rate_random_walk_rad_s_rts = 1e-5;
     g.g_sensitivity_rad_s_per_m_s2 = DEGREE_PER_HOUR;
     g.g2_sensitivity_rad_s_per_m2_s4 = DEGREE_PER_HOUR;
+    g.bias_rad_s_per_k = DEGREE_PER_HOUR;
     sensor
 }
 

@@ -76,6 +76,24 @@ const CASES: &[Case] = &[
         "[gyro]\ng2_sensitivity_deg_h_g2 = { mean = 0.0, sd = 50.0 }\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
         |t| G * 50.0 * 4.848_136_8e-6 * (2.0 / G).powi(2) * t.powi(3) / 6.0,
     ),
+    // A bias that warms at 1 K/s by b′ per kelvin is a ramp: b′ t³/6
+    (
+        "accelerometer bias over temperature",
+        "[accelerometer]\nbias_temperature_ug_k = { mean = 0.0, sd = 100.0 }\n[temperature]\nprofile_s_deg_c = [[0.0, 20.0], [20.0, 40.0]]",
+        |t| 100e-6 * G * t.powi(3) / 6.0,
+    ),
+    // 10 K above the reference at k per kelvin, under a constant 2 m/s²: ½ · 10 k · 2 t²
+    (
+        "scale factor over temperature",
+        "[accelerometer]\nscale_temperature_ppm_k = { mean = 0.0, sd = 100.0 }\n[temperature]\nprofile_s_deg_c = [[0.0, 30.0]]\nreference_deg_c = 20.0\n[excitation]\nkind = \"rectangle\"\namplitude_m_s2 = 2.0\nstart_s = 0.0\nlength_s = 100.0",
+        |t| 0.5 * 1e-3 * 2.0 * t * t,
+    ),
+    // The ramp of a gyro's rate: g b′ t⁴/24
+    (
+        "gyro bias over temperature",
+        "[gyro]\nbias_temperature_deg_h_k = { mean = 0.0, sd = 10.0 }\n[temperature]\nprofile_s_deg_c = [[0.0, 20.0], [20.0, 40.0]]",
+        |t| G * 4.848_136_8e-5 * t.powi(4) / 24.0,
+    ),
     // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the
     // noise itself.
     ("quantisation over noise", "[accelerometer]\nquantisation_mg = 5.0\nnoise_density_ug_rthz = 400.0", |t| {
@@ -98,6 +116,7 @@ pub fn tests() -> Vec<Trial> {
     all.push(test("closed form: bias instability follows the sum of its held processes", flicker));
     all.push(test("closed form: mixed sources add in variance", mixed));
     all.push(test("closed form: a drawn tilt is the tilt error, and a start of another kind has none", tilt));
+    all.push(test("closed form: a still start takes off what the temperature made of the bias", warm_start));
     all.push(test("closed form: the paper's 0.034 m/s² is 1.7 m after 10 s", paper));
     all.push(test("error budget: the sources add up to the whole and each owns what its closed form says", budget));
     all.push(test("growth: a source alone grows by its power of time", growth));
@@ -181,6 +200,33 @@ fn tilt() -> Result<(), Failed> {
         let refused = study::parse("study.toml", &format!("members = 64\nduration_s = 1.0\n{sections}"), Path::new(""));
         let cause = refused.err().map(|e| e.cause).unwrap_or_default();
         check(cause.contains(words), format!("{sections}: {cause}"))?;
+    }
+    Ok(())
+}
+
+/// 10 K above the reference during the still start, then 1 K/s: of b′ per kelvin the start finds 10
+/// b′, which the levelled tilt −10 b′/g hides; what comes is a ramp, b′ t³/6. Without a still start
+/// the 10 K act as well: b′ (5 t² + t³/6).
+fn warm_start() -> Result<(), Failed> {
+    let slope = 100e-6 * G;
+    let warm = "[accelerometer]\nbias_temperature_ug_k = 100.0\n[temperature]\nprofile_s_deg_c = [[0.0, 30.0], [20.0, 50.0]]\nreference_deg_c = 20.0\n";
+    let still = format!("{warm}[alignment]\nkind = \"still\"\nstill_s = 5.0");
+    for (sections, steps_k, tilt_k) in [(warm, 10.0, 0.0), (still.as_str(), 0.0, 10.0)] {
+        let study = study(sections)?;
+        let statistics = simulate(&study, Choice::Cpu)?;
+        let expected = Expected::of(&study, &study.clock.report_samples);
+        for (k, t) in TIMES_S.into_iter().enumerate() {
+            let (position, tilt) = (slope * (0.5 * steps_k * t * t + t.powi(3) / 6.0), -slope * tilt_k / G);
+            let at = &statistics.at[k];
+            near("position over the law", at[quantity::POSITION].mean / position, 1.0, 1e-4)?;
+            near("tilt", at[quantity::TILT].mean, tilt, 1e-4 * 1e-3)?;
+            near("reported position", expected.total(quantity::POSITION)[k].mean / position, 1.0, 1e-6)?;
+            near("reported tilt", expected.total(quantity::TILT)[k].mean, tilt, 1e-12)?;
+        }
+        // Control: a kelvin more at the start is another way.
+        let other = simulate(&self::study(&sections.replace("[0.0, 30.0]", "[0.0, 31.0]"))?, Choice::Cpu)?;
+        let moved = other.at[2][quantity::POSITION].mean / statistics.at[2][quantity::POSITION].mean;
+        check((moved - 1.0).abs() > 1e-3, "any temperature at the start makes the same way")?;
     }
     Ok(())
 }

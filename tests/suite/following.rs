@@ -1,6 +1,8 @@
 //! Errors that follow temperature and stamps: each by its closed form, beside the linear
 //! covariance, and on a GPU.
 
+use std::f64::consts::{PI, TAU};
+
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::flight::Quantity;
 use proofmass::control::Control;
@@ -18,6 +20,7 @@ pub fn tests() -> Vec<Trial> {
         test("following: a bias that warms up moves by a sixth of its rate times t³", warming_bias),
         test("following: a scale factor that warms up reads gravity wrong", warming_scale),
         test("following: late stamps leave the navigator behind by the way of their delay", late),
+        test("following: a clock that gains scales the time base of the way and of the turn", drifting),
         test("following: jitter is white noise by what the readings change by", jitter),
         test("following: what follows spreads as the linear covariance says", covariance),
         gpu_test("following: the GPU gives the CPU's percentiles", parity),
@@ -94,6 +97,57 @@ fn late() -> Result<(), Failed> {
     check(all(&answer, 2e-3).is_err() && all(&answer, -1e-3).is_err(), "any offset fits")
 }
 
+/// A clock that gains d stretches the time base: what is stamped t was read at t − d t. So a way q
+/// from rest is computed as q(t − d t)/(1 − d)², a turn ψ as ψ(t − d t)/(1 − d): to first order the
+/// errors are d (2q − t q′) and d (ψ − t ψ′).
+fn drifting() -> Result<(), Failed> {
+    let times_s = [4.0, 8.0, 14.0, 27.0, 40.0];
+    let at = |drift_ppm: f64| {
+        answered(&format!(
+            "members = 64\nduration_s = 40.0\n[sensor]\nsample_rate_hz = 200.0\nclock_drift_ppm = {drift_ppm:?}\n\
+             [trajectory]\nkind = \"car\"\nstill_s = 1.0\n[report]\ntimes_s = {times_s:?}\n"
+        ))
+    };
+    let answer = at(500.0)?;
+    let samples = &answer.flight.course.truth.samples;
+    let heading = |n: usize| samples[n].attitude.euler_angles().2;
+    let turned = |n: usize| -> f64 {
+        let step = |n: usize| (heading(n + 1) - heading(n) + PI).rem_euclid(TAU) - PI;
+        (0..n).map(step).sum()
+    };
+    let way = |n: usize, axis: usize| -> f64 {
+        (0..n).map(|i| 0.5 * (samples[i].velocity_m_s[axis] + samples[i + 1].velocity_m_s[axis]) / 200.0).sum()
+    };
+    let fits = |drift: f64| -> Result<(), Failed> {
+        for (k, time_s) in times_s.into_iter().enumerate() {
+            let n = (time_s * 200.0) as usize;
+            let rate = (turned(n + 1) - turned(n - 1)) * 100.0;
+            let law = drift * (turned(n) - time_s * rate);
+            let got = series(&answer, Quantity::Attitude(2), |s| s.mean)[k];
+            near(&format!("heading after {time_s} s"), got, law, 0.02 * 500e-6)?;
+            // Until it turns the way is straight.
+            for axis in (0..2).filter(|_| time_s <= 8.0) {
+                let law = drift * (2.0 * way(n, axis) - time_s * samples[n].velocity_m_s[axis]);
+                let got = series(&answer, Quantity::Position(axis), |s| s.mean)[k];
+                near(&format!("axis {axis} after {time_s} s"), got, law, 0.02 * 500e-6 * way(n, axis).abs() + 1e-6)?;
+            }
+        }
+        Ok(())
+    };
+    check(turned(8000).abs() > 1.0 && turned(1600).abs() < 1e-6, "the car does not drive straight and then turn")?;
+    fits(500e-6)?;
+    check(fits(600e-6).is_err() && fits(-500e-6).is_err() && fits(0.0).is_err(), "any drift fits")?;
+    // Its row in the error budget, of the linear model, is the same way.
+    let row = answer.parts().find(|part| part.cause.name() == "clock drift").ok_or("no row in the error budget")?;
+    for axis in 0..2 {
+        let ensemble = series(&answer, Quantity::Position(axis), |s| s.mean);
+        for (k, place) in answer.report.iter().enumerate() {
+            near("row of the budget", row.mean[*place][axis], ensemble[k], 0.01 * ensemble[k].abs() + 1e-4)?;
+        }
+    }
+    Ok(())
+}
+
 /// Samples a time τₙ late read −τₙ ḟ: a sum of independent errors, whose velocity has the variance
 /// Σ σ² |ḟₙ|² Δt² along an axis that keeps its direction.
 fn jitter() -> Result<(), Failed> {
@@ -118,7 +172,7 @@ fn jitter() -> Result<(), Failed> {
 }
 
 const DRIVE: &str = "members = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_hz = 50.0\n\
-    time_offset_us = { mean = 0.0, sd = 5000.0 }\ntime_jitter_us = 3000.0\n[trajectory]\nkind = \"car\"\n[earth]\nlatitude_deg = 47.4\n\
+    time_offset_us = { mean = 0.0, sd = 5000.0 }\ntime_jitter_us = 3000.0\nclock_drift_ppm = { mean = 0.0, sd = 500.0 }\n[trajectory]\nkind = \"car\"\n[earth]\nlatitude_deg = 47.4\n\
     [temperature]\nprofile_s_deg_c = [[0.0, 20.0], [30.0, 60.0]]\nreference_deg_c = 25.0\n\
     [report]\ntimes_s = [10.0, 30.0, 60.0]\n";
 const FOLLOWING: [&str; 2] = [
@@ -166,11 +220,14 @@ fn parity() -> Result<(), Failed> {
 fn refusals() -> Result<(), Failed> {
     let rest = "[trajectory]\nkind = \"rest\"\n";
     let cases = [
-        (String::new(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "has no trajectory"),
+        (String::new(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "needs a [temperature]"),
+        (String::new(), "[gyro]\nscale_temperature_ppm_k = 1.0\n", "does not rotate"),
+        (String::new(), "[gyro]\nscale_factor_ppm = 1.0\n", "does not rotate"),
         (String::new(), "[sensor]\ntime_offset_us = 1.0\n", "has no trajectory"),
-        (String::new(), "[temperature]\nprofile_s_deg_c = [[0.0, 20.0]]\n", "[temperature] needs a [trajectory]"),
+        (String::new(), "[sensor]\nclock_drift_ppm = 1.0\n", "has no trajectory"),
         (rest.to_owned(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "needs a [temperature]"),
         (rest.to_owned(), "[sensor]\ntime_offset_us = [1.0, 2.0, 3.0]\n", "one clock"),
+        (rest.to_owned(), "[sensor]\nclock_drift_ppm = [1.0, 2.0, 3.0]\n", "one clock"),
         (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[5.0, 20.0], [1.0, 30.0]]\n", "times increasing"),
         (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[0.0, -300.0]]\n", "in °C"),
     ];

@@ -1,5 +1,7 @@
 //! CPU and GPU agree, and both follow the closed forms.
 
+use std::sync::Arc;
+
 use libtest_mimic::{Failed, Trial};
 use proofmass::backend::cpu::Cpu;
 use proofmass::backend::gpu::Gpu;
@@ -8,6 +10,7 @@ use proofmass::ensemble::{Options, run_on};
 use proofmass::kernel::cpu::lanes::Level;
 use proofmass::kernel::integrator::Integrator;
 use proofmass::kernel::job::Job;
+use proofmass::motion::temperature::Temperature;
 use proofmass::sensor::{Sensor, SensorTerm};
 use proofmass::validation::jobs::{Place, Sine, job, masses};
 use proofmass::validation::{closed_form, parity};
@@ -43,7 +46,9 @@ pub fn tests() -> Vec<Trial> {
 fn acts(place: &mut Place) -> Result<(), Failed> {
     let force = Sine { amplitude_m_s2: 20.0, frequency_hz: 3.0, offset_m_s2: 1.0 };
     let mut largest = |sensor: Sensor| -> Result<f64, Failed> {
-        let statistics = place.run(&job(sensor, 256, &[0.5], force, Integrator::Ideal))?;
+        let temperature = Arc::new(Temperature { points: vec![[0.0, 21.0]], reference_deg_c: 20.0 });
+        let job = Job { temperature, ..job(sensor, 256, &[0.5], force, Integrator::Ideal) };
+        let statistics = place.run(&job)?;
         Ok(statistics.at.iter().flatten().map(|s| s.mean.abs().max(s.sd)).fold(0.0, f64::max))
     };
     for term in SensorTerm::ALL {

@@ -367,7 +367,7 @@ fn refusals() -> Result<(), Failed> {
     let cases = [
         ("[earth]\nlatitude_deg = 45.0\n", "[earth] needs a [trajectory]"),
         ("[gyro]\nbias_deg_h = [1.0, 2.0, 3.0]\n", "list of three"),
-        ("[gyro]\nmisalignment_mrad = 1.0\n", "acts between axes"),
+        ("[gyro]\nmisalignment_mrad = 1.0\n", "does not rotate"),
         ("[trajectory]\nkind = \"rest\"\n[gyro]\nbias_deg_h = [1.0, 2.0]\n", "three numbers"),
         ("[trajectory]\nkind = \"rest\"\n[earth]\nlatitude_deg = 90.0\n", "pole"),
         ("[trajectory]\nkind = \"rest\"\n[earth]\nheight_m = 90.0\n", "latitude_deg"),

@@ -95,6 +95,8 @@ struct Carried<'a> {
     batch: &'a FlightBatch<'a>,
     axes: Vec<Plan>,
     traces: Vec<Buffer>,
+    /// What the axes' own kernels know of the temperature: nothing, it acts in `navigate`.
+    at_reference: Buffer,
     navigate: Kernel,
     reduce: Kernel,
     given: Buffer,
@@ -139,6 +141,7 @@ impl<'a> Carried<'a> {
         let carried = Self {
             batch,
             traces: (0..3).map(|_| trace()).collect::<Result<_>>()?,
+            at_reference: gpu.upload(cast_slice(&[0.0_f32]))?,
             navigate: gpu.kernel(&source::navigate(gpu.adapter.int64), &constants)?,
             reduce: gpu.kernel(&source::reduce(), &[])?,
             given: gpu.zeros(4 * u64::from(stride) * (6 + COUPLINGS + FOLLOWED) as u64)?,
@@ -281,7 +284,8 @@ impl<'a> Carried<'a> {
             cosine: heading_rad.cos() as f32,
             sine: heading_rad.sin() as f32,
             first_sample: first as u32,
-            padding: [0; 2],
+            passed: passed as u32,
+            padding: 0,
         };
         let mut passages = vec![0.0_f32; 4 * layout::PASSAGES];
         if first >= clock.still_samples {
@@ -329,8 +333,8 @@ impl<'a> Carried<'a> {
         for (tile, shared) in tiles.iter().zip(&uniforms) {
             for (axis, [uniform, force]) in shared.tiles.iter().enumerate() {
                 let plan = &self.axes[axis];
-                let bound =
-                    vec![uniform, &plan.columns, &plan.turns, &plan.state, force, &plan.errors, &self.traces[axis]];
+                let own = [uniform, &plan.columns, &plan.turns, &plan.state, force, &plan.errors];
+                let bound = own.into_iter().chain([&self.at_reference, &self.traces[axis]]).collect();
                 buffers.push((&plan.simulate, bound, self.stride / SIMULATE_WORKGROUP));
             }
             if tile.samples.start < still_samples {

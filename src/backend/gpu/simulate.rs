@@ -257,7 +257,7 @@ impl Plan {
 
     /// Hands tiles to the device, each followed by the sums of the report it ends with.
     fn submit(&self, gpu: &Gpu, batch: &Batch<'_>, tiles: &[tile::Tile]) -> Result<Submission> {
-        let uniforms = |next: &tile::Tile| -> Result<[Buffer; 3]> {
+        let uniforms = |next: &tile::Tile| -> Result<[Buffer; 4]> {
             let count = next.samples.end - next.samples.start;
             let tile = layout::Tile { first_sample: next.samples.start as u32, samples: count as u32, ..self.tile };
             let report = layout::Report {
@@ -269,16 +269,23 @@ impl Plan {
                 padding: [0; 3],
             };
             let force = forces(batch.job, next.samples.start, count);
-            Ok([gpu.uniform(bytes_of(&tile))?, gpu.uniform(cast_slice(&force))?, gpu.uniform(bytes_of(&report))?])
+            Ok([
+                gpu.uniform(bytes_of(&tile))?,
+                gpu.uniform(cast_slice(&force))?,
+                gpu.uniform(bytes_of(&report))?,
+                gpu.upload(cast_slice(&warmer(batch.job, next.samples.start, count)))?,
+            ])
         };
         let uniforms = tiles.iter().map(uniforms).collect::<Result<Vec<_>>>()?;
-        let simulated: Vec<[&Buffer; 6]> = uniforms
+        let simulated: Vec<[&Buffer; 7]> = uniforms
             .iter()
-            .map(|[tile, force, _]| [tile, &self.columns, &self.turns, &self.state, force, &self.errors])
+            .map(|[tile, force, _, warmer]| {
+                [tile, &self.columns, &self.turns, &self.state, force, &self.errors, warmer]
+            })
             .collect();
         let reduced: Vec<[&Buffer; 5]> = uniforms
             .iter()
-            .map(|[_, _, report]| [report, &self.errors, &self.bins, &self.partials, &self.counts])
+            .map(|[_, _, report, _]| [report, &self.errors, &self.bins, &self.partials, &self.counts])
             .collect();
         let mut work = Vec::with_capacity(2 * tiles.len());
         for (i, tile) in tiles.iter().enumerate() {
@@ -369,6 +376,12 @@ pub(super) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
     let mut entries: Vec<[f32; 4]> = begin.into_iter().chain(rest).collect();
     entries.resize(layout::FORCES, [0.0; 4]);
     entries
+}
+
+/// How much warmer the sensor is in some samples as the kernel reads it: a buffer is never empty.
+pub(super) fn warmer(job: &Job, first: u64, count: u64) -> Vec<f32> {
+    let warmer = job.warmer_k(first, count);
+    if warmer.is_empty() { vec![0.0] } else { warmer }
 }
 
 /// The moments behind what a workgroup summed: its rounded mean put right.

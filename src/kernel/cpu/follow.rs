@@ -13,6 +13,10 @@ pub(super) struct Followed<'a, T> {
     pub passages: &'a [Passage<T>],
     /// Of each sample a normal number; empty without jitter.
     pub jitter: &'a [Lane<T>],
+    /// Samples from the end of the still start to the first of these.
+    pub passed: u64,
+    /// Time between samples, s.
+    pub sample_s: f64,
     pub error: [&'a mut [Lane<T>]; 3],
     pub turn: [&'a mut [Lane<T>]; 3],
 }
@@ -26,10 +30,12 @@ impl<T: Real> Kernel for Followed<'_, T> {
         for axis in 0..3 {
             for n in 0..self.passages.len() {
                 let p = &self.passages[n];
+                let time_s = T::of(((self.passed + n as u64) as f64 + 0.5) * self.sample_s);
                 let jitter = if self.jitter.is_empty() { &none } else { &self.jitter[n] };
                 let (error, turn) = (&mut self.error[axis][n], &mut self.turn[axis][n]);
                 for l in 0..LANES {
-                    let late = -fma::<T, FMA>(k[13][l], jitter[l], k[12][l]);
+                    let offset = fma::<T, FMA>(k[14][l], time_s, k[12][l]);
+                    let late = -fma::<T, FMA>(k[13][l], jitter[l], offset);
                     let force = fma::<T, FMA>(k[3 + axis][l], p.body_force[axis], k[axis][l]);
                     let rate = fma::<T, FMA>(k[9 + axis][l], p.body_rate[axis], k[6 + axis][l]);
                     let warm_force = fma::<T, FMA>(force, p.warmer, error[l]);

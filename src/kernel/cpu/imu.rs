@@ -131,7 +131,8 @@ impl<T: Real> Imu<T> {
                 let drawer = Drawer { seed: tile.flight.seed(), first_member: self.first_member };
                 let mut instants = Numbers { level, drawer, from, until, room: &mut room, bits_of: None };
                 let jitter = if tile.flight.jitters { instants.each(Stream::Jitter) } else { &[] };
-                level.run(Followed { numbers, passages, jitter, error, turn });
+                let (passed, sample_s) = (from - still_samples, tile.flight.clock().sample_s());
+                level.run(Followed { numbers, passages, jitter, passed, sample_s, error, turn });
             }
             if let Some([accelerometers, gyros]) = self.found.as_deref() {
                 for axis in 0..3 {
@@ -155,6 +156,7 @@ impl<T: Real> Imu<T> {
             shared: &tile.shared[axis],
             members: &mut self.axes[axis],
             force: &tile.force[axis],
+            warmer: &[],
             first: tile.first,
             count: tile.count,
             observer: None,

@@ -52,17 +52,20 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::Walk(_) => Some(&WALK),
         ErrorLaw::Ramp => Some(&RAMP),
         ErrorLaw::Offset => Some(&OFFSET),
+        ErrorLaw::Warm(0) => Some(&WARM),
+        ErrorLaw::Warm(_) => Some(&WARM_FORCE),
         ErrorLaw::Force(1) => Some(&FORCE),
         ErrorLaw::Force(_) => Some(&FORCE_SQUARED),
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
     }
 }
 
-/// What the terms are added to: the errors of consecutive samples, and the specific force that was
-/// felt at each.
+/// What the terms are added to: the errors of consecutive samples, and what was felt at each.
 pub(super) struct Samples<'a, T> {
     /// Specific force along the axis.
     pub felt: &'a [Lane<T>],
+    /// How much warmer than its reference the sensor is, K; empty where it is not.
+    pub warmer: &'a [T],
     pub out: &'a mut [Lane<T>],
 }
 
@@ -84,7 +87,7 @@ pub(super) fn add<T: Real>(
     amplitudes: &[T],
     samples: Samples<'_, T>,
 ) {
-    let Samples { felt, out } = samples;
+    let Samples { felt, warmer, out } = samples;
     let (level, scale) = (numbers.level, &columns[column::of(term)]);
     match term.law() {
         ErrorLaw::White(stream) => level.run(AddWhite { scale, numbers: numbers.each_and_bits(stream), out }),
@@ -100,6 +103,7 @@ pub(super) fn add<T: Real>(
         ErrorLaw::Ramp => level.run(AddRamp { scale, first: numbers.from, out }),
         ErrorLaw::Offset => level.run(AddOffset { scale, out }),
         ErrorLaw::Force(power) => level.run(AddForce { scale, felt, squared: power == 2, out }),
+        ErrorLaw::Warm(power) => level.run(AddWarm { scale, felt: (power == 1).then_some(felt), warmer, out }),
         // In `oscillator` with the reading itself, and in `Limit`.
         ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
     }
@@ -324,6 +328,59 @@ impl<T: Real> Kernel for AddForce<'_, T> {
             for l in 0..LANES {
                 let gain = if self.squared { self.scale[l] * felt[l] } else { self.scale[l] };
                 out[l] = fma::<T, FMA>(gain, felt[l], out[l]);
+            }
+        }
+    }
+}
+
+/// What follows the temperature, in the shader.
+pub(crate) const WARM: Fragment = Fragment {
+    begin: FORCE.begin,
+    block: "",
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_share, warmer[n - tile.first_sample], $out);
+                }
+",
+    end: "",
+};
+
+/// What follows the temperature and the specific force, in the shader.
+pub(crate) const WARM_FORCE: Fragment = Fragment {
+    begin: FORCE.begin,
+    block: "",
+    draw: "",
+    add: "
+                if HAS_$TERM {
+                    $out = fma($term_share * felt, warmer[n - tile.first_sample], $out);
+                }
+",
+    end: "",
+};
+
+/// What follows the temperature, with or without the specific force.
+struct AddWarm<'a, T> {
+    scale: &'a Lane<T>,
+    felt: Option<&'a [Lane<T>]>,
+    /// Empty at the reference.
+    warmer: &'a [T],
+    out: &'a mut [Lane<T>],
+}
+
+impl<T: Real> Kernel for AddWarm<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (i, (out, warmer)) in self.out.iter_mut().zip(self.warmer).enumerate() {
+            let mut share = *self.scale;
+            if let Some(felt) = self.felt {
+                for l in 0..LANES {
+                    share[l] = share[l] * felt[i][l];
+                }
+            }
+            for l in 0..LANES {
+                out[l] = fma::<T, FMA>(share[l], *warmer, out[l]);
             }
         }
     }

@@ -43,6 +43,8 @@ pub(crate) struct Simulate<'a, T: Real> {
     pub members: &'a mut Members<T>,
     /// The excitation of these samples.
     pub force: &'a [Force<T>],
+    /// How much warmer than its reference the sensor is at each, K; empty where it is not.
+    pub warmer: &'a [T],
     pub first: u64,
     pub count: u64,
     pub observer: Option<&'a mut Observer<'a, T>>,
@@ -131,7 +133,8 @@ impl<T: Real> Simulate<'_, T> {
         let mut numbers = Numbers { level, drawer: m.draw, from, until, room, bits_of: None };
 
         let substeps = shared.substeps as usize;
-        let local = (from - self.first) as usize * substeps;
+        let place = (from - self.first) as usize;
+        let (local, tile_samples) = (place * substeps, place..place + here.len());
         let motion = ProofMasses {
             k: &m.columns,
             e: &mut m.e,
@@ -163,7 +166,8 @@ impl<T: Real> Simulate<'_, T> {
         let k = &m.columns;
         for term in SensorTerm::ALL.into_iter().filter(|t| on.has(*t)) {
             let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
-            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, Samples { felt, out });
+            let samples = Samples { felt, warmer: self.warmer.get(tile_samples.clone()).unwrap_or_default(), out };
+            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, samples);
         }
         let (range, rounded) = (on.has(SensorTerm::Range), on.has(SensorTerm::Quantisation));
         if range || rounded {

@@ -143,8 +143,8 @@ fn a_shifted_member_is_noticed() {
 #[test]
 fn bindings_and_workgroups_are_what_the_host_dispatches() {
     for (shader, bindings, size) in [
-        (source::simulate(false, laws()), 6, layout::SIMULATE_WORKGROUP),
-        (source::simulate_traced(false, laws()), 7, layout::SIMULATE_WORKGROUP),
+        (source::simulate(false, laws()), 7, layout::SIMULATE_WORKGROUP),
+        (source::simulate_traced(false, laws()), 8, layout::SIMULATE_WORKGROUP),
         (source::navigate(false), 11, layout::NAVIGATE_WORKGROUP),
         (source::reduce(), 5, layout::REDUCE_WORKGROUP),
         (source::lyapunov(false), 4, layout::ORBIT_WORKGROUP),

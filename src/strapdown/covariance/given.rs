@@ -16,9 +16,10 @@ const PHASES: u64 = 8;
 
 /// What readings take from other axes, from the temperature and from late stamps.
 pub fn couplings(key: &'static Key, motion: &InMotion, found: Option<&Found>, flight: &Flight) -> Vec<Column> {
-    if *key == coupling::TIME_OFFSET {
+    if *key == coupling::TIME_OFFSET || *key == coupling::CLOCK_DRIFT {
         let moments = motion.between[0].moments(key);
-        return if moments == (0.0, 0.0) { Vec::new() } else { vec![column(Gain::Late, moments, found, flight)] };
+        let gain = if *key == coupling::CLOCK_DRIFT { Gain::Later } else { Gain::Late };
+        return if moments == (0.0, 0.0) { Vec::new() } else { vec![column(gain, moments, found, flight)] };
     }
     if *key == coupling::TIME_JITTER {
         // It is noise: no column.
@@ -119,7 +120,8 @@ impl Given {
         };
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {
-            ErrorLaw::Rounding | ErrorLaw::FullScale => return None,
+            // What follows the temperature is given between the axes.
+            ErrorLaw::Rounding | ErrorLaw::FullScale | ErrorLaw::Warm(_) => return None,
             ErrorLaw::Constant | ErrorLaw::Offset => constants(&|axis| Gain::One(first + axis)),
             ErrorLaw::Proportional(power) => constants(&|axis| match sense {
                 Sense::Accelerometer => Gain::Force(axis, axis, power as i32),

@@ -1,0 +1,48 @@
+//! `[temperature]`: how warm the sensor is over time, the same section along one axis and along a
+//! trajectory.
+
+use super::check::refuse;
+use super::file;
+use super::tolerances::Tolerances;
+use crate::error::Result;
+use crate::motion::temperature::Temperature;
+use crate::sensor::coupling;
+use crate::units::key::Key;
+
+/// Temperatures that a sensor may have, °C.
+const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
+
+/// Temperature of a sensor whose axes have these numbers; always the reference without a section.
+///
+/// # Errors
+/// A key that follows the temperature without a section; a profile that is none; a reference that
+/// no sensor is calibrated at.
+pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tolerances]) -> Result<Temperature> {
+    let given = |key: &&Key| axes.iter().any(|axis| axis[key].is_some());
+    let Some(section) = section else {
+        return match coupling::OVER_TEMPERATURE.into_iter().find(given) {
+            None => Ok(Temperature::default()),
+            Some(key) => Err(refuse(
+                name,
+                format!("`{}` needs a [temperature]", key.path),
+                "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
+            )),
+        };
+    };
+    let points = section.profile_s_deg_c.clone();
+    let rises = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+    let sound = points.iter().all(|[time_s, deg_c]| time_s.is_finite() && POSSIBLE_DEG_C.contains(deg_c));
+    if points.is_empty() || !rises || !sound {
+        return Err(refuse(
+            name,
+            "`temperature.profile_s_deg_c` needs pairs of time and temperature, times increasing, in °C",
+            "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
+        ));
+    }
+    let reference_deg_c = section.reference_deg_c.unwrap_or(points[0][1]);
+    if !POSSIBLE_DEG_C.contains(&reference_deg_c) {
+        let cause = format!("`temperature.reference_deg_c` = {reference_deg_c:?}: no sensor is calibrated there");
+        return Err(refuse(name, cause, "give °C, e.g. 25.0"));
+    }
+    Ok(Temperature { points, reference_deg_c })
+}
