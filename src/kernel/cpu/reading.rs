@@ -4,6 +4,7 @@
 //!
 //! Each is added to consecutive samples of 64 members; bias instability has a file of its own.
 
+use super::felt::{AddForce, AddWarm, FORCE, FORCE_SQUARED, WARM, WARM_FORCE};
 use super::flicker::{self, Flicker};
 use super::lanes::{Kernel, LANES, Lane};
 use super::small;
@@ -279,108 +280,6 @@ impl<T: Real> Kernel for AddOffset<'_, T> {
         for out in self.out.iter_mut() {
             for l in 0..LANES {
                 out[l] = out[l] + self.scale[l];
-            }
-        }
-    }
-}
-
-/// What follows the specific force, in the shader.
-pub(crate) const FORCE: Fragment = Fragment {
-    begin: "
-    let $term_share = column(i, $TERM);
-",
-    block: "",
-    draw: "",
-    add: "
-                if HAS_$TERM {
-                    $out = fma($term_share, felt, $out);
-                }
-",
-    end: "",
-};
-
-/// What follows its square, in the shader.
-pub const FORCE_SQUARED: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
-                if HAS_$TERM {
-                    $out = fma($term_share * felt, felt, $out);
-                }
-",
-    end: "",
-};
-
-/// What follows the specific force or its square.
-struct AddForce<'a, T> {
-    scale: &'a Lane<T>,
-    felt: &'a [Lane<T>],
-    squared: bool,
-    out: &'a mut [Lane<T>],
-}
-
-impl<T: Real> Kernel for AddForce<'_, T> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        for (out, felt) in self.out.iter_mut().zip(self.felt) {
-            for l in 0..LANES {
-                let gain = if self.squared { self.scale[l] * felt[l] } else { self.scale[l] };
-                out[l] = fma::<T, FMA>(gain, felt[l], out[l]);
-            }
-        }
-    }
-}
-
-/// What follows the temperature, in the shader.
-pub(crate) const WARM: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
-                if HAS_$TERM {
-                    $out = fma($term_share, warmer[n - tile.first_sample], $out);
-                }
-",
-    end: "",
-};
-
-/// What follows the temperature and the specific force, in the shader.
-pub(crate) const WARM_FORCE: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
-                if HAS_$TERM {
-                    $out = fma($term_share * felt, warmer[n - tile.first_sample], $out);
-                }
-",
-    end: "",
-};
-
-/// What follows the temperature, with or without the specific force.
-struct AddWarm<'a, T> {
-    scale: &'a Lane<T>,
-    felt: Option<&'a [Lane<T>]>,
-    /// Empty at the reference.
-    warmer: &'a [T],
-    out: &'a mut [Lane<T>],
-}
-
-impl<T: Real> Kernel for AddWarm<'_, T> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        for (i, (out, warmer)) in self.out.iter_mut().zip(self.warmer).enumerate() {
-            let mut share = *self.scale;
-            if let Some(felt) = self.felt {
-                for l in 0..LANES {
-                    share[l] = share[l] * felt[i][l];
-                }
-            }
-            for l in 0..LANES {
-                out[l] = fma::<T, FMA>(share[l], *warmer, out[l]);
             }
         }
     }
