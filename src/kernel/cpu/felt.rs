@@ -21,7 +21,7 @@ pub(crate) const FORCE: Fragment = Fragment {
 };
 
 /// What follows its square, in the shader.
-pub const FORCE_SQUARED: Fragment = Fragment {
+pub(crate) const FORCE_SQUARED: Fragment = Fragment {
     begin: FORCE.begin,
     block: "",
     draw: "",
