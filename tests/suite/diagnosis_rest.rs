@@ -17,6 +17,7 @@ use super::world::{check, data_test, test};
 use plant::{PLANTED, Plant, relaxation, sized, smoothed, walk, white};
 
 mod level;
+mod near;
 mod plant;
 mod recordings;
 
@@ -30,6 +31,8 @@ pub fn tests() -> Vec<Trial> {
         test("static: silence on 600 recordings of white noise alone", nulls),
         test("static: every planted effect is found alone, with intervals that cover", planted),
         test("static: a filter in the sensor is a finding, not an effect, and hides none", band_limit),
+        test("static: the same pole twice is a filter, and no memory of the bias", near::filters),
+        test("static: powers of time have no cause in common, what settles in two speeds is no walk", near::courses),
         test("static: what one channel cannot describe leaves the names of another alone", channel_by_channel),
         test("static: rounding coarser than the noise is named alone, wherever the value lies", coarse),
         test("static: noise as real sensors have it is adequate and said", noisy),

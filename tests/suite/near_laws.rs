@@ -21,6 +21,8 @@ pub fn tests() -> Vec<Trial> {
         test("near laws: powers beside those of the library have no second name, and depart by something", powers),
         test("near laws: powers of the library are explained and depart by nothing", letters),
         test("near laws: a measured input that comes late is named as that", late),
+        test("near laws: what a smoothed friction or a saturation leaves is not called noise", not_noise),
+        test("near laws: a drift along a power of time is no random walk, and a walk is one", not_a_walk),
     ]
 }
 
@@ -59,6 +61,16 @@ fn recording(force: Force, seed: u64, late_samples: f64) -> String {
         }
     }
     csv
+}
+
+/// Readings, changed one by one: place in the recording from 0 to 1, reading.
+fn read_out(csv: &str, mut readout: impl FnMut(f64, f64) -> f64) -> Result<String, Failed> {
+    let mut changed = String::from("u,y\n");
+    for (k, line) in csv.lines().skip(1).enumerate() {
+        let (u, y) = line.split_once(',').ok_or("two columns")?;
+        let _ = writeln!(changed, "{u},{}", readout(k as f64 / ROWS as f64, y.parse()?));
+    }
+    Ok(changed)
 }
 
 /// Verdict, names and the departure of each effect's form.
@@ -118,4 +130,53 @@ fn late() -> Result<(), Failed> {
         check(verdict == "explained" && names == [id], format!("{samples}: {verdict} {names:?}"))?;
     }
     Ok(())
+}
+
+/// Friction that is smooth where the velocity is near zero, and a readout that saturates smoothly,
+/// leave what noise would take up. Noise that is there, as strong, has its name (control).
+fn not_noise() -> Result<(), Failed> {
+    let friction: Force = |_, v| 0.03 * (v / 0.03).tanh();
+    let saturated = read_out(&recording(|_, _| 0.0, 8, 0.0), |_, y| 2.5 * (y / 2.5).tanh())?;
+    for (what, csv) in [("friction", recording(friction, 7, 0.0)), ("saturation", saturated)] {
+        let (verdict, names, _) = diagnosed(&csv)?;
+        let noise = names.iter().any(|n| n == "force-noise" || n == "bias-random-walk");
+        check(!noise && verdict != "adequate", format!("{what}: {verdict} {names:?}"))?;
+    }
+    let (verdict, names, _) = diagnosed(&pushed(9)?)?;
+    check(verdict == "explained" && names == ["force-noise"], format!("force noise: {verdict} {names:?}"))
+}
+
+/// The linear mass under a force that is half noise of one value per sample.
+fn pushed(seed: u64) -> Result<String, Failed> {
+    let mut rng = Philox::new(seed, 1, Stream::Host);
+    // Response of x'' + 2ζx' + x to a force held over a sample: exact, as two complex exponentials.
+    let (zeta, h) = (0.04f64, 1.0 / PER_RADIAN);
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let (c, s, e) = ((damped * h).cos(), (damped * h).sin(), (-zeta * h).exp());
+    let (mut x, mut v) = (0.0, 0.0);
+    read_out(&recording(|_, _| 0.0, seed, 0.0), |_, y| {
+        let reading = y + x;
+        let force: f64 = StandardNormal.sample(&mut rng);
+        let (from, rate) = (x - 0.02 * force, v);
+        x = 0.02 * force + e * (from * c + (rate + zeta * from) / damped * s);
+        v = e * (rate * c - (zeta * rate + from) / damped * s);
+        reading
+    })
+}
+
+/// An offset that drifts as t^0.6 is not what the ramp, the warm-up or a walk say. A walk is one
+/// (control).
+fn not_a_walk() -> Result<(), Failed> {
+    let drifting = read_out(&recording(|_, _| 0.0, 11, 0.0), |t, y| y + 0.1 * t.powf(0.6))?;
+    let (verdict, names, _) = diagnosed(&drifting)?;
+    let said = format!("t^0.6: {verdict} {names:?}");
+    check(verdict == "unexplained" && names.iter().all(|n| n == "warm-up" || n == "bias-drift"), said)?;
+    let (mut rng, mut bias) = (Philox::new(12, 1, Stream::Host), 0.0);
+    let walking = read_out(&recording(|_, _| 0.0, 12, 0.0), |_, y| {
+        let step: f64 = StandardNormal.sample(&mut rng);
+        bias += 0.001 * step;
+        y + bias
+    })?;
+    let (verdict, names, _) = diagnosed(&walking)?;
+    check(verdict == "explained" && names == ["bias-random-walk"], format!("walk: {verdict} {names:?}"))
 }

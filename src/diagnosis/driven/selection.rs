@@ -16,5 +16,6 @@ pub mod residual_structure;
 pub mod rivals;
 mod round;
 pub mod series;
+pub mod smooth_course;
 pub mod stepwise;
 pub mod term_worth;

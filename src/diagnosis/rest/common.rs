@@ -8,6 +8,7 @@
 use super::candidate::MOST_LAWS;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::departure;
 use super::selection::Selection;
 use super::slow::is_slow;
 use super::spectrum::Law;
@@ -35,11 +36,12 @@ pub(super) struct Common {
     pub(super) followers: Vec<Follower>,
 }
 
-/// Whether a channel drifts in a way that no single curve of the library describes.
+/// Whether a channel drifts in a way that neither a single curve of the library nor a power of time
+/// describes: two channels that follow the same power of time need no cause in common.
 fn drifts(selected: &Selection, channel: &Channel) -> bool {
     let slow = selected.chosen.terms.iter().filter(|t| is_slow(t, channel));
     let (laws, curves): (Vec<&Term>, Vec<&Term>) = slow.partition(|t| matches!(t.addition, Addition::Law(_)));
-    !laws.is_empty() || curves.len() > 1
+    (!laws.is_empty() || curves.len() > 1) && !departure::is_power_of_time(channel, &selected.chosen)
 }
 
 /// Noise of its own: a walk and flicker, with whatever fast terms were found.

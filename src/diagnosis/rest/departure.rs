@@ -32,6 +32,8 @@ const TEMPORAL: [f64; 2] = [0.15, 4.0];
 const MOST: usize = 2048;
 /// Highest degree of a polynomial that stands for a smooth course.
 const DEGREES: usize = 6;
+/// Part of the recording at which the logarithm of time begins.
+const EARLY: f64 = 0.01;
 
 /// What a free exponent says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,6 +81,11 @@ pub(super) fn judge(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let both = [in_time(channel, chosen), in_spectrum(channel, chosen)];
     let refuted = both.iter().flatten().find(|d| d.ruling == Ruling::Refuted).copied();
     refuted.or_else(|| both.into_iter().flatten().next())
+}
+
+/// Whether a channel's drift follows a power of time better than the laws that it was named for.
+pub(super) fn is_power_of_time(channel: &Channel, chosen: &Fitted) -> bool {
+    in_time(channel, chosen).is_some_and(|d| d.ruling == Ruling::Refuted && d.exponent.is_some())
 }
 
 /// What is said of one whole exponent: an interval that is merely wide speaks against no law. Which
@@ -178,8 +185,12 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         let curves = vec![course(count, |u| u), course(count, |u| (u - place).max(0.0))];
         merit(with(curves), 3.0)
     });
-    let polynomials = (2..=DEGREES).map(|degree| {
-        let curves = (1..=degree).map(|d| course(count, |u| legendre(d, 2.0 * u - 1.0))).collect();
+    // Of time, and of its logarithm: what settles in several speeds.
+    let late = |u: f64| (1.0 + u / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
+    let clocks: [&dyn Fn(f64) -> f64; 2] = [&|u| u, &late];
+    let polynomials = clocks.iter().flat_map(|clock| (2..=DEGREES).map(move |degree| (clock, degree)));
+    let polynomials = polynomials.map(|(clock, degree)| {
+        let curves = (1..=degree).map(|d| course(count, |u| legendre(d, 2.0 * clock(u) - 1.0))).collect();
         merit(with(curves), degree as f64)
     });
     let smooth = kinked.chain(polynomials).fold(f64::NEG_INFINITY, f64::max);

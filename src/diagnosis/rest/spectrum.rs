@@ -41,6 +41,8 @@ pub enum Filter {
     },
     /// One pole with a memory of this many samples.
     OnePole(f64),
+    /// The same pole twice.
+    PoleTwice(f64),
     /// Two poles: tangent of θ at the cut-off, and the quality factor (bilinear transform; 1/√2 is
     /// Butterworth's).
     TwoPoles {
@@ -65,6 +67,7 @@ impl Filter {
                 let s = 2.0 * theta.sin();
                 (1.0 - keep).powi(2) / ((1.0 - keep).powi(2) + keep * s * s)
             }
+            Filter::PoleTwice(memory) => Filter::OnePole(memory).power(theta).powi(2),
             Filter::TwoPoles { cut, quality } => {
                 let ratio = theta.tan() / cut;
                 1.0 / ((1.0 - ratio * ratio).powi(2) + (ratio / quality).powi(2))

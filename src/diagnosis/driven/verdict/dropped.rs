@@ -15,14 +15,20 @@ pub enum Dropped {
     /// It is no resonance beside the one modelled: it takes that one's place, or has no peak of its
     /// own.
     NoSecondResonance,
-    /// It is a noise term, but known signals predict its estimate: percentage of its variance,
-    /// cross-fitted.
+    /// It is a friction that would push the mass along.
+    PushesAlong,
+    /// It is a noise term, but known signals predict its estimate, or the power of that:
+    /// percentage of the variance, cross-fitted.
     Dependent {
         /// Known quantity that predicts it.
         by: Known,
         /// Fraction of the variance, %.
         percent: u8,
+        /// Whether it is the variance of its power.
+        is_power: bool,
     },
+    /// It is a random walk, but a smooth course of time describes what it stands for better.
+    SmoothCourse,
     /// It follows the rounding of the readings.
     FollowsRounding,
     /// It is smaller than what is still unexplained.

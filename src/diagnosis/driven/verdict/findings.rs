@@ -26,17 +26,20 @@ pub fn dropped(reason: Dropped) -> String {
         }
         Dropped::Twin => "only together with another that it can be confused with".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
+        Dropped::PushesAlong => "no friction: fitted, it pushes along the velocity instead of opposing it".into(),
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
-        Dropped::Dependent { by, percent } => {
+        Dropped::SmoothCourse => {
+            "not a walk: a smooth course of time describes it better, so a law of time is missing or not exact".into()
+        }
+        Dropped::Dependent { by, percent, is_power } => {
             let by = match by {
                 Known::Input => "the input",
                 Known::Motion => "displacement and velocity",
                 Known::Time => "time",
                 Known::Environment => "the environment",
             };
-            format!(
-                "not independent: {percent} % of the variance of its estimate follows from {by}, so a law is missing"
-            )
+            let what = if is_power { "the power of its estimate" } else { "its estimate" };
+            format!("not independent: {percent} % of the variance of {what} follows from {by}, so a law is missing")
         }
         Dropped::StandIn => "an approximation only: it does not bring the residual to the noise".into(),
     }

@@ -1,15 +1,18 @@
 //! Which terms keep a name beside what is left and beside each other.
 
 use crate::diagnosis::driven::identification::fit::{Fit, fit as refitted};
-use crate::diagnosis::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN};
+use crate::diagnosis::driven::selection::earned::{ITERATIONS, SMALLEST_GAIN, without};
 use crate::diagnosis::driven::selection::independence::{Explained, explained_by_known};
 use crate::diagnosis::driven::selection::rivals::alike;
 use crate::diagnosis::driven::selection::series::{Series, series};
+use crate::diagnosis::driven::selection::smooth_course::is_smooth;
 use crate::diagnosis::driven::selection::term_worth::Named;
 use crate::diagnosis::driven::verdict::dropped::Dropped;
+use crate::physics::law::Noise;
 use crate::physics::library::Term;
 
 use super::draft::Draft;
+use super::form;
 
 /// With a remainder as structured as this, a term must stand far above it.
 const COLOURED: f64 = 0.15;
@@ -18,8 +21,12 @@ pub(super) const FAR_ABOVE: f64 = 30.0;
 /// three parts in a hundred of what it does, and a tenth of a percent in power of it is no other
 /// effect.
 const LEAST_PART: f64 = 1e-3;
-/// The same for noise, which no law's inexactness but that of the simulation itself can imitate.
+/// The same for noise, which no law's inexactness can imitate but that of the simulation itself and
+/// that of its form.
 const LEAST_PART_OF_NOISE: f64 = 1e-5;
+/// Departure from the stated form, as a part of the law, above which it is not asked how far it may
+/// be: as the square, the part of what a law removes that it may leave.
+const MOST_DEPARTURE: f64 = 0.1;
 
 impl Draft<'_> {
     /// Noise that follows what is known is no noise: a law is missing, and the noise has taken its
@@ -35,7 +42,8 @@ impl Draft<'_> {
         let follows = |n: &Named| {
             let noise = self.term(n.index).noise()?;
             let found = explained_by_known(self.data, &lean, noise).filter(Explained::is_real)?;
-            Some((n.index, Dropped::Dependent { by: found.by, percent: (100.0 * found.r_squared).round() as u8 }))
+            let percent = (100.0 * found.r_squared).round() as u8;
+            Some((n.index, Dropped::Dependent { by: found.by, percent, is_power: found.is_power }))
         };
         let all: Vec<(usize, Dropped)> = self.named.iter().filter_map(follows).collect();
         for (index, reason) in &all {
@@ -43,6 +51,20 @@ impl Draft<'_> {
             self.named.retain(|n| n.index != *index);
         }
         !all.is_empty()
+    }
+
+    /// A walk that is the smooth course of time which a law of time left is none: that law is near
+    /// and not exact. Whether there is one.
+    pub(super) fn drop_walk_that_is_smooth(&mut self) -> bool {
+        let walk = self.named.iter().find(|n| self.term(n.index).noise() == Some(Noise::Walk)).map(|n| n.index);
+        let Some(index) = walk.filter(|_| self.data.windows.is_none()) else { return false };
+        let reduced = without(self.data, &self.model, index, &self.scales);
+        if !reduced.is_some_and(|reduced| is_smooth(self.data, &reduced.fit, &self.model.fit)) {
+            return false;
+        }
+        self.drop_term(index, Dropped::SmoothCourse);
+        self.named.retain(|n| n.index != index);
+        true
     }
 
     /// The model with its named terms alone, fitted. What is carried without a name says something
@@ -74,10 +96,12 @@ impl Draft<'_> {
     pub(super) fn carry_what_is_small(&mut self, r_squared: f64) -> f64 {
         let need = SMALLEST_GAIN.max(if r_squared <= COLOURED { r_squared } else { FAR_ABOVE * r_squared });
         let removed = self.removed();
+        let inexactness = self.inexactness();
         let holds = |n: &Named| {
             if self.is_noise(n) {
                 // Noise follows whatever is left: beside it, what is left must be next to nothing.
-                return n.growth >= need.max(FAR_ABOVE * r_squared).max(removed * LEAST_PART_OF_NOISE);
+                let least = (removed * LEAST_PART_OF_NOISE).max(inexactness);
+                return n.growth >= need.max(FAR_ABOVE * r_squared).max(least);
             }
             n.growth >= need.max(removed * LEAST_PART)
         };
@@ -88,6 +112,20 @@ impl Draft<'_> {
             self.drop_term(n.index, reason);
         }
         carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
+    }
+
+    /// What the named laws may leave because they are not quite what their names say, in variances
+    /// of the final model: of what each removes, the square of how far its form may depart, where
+    /// that can be told; zero where no noise would take it up.
+    fn inexactness(&self) -> f64 {
+        if self.data.windows.is_some() || !self.named.iter().any(|n| self.is_noise(n)) {
+            return 0.0;
+        }
+        let left = |n: &Named| {
+            let form = form::form(self.data, &self.model, n.index, &self.scales, None);
+            n.growth * form.map_or(LEAST_PART, |f| f.ci95[1].min(MOST_DEPARTURE).powi(2))
+        };
+        self.named.iter().filter(|n| !self.is_noise(n)).map(left).sum()
     }
 
     /// Two terms that can be mistaken for each other, neither above the noise, are one thing that

@@ -2,7 +2,7 @@
 //! a candidate.
 //!
 //! The usual ones are offered: means of neighbours, moving averages (once, or twice as Bartlett's),
-//! one pole, two poles. The shape is chosen on the spectrum as the model so far leaves it; the
+//! one pole, the same pole twice, two poles. The shape is chosen on the spectrum as the model so far leaves it; the
 //! model with the best of them is then fitted as a whole.
 
 use std::f64::consts::FRAC_PI_2;
@@ -41,8 +41,9 @@ pub(super) const ROW: Row = Row {
 /// that is white: with less of it all that the sensor hands out has gone through the memory, which
 /// is a filter then.
 const BESIDE: f64 = 0.25;
-/// Longest memory of a filter, in samples.
-const LONGEST: f64 = 10.0;
+/// Longest memory of a filter, in samples: beside a filter, one no longer than this belongs to its
+/// shape.
+pub(super) const LONGEST: f64 = 10.0;
 
 /// Whether a fitted model takes a filter of one pole for a memory of the bias.
 pub(super) fn is_one_pole(fitted: &Fitted, memory: f64) -> bool {
@@ -70,16 +71,20 @@ fn best(to: &Offer<'_>) -> Option<Filter> {
     let tangent = |part: f64| (part * FRAC_PI_2).tan();
     let smoothings = SMOOTHINGS.map(Filter::Smoothing);
     let averages = READINGS.map(|readings| [1, 2].map(|times| Filter::MovingAverage { readings, times }));
-    let poles = POLES.map(Filter::OnePole);
+    let poles = POLES.map(|memory| [Filter::OnePole(memory), Filter::PoleTwice(memory)]);
     let pairs = CUTS.map(|part| QUALITIES.map(|quality| Filter::TwoPoles { cut: tangent(part), quality }));
-    let all =
-        smoothings.into_iter().chain(averages.into_iter().flatten()).chain(poles).chain(pairs.into_iter().flatten());
+    let all = smoothings
+        .into_iter()
+        .chain(averages.into_iter().flatten())
+        .chain(poles.into_iter().flatten())
+        .chain(pairs.into_iter().flatten());
     let mut best = all.filter_map(|f| merit(&f)).max_by(better)?;
     let mut factor: f64 = 1.5;
     for _ in 0..REFINEMENTS {
         factor = factor.sqrt();
         let near = |by: f64| match best.0 {
             Filter::OnePole(memory) => vec![Filter::OnePole(memory * by)],
+            Filter::PoleTwice(memory) => vec![Filter::PoleTwice(memory * by)],
             Filter::TwoPoles { cut, quality } => {
                 vec![Filter::TwoPoles { cut: cut * by, quality }, Filter::TwoPoles { cut, quality: quality * by }]
             }

@@ -1,6 +1,6 @@
 //! `gauss-markov`: a bias with a memory of finite length.
 
-use super::band_limit::is_one_pole;
+use super::band_limit::{LONGEST, is_one_pole};
 use super::row::{IEEE, Row, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
@@ -39,7 +39,7 @@ pub(super) const ROW: Row = Row {
         let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
         let best = search::best(memories(to.samples()), MEMORIES, to.control, |m| with(m.exp()))?;
         let memory = best.terms.last().map_or(0.0, |t| t.searched);
-        let filters = !to.current.has(Cause::BandLimit) && is_one_pole(&best, memory);
+        let filters = if to.current.has(Cause::BandLimit) { memory < LONGEST } else { is_one_pole(&best, memory) };
         Ok(if filters { Vec::new() } else { vec![best] })
     },
     numbers: 2.0,

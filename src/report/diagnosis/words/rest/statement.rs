@@ -116,6 +116,9 @@ fn shape(filter: Filter, rate_hz: f64) -> String {
             format!("a moving-average filter of {readings} readings, applied twice")
         }
         Filter::OnePole(memory) => format!("a one-pole filter at {} Hz", short(rate_hz / (TAU * memory))),
+        Filter::PoleTwice(memory) => {
+            format!("a one-pole filter at {} Hz, applied twice", short(rate_hz / (TAU * memory)))
+        }
         Filter::TwoPoles { cut, quality } => {
             format!("a two-pole filter at {} Hz (quality factor {})", short(rate_hz * cut.atan() / PI), short(quality))
         }

@@ -1,0 +1,129 @@
+//! Whether a random walk that a model names is one, or a smooth course of time that its laws left.
+//! A walk has power at all frequencies, falling as their square; what is left of a drift that
+//! goes as another power of time, or settles in two speeds, has its power at the lowest few.
+//!
+//! The errors of the model without the walk are regressed on cosines of time, and of its logarithm,
+//! beside the derivatives of the model's own parameters. The better description is that of the
+//! larger likelihood less the penalty of its parameters (Schwarz, Annals of Statistics 6, 1978).
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnosis::driven::identification::fit::Fit;
+use crate::diagnosis::driven::intake::data::Data;
+
+/// Most cosines.
+const MOST: usize = 8;
+/// Log-likelihood by which a smooth course must be better.
+const LEAST_LEAD: f64 = 3.0;
+/// Part of the recording that the logarithm of time begins at.
+const EARLY: f64 = 0.01;
+/// Part of its own size by which each normal equation is held back: derivatives may repeat the
+/// cosines.
+const RIDGE: f64 = 1e-9;
+
+/// Whether a smooth course of time describes what a model leaves better than a walk does; `with` is
+/// the model that has the walk beside the same terms.
+pub(crate) fn is_smooth(data: &Data, without: &Fit, with: &Fit) -> bool {
+    let rows = without.linear.residual.len();
+    if rows != data.train_len() || rows != with.linear.residual.len() || rows < 100 * MOST {
+        return false;
+    }
+    let (first, length) = (data.hull.start, data.hull.len() as f64);
+    let at: Vec<f64> = data.train.iter().flat_map(Clone::clone).map(|k| ((k - first) as f64 + 0.5) / length).collect();
+    let late = |t: f64| (1.0 + t / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
+    let penalty = 0.5 * (rows as f64).ln();
+    let free = (with.free.len() as f64 - without.free.len() as f64).max(1.0);
+    let walk = log_likelihood(rows, with.variance * rows as f64) - free * penalty;
+    let courses: [&dyn Fn(f64) -> f64; 2] = [&|t| t, &late];
+    let best = courses.iter().flat_map(|course| {
+        let at: Vec<f64> = at.iter().map(|t| course(*t)).collect();
+        let left = left_by(&without.linear.residual, &without.linear.columns, &at);
+        left.into_iter().enumerate().map(move |(i, sum)| log_likelihood(rows, sum) - (i + 1) as f64 * penalty)
+    });
+    best.fold(f64::NEG_INFINITY, f64::max) > walk + LEAST_LEAD
+}
+
+/// Gaussian log-likelihood at the best variance, but for a constant.
+fn log_likelihood(rows: usize, sum: f64) -> f64 {
+    -0.5 * rows as f64 * (sum / rows as f64).max(1e-300).ln()
+}
+
+/// Sum of squares that one, two … cosines leave beside other columns.
+fn left_by(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> Vec<f64> {
+    let (own, rows) = (columns.len(), errors.len());
+    let width = own + MOST;
+    let (mut matrix, mut vector) = (DMatrix::zeros(width, width), DVector::zeros(width));
+    let sizes: Vec<f64> = columns.iter().map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300)).collect();
+    let cosine = |j: usize, t: f64| (std::f64::consts::PI * (j + 1) as f64 * t).cos() / (0.5 * rows as f64).sqrt();
+    for (i, error) in errors.iter().enumerate() {
+        let of_model = columns.iter().zip(&sizes).map(|(c, size)| c[i] / size);
+        let row = DVector::from_iterator(width, of_model.chain((0..MOST).map(|j| cosine(j, at[i]))));
+        matrix.ger(1.0, &row, &row, 1.0);
+        vector.axpy(*error, &row, 1.0);
+    }
+    for j in 0..width {
+        matrix[(j, j)] *= 1.0 + RIDGE;
+        matrix[(j, j)] += RIDGE;
+    }
+    let total: f64 = errors.iter().map(|e| e * e).sum();
+    let removed = |width: usize| {
+        let (part, right) = (matrix.view((0, 0), (width, width)).into_owned(), vector.rows(0, width).into_owned());
+        part.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right))
+    };
+    (1..=MOST).map(|q| (total - removed(own + q)).max(1e-300)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Philox, Stream};
+
+    const ROWS: usize = 6000;
+
+    /// Log-likelihood, less the penalty, by which the best course of cosines is better than a walk
+    /// of this step: that of the Kalman filter of a walk in white noise of unit variance.
+    fn lead(course: &[f64], step: f64) -> f64 {
+        let (mut level, mut variance, mut sum, mut log) = (0.0, 1e3, 0.0, 0.0);
+        for y in course {
+            let innovation = variance + 1.0;
+            sum += (y - level).powi(2) / innovation;
+            log += innovation.ln();
+            let gain = variance / innovation;
+            level += gain * (y - level);
+            variance = variance * (1.0 - gain) + step * step;
+        }
+        let walk = -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - 0.5 * (ROWS as f64).ln();
+        let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
+        let ones = vec![vec![1.0; ROWS]];
+        let left = left_by(course, &ones, &at);
+        let penalty = 0.5 * (ROWS as f64).ln();
+        let all = left.into_iter().enumerate().map(|(i, sum)| log_likelihood(ROWS, sum) - (i + 1) as f64 * penalty);
+        all.fold(f64::NEG_INFINITY, f64::max) - walk
+    }
+
+    fn best_walk(course: &[f64]) -> f64 {
+        (0..40)
+            .map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)))
+            .map(|step| lead(course, step))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn walks_are_walks_and_what_settles_in_two_speeds_is_smooth() {
+        let smooth = |seed: u64| {
+            let mut rng = Philox::new(seed, 0, Stream::Host);
+            let course = |t: f64| 6.0 * (-t / 0.1).exp() + 5.0 * (-t / 0.6).exp();
+            best_walk(&(0..ROWS).map(|i| course(i as f64 / ROWS as f64) + rng.normal()).collect::<Vec<f64>>())
+        };
+        let walk = |seed: u64| {
+            let (mut rng, mut level) = (Philox::new(seed, 1, Stream::Host), 0.0);
+            let mut next = || {
+                level += 0.03 * rng.normal();
+                level + rng.normal()
+            };
+            best_walk(&(0..ROWS).map(|_| next()).collect::<Vec<f64>>())
+        };
+        assert!((0..20).all(|s| smooth(s) > LEAST_LEAD), "{:?}", (0..20).map(smooth).collect::<Vec<f64>>());
+        assert!((0..20).all(|s| walk(s) < LEAST_LEAD), "{:?}", (0..20).map(walk).collect::<Vec<f64>>());
+    }
+}

@@ -1,0 +1,66 @@
+//! Drift and filters near the library's, at rest.
+
+use proofmass::diagnosis::verdict::Outcome;
+use proofmass::rng::{Philox, Stream};
+use rayon::prelude::*;
+
+use libtest_mimic::Failed;
+
+use super::plant::{walk, white};
+use super::{check, judged};
+
+const COUNT: usize = 6000;
+
+/// Two channels that drift along the same power of time need no cause in common, and what settles
+/// in two speeds is no walk. Two channels that follow the same walk have one cause (control).
+pub(super) fn courses() -> Result<(), Failed> {
+    let wrong = |seed: u64| -> Vec<String> {
+        let mut rng = Philox::new(41, seed, Stream::Host);
+        let mut drifting = |course: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let noise = white(COUNT, &mut rng);
+            noise.iter().enumerate().map(|(n, e)| e + course(n as f64 / COUNT as f64)).collect()
+        };
+        let powers = vec![drifting(&|t| 5.0 * t.powf(1.5)), drifting(&|t| -7.0 * t.powf(1.5))];
+        let speeds = vec![drifting(&|t| 6.0 * (-t / 0.05).exp() + 5.0 * (-t / 0.5).exp())];
+        let names = |channels: Vec<Vec<f64>>, banned: &str| {
+            let Ok(v) = judged(channels, None) else { return Some("no verdict".to_owned()) };
+            v.effects.iter().any(|e| e.id == banned).then(|| format!("{seed}: {}", v.sentence))
+        };
+        [names(powers, "temperature-sensitivity"), names(speeds, "random-walk")].into_iter().flatten().collect()
+    };
+    let all: Vec<String> = (0..20).into_par_iter().flat_map(wrong).collect();
+    // One in a hundred is the aim; of 40, more than 3 come once in 1200.
+    check(all.len() <= 3, format!("{} of 40: {all:?}", all.len()))?;
+    let shared = |seed: u64| {
+        let mut rng = Philox::new(42, seed, Stream::Host);
+        let course = walk(COUNT, &mut rng);
+        let size = course.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+        let mut channel = |by: f64| {
+            let noise = white(COUNT, &mut rng);
+            noise.iter().zip(&course).map(|(e, c)| e + by * c / size).collect::<Vec<f64>>()
+        };
+        let channels = vec![channel(8.0), channel(-11.0)];
+        judged(channels, None).is_ok_and(|v| v.effects.iter().any(|e| e.id == "temperature-sensitivity"))
+    };
+    let found = (0..20).into_par_iter().filter(|s| shared(*s)).count();
+    check(found >= 16, format!("a common cause found in {found} of 20"))
+}
+
+/// The same pole twice on the chip is a finding, and beside it no memory of the bias is named.
+pub(super) fn filters() -> Result<(), Failed> {
+    let quiet = |seed: u64| {
+        let mut rng = Philox::new(43, seed, Stream::Host);
+        let pole = 0.3 + 0.02 * seed as f64;
+        let (mut first, mut second) = (0.0, 0.0);
+        let mut filtered = |e: f64| {
+            first += (1.0 - pole) * (e - first);
+            second += (1.0 - pole) * (first - second);
+            second
+        };
+        let values: Vec<f64> = white(4 * COUNT, &mut rng).into_iter().map(&mut filtered).collect();
+        let said = judged(vec![values], None);
+        said.is_ok_and(|v| v.verdict == Outcome::Adequate && v.findings.iter().any(|f| f.contains("filter")))
+    };
+    let silent = (0..20).into_par_iter().filter(|s| quiet(*s)).count();
+    check(silent >= 19, format!("{silent} of 20 adequate with a filter found"))
+}
