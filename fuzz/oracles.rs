@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use proofmass::control::Control;
-use proofmass::diagnosis::{self, consequence, model, repair};
+use proofmass::diagnosis::{self, consequence, model, repaired};
 use proofmass::document::{parse_toml, to_json};
 use proofmass::drift;
 use proofmass::drift::document::Document;
@@ -318,7 +318,7 @@ pub fn diagnose(bytes: &[u8]) -> Verdict {
         speaks_or(diagnosis::diagnose(&recording, &model, &Control::default()), |answer| {
             let diagnosis = report::diagnosis::worded(answer);
             parses_as_json(&to_json(&diagnosis.verdict).map_err(|e| e.to_string())?)?;
-            let study = diagnosis.repair.as_ref().map(|r| repair::study_document(r, &diagnosis.verdict));
+            let study = repaired::document(diagnosis.repair.as_ref(), &diagnosis.detail, &diagnosis.verdict);
             study.as_deref().map_or(Ok(()), is_a_study)?;
             let costs = consequence::costs(diagnosis.repair.as_ref(), &Control::default());
             let costs = costs.map_err(|_| "it stopped, and nobody asked".to_owned())?;

@@ -44,6 +44,7 @@ pub mod recordings;
 pub mod rectification;
 pub mod remainder;
 pub mod repair;
+pub mod repaired;
 pub mod rest;
 pub mod ruling;
 pub mod standing;

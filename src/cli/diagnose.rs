@@ -6,7 +6,7 @@ use super::numbers;
 use super::say::{remark, sayln, screen};
 use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::recordings::Recordings;
-use crate::diagnosis::{self, consequence, repair};
+use crate::diagnosis::{self, consequence, repair, repaired};
 use crate::document::to_json;
 use crate::error::Result;
 use crate::output::{self, Folder};
@@ -117,7 +117,7 @@ fn write(mut folder: Folder, diagnosis: &Diagnosis, costs: &[repair::Cost]) -> R
         folder.write(&format!("{}.svg", exhibit.name), exhibit.figure.file_svg().as_bytes())?;
     }
     folder.write(VERDICT, to_json(&diagnosis.verdict)?.as_bytes())?;
-    let study = diagnosis.repair.as_ref().map(|r| repair::study_document(r, &diagnosis.verdict));
+    let study = repaired::document(diagnosis.repair.as_ref(), &diagnosis.detail, &diagnosis.verdict);
     if let Some(study) = &study {
         folder.write(REPAIRED, study.as_bytes())?;
     }

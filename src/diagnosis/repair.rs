@@ -75,8 +75,39 @@ const COMMENT_WIDTH: usize = 100;
 
 /// The repaired sensor as a study: DIR/repaired.toml. What a study cannot run stands in comments,
 /// so that nothing named is lost.
-pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
+pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     let rate_hz = round_rate(verdict.recording.rate_hz);
+    let mut text = preamble(verdict, &repair.relation, &repair.not_expressible);
+    let _ = write!(
+        text,
+        "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
+        toml_string(&name(verdict)),
+        1.0 / rate_hz
+    );
+    section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
+    section(&mut text, "accelerometer", &term_keys(&repair.after, "accelerometer"));
+    section(&mut text, "gyro", &term_keys(&repair.after, "gyro"));
+    let v = &repair.vibration;
+    let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;
+    if v.amplitude_m_s2 > 0.0 && seen && repair.after.proof_mass.is_some() {
+        let _ = write!(
+            text,
+            "\n[excitation]\nkind = \"sine\"\namplitude_m_s2 = {:?}\nfrequency_hz = {:?}\n",
+            v.amplitude_m_s2, v.frequency_hz
+        );
+    }
+    text + "\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n"
+}
+
+/// Name of the repaired sensor: its recording's.
+pub(super) fn name(verdict: &Verdict) -> String {
+    let path = Path::new(&verdict.recording.file);
+    format!("{}-repaired", name_for(&path.file_stem().unwrap_or_default().to_string_lossy()))
+}
+
+/// What was found, as comments: the verdict, every named effect with its numbers, and what a study
+/// cannot run.
+pub(super) fn preamble(verdict: &Verdict, relation: &str, not_expressible: &[String]) -> String {
     let mut text = String::new();
     let mut comment = |line: &str| {
         let mut width = 0;
@@ -95,10 +126,9 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     };
     let path = Path::new(&verdict.recording.file);
     let file = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = format!("{}-repaired", name_for(&path.file_stem().unwrap_or_default().to_string_lossy()));
     comment(&format!("The sensor of {file} with the physics that its diagnosis named."));
     comment(&format!("Verdict: {}. {}", verdict.verdict.name(), verdict.sentence));
-    comment(&repair.relation);
+    comment(relation);
     for effect in &verdict.effects {
         comment(&format!("{}: {}", effect.id, effect.equation));
         for p in &effect.parameters {
@@ -108,33 +138,15 @@ pub fn study_document(repair: &Repair, verdict: &Verdict) -> String {
             ));
         }
     }
-    for term in &repair.not_expressible {
+    for term in not_expressible {
         comment(&format!("A study cannot run: {term}"));
     }
-    let _ = write!(
-        text,
-        "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = 60.0\nstep_s = {:?}\n",
-        toml_string(&name),
-        1.0 / rate_hz
-    );
-    section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
-    section(&mut text, "accelerometer", &term_keys(&repair.after, "accelerometer"));
-    section(&mut text, "gyro", &term_keys(&repair.after, "gyro"));
-    let v = &repair.vibration;
-    let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;
-    if v.amplitude_m_s2 > 0.0 && seen && repair.after.proof_mass.is_some() {
-        let _ = write!(
-            text,
-            "\n[excitation]\nkind = \"sine\"\namplitude_m_s2 = {:?}\nfrequency_hz = {:?}\n",
-            v.amplitude_m_s2, v.frequency_hz
-        );
-    }
-    text + "\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n"
+    text
 }
 
 /// The next round rate (1, 2 or 5 times a power of ten, at least 100 Hz), so that a minute is a
 /// whole number of samples.
-fn round_rate(rate_hz: f64) -> f64 {
+pub(super) fn round_rate(rate_hz: f64) -> f64 {
     let rate_hz = rate_hz.clamp(100.0, 1e6);
     let power = 10f64.powf(rate_hz.log10().floor());
     let digit = [1.0, 2.0, 5.0].into_iter().find(|d| d * power >= rate_hz * (1.0 - 1e-9)).unwrap_or(10.0);

@@ -23,13 +23,17 @@ mod intake;
 mod integral;
 mod judgement;
 mod log;
+mod orientation;
 mod parameters;
 mod permutation;
 mod position;
 mod published;
+pub mod repaired;
 mod rows;
 mod scatter;
 mod selection;
+mod sensor;
+mod slow;
 mod start;
 pub mod vibration;
 mod whitening;
@@ -78,7 +82,7 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let gravity_m_s2 = gravity(model);
     let work = control.stage("aligning the clocks", 0);
     let start = start::start(&log, &motion, gravity_m_s2);
-    intake::alike(recording, &log, &start)?;
+    intake::alike(recording, reference, (&log, &motion), &start, gravity_m_s2)?;
     unswap(&mut log, &start);
     work.rename("searching the library");
     let case =
@@ -123,7 +127,9 @@ pub fn diagnose(recording: &Recording, model: &model::Trajectory, control: &Cont
     let selection = select(&fit)?;
     let fit = about(&fit, &selection)?;
     drop(work);
-    Ok(examined.conclude(&Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection }))
+    let place = model.latitude_deg.map(|latitude_deg| (latitude_deg, model.height_m.unwrap_or_default()));
+    let found = Found { log: &log, case: &case, start: &start, fit: &fit, selection: &selection, reference, place };
+    Ok(examined.conclude(&found))
 }
 
 /// Gravity of the place, m/s².

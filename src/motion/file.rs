@@ -10,9 +10,11 @@ pub mod format;
 mod hand;
 mod judge;
 mod layout;
+pub mod part;
 mod read;
 mod refusal;
 mod rotation;
+pub mod span;
 
 use std::path::Path;
 
@@ -25,8 +27,9 @@ use crate::recording::formats;
 use finding::Finding;
 use format::{Format, Order, Up};
 use layout::{Axes, Layout, Rotation};
-use read::Stretch;
+use part::Wanted;
 use refusal::Refusal;
+use span::Span;
 
 /// The part of a file of poses that is wanted, and how to read it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +44,10 @@ pub struct Request<'a> {
     pub up: Option<Up>,
     /// The order of quaternions, which is then not questioned.
     pub quaternion: Option<Order>,
-    /// Beginning, s after the first pose.
-    pub from_s: f64,
-    /// Length of the stretch that is used, s.
-    pub duration_s: f64,
+    /// What of each pose is read.
+    pub wanted: Wanted,
+    /// The stretch that is used.
+    pub span: Span,
 }
 
 /// Poses of a file in north, east and down; time counts from where the user begins.
@@ -52,14 +55,19 @@ pub struct Request<'a> {
 pub struct Poses {
     /// The poses, in order of time.
     pub poses: Vec<Pose>,
+    /// Whether the file says where the body is; every position is zero where it does not.
+    pub has_position: bool,
+    /// Whether the file says how the body is turned; every attitude is level where it does not.
+    pub has_attitude: bool,
+    /// Where the scalar of its quaternions stands, as they were read; none: it has none.
+    pub quaternion: Option<Order>,
+    /// From the file's own axes to north, east and down.
+    pub turn: UnitQuaternion<f64>,
     /// When the file's first pose was, where its stamps say it.
     pub start: Option<Instant>,
     /// Irregularities that did not prevent reading.
     pub findings: Vec<Finding>,
 }
-
-/// Poses are read this long beyond the end, s, so that the spline does not end there.
-const BEYOND_S: f64 = 1.0;
 
 /// Reads them.
 ///
@@ -70,38 +78,42 @@ pub fn read(request: &Request<'_>) -> Result<Poses> {
     let path = request.path;
     let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
     let opened = formats::open(path, None)?;
-    let mut layout = Layout::of(opened.headings(), request.format).map_err(fail)?;
+    let mut layout = Layout::of(opened.headings(), request.format, request.wanted).map_err(fail)?;
     drop(opened);
     let said = layout.insist(request.quaternion);
-    let stretch = Stretch { from_s: request.from_s - BEYOND_S, to_s: request.from_s + request.duration_s + BEYOND_S };
-    let read::Read { rows, start, mut findings } = read::rows(path, &layout, request.times, stretch)?;
+    let read::Read { rows, start, mut findings } = read::rows(path, &layout, request.times, &request.span)?;
     let scalar_first = said.map(|order| order == Order::ScalarFirst);
     findings.insert(0, Finding::Recognised { format: layout.format, scalar_first });
     let numbers: Vec<Vec<f64>> = rows.iter().map(|row| row.attitude.clone()).collect();
-    let attitudes = rotation::attitudes(layout.rotation, &numbers).map_err(fail)?;
+    let level = || vec![Some(UnitQuaternion::identity()); numbers.len()];
+    let attitudes = layout.rotation.map_or_else(|| Ok(level()), |r| rotation::attitudes(r, &numbers)).map_err(fail)?;
     let (mut poses, mut places, mut lost) = (Vec::new(), Vec::new(), Vec::new());
     for (row, attitude) in rows.iter().zip(attitudes) {
         match attitude {
             Some(attitude) => {
-                poses.push(Pose { time_s: row.time_s - request.from_s, position_m: row.position_m, attitude });
+                poses.push(Pose { time_s: row.time_s - request.span.zero_s(), position_m: row.position_m, attitude });
                 places.push(row.row);
             }
             None => lost.push(row.row),
         }
     }
     findings.extend(lost.first().map(|first_row| Finding::Dropped { rows: lost.len(), first_row: *first_row }));
-    findings.extend(judge::judge(&poses, &places).map_err(fail)?);
+    findings.extend(judge::judge(&poses, &places, &request.span).map_err(fail)?);
     let to_level = to_level(&layout, request.up, &mut findings);
-    if let (Some(order), None) = (said, request.quaternion) {
+    if let (Some(order), None, true) = (said, request.quaternion, layout.has_position) {
         let up = to_level.transpose() * -Vector3::z();
-        hand::check(&poses, order, up).map_err(fail)?;
+        hand::check(&poses, order, up, &request.span).map_err(fail)?;
     }
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(to_level));
     for pose in &mut poses {
         pose.position_m = to_level * pose.position_m;
         pose.attitude = turn * pose.attitude;
     }
-    Ok(Poses { poses, start, findings })
+    let (has_position, has_attitude) = (layout.has_position, layout.rotation.is_some());
+    if !has_attitude {
+        poses.iter_mut().for_each(|pose| pose.attitude = UnitQuaternion::identity());
+    }
+    Ok(Poses { poses, has_position, has_attitude, quaternion: said, turn, start, findings })
 }
 
 /// From the file's reference to north, east and down, and what is to be said of it.
@@ -127,14 +139,15 @@ impl Layout {
     /// Takes the user's order of quaternions for the file's; the order that holds, where there are
     /// quaternions.
     fn insist(&mut self, order: Option<Order>) -> Option<Order> {
-        let Rotation::Quaternion(found) = self.rotation else { return None };
+        let Some(Rotation::Quaternion(found)) = self.rotation else { return None };
         let Some(order) = order.filter(|order| *order != found) else { return Some(found) };
         // The numbers stand in the file where they are; their meaning moves by one place.
+        let numbers = self.numbers_of_position();
         match order {
-            Order::ScalarFirst => self.columns[3..].rotate_left(1),
-            Order::ScalarLast => self.columns[3..].rotate_right(1),
+            Order::ScalarFirst => self.columns[numbers..].rotate_left(1),
+            Order::ScalarLast => self.columns[numbers..].rotate_right(1),
         }
-        self.rotation = Rotation::Quaternion(order);
+        self.rotation = Some(Rotation::Quaternion(order));
         Some(order)
     }
 }

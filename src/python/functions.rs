@@ -17,7 +17,7 @@ use crate::columns::Values;
 use crate::control::Control;
 use crate::diagnosis::model::{self, Model};
 use crate::diagnosis::recordings::Recordings;
-use crate::diagnosis::{self, consequence, repair};
+use crate::diagnosis::{self, consequence, repaired};
 use crate::document::to_json;
 use crate::drift;
 use crate::drift::document;
@@ -220,13 +220,13 @@ fn judge(train: &[Recording], test: &[Recording], model: &Model, control: &Contr
     let costs = consequence::costs(found.repair.as_ref(), control)
         .map_err(|s| s.during("could not state the cost in metres", "start it again"))?;
     let json = to_json(&found.verdict)?;
-    let repaired = found.repair.as_ref().map(|r| repair::study_document(r, &found.verdict));
-    let study = repaired.clone();
+    let repaired_study = repaired::document(found.repair.as_ref(), &found.detail, &found.verdict);
+    let study = repaired_study.clone();
     let draw = move || {
         let exhibits = report::diagnosis::exhibits(&found.detail);
         report::diagnosis::page(&found, &costs, &exhibits, study.as_deref()).finish()
     };
-    Ok(Answer { json, repaired, draw: Box::new(draw) })
+    Ok(Answer { json, repaired: repaired_study, draw: Box::new(draw) })
 }
 
 /// `proofmass study --samples`: names and values of columns, the clock first.

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::rest::Noise;
 use super::split::Ranges;
 use crate::motion::file::format::{Format, Order, Up};
+use crate::motion::file::part::Part;
 
 /// model.toml with kind = "trajectory".
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -71,6 +72,9 @@ pub struct Reference {
     pub up: Option<Up>,
     /// The order of its quaternions, to insist on it.
     pub quaternion: Option<Order>,
+    /// The half of each pose that is used, where the file has both and one is not to be trusted.
+    #[serde(rename = "use")]
+    pub only: Option<Part>,
 }
 
 impl Reference {

@@ -10,6 +10,8 @@ pub struct Account {
     pub named: Vec<NamedEffect>,
     /// What the motion cannot tell, and what it would take.
     pub hidden: Vec<Hidden>,
+    /// What only positions could tell, where the reference has none.
+    pub untold: Vec<&'static Term>,
     /// Whether one of them is a fitted term; noise, limits and exchanged columns of the readings
     /// are none.
     pub is_fitted: bool,

@@ -44,22 +44,27 @@ impl Sums {
     }
 }
 
+/// Pieces that each block is cut into where slow waves are laid over the recording.
+const PIECES: usize = 10;
+
 /// The sums of one sensor, block by block.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Blocks {
     /// In order of time.
     pub all: Vec<Sums>,
+    /// The same by pieces of a block.
+    pieces: Vec<Sums>,
 }
 
 impl Blocks {
     /// Of rows, made white, between two times.
     pub(super) fn of(rows: &[Row], whitening: &Whitening, [from_s, to_s]: [f64; 2]) -> Self {
-        let mut all = vec![Sums::empty(); BLOCKS];
+        let mut pieces = vec![Sums::empty(); BLOCKS * PIECES];
         for k in 0..rows.len() {
             let Some((residual, slope)) = whitening.white(rows, k) else { continue };
             let fraction = (rows[k].time_s - from_s) / (to_s - from_s);
-            let block = ((fraction * BLOCKS as f64).max(0.0) as usize).min(BLOCKS - 1);
-            let sums = &mut all[block];
+            let count = pieces.len();
+            let sums = &mut pieces[((fraction * count as f64).max(0.0) as usize).min(count - 1)];
             let active: Vec<usize> = (0..PARAMETERS).filter(|p| slope[*p] != nalgebra::Vector3::zeros()).collect();
             for (n, p) in active.iter().enumerate() {
                 sums.vector[*p] += slope[*p].dot(&residual);
@@ -74,7 +79,9 @@ impl Blocks {
             sums.square += residual.norm_squared();
             sums.count += 3;
         }
-        Self { all }
+        let mut all = vec![Sums::empty(); BLOCKS];
+        pieces.iter().enumerate().for_each(|(k, piece)| all[k / PIECES].add(piece, 1.0));
+        Self { all, pieces }
     }
 }
 
@@ -142,6 +149,20 @@ impl Linear {
             }
         }
         Solved { point, covariance }
+    }
+
+    /// Minus the gradients of half the sum of squares by the active parameters at a point, piece by
+    /// piece of the recording.
+    pub(super) fn scores(&self, active: &[usize], point: &Point) -> Vec<DVector<f64>> {
+        let step = DVector::from_fn(PARAMETERS, |p, _| point[p] - self.point[p]);
+        let mut all = vec![DVector::zeros(active.len()); BLOCKS * PIECES];
+        for sensor in &self.sensors {
+            for (score, piece) in all.iter_mut().zip(&sensor.pieces) {
+                let gradient = &piece.vector + &piece.matrix * &step;
+                active.iter().enumerate().for_each(|(i, p)| score[i] -= gradient[*p]);
+            }
+        }
+        all
     }
 
     /// The same with each block left out in turn.

@@ -33,6 +33,11 @@ pub const CANDIDATES: &[Candidate] = &[
     REFERENCE_NOISE,
 ];
 
+/// What a reference of attitude alone cannot show.
+pub fn by_position() -> Vec<&'static Term> {
+    terms(true).into_iter().filter(|t| !t.by_attitude).collect()
+}
+
 /// Everything that is fitted and judged by held-out blocks, with or without positions in the
 /// reference.
 pub fn terms(has_position: bool) -> Vec<&'static Term> {

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use super::account::{Account, Hidden, Manoeuvre, NamedEffect};
-use super::candidate::Term;
+use super::candidate::{Term, by_position};
 use super::clipping::Limit;
 use super::course::Case;
 use super::detail::{Detail, Series};
@@ -18,11 +18,12 @@ use super::permutation::Permutation;
 use super::published::{self, Fitted};
 use super::scatter;
 use super::selection::{Selection, base};
+use super::sensor;
 use super::start::Start;
 use super::vibration::{self, Vibration};
 use crate::diagnosis::answer::{self, Answer, Places};
 use crate::diagnosis::candidate::Kind;
-use crate::diagnosis::model::{InertialNoise, Noise, Trajectory};
+use crate::diagnosis::model::{InertialNoise, Noise, Reference, Trajectory};
 use crate::diagnosis::remainder::{Remainder, Size, Test};
 use crate::diagnosis::ruling::{self, rule};
 use crate::diagnosis::standing::{Gain, Note, Ranked};
@@ -52,6 +53,10 @@ pub(super) struct Found<'a> {
     pub fit: &'a Fit,
     /// Candidates, named and not.
     pub selection: &'a Selection,
+    /// The reference as the model names it.
+    pub reference: &'a Reference,
+    /// Latitude, °, and height, m, where the model states them.
+    pub place: Option<(f64, f64)>,
 }
 
 /// The readings after intake: what they show before any fit.
@@ -134,7 +139,9 @@ impl Examined<'_> {
         let own = [walk(self.stated.gyro, &found.log.rate), walk(self.stated.accelerometer, &found.log.force)];
         let attitude = scatter::excess(&residuals[0], fit.residuals[0].width_s, own[0]);
         let position = residuals.get(1).and_then(|l| scatter::position(l, fit.residuals[1].width_s, own[1]));
-        effects.extend(effects::reference(attitude, position));
+        let erring = effects::reference(attitude, position);
+        let errs = erring.is_some();
+        effects.extend(erring);
         let remainder = remainder(fit, &chosen.point, held.rms()[1]);
         let named = effects.len();
         let outcome = rule(&ruling::Evidence {
@@ -144,9 +151,13 @@ impl Examined<'_> {
             held_out_ratio: held.ratio()[0],
             ..ruling::Evidence::default()
         });
-        let account = self.account(&effects, Some(selection), held.rms());
+        let mut account = self.account(&effects, Some(selection), held.rms());
+        if !has_position {
+            account.untold = by_position();
+        }
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
         detail.published = published::calibration(&wide, swap);
+        detail.repaired = Some(sensor::repaired(&self, found, [&chosen, &seated], errs));
         let scores = scores(found, [&before, &chosen.point], &held, named > 0);
         let mut answer = self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), detail);
         answer.ranking = ranking(&answer.effects, selection);
@@ -188,7 +199,7 @@ impl Examined<'_> {
             .collect();
         let hidden = selection.map_or(Vec::new(), |s| s.others.iter().filter_map(hidden).collect());
         let is_fitted = selection.is_some_and(|s| !s.named.is_empty());
-        Account { named, is_fitted, hidden, with_reference: selection.is_some(), held_out }
+        Account { named, is_fitted, hidden, untold: Vec::new(), with_reference: selection.is_some(), held_out }
     }
 
     fn detail(&self, log: &Log, found: Option<(&Found<'_>, &Point, &Point)>, account: Account) -> Detail {
@@ -214,6 +225,7 @@ impl Examined<'_> {
             spectra: [root(&log.rate), root(&log.force)],
             stated: [self.stated.gyro, self.stated.accelerometer].map(|noise| noise.map(|n| n.density)),
             published: None,
+            repaired: None,
             account,
         }
     }

@@ -1,6 +1,7 @@
 //! Plain numbers behind the figures and the words of a diagnosis of an IMU in motion.
 
 use super::account::Account;
+use super::repaired::Repaired;
 use crate::diagnosis::verdict::Triads;
 
 /// Plain numbers behind the figures.
@@ -18,6 +19,8 @@ pub struct Detail {
     pub stated: [Option<f64>; 2],
     /// Biases and matrices with their intervals.
     pub published: Option<Triads>,
+    /// The sensor as diagnosed, for a study along the reference; none without a reference.
+    pub repaired: Option<Repaired>,
     /// Facts that the sentences of the verdict are made from.
     pub account: Account,
 }

@@ -4,10 +4,12 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::log::{Log, Motion};
-use super::permutation::Permutation;
+use super::orientation;
 use super::start::Start;
 use crate::diagnosis::model::{Reference, Trajectory};
 use crate::error::{Error, Result};
+use crate::motion::file::part::Wanted;
+use crate::motion::file::span::Span;
 use crate::motion::file::{self, Poses};
 use crate::number::rounded;
 use crate::numerics::order;
@@ -18,6 +20,8 @@ use crate::recording::{Recording, inertial, roles};
 const SHORTEST_S: f64 = 10.0;
 /// A difference of clocks that no overlap will mend, s.
 const DAYS_S: f64 = 86_400.0;
+/// A year, s.
+const YEAR_S: f64 = 365.25 * DAYS_S;
 /// Share of the gyro's variance that the reference must explain before both move alike.
 const ALIKE: f64 = 0.3;
 /// Root mean square of the rate, rad/s, below which nothing turns.
@@ -101,31 +105,44 @@ pub(super) fn motion(
     start: Option<Instant>,
     findings: &mut Vec<String>,
 ) -> Result<Motion> {
+    let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
     let request = file::Request {
         path: &reference.file,
         format: reference.format,
         times: reference.times.as_deref(),
         up: reference.up,
         quaternion: reference.quaternion,
-        from_s: 0.0,
-        duration_s: f64::INFINITY,
+        wanted: reference.only.map_or(Wanted::Any, Wanted::Only),
+        span: Span::Log { start, ends_s: [first, last] },
     };
-    let Poses { poses, start: began, findings: found } = file::read(&request)?;
+    let Poses { poses, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
+        file::read(&request)?;
+    if !has_attitude {
+        let cause = format!("{} has positions and no attitudes: need attitudes", reference.file.display());
+        return Err(fail(recording, cause, "give a reference with attitudes (qw, qx, qy, qz, or roll, pitch, yaw)"));
+    }
     findings.extend(found.iter().map(ToString::to_string));
     let shift_s = match (start, began) {
         (Some(start), Some(began)) => began.since(&start),
         _ => 0.0,
     };
-    let (first, last) = (log.time_s[0], log.time_s[log.time_s.len() - 1]);
     let ends = [poses.first(), poses.last()].map(|p| p.map_or(0.0, |p| p.time_s + shift_s));
     let gap_s = (ends[0] - last).max(first - ends[1]);
     if gap_s > DAYS_S {
-        let cause = format!("the clocks of reference and IMU are {} days apart", rounded(gap_s / DAYS_S, 4));
+        let apart = match gap_s / YEAR_S {
+            years if years >= 1.0 => format!("{} years", rounded(years, 3)),
+            _ => format!("{} days", rounded(gap_s / DAYS_S, 4)),
+        };
+        let cause = format!("the clocks of {} and the IMU are {apart} apart", reference.file.display());
         return Err(fail(recording, cause, "stamp both by one clock, or both from zero on"));
     }
     if gap_s > 0.0 {
         let side = if ends[0] > last { "begins after the IMU ends" } else { "ends before the IMU begins" };
-        let cause = format!("reference and IMU do not overlap: the reference {side}, by {} s", rounded(gap_s, 4));
+        let cause = format!(
+            "{} and the IMU do not overlap: the reference {side}, by {} s",
+            reference.file.display(),
+            rounded(gap_s, 4)
+        );
         return Err(fail(recording, cause, "are they of one run, and stamped by one clock?"));
     }
     let inside = |t: f64| t >= first + 2.0 * log.interval_s && t <= last - 2.0 * log.interval_s;
@@ -143,20 +160,30 @@ pub(super) fn motion(
     let interval_s = order::median(time_s.windows(2).map(|t| t[1] - t[0]).collect()).unwrap_or_default();
     let position: Vec<Vector3<f64>> = poses.iter().map(|p| p.position_m).collect();
     let attitude: Vec<UnitQuaternion<f64>> = poses.iter().map(|p| p.attitude).collect();
-    Ok(Motion { time_s, position, attitude, interval_s, has_position: true })
+    Ok(Motion { time_s, position, attitude, interval_s, has_position, zero_s: -shift_s, quaternion, turn })
 }
 
-/// Whether both move alike, in the same units.
-pub(super) fn alike(recording: &Recording, log: &Log, start: &Start) -> Result<()> {
+/// Whether both move alike, in the same units and with the same hand.
+pub(super) fn alike(
+    recording: &Recording,
+    reference: &Reference,
+    (log, motion): (&Log, &Motion),
+    start: &Start,
+    gravity_m_s2: f64,
+) -> Result<()> {
+    if let Some(fault) = orientation::fault(log, motion, start, gravity_m_s2) {
+        let (cause, hint) = fault.words();
+        return Err(fail(recording, format!("{}: {cause}", reference.file.display()), &hint));
+    }
     let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     if turning > TURNS && start.explained < ALIKE {
         let cause = format!(
-            "reference and gyro do not turn alike: one explains {} % of the other at the best shift of their clocks",
+            "reference and gyro do not turn alike, however its quaternions are read: one explains {} % of the other at the best shift of their clocks",
             rounded(100.0 * start.explained.max(0.0), 2)
         );
         return Err(fail(recording, cause, "are they of one run? are the reference's quaternions body to world?"));
     }
-    if start.accelerometer == (Permutation { axis: [0, 1, 2], turned: [true; 3] }) {
+    if start.against {
         let cause =
             "the accelerometer reads −g at rest where specific force is +g: gravity has the wrong sign".to_owned();
         return Err(fail(recording, cause, "negate its columns: specific force is acceleration less gravity"));

@@ -2,6 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::motion::file::format::Order;
+
 /// Readings in order of time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Log {
@@ -40,6 +42,12 @@ pub(super) struct Motion {
     pub interval_s: f64,
     /// Whether positions are in it.
     pub has_position: bool,
+    /// From the file's first pose to the zero of the IMU's times, s.
+    pub zero_s: f64,
+    /// Where the scalar of its quaternions stands, as they were read; none: it has none.
+    pub quaternion: Option<Order>,
+    /// From the file's own axes to north, east and down.
+    pub turn: UnitQuaternion<f64>,
 }
 
 impl Motion {

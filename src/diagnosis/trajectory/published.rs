@@ -6,11 +6,12 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::Linear;
 use super::course::{gyro_matrix, vector};
-use super::judgement::half_width;
 use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
+use super::repaired::Drawn;
+use super::slow::{self, deviation, half_width};
 use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
 use crate::units::DEGREE;
 
@@ -23,16 +24,15 @@ pub(super) struct Fitted {
     active: Vec<usize>,
     /// Parameter vector at the optimum, SI units.
     pub point: Point,
-    replicates: Vec<Point>,
-    white: Vec<f64>,
+    /// The fit with the noise of each slow wave of the recording in it.
+    apart: Vec<Point>,
 }
 
 impl Fitted {
     /// A subset of the parameters fitted on all blocks.
     pub(super) fn of(linear: &Linear, active: &[usize]) -> Self {
         let solved = linear.solve(active, |_| true);
-        let white = (0..active.len()).map(|i| solved.covariance[(i, i)].max(0.0).sqrt()).collect();
-        Self { active: active.to_vec(), point: solved.point, replicates: linear.replicates(active), white }
+        Self { active: active.to_vec(), apart: slow::apart(linear, active, &solved), point: solved.point }
     }
 
     /// Whether a parameter is in it.
@@ -42,15 +42,22 @@ impl Fitted {
 
     /// A parameter in a unit of which `per_si` are one SI unit.
     pub(super) fn estimate(&self, p: usize, name: &str, unit: &str, per_si: f64) -> Estimate {
-        let white = self.active.iter().position(|q| *q == p).map_or(0.0, |i| self.white[i]);
-        let (value, half) = (self.point[p], half_width(&|point| point[p], &self.replicates, white));
+        let (value, half) = (self.point[p], half_width(&|point| point[p], &self.point, &self.apart));
         let ci95 = [(value - half) * per_si, (value + half) * per_si];
         Estimate { name: name.into(), value: value * per_si, unit: unit.into(), ci95 }
     }
 
+    /// A parameter with its standard error, SI; nothing where it is not in it.
+    pub(super) fn drawn(&self, p: usize) -> Drawn {
+        if !self.has(p) {
+            return Drawn::default();
+        }
+        Drawn { mean: self.point[p], sd: deviation(&|point| point[p], &self.point, &self.apart) }
+    }
+
     /// A number made of parameters, with its 95 % interval.
     fn number(&self, of: &dyn Fn(&Point) -> f64) -> (f64, [f64; 2]) {
-        let (value, half) = (of(&self.point), half_width(of, &self.replicates, 0.0));
+        let (value, half) = (of(&self.point), half_width(of, &self.point, &self.apart));
         (value, [value - half, value + half])
     }
 }

@@ -56,8 +56,10 @@ pub enum Finding {
         largest: Leap,
         /// The row before it.
         first_row: usize,
-        /// Its time in the study, s.
+        /// Its time, s.
         at_s: f64,
+        /// What that time counts from.
+        since: &'static str,
     },
     /// Spline that smooths the poses.
     Knots {
@@ -119,12 +121,12 @@ impl fmt::Display for Finding {
                 rounded(rate_hz, 3),
                 rounded(0.5 * rate_hz, 3)
             ),
-            Self::Jumps { jumps, largest, first_row, at_s } => {
+            Self::Jumps { jumps, largest, first_row, at_s, since } => {
                 match largest {
                     Leap::Metres(metres) => write!(f, "position jumps by {} m", rounded(metres, 3))?,
                     Leap::Radians(angle) => write!(f, "attitude jumps by {}°", rounded(angle.to_degrees(), 3))?,
                 }
-                write!(f, " behind row {first_row} (at {} s of the study)", rounded(at_s, 4))?;
+                write!(f, " behind row {first_row} (at {} s {since})", rounded(at_s, 4))?;
                 if jumps > 1 {
                     write!(f, ", the widest of {jumps} jumps")?;
                 }

@@ -9,6 +9,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::format::Order;
 use super::refusal::{Refusal, refusal};
+use super::span::Span;
 use crate::motion::pose::Pose;
 use crate::units::STANDARD_GRAVITY_M_S2;
 
@@ -98,9 +99,9 @@ fn is_better(said: [Option<f64>; 2], other: [Option<f64>; 2]) -> bool {
 /// # Errors
 /// Quaternions that make a regular motion only in the other order, or as those of a left-handed
 /// system.
-pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<(), Refusal> {
-    let span = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
-    let stride = ((STRIDE_S * poses.len() as f64 / span.max(STRIDE_S)) as usize).max(1);
+pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>, span: &Span) -> Result<(), Refusal> {
+    let lasts_s = poses.last().map_or(0.0, |p| p.time_s) - poses.first().map_or(0.0, |p| p.time_s);
+    let stride = ((STRIDE_S * poses.len() as f64 / lasts_s.max(STRIDE_S)) as usize).max(1);
     let wanders = |reading: Reading| {
         let read: Vec<Pose> = poses.iter().map(|pose| reading.of(pose, order)).collect();
         wandering(&read, stride, up)
@@ -121,15 +122,16 @@ pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>) -> Result<()
                 "the quaternions are {named}: only with the scalar {is} does the specific force stay steady in body \
                 axes"
             ),
-            format!("set trajectory.quaternion = \"{named}\", or \"{insist}\" if they are right as they are"),
+            format!("set {} = \"{named}\", or \"{insist}\" if they are right as they are", span.key("quaternion")),
         ));
     }
     if [Reading::Inverse, Reading::Mirrored].into_iter().any(better) {
         return Err(refusal(
             "the quaternions are left-handed: only after inversion does the specific force stay steady in body axes",
             format!(
-                "negate their x, y and z (or the axis of the reference that is mirrored), or set trajectory.quaternion = \
-                 \"{insist}\" if they are right as they are"
+                "negate their x, y and z (or the axis of the reference that is mirrored), or set {} = \"{insist}\" if \
+                 they are right as they are",
+                span.key("quaternion")
             ),
         ));
     }
@@ -151,26 +153,28 @@ mod tests {
         (0..6000).map(pose).collect()
     }
 
+    const SPAN: Span = Span::Study { from_s: 0.0, duration_s: 60.0 };
+
     #[test]
     fn a_wrong_order_and_a_wrong_hand_are_named_and_a_right_one_passes() {
         let (poses, up) = (figure_of_eight(), Vector3::z());
-        assert_eq!(check(&poses, Order::ScalarFirst, up), Ok(()));
+        assert_eq!(check(&poses, Order::ScalarFirst, up, &SPAN), Ok(()));
         let changed = |change: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>| -> Vec<Pose> {
             poses.iter().map(|p| Pose { attitude: change(p.attitude), ..*p }).collect()
         };
         // Written w x y z, read x y z w.
         let first = changed(|q| unit(q.k, q.w, q.i, q.j));
-        let cause = check(&first, Order::ScalarLast, up).expect_err("order").cause;
+        let cause = check(&first, Order::ScalarLast, up, &SPAN).expect_err("order").cause;
         assert!(cause.contains("scalar-first"), "{cause}");
         let last = changed(|q| unit(q.i, q.j, q.k, q.w));
-        let cause = check(&last, Order::ScalarFirst, up).expect_err("order").cause;
+        let cause = check(&last, Order::ScalarFirst, up, &SPAN).expect_err("order").cause;
         assert!(cause.contains("scalar-last"), "{cause}");
         let inverse = changed(|q| q.inverse());
-        assert!(check(&inverse, Order::ScalarFirst, up).expect_err("hand").cause.contains("left-handed"));
+        assert!(check(&inverse, Order::ScalarFirst, up, &SPAN).expect_err("hand").cause.contains("left-handed"));
         let mirrored: Vec<Pose> = poses.iter().map(|p| Reading::Mirrored.of(p, Order::ScalarFirst)).collect();
-        assert!(check(&mirrored, Order::ScalarFirst, up).expect_err("hand").cause.contains("left-handed"));
+        assert!(check(&mirrored, Order::ScalarFirst, up, &SPAN).expect_err("hand").cause.contains("left-handed"));
         // A body that slides about in all directions says nothing.
         let slid = changed(|_| UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3));
-        assert_eq!(check(&slid, Order::ScalarFirst, up), Ok(()));
+        assert_eq!(check(&slid, Order::ScalarFirst, up, &SPAN), Ok(()));
     }
 }

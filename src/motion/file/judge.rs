@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::finding::{Finding, Leap};
 use super::refusal::{Refusal, refusal};
+use super::span::Span;
 use crate::motion::pose::Pose;
 use crate::number::rounded;
 use crate::numerics::order;
@@ -24,17 +25,14 @@ const UNUSUAL: [f64; 2] = [30.0, 10.0];
 /// again.
 const SURVIVED: f64 = 0.3;
 
-/// What to do about a part of a file that cannot be used.
-const CHOOSE: &str = "choose a stretch without it: trajectory.from_s, and a shorter duration_s";
-
 /// Judges poses, whose rows these are.
 ///
 /// # Errors
 /// Fewer than ten poses, a wide jump, a long hole, turns too wide to follow.
-pub(super) fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refusal> {
+pub(super) fn judge(poses: &[Pose], rows: &[usize], span: &Span) -> Result<Vec<Finding>, Refusal> {
     if poses.len() < 10 {
         let cause = format!("{} poses lie in the stretch that is used: need 10 at least", poses.len());
-        return Err(refusal(cause, "choose a longer stretch (trajectory.from_s, duration_s)"));
+        return Err(refusal(cause, "choose a longer stretch, or give a longer file"));
     }
     let intervals: Vec<f64> = poses.windows(2).map(|p| p[1].time_s - p[0].time_s).collect();
     let usual = order::median(intervals.clone()).unwrap_or_default();
@@ -48,12 +46,13 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refu
     if longest_s > HOLE.1.max(HOLE.0 * usual) {
         let at = intervals.iter().position(|dt| *dt >= longest_s).unwrap_or_default();
         let cause = format!(
-            "no pose for {} s after row {} (at {} s of the study)",
+            "no pose for {} s after row {} (at {} s {})",
             rounded(longest_s, 3),
             rows[at],
-            rounded(poses[at].time_s, 4)
+            rounded(poses[at].time_s, 4),
+            span.of_what()
         );
-        return Err(refusal(cause, CHOOSE));
+        return Err(refusal(cause, span.choose()));
     }
     if holes > 0 {
         findings.push(Finding::Bridged { holes, longest_s });
@@ -67,10 +66,15 @@ pub(super) fn judge(poses: &[Pose], rows: &[usize]) -> Result<Vec<Finding>, Refu
     for (slopes, limit, what) in [(&velocities, JUMP[0], metres), (&rates, JUMP[1], radians)] {
         let all = jumps(slopes, &intervals, limit);
         let Some((at, size)) = all.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-        let finding =
-            Finding::Jumps { jumps: all.len(), largest: what(size), first_row: rows[at], at_s: poses[at].time_s };
+        let finding = Finding::Jumps {
+            jumps: all.len(),
+            largest: what(size),
+            first_row: rows[at],
+            at_s: poses[at].time_s,
+            since: span.of_what(),
+        };
         if size > SURVIVED {
-            return Err(refusal(finding.to_string(), CHOOSE));
+            return Err(refusal(finding.to_string(), span.choose()));
         }
         findings.push(finding);
     }
@@ -117,30 +121,32 @@ mod tests {
         (0..count).map(pose).collect()
     }
 
+    const SPAN: Span = Span::Study { from_s: 0.0, duration_s: 10.0 };
+
     #[test]
     fn a_motion_passes_and_what_is_none_is_named() {
         let rows: Vec<usize> = (0..2000).collect();
-        assert_eq!(judge(&circle(200.0, 2000), &rows), Ok(vec![]));
-        let slow = judge(&circle(2.0, 100), &rows).expect("mentioned");
+        assert_eq!(judge(&circle(200.0, 2000), &rows, &SPAN), Ok(vec![]));
+        let slow = judge(&circle(2.0, 100), &rows, &SPAN).expect("mentioned");
         assert_eq!(slow, [Finding::Slow { rate_hz: 2.0 }]);
         let mut jumped = circle(200.0, 2000);
         jumped[1200..].iter_mut().for_each(|p| p.position_m.x += 0.4);
-        let cause = judge(&jumped, &rows).expect_err("jump").cause;
+        let cause = judge(&jumped, &rows, &SPAN).expect_err("jump").cause;
         assert!(cause.contains("position jumps by 0.4 m") && cause.contains("row 1199"), "{cause}");
         let mut nudged = circle(200.0, 2000);
         nudged[1200..].iter_mut().for_each(|p| p.position_m.x += 0.1);
         nudged[1500..].iter_mut().for_each(|p| p.position_m.y += 0.02);
-        let found = judge(&nudged, &rows).expect("survived");
+        let found = judge(&nudged, &rows, &SPAN).expect("survived");
         assert!(matches!(found[..], [Finding::Jumps { jumps: 2, first_row: 1199, .. }]), "{found:?}");
         let mut turned = circle(200.0, 2000);
         turned[700..].iter_mut().for_each(|p| p.attitude *= UnitQuaternion::from_euler_angles(0.4, 0.0, 0.0));
-        let cause = judge(&turned, &rows).expect_err("jump").cause;
+        let cause = judge(&turned, &rows, &SPAN).expect_err("jump").cause;
         assert!(cause.contains("attitude jumps by 22.9°") && cause.contains("row 699"), "{cause}");
         let mut holed = circle(200.0, 2000);
         holed.drain(500..900);
-        assert!(judge(&holed, &rows).expect_err("hole").cause.contains("no pose for 2"));
+        assert!(judge(&holed, &rows, &SPAN).expect_err("hole").cause.contains("no pose for 2"));
         let mut bridged = circle(200.0, 2000);
         bridged.drain(500..520);
-        assert!(matches!(judge(&bridged, &rows).expect("bridged")[..], [Finding::Bridged { holes: 1, .. }]));
+        assert!(matches!(judge(&bridged, &rows, &SPAN).expect("bridged")[..], [Finding::Bridged { holes: 1, .. }]));
     }
 }

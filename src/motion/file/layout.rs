@@ -1,6 +1,7 @@
 //! Which columns of a file hold the pose, by their headings.
 
 use super::format::{Format, Order};
+use super::part::{Part, Wanted};
 use super::refusal::{Refusal, refusal};
 use crate::recording::headings::Headings;
 use crate::recording::time_unit::TimeUnit;
@@ -37,8 +38,10 @@ pub(super) struct Layout {
     pub time: Option<(String, Option<TimeUnit>)>,
     /// Headings of the numbers wanted: position, then attitude.
     pub columns: Vec<String>,
-    /// How they say attitude.
-    pub rotation: Rotation,
+    /// Whether position is among them.
+    pub has_position: bool,
+    /// How they say attitude; none where it is not among them.
+    pub rotation: Option<Rotation>,
     /// The axes of position.
     pub axes: Axes,
 }
@@ -51,7 +54,7 @@ impl Layout {
     ///
     /// # Errors
     /// Columns that are not there.
-    pub(super) fn of(headings: &Headings, insisted: Option<Format>) -> Result<Self, Refusal> {
+    pub(super) fn of(headings: &Headings, insisted: Option<Format>, wanted: Wanted) -> Result<Self, Refusal> {
         let names = &headings.names;
         let counted = (1..).zip(names).all(|(k, name): (usize, _)| *name == k.to_string());
         let matrix = names.iter().any(|n| n == "r11");
@@ -69,18 +72,39 @@ impl Layout {
         let by_place = |unit, order: [usize; 4], says| -> Result<Self, Refusal> {
             let columns = all(&[1, 2, 3].iter().chain(&order).copied().collect::<Vec<_>>()).ok_or_else(few)?;
             let time = place(0).map(|name| (name, Some(unit)));
-            Ok(Self { format, time, columns, rotation: Rotation::Quaternion(says), axes: Axes::Xyz })
+            let rotation = Some(Rotation::Quaternion(says));
+            Ok(Self { format, time, columns, has_position: true, rotation, axes: Axes::Xyz })
         };
-        match format {
+        let layout = match format {
             Format::Kitti => {
                 let columns = all(&[3, 7, 11, 0, 1, 2, 4, 5, 6, 8, 9, 10]).ok_or_else(few)?;
-                Ok(Self { format, time: None, columns, rotation: Rotation::Matrix, axes: Axes::Xyz })
+                let rotation = Some(Rotation::Matrix);
+                Ok(Self { format, time: None, columns, has_position: true, rotation, axes: Axes::Xyz })
             }
             Format::Tum => by_place(TimeUnit::Second, [7, 4, 5, 6], Order::ScalarLast),
             Format::Euroc if counted => by_place(TimeUnit::Nanosecond, [4, 5, 6, 7], Order::ScalarFirst),
             Format::Csv if counted => Err(refusal("its columns have no headings", NUMBERED)),
-            Format::Euroc | Format::Csv => by_heading(headings, format),
+            Format::Euroc | Format::Csv => by_heading(headings, format, wanted),
+        }?;
+        Ok(layout.taking(wanted))
+    }
+
+    /// How many of the columns hold the position.
+    pub(super) fn numbers_of_position(&self) -> usize {
+        if self.has_position { 3 } else { 0 }
+    }
+
+    /// Without the columns that are not wanted.
+    fn taking(mut self, wanted: Wanted) -> Self {
+        if !wanted.takes(Part::Attitude) {
+            self.columns.truncate(self.numbers_of_position());
+            self.rotation = None;
         }
+        if self.has_position && !wanted.takes(Part::Position) {
+            self.columns.drain(..3);
+            self.has_position = false;
+        }
+        self
     }
 }
 
@@ -92,7 +116,7 @@ fn clean(name: &str) -> String {
     name.trim_start_matches(['#', '%']).trim().to_lowercase()
 }
 
-fn by_heading(headings: &Headings, format: Format) -> Result<Layout, Refusal> {
+fn by_heading(headings: &Headings, format: Format, wanted: Wanted) -> Result<Layout, Refusal> {
     let names: Vec<String> = headings.names.iter().map(|n| clean(n)).collect();
     let find = |holds: &dyn Fn(&str) -> bool| names.iter().position(|n| holds(n));
     let triple = |of: [&dyn Fn(&str) -> bool; 3]| Some([find(of[0])?, find(of[1])?, find(of[2])?]);
@@ -112,9 +136,12 @@ fn by_heading(headings: &Headings, format: Format) -> Result<Layout, Refusal> {
     ];
     let known = || format!("it has: {}", headings.names.iter().take(20).cloned().collect::<Vec<_>>().join(", "));
     let found = position.into_iter().find_map(|(axes, places)| Some((axes, places?)));
-    let (axes, position) =
-        found.ok_or_else(|| refusal("no columns x, y, z (or north, east, down) hold a position", known()))?;
-    for k in position {
+    if found.is_none() && wanted.needs(Part::Position) {
+        return Err(refusal("no columns x, y, z (or north, east, down) hold a position", known()));
+    }
+    let position = found.map_or(Vec::new(), |(_, places)| places.to_vec());
+    let axes = found.map_or(Axes::Xyz, |(axes, _)| axes);
+    for k in position.iter().copied().filter(|_| wanted.takes(Part::Position)) {
         let unit = headings.units[k].as_deref().unwrap_or("m");
         if !["m", "meter", "meters", "metre", "metres"].contains(&unit) {
             return Err(refusal(
@@ -132,9 +159,10 @@ fn by_heading(headings: &Headings, format: Format) -> Result<Layout, Refusal> {
     let (rotation, attitude) = match (quaternion, euler) {
         ([Some(w), Some(x), Some(y), Some(z)], _) => {
             let order = if w < x { Order::ScalarFirst } else { Order::ScalarLast };
-            (Rotation::Quaternion(order), vec![w, x, y, z])
+            (Some(Rotation::Quaternion(order)), vec![w, x, y, z])
         }
-        (_, Some(places)) => (Rotation::Euler(angle_unit(headings, places[0])), places.to_vec()),
+        (_, Some(places)) => (Some(Rotation::Euler(angle_unit(headings, places[0]))), places.to_vec()),
+        _ if !wanted.needs(Part::Attitude) && !position.is_empty() => (None, Vec::new()),
         _ => {
             let cause = "no columns hold an attitude: qw, qx, qy, qz, or roll, pitch, yaw";
             return Err(refusal(cause, known()));
@@ -147,6 +175,7 @@ fn by_heading(headings: &Headings, format: Format) -> Result<Layout, Refusal> {
         format,
         time: Some((headings.names[time].clone(), TimeUnit::of_heading(&heading))),
         columns: position.iter().chain(&attitude).map(|k| headings.names[*k].clone()).collect(),
+        has_position: !position.is_empty(),
         rotation,
         axes,
     })

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::finding::Finding;
 use super::layout::Layout;
 use super::refusal::{Refusal, refusal};
+use super::span::Span;
 use crate::error::{Error, Result};
 use crate::number::rounded;
 use crate::recording::clock::instant::{Instant, unit_by_size};
@@ -27,15 +28,6 @@ pub(super) struct Row {
     pub attitude: Vec<f64>,
 }
 
-/// Which part of a file is wanted, s after its first pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stretch {
-    /// Beginning, s.
-    pub from_s: f64,
-    /// End, s.
-    pub to_s: f64,
-}
-
 /// Rows of a stretch, and what was found about them.
 #[derive(Debug, Clone)]
 pub(super) struct Read {
@@ -52,14 +44,15 @@ pub(super) struct Read {
 ///
 /// # Errors
 /// A file that cannot be read, stamps that run backwards, no times.
-pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: Stretch) -> Result<Read> {
+pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, span: &Span) -> Result<Read> {
     let fail = |r: Refusal| Error::new(format!("could not read the poses of {}", path.display()), r.cause, r.hint);
     let times = match (&layout.time, times) {
         (Some(_), None) => None,
         (_, Some(times)) => Some(seconds(times)?),
         (None, None) => {
             let cause = format!("a {} file has no times", layout.format.name());
-            return Err(fail(refusal(cause, "give the file that has them: trajectory.times = \"times.txt\"")));
+            let hint = format!("give the file that has them: {} = \"times.txt\"", span.key("times"));
+            return Err(fail(refusal(cause, hint)));
         }
     };
     let time = if times.is_some() { None } else { layout.time.as_ref().map(|(name, _)| name.as_str()) };
@@ -80,8 +73,11 @@ pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: S
             })?,
             None => clock.seconds(table.stamp()?),
         };
-        let (position, attitude) = values.split_at(3);
-        if !time_s.is_finite() || values.iter().any(|x| !x.is_finite()) || attitude.iter().all(|x| *x == 0.0) {
+        let (position, attitude) = values.split_at(layout.numbers_of_position());
+        if !time_s.is_finite()
+            || values.iter().any(|x| !x.is_finite())
+            || (layout.rotation.is_some() && attitude.iter().all(|x| *x == 0.0))
+        {
             miss(&mut missing, row);
             continue;
         }
@@ -97,12 +93,13 @@ pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: S
                 continue;
             }
         }
-        all.push(Row { row, time_s, position_m: Vector3::from_column_slice(position), attitude: attitude.to_vec() });
+        all.push(Row { row, time_s, position_m: vector(position), attitude: attitude.to_vec() });
     }
     // All rows are read first: stamps that run backwards say that something is wrong with the file,
     // wherever it is.
-    let from = all.partition_point(|r| r.time_s < wanted.from_s).saturating_sub(2);
-    let to = (all.partition_point(|r| r.time_s <= wanted.to_s) + 2).min(all.len());
+    let [from_s, to_s] = span.ends_s(clock.first, all.last().map_or(0.0, |r| r.time_s));
+    let from = all.partition_point(|r| r.time_s < from_s).saturating_sub(2);
+    let to = (all.partition_point(|r| r.time_s <= to_s) + 2).min(all.len());
     let used = all.get(from..to).unwrap_or_default().to_vec();
     let found = [
         missing.1.map(|first_row| Finding::Dropped { rows: missing.0, first_row }),
@@ -113,6 +110,11 @@ pub(super) fn rows(path: &Path, layout: &Layout, times: Option<&Path>, wanted: S
         return Err(fail(refusal(cause, "are these the right columns, and is the file whole?")));
     }
     Ok(Read { rows: used, start: clock.first, findings: found.into_iter().flatten().collect() })
+}
+
+/// Three numbers, or none where the file has none.
+fn vector(numbers: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|i, _| numbers.get(i).copied().unwrap_or_default())
 }
 
 /// Stamps to seconds since the first of them.

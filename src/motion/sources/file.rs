@@ -5,6 +5,8 @@ use std::path::Path;
 use super::section::Section;
 use super::source::{Source, fail};
 use crate::error::Result;
+use crate::motion::file::part::Wanted;
+use crate::motion::file::span::Span;
 use crate::motion::file::{self, Poses, Request, finding::Finding};
 use crate::motion::pose::Pose;
 use crate::motion::spline::{Departure, through};
@@ -45,7 +47,7 @@ pub struct Whole {
 /// # Errors
 /// As [`file::read`].
 pub fn whole(section: &Section) -> Result<Whole> {
-    let (_, Poses { poses, start, findings }) = poses(section, f64::INFINITY)?;
+    let (_, Poses { poses, start, findings, .. }) = poses(section, f64::INFINITY)?;
     let extent_s = [poses.first().map_or(0.0, |p| p.time_s.max(0.0)), poses.last().map_or(0.0, |p| p.time_s)];
     Ok(Whole { trajectory: along(&poses, findings)?, start, extent_s })
 }
@@ -64,8 +66,8 @@ fn poses(section: &Section, duration_s: f64) -> Result<(&Path, Poses)> {
         times: section.times.as_deref(),
         up: section.up,
         quaternion: section.quaternion,
-        from_s,
-        duration_s,
+        wanted: Wanted::Both,
+        span: Span::Study { from_s, duration_s },
     };
     Ok((path, file::read(&request)?))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use libtest_mimic::Failed;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -12,7 +12,7 @@ use proofmass::diagnosis::verdict::{Effect, Estimate};
 use proofmass::diagnosis::{diagnose, model};
 use proofmass::document;
 use proofmass::motion::sources::{self, Section};
-use proofmass::motion::{Earth, Sampling};
+use proofmass::motion::{Earth, Sampling, Truth};
 use proofmass::rng::{Philox, Stream};
 
 /// Three numbers.
@@ -62,14 +62,26 @@ pub fn biases(data: &Path, name: &str) -> Result<Three, Failed> {
     Ok(std::array::from_fn(|i| poses.iter().map(|(_, v)| v[10 + i]).sum::<f64>() / poses.len() as f64))
 }
 
+/// Biases of the made-up flights: gyro, rad/s, and accelerometer, m/s².
+pub const PLANTED: [Three; 2] = [[0.01, -0.02, 0.005], [0.05, -0.03, 0.1]];
+
 /// A drone's flight of ninety seconds, 200 readings and 100 poses per second: white noise of a fair
 /// consumer sensor, constant biases, an exact reference.
 pub fn made_up(seed: u64) -> Result<Flight, Failed> {
+    Ok(read(&flown(seed)?, seed))
+}
+
+/// What a drone does on such a flight.
+pub fn flown(seed: u64) -> Result<Truth, Failed> {
     let text = format!("kind = \"drone\"\nspeed_m_s = 3.0\nextent_m = 6.0\nstill_s = 3.0\nseed = {seed}\n");
     let section: Section = document::parse_toml("study.toml", &text)?;
     let trajectory = sources::trajectory(&section, 90.0)?;
     let sampling = Sampling { rate_hz: 200.0, duration_s: 90.0, lever_arm_m: Vector3::zeros() };
-    let truth = trajectory.truth(&Earth::FLAT, sampling)?;
+    Ok(trajectory.truth(&Earth::FLAT, sampling)?)
+}
+
+/// One reading of a flight.
+pub fn read(truth: &Truth, seed: u64) -> Flight {
     let mut random = Philox::new(seed, 7, Stream::Host);
     let mut noisy = |value: Vector3<f64>, bias: Three, deviation: f64| -> Three {
         std::array::from_fn(|i| value[i] + bias[i] + deviation * random.normal())
@@ -78,15 +90,15 @@ pub fn made_up(seed: u64) -> Result<Flight, Failed> {
     let mut flight = Flight { stamps_ns: Vec::new(), rate: Vec::new(), force: Vec::new(), poses: Vec::new() };
     for (k, sample) in truth.samples.iter().enumerate() {
         flight.stamps_ns.push(stamp(sample.time_s));
-        flight.rate.push(noisy(sample.rate_rad_s, [0.01, -0.02, 0.005], 1.6968e-3));
-        flight.force.push(noisy(sample.specific_force_m_s2, [0.05, -0.03, 0.1], 2e-2));
+        flight.rate.push(noisy(sample.rate_rad_s, PLANTED[0], 1.6968e-3));
+        flight.force.push(noisy(sample.specific_force_m_s2, PLANTED[1], 2e-2));
         if k % 2 == 0 {
             // North-east-down to a reference with z up, as files have it.
             let up = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
             flight.poses.push((stamp(sample.time_s), up * sample.position_m, up * sample.attitude));
         }
     }
-    Ok(flight)
+    flight
 }
 
 impl Flight {
@@ -133,6 +145,22 @@ impl Flight {
         Self { poses: poses.collect(), ..self.clone() }
     }
 
+    /// Every pose errs, by what a process of this correlation time makes, s (none: by itself), of
+    /// this size in attitude, rad, and position, m.
+    pub fn with_coloured_reference(&self, seed: u64, correlation_s: f64, [attitude_rad, position_m]: [f64; 2]) -> Self {
+        let mut random = Philox::new(seed, 11, Stream::Host);
+        let keeps = if correlation_s > 0.0 { (-0.01 / correlation_s).exp() } else { 0.0 };
+        let mut state = [Vector3::zeros(), Vector3::zeros()].map(|v: Vector3<f64>| v.map(|_| random.normal()));
+        let poses = self.poses.iter().map(|(stamp, p, q)| {
+            for error in &mut state {
+                *error = *error * keeps + Vector3::from_fn(|_, _| (1.0f64 - keeps * keeps).sqrt() * random.normal());
+            }
+            let turned = q * UnitQuaternion::from_scaled_axis(state[0] * attitude_rad);
+            (*stamp, p + state[1] * position_m, turned)
+        });
+        Self { poses: poses.collect(), ..self.clone() }
+    }
+
     fn imu(&self) -> String {
         let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],\
                         a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
@@ -155,17 +183,81 @@ impl Flight {
 
     /// What the tool says.
     pub fn diagnosed(&self) -> Result<Answer, Failed> {
-        let folder = tempfile::tempdir()?;
-        let imu = folder.path().join("imu.csv");
-        std::fs::write(&imu, self.imu())?;
-        std::fs::write(folder.path().join("reference.csv"), self.reference())?;
-        let file = folder.path().join("model.toml");
+        self.files().diagnosed()
+    }
+
+    /// As the files that the tool reads.
+    pub fn files(&self) -> Files {
         // The static figures of the flights' own sensor.yaml; the made-up flights are given the
         // same.
         let model = "kind = \"trajectory\"\n[columns]\ntime = \"#timestamp [ns]\"\n[reference]\nfile = \"reference.csv\"\n\
                      [noise.gyro]\ndensity = 1.6968e-4\n[noise.accelerometer]\ndensity = 2.0e-3\n";
-        std::fs::write(&file, model)?;
-        let model = model::read(&file)?;
+        Files { imu: self.imu(), reference: self.reference(), model: model.into() }
+    }
+
+    /// Some of the poses alone, by their place.
+    pub fn with_poses(&self, wanted: impl Fn(usize) -> bool) -> Self {
+        let poses = self.poses.iter().enumerate().filter(|(k, _)| wanted(*k)).map(|(_, pose)| *pose);
+        Self { poses: poses.collect(), ..self.clone() }
+    }
+
+    /// Every pose altered, by its place.
+    pub fn with_pose_at(&self, of: impl Fn(usize, Vector3<f64>, [f64; 4]) -> (Vector3<f64>, [f64; 4])) -> Self {
+        let poses = self.poses.iter().enumerate().map(|(k, (stamp, p, q))| {
+            let (p, [w, x, y, z]) = of(k, *p, [q.w, q.i, q.j, q.k]);
+            (*stamp, p, UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
+        });
+        Self { poses: poses.collect(), ..self.clone() }
+    }
+}
+
+/// An IMU's log, its reference and their model, as text.
+#[derive(Debug, Clone)]
+pub struct Files {
+    pub imu: String,
+    pub reference: String,
+    pub model: String,
+}
+
+impl Files {
+    /// The columns of the reference with these headings alone.
+    pub fn with_columns(&self, wanted: &[&str]) -> Self {
+        let heading = self.reference.lines().next().unwrap_or_default();
+        let places: Vec<usize> = heading
+            .split(',')
+            .enumerate()
+            .filter(|(_, name)| wanted.iter().any(|w| name.contains(w)))
+            .map(|(place, _)| place)
+            .collect();
+        let row = |line: &str| -> String {
+            let cells: Vec<&str> = line.split(',').collect();
+            places.iter().filter_map(|place| cells.get(*place).copied()).collect::<Vec<_>>().join(",")
+        };
+        Self { reference: self.reference.lines().map(|line| row(line) + "\n").collect(), ..self.clone() }
+    }
+
+    /// Every row of the reference, without its heading, as another line.
+    pub fn with_rows(&self, of: impl Fn(usize, &str) -> String) -> Self {
+        let mut lines = self.reference.lines();
+        let heading = lines.next().unwrap_or_default();
+        let rows: String = lines.enumerate().map(|(k, line)| of(k, line) + "\n").collect();
+        Self { reference: format!("{heading}\n{rows}"), ..self.clone() }
+    }
+
+    /// Puts them into a folder: the paths of log and model.
+    pub fn write(&self, folder: &Path) -> Result<[PathBuf; 2], Failed> {
+        let [imu, model] = ["imu.csv", "model.toml"].map(|name| folder.join(name));
+        std::fs::write(&imu, &self.imu)?;
+        std::fs::write(folder.join("reference.csv"), &self.reference)?;
+        std::fs::write(&model, &self.model)?;
+        Ok([imu, model])
+    }
+
+    /// What the tool says.
+    pub fn diagnosed(&self) -> Result<Answer, Failed> {
+        let folder = tempfile::tempdir()?;
+        let [imu, model] = self.write(folder.path())?;
+        let model = model::read(&model)?;
         let recording = model::read_recording(&imu, &model)?;
         Ok(diagnose(&recording, &model, &Control::silent())?)
     }

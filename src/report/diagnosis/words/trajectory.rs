@@ -84,8 +84,18 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
             manoeuvre(h.manoeuvre)
         )
     };
-    account.hidden.iter().map(one).collect()
+    account.hidden.iter().map(one).chain(untold(account)).collect()
 }
+
+/// What a reference without positions leaves untold.
+fn untold(account: &Account) -> Option<String> {
+    let names: Vec<String> = account.untold.iter().map(|t| t.phrase()).collect();
+    (!names.is_empty()).then(|| {
+        format!("a reference of attitude alone tells nothing of {}; {POSITIONS} would determine it", names.join(" or "))
+    })
+}
+
+const POSITIONS: &str = "a reference that also has positions";
 
 fn manoeuvre(manoeuvre: Manoeuvre) -> &'static str {
     match manoeuvre {
@@ -110,6 +120,9 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
             "Record the same motion again with another reference: an error that remains belongs to the sensor.".into()
         }
         (_, Some(way)) => format!("Record {way}: it would determine what this motion does not."),
+        (_, None) if !account.untold.is_empty() => {
+            format!("Record {POSITIONS}, e.g. motion capture or GNSS: it would determine what attitude alone does not.")
+        }
         (Outcome::Explained, None) => {
             "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
         }

@@ -1,0 +1,131 @@
+//! Whether the IMU bears out how the reference's attitudes were read: the same numbers are read in
+//! every other way that files are known to have them, and one that fits far better is named.
+//!
+//! The gyro tells the order of a quaternion's numbers and the sense of its rotation; the specific
+//! force tells whether attitudes and positions are of one frame. A reference that is mirrored as a
+//! whole turns like one that is not, with the body on its head and gravity pulling up.
+
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use super::log::{Log, Motion};
+use super::permutation::Permutation;
+use super::start::{Start, start};
+use crate::motion::file::format::Order;
+
+/// What is wrong with how attitudes were read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fault {
+    /// The scalar stands at the other end than was taken.
+    Order {
+        /// Where it was taken to stand.
+        taken: Order,
+    },
+    /// The rotations go from world to body.
+    Inverse,
+    /// Quaternions of a left-handed system, or of another frame than the positions.
+    LeftHanded,
+    /// Positions and attitudes alike are mirrored.
+    Mirrored,
+}
+
+/// Unexplained share of the gyro, and square error of the specific force, over those of the reading
+/// at hand, below which another one fits far better.
+const FAR_BETTER: f64 = 0.25;
+/// Share of the gyro's variance that the better reading explains.
+const EXPLAINS: f64 = 0.5;
+/// Explained share above which axes as they are given raise no suspicion.
+const SOUND: f64 = 0.9;
+/// Turns from here on are half ones, rad.
+const UPSIDE_DOWN_RAD: f64 = 3.0;
+/// By how much less of the gyro a reading may explain that the specific force prefers.
+const AS_WELL: f64 = 0.02;
+
+/// Signs of x, y and z of a quaternion, other than as they are.
+const SIGNS: [[f64; 3]; 7] = [
+    [-1.0, -1.0, -1.0],
+    [-1.0, 1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+];
+
+/// The other readings, each with what is wrong where it is the right one.
+fn others(motion: &Motion) -> Vec<(Fault, Motion)> {
+    let read = |of: &dyn Fn(&Quaternion<f64>) -> Quaternion<f64>| {
+        let one = |q: &UnitQuaternion<f64>| {
+            motion.turn * UnitQuaternion::from_quaternion(of((motion.turn.inverse() * q).quaternion()))
+        };
+        Motion { attitude: motion.attitude.iter().map(one).collect(), ..motion.clone() }
+    };
+    let signed = |s: [f64; 3]| read(&|q| Quaternion::new(q.w, s[0] * q.i, s[1] * q.j, s[2] * q.k));
+    let mut all: Vec<(Fault, Motion)> = Vec::new();
+    if let Some(taken) = motion.quaternion {
+        let moved = read(&|q| match taken {
+            Order::ScalarLast => Quaternion::new(q.i, q.j, q.k, q.w),
+            Order::ScalarFirst => Quaternion::new(q.k, q.w, q.i, q.j),
+        });
+        all.push((Fault::Order { taken }, moved));
+    }
+    let fault = |n: usize| if n == 0 { Fault::Inverse } else { Fault::LeftHanded };
+    all.extend(SIGNS.iter().enumerate().map(|(n, s)| (fault(n), signed(*s))));
+    all
+}
+
+/// What is wrong with the reference's attitudes, if another reading of them fits far better.
+pub(super) fn fault(log: &Log, motion: &Motion, said: &Start, gravity_m_s2: f64) -> Option<Fault> {
+    let as_given = [said.gyro, said.accelerometer].iter().all(|p| *p == Permutation::NONE);
+    if said.explained > SOUND && as_given && said.turned.angle() == 0.0 {
+        return None;
+    }
+    let read: Vec<(Fault, Start)> =
+        others(motion).iter().map(|(fault, motion)| (*fault, start(log, motion, gravity_m_s2))).collect();
+    let by_gyro = |s: &Start| s.explained > EXPLAINS && 1.0 - s.explained < FAR_BETTER * (1.0 - said.explained);
+    let by_force = |s: &Start| {
+        motion.has_position && s.explained > said.explained - AS_WELL && s.force_square < FAR_BETTER * said.force_square
+    };
+    let better = read.iter().filter(|(_, s)| by_gyro(s) || by_force(s));
+    // Readings that turn alike are told apart by the specific force.
+    let best = better.min_by(|a, b| a.1.force_square.total_cmp(&b.1.force_square)).map(|(fault, _)| *fault);
+    let upside_down = said.turned.angle() > UPSIDE_DOWN_RAD;
+    best.or((upside_down && said.against).then_some(Fault::Mirrored))
+}
+
+impl Fault {
+    /// What is wrong, and what to do.
+    pub(super) fn words(self) -> (String, String) {
+        match self {
+            Self::Order { taken } => {
+                let [is, key] = match taken {
+                    Order::ScalarLast => ["first", "scalar-first"],
+                    Order::ScalarFirst => ["last", "scalar-last"],
+                };
+                (
+                    format!(
+                        "its quaternions are {key}: only with the scalar {is} does the reference turn as the gyro does"
+                    ),
+                    format!("set quaternion = \"{key}\" under [reference]"),
+                )
+            }
+            Self::Inverse => (
+                "its quaternions are world to body: only inverted does the reference turn as the gyro does".into(),
+                "negate their x, y and z: need body to world".into(),
+            ),
+            Self::LeftHanded => (
+                "its quaternions are left-handed, or of another frame than its positions: only with other signs of \
+                 their x, y or z does the reference move as the IMU does"
+                    .into(),
+                "need right-handed quaternions, body to world, in the frame of the positions".into(),
+            ),
+            Self::Mirrored => (
+                "it is left-handed: it moves as the IMU does only with one axis of its positions and quaternions \
+                 mirrored"
+                    .into(),
+                "mirror the axis back (y: negate y of the position, and x and z of the quaternion); if the IMU is \
+                 mounted upside down, negate its accelerometer's columns instead"
+                    .into(),
+            ),
+        }
+    }
+}

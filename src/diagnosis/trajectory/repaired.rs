@@ -1,0 +1,218 @@
+//! The sensor as diagnosed, as a study along the reference that it was diagnosed beside.
+//!
+//! A number that was fitted is drawn about its value with its standard error. A study has one
+//! number for each axis of the gyro's misalignment and g-sensitivity, drawn for each element of
+//! that row: mean and spread over the elements that were found.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf, absolute};
+
+use nalgebra::UnitQuaternion;
+
+use crate::diagnosis::model::Reference;
+use crate::diagnosis::repair::{name, preamble, round_rate};
+use crate::diagnosis::verdict::Verdict;
+use crate::document::toml_string;
+use crate::motion::file::format::{Format, Order};
+use crate::sensor::{SensorTerm, coupling};
+use crate::units::key::Key;
+use crate::units::{DEGREE, DENSITY_TO_RANDOM_WALK};
+
+/// Longest study, s.
+const LONGEST_S: f64 = 60.0;
+/// Times that drift is reported for, s.
+const REPORTED_S: [f64; 3] = [1.0, 10.0, 60.0];
+/// Turns and arms below which none is written, rad and m.
+const NOTHING: f64 = 1e-9;
+
+/// A number and its standard error, SI.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drawn {
+    /// The value.
+    pub mean: f64,
+    /// Its standard error.
+    pub sd: f64,
+}
+
+/// Where the study goes: a stretch of the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Along {
+    /// The file, and how it is read.
+    pub reference: Reference,
+    /// Whether it has both halves of a pose; the study stands still where it has not.
+    pub whole: bool,
+    /// First and last pose that was used, s after the file's first.
+    pub ends_s: [f64; 2],
+    /// Latitude, °, and height, m, where the model states them.
+    pub place: Option<(f64, f64)>,
+    /// Whether the Earth's rotation was named.
+    pub earth_turns: bool,
+}
+
+/// A sensor on a body that moves. What was not named is zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repaired {
+    /// Where the study goes.
+    pub along: Along,
+    /// Biases of the gyro, rad/s.
+    pub gyro_bias: [Drawn; 3],
+    /// Biases of the accelerometer, m/s².
+    pub force_bias: [Drawn; 3],
+    /// Scale-factor errors of the gyro, 1.
+    pub gyro_scale: [Drawn; 3],
+    /// Misalignment of the gyro by rows, the element on the diagonal left out, rad.
+    pub gyro_misalignment: [[f64; 2]; 3],
+    /// Sensitivity of the gyro to specific force by rows, (rad/s)/(m/s²).
+    pub g_sensitivity: [[f64; 3]; 3],
+    /// By how much its stamps are late, s.
+    pub time_offset: Drawn,
+    /// One-sided noise densities of gyro and accelerometer in motion, unit/√Hz.
+    pub density: [f64; 2],
+    /// Limits of the accelerometer's readings, m/s², where it has any.
+    pub range_m_s2: Option<f64>,
+    /// From the IMU's axes to the body's.
+    pub mounting: UnitQuaternion<f64>,
+    /// From the reference's origin to the accelerometer, body axes, m.
+    pub lever_arm_m: [f64; 3],
+    /// Named, and not expressible in a study.
+    pub not_expressible: Vec<String>,
+}
+
+impl Repaired {
+    /// As a study.
+    pub(in crate::diagnosis) fn document(&self, verdict: &Verdict) -> String {
+        let mut text = preamble(verdict, self.along.relation(), &self.not_expressible);
+        let [from_s, to_s] = self.along.ends_s;
+        let from_s = (from_s * 100.0).ceil() / 100.0;
+        let duration_s = if self.along.whole { (to_s - from_s).floor().min(LONGEST_S) } else { LONGEST_S };
+        let _ = write!(
+            text,
+            "\nname = {}\nseed = 1\nmembers = 4096\nduration_s = {duration_s:?}\n",
+            toml_string(&name(verdict))
+        );
+        text += &self.along.section(from_s);
+        text += &self.sensor(round_rate(verdict.recording.rate_hz));
+        let times_s: Vec<f64> = REPORTED_S.into_iter().filter(|t| *t <= duration_s).collect();
+        let _ = write!(text, "\n[report]\ntimes_s = {times_s:?}\n");
+        text
+    }
+
+    fn sensor(&self, rate_hz: f64) -> String {
+        let mut text = format!("\n[sensor]\nsample_rate_hz = {rate_hz:?}\n");
+        let row = |term: SensorTerm| term.row().keys;
+        let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
+        text += &self.range_m_s2.map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
+        if self.time_offset.mean != 0.0 {
+            text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, self.time_offset));
+        }
+        text += "\n[accelerometer]\n";
+        text += &three(&row(SensorTerm::AccelerometerBias)[0], self.force_bias);
+        text += &one(&row(SensorTerm::VelocityRandomWalk)[0], self.density[1] * DENSITY_TO_RANDOM_WALK);
+        text += "\n[gyro]\n";
+        text += &three(&row(SensorTerm::GyroBias)[0], self.gyro_bias);
+        text += &one(&row(SensorTerm::AngleRandomWalk)[0], self.density[0] * DENSITY_TO_RANDOM_WALK);
+        text += &three(&coupling::GYRO_SCALE_FACTOR, self.gyro_scale);
+        text += &three(&coupling::GYRO_MISALIGNMENT, self.gyro_misalignment.map(|row| over(&row)));
+        text += &three(&coupling::G_SENSITIVITY, self.g_sensitivity.map(|row| over(&row)));
+        let turned = self.mounting.angle() > NOTHING;
+        let shifted = self.lever_arm_m.iter().any(|l| l.abs() > NOTHING);
+        if turned || shifted {
+            text += "\n[mounting]\n";
+        }
+        if shifted {
+            let _ = writeln!(text, "lever_arm_m = {:?}", self.lever_arm_m);
+        }
+        if turned {
+            let (roll, pitch, yaw) = self.mounting.euler_angles();
+            let _ = writeln!(text, "rotation_deg = {:?}", [roll, pitch, yaw].map(|a| a / DEGREE));
+        }
+        text
+    }
+}
+
+impl Along {
+    fn relation(&self) -> &'static str {
+        if self.whole {
+            "The study goes along the reference of the recording. Numbers that were fitted are drawn about their values \
+             with their standard errors."
+        } else {
+            "The reference has no positions, so the study stands still. Numbers that were fitted are drawn about their \
+             values with their standard errors."
+        }
+    }
+
+    fn section(&self, from_s: f64) -> String {
+        if !self.whole {
+            return "\n[trajectory]\nkind = \"rest\"\n".into();
+        }
+        // From wherever the study is run.
+        let path = |file: &Path| {
+            let file: PathBuf = absolute(file).unwrap_or_else(|_| file.to_path_buf());
+            toml_string(&file.to_string_lossy())
+        };
+        let reference = &self.reference;
+        let mut text =
+            format!("\n[trajectory]\nkind = \"file\"\nfile = {}\nfrom_s = {from_s:?}\n", path(&reference.file));
+        let mut key = |name: &str, value: Option<String>| {
+            value.into_iter().for_each(|value| {
+                let _ = writeln!(text, "{name} = {value}");
+            });
+        };
+        key("format", reference.format.map(|format| toml_string(format_key(format))));
+        key("times", reference.times.as_deref().map(path));
+        key("up", reference.up.map(|up| toml_string(up.name())));
+        key("quaternion", reference.quaternion.map(|order| toml_string(order_key(order))));
+        if let Some((latitude_deg, height_m)) = self.place {
+            let _ = write!(
+                text,
+                "\n[earth]\nlatitude_deg = {latitude_deg:?}\nheight_m = {height_m:?}\nrotation = {}\n",
+                self.earth_turns
+            );
+        }
+        text
+    }
+}
+
+fn format_key(format: Format) -> &'static str {
+    match format {
+        Format::Euroc => "euroc",
+        Format::Tum => "tum",
+        Format::Kitti => "kitti",
+        Format::Csv => "csv",
+    }
+}
+
+fn order_key(order: Order) -> &'static str {
+    match order {
+        Order::ScalarFirst => "scalar-first",
+        Order::ScalarLast => "scalar-last",
+    }
+}
+
+/// Mean and spread of elements that a study draws apart.
+fn over(elements: &[f64]) -> Drawn {
+    let count = elements.len().max(1) as f64;
+    let mean = elements.iter().sum::<f64>() / count;
+    let variance = elements.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / count;
+    Drawn { mean, sd: variance.sqrt() }
+}
+
+fn number(key: &Key, value: f64) -> String {
+    format!("{:?}", value / key.factor)
+}
+
+fn drawn(key: &Key, Drawn { mean, sd }: Drawn) -> String {
+    format!("{{ mean = {}, sd = {} }}", number(key, mean), number(key, sd))
+}
+
+fn line(key: &Key, value: &str) -> String {
+    format!("{} = {value}\n", key.key())
+}
+
+/// A number for each axis; nothing where all are zero.
+fn three(key: &Key, axes: [Drawn; 3]) -> String {
+    if axes.iter().all(|axis| *axis == Drawn::default()) {
+        return String::new();
+    }
+    line(key, &format!("[\n    {},\n]", axes.map(|axis| drawn(key, axis)).join(",\n    ")))
+}

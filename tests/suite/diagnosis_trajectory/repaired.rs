@@ -1,0 +1,79 @@
+//! repaired.toml of an IMU in motion: a study that runs as it is, with the numbers that were named.
+
+use libtest_mimic::{Failed, Trial};
+use proofmass::backend::flight::Quantity;
+use proofmass::control::Control;
+use proofmass::diagnosis::repaired;
+use proofmass::diagnosis::{diagnose, model};
+use proofmass::ensemble::Choice;
+use proofmass::report::diagnosis::worded;
+use proofmass::strapdown::answer::answer;
+use proofmass::study::{self, Overrides, Study};
+use toml::{Table, Value};
+
+use super::super::world::{check, near, test};
+use super::flight::{Files, ids, made_up};
+
+/// Tests of this module.
+pub fn tests() -> Vec<Trial> {
+    vec![test("trajectory: the repaired sensor is a study that runs, with the numbers that were named", runs)]
+}
+
+/// repaired.toml of a recording.
+fn document(files: &Files, folder: &std::path::Path) -> Result<String, Failed> {
+    let [imu, model] = files.write(folder)?;
+    let model = model::read(&model)?;
+    let recording = model::read_recording(&imu, &model)?;
+    let answer = diagnose(&recording, &model, &Control::silent())?;
+    check(!ids(&answer).is_empty(), "nothing is named")?;
+    let found = worded(answer);
+    repaired::document(found.repair.as_ref(), &found.detail, &found.verdict).ok_or_else(|| "no study".into())
+}
+
+fn number(value: Option<&Value>) -> f64 {
+    value.and_then(|v| v.as_float().or_else(|| v.as_integer().map(|n| n as f64))).unwrap_or(f64::NAN)
+}
+
+fn mean(table: &Table, section: &str, key: &str, axis: usize) -> f64 {
+    let value = table.get(section).and_then(|s| s.get(key));
+    let value = value.and_then(|v| v.get(axis)).or(value);
+    number(value.and_then(|v| v.get("mean")))
+}
+
+fn runs() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let scaled = made_up(1)?.with_rate(|w| w.map(|v| v * 1.004)).shifted(0.004);
+    let text = document(&scaled.files(), folder.path())?;
+    let table: Table = text.parse()?;
+    // A reading of y = (1 + s) ω + b: the scale acts on the planted bias as well.
+    let degree_per_hour = std::f64::consts::PI / 180.0 / 3600.0;
+    for (axis, (gyro, force)) in [(0.01, 0.05), (-0.02, -0.03), (0.005, 0.1)].into_iter().enumerate() {
+        near("gyro bias", mean(&table, "gyro", "bias_deg_h", axis) * degree_per_hour, gyro * 1.004, 1e-4)?;
+        near("force bias", mean(&table, "accelerometer", "bias_mg", axis) * 9.80665e-3, force, 2e-2)?;
+        near("scale", mean(&table, "gyro", "scale_factor_ppm", axis), 4000.0, 500.0)?;
+    }
+    near("offset", mean(&table, "sensor", "time_offset_us", 0), 4000.0, 200.0)?;
+    check(table.get("gyro").and_then(|g| g.get("misalignment_mrad")).is_none(), "a misalignment that was not named")?;
+    // It runs from another folder, as it is but for the number of members.
+    let path = folder.path().join("repaired.toml");
+    std::fs::write(&path, &text)?;
+    let few = Overrides { members: Some(64), ..Overrides::default() };
+    // The flight stands still for three seconds: a bias of 0.1 m/s² along z is ½ b t² after one,
+    // within the 0.02 m/s² above.
+    let still = down_m(&study::read(&path, &few)?)?;
+    near("down", still, 0.05, 0.01)?;
+    std::fs::write(&path, without(&table, "accelerometer").to_string())?;
+    check((down_m(&study::read(&path, &few)?)? - 0.05).abs() > 0.01, "a sensor without that bias would pass")
+}
+
+fn without(table: &Table, section: &str) -> Table {
+    table.iter().filter(|(key, _)| *key != section).map(|(key, value)| (key.clone(), value.clone())).collect()
+}
+
+/// Mean error of the position along the vertical after the first report time, m.
+fn down_m(study: &Study) -> Result<f64, Failed> {
+    let motion = study.in_motion.as_ref().ok_or("no trajectory")?;
+    let found = answer(study, motion, Choice::Cpu, &Control::silent())?;
+    check(found.report_times_s().first().is_some_and(|t| (t - 1.0).abs() < 1e-9), "it does not report after a second")?;
+    Ok(found.ensemble.summary(found.report[0], Quantity::Position(2)).mean)
+}
