@@ -5,6 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::log::{Log, Motion};
 use super::orientation;
+use super::permutation::Permutation;
 use super::start::Start;
 use crate::diagnosis::model::{Reference, Trajectory};
 use crate::error::{Error, Result};
@@ -183,7 +184,7 @@ pub(super) fn alike(
         );
         return Err(fail(recording, cause, "are they of one run? are the reference's quaternions body to world?"));
     }
-    if start.against {
+    if start.accelerometer == (Permutation { axis: [0, 1, 2], turned: [true; 3] }) {
         let cause =
             "the accelerometer reads −g at rest where specific force is +g: gravity has the wrong sign".to_owned();
         return Err(fail(recording, cause, "negate its columns: specific force is acceleration less gravity"));

@@ -35,8 +35,6 @@ const FAR_BETTER: f64 = 0.25;
 const EXPLAINS: f64 = 0.5;
 /// Explained share above which axes as they are given raise no suspicion.
 const SOUND: f64 = 0.9;
-/// Turns from here on are half ones, rad.
-const UPSIDE_DOWN_RAD: f64 = 3.0;
 /// By how much less of the gyro a reading may explain that the specific force prefers.
 const AS_WELL: f64 = 0.02;
 
@@ -75,6 +73,11 @@ fn others(motion: &Motion) -> Vec<(Fault, Motion)> {
 
 /// What is wrong with the reference's attitudes, if another reading of them fits far better.
 pub(super) fn fault(log: &Log, motion: &Motion, said: &Start, gravity_m_s2: f64) -> Option<Fault> {
+    let upside_down = said.turned.angle() > 3.0;
+    let all_against = said.accelerometer == Permutation { axis: [0, 1, 2], turned: [true; 3] };
+    if upside_down && all_against {
+        return Some(Fault::Mirrored);
+    }
     let as_given = [said.gyro, said.accelerometer].iter().all(|p| *p == Permutation::NONE);
     if said.explained > SOUND && as_given && said.turned.angle() == 0.0 {
         return None;
@@ -87,9 +90,7 @@ pub(super) fn fault(log: &Log, motion: &Motion, said: &Start, gravity_m_s2: f64)
     };
     let better = read.iter().filter(|(_, s)| by_gyro(s) || by_force(s));
     // Readings that turn alike are told apart by the specific force.
-    let best = better.min_by(|a, b| a.1.force_square.total_cmp(&b.1.force_square)).map(|(fault, _)| *fault);
-    let upside_down = said.turned.angle() > UPSIDE_DOWN_RAD;
-    best.or((upside_down && said.against).then_some(Fault::Mirrored))
+    better.min_by(|a, b| a.1.force_square.total_cmp(&b.1.force_square)).map(|(fault, _)| *fault)
 }
 
 impl Fault {

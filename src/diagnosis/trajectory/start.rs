@@ -22,8 +22,6 @@ const SHIFTS_S: (f64, f64) = (2.0, 0.02);
 const MOST: usize = 3000;
 /// Square error by which the better of two ways to hold the axes must be smaller.
 const BETTER: f64 = 0.5;
-/// Square error over the best one, up to which another way is as good.
-const AS_GOOD: f64 = 2.0;
 
 /// An angle that the fit finds by itself, rad.
 const SMALL_RAD: f64 = 0.2;
@@ -50,9 +48,6 @@ pub(super) struct Start {
     pub chance_turned: f64,
     /// Mean square by which the specific force misses the reference's, in those axes, (m/s²)².
     pub force_square: f64,
-    /// Whether all three axes of the accelerometer read the other way round as well as in any other
-    /// order: a body that pushes itself along one axis tells nothing of the two others.
-    pub against: bool,
     /// Bias of the gyro in its own axes, rad/s.
     pub gyro_bias: Vector3<f64>,
     /// Bias of the accelerometer in its own axes, m/s².
@@ -186,9 +181,6 @@ pub(super) fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
     let (gyro, accelerometer, turned) = found;
     let gyro_bias = gyro.matrix().transpose() * pairs.residual(&matrices[0]).1;
     let (force_square, bias) = forces.residual(&matrices[1]);
-    let along = turned.inverse().to_rotation_matrix();
-    let [with, opposed] = [1.0, -1.0].map(|sign| forces.residual(&(along.matrix() * sign)).0);
-    let against = opposed < BETTER * with && opposed < AS_GOOD * force_square;
     let force_bias = accelerometer.matrix().transpose() * bias;
     Start {
         offset_s,
@@ -200,7 +192,6 @@ pub(super) fn start(log: &Log, motion: &Motion, gravity_m_s2: f64) -> Start {
         chance_exchanged,
         chance_turned,
         force_square,
-        against,
         gyro_bias,
         force_bias,
     }

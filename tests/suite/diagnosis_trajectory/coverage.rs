@@ -63,10 +63,6 @@ fn holds(correlation_s: f64) -> Result<(), Failed> {
         }
         let count = 3.0 * all.len() as f64;
         let wide = widths / count / (1.96 * (square / count).sqrt());
-        eprintln!(
-            "{name} {correlation_s}: {held} of {count}, {wide:.2} times the scatter {:.3e}",
-            (square / count).sqrt()
-        );
         check(held >= LEAST, format!("{name}: {held} of {count} intervals hold"))?;
         check((NARROWEST..WIDEST).contains(&wide), format!("{name}: {wide:.2} times the scatter"))?;
         check(narrow < LEAST, format!("{name}: of intervals a third as wide {narrow} hold as well"))?;
