@@ -18,7 +18,7 @@ use super::permutation::Permutation;
 use super::published::{self, Fitted};
 use super::scatter;
 use super::selection::{Selection, base};
-use super::sensor;
+use super::sensor::Diagnosed;
 use super::start::Start;
 use super::vibration::{self, Vibration};
 use crate::diagnosis::answer::{self, Answer, Places};
@@ -157,11 +157,34 @@ impl Examined<'_> {
         }
         let mut detail = self.detail(found.log, Some((found, &before, &chosen.point)), account);
         detail.published = published::calibration(&wide, swap);
-        detail.repaired = Some(sensor::repaired(&self, found, [&chosen, &seated], errs));
+        let diagnosed = Diagnosed {
+            case: found.case,
+            start: found.start,
+            selection,
+            chosen: &chosen,
+            seated: &seated,
+            reference: found.reference,
+            place: found.place,
+            limits: &self.limits,
+            density: self.densities(found.log),
+            errs,
+        };
+        detail.repaired = Some(diagnosed.repaired());
         let scores = scores(found, [&before, &chosen.point], &held, named > 0);
         let mut answer = self.answer(outcome, effects, scores, remainder, published::base(&seated, &wide), detail);
         answer.ranking = ranking(&answer.effects, selection);
         answer
+    }
+
+    /// One-sided noise densities of both sensors in motion: with vibration, as stated, or the floor
+    /// of the readings.
+    fn densities(&self, log: &Log) -> [f64; 2] {
+        let rate_hz = 1.0 / log.interval_s;
+        let of = |sensor: usize, stated: Option<Noise>, readings: &[Vector3<f64>]| match &self.vibration[sensor] {
+            Some(vibration) => vibration.density,
+            None => stated.map_or_else(|| scatter::floor(readings, rate_hz).sqrt(), |noise| noise.density),
+        };
+        [of(0, self.stated.gyro, &log.rate), of(1, self.stated.accelerometer, &log.force)]
     }
 
     /// Effects that the readings show by themselves.
