@@ -7,7 +7,8 @@ mod windows;
 
 use self::doubt::doubt;
 use super::html::Page;
-use super::study::jcgm101;
+use super::study::moment::{moment, plain};
+use super::study::{jcgm101, percent};
 use super::table::Table;
 use crate::backend::flight::Quantity;
 use crate::number::{duration, significant, worth};
@@ -71,8 +72,8 @@ pub(crate) fn lede(answer: &Answer) -> String {
         Some((outage, end)) => {
             (end, format!("At the end of the GNSS outage from {} s to {} s", outage.from_s, outage.until_s))
         }
-        None if aided => (last, format!("After {} with aiding", duration(answer.ensemble.time_s[last]))),
-        None => (last, format!("After {} without aiding", duration(answer.ensemble.time_s[last]))),
+        None if aided => (last, format!("After {} with aiding", moment(answer.ensemble.time_s[last]))),
+        None => (last, format!("After {} without aiding", moment(answer.ensemble.time_s[last]))),
     };
     let horizontal = answer.ensemble.summary(last, Quantity::Horizontal);
     let doubt = doubt(horizontal);
@@ -99,7 +100,7 @@ pub(crate) fn position_table(answer: &Answer) -> Table {
     ]);
     for k in &answer.report {
         let at = |quantity| answer.ensemble.summary(*k, quantity);
-        let mut row = vec![significant(answer.ensemble.time_s[*k], 6)];
+        let mut row = vec![plain(answer.ensemble.time_s[*k])];
         row.extend((0..3).map(|axis| at(Quantity::Position(axis))).map(|s| worth(s.sd, doubt(s))));
         for quantity in [Quantity::Horizontal, Quantity::Spherical] {
             row.extend([2, 3].map(|p| worth(at(quantity).percentiles[p], 2.0 * doubt(at(quantity)))));
@@ -125,7 +126,7 @@ pub(crate) fn attitude_table(answer: &Answer) -> Table {
             let summary = answer.ensemble.summary(*k, quantity);
             worth(summary.sd / unit, doubt(summary) / unit)
         };
-        let mut row = vec![significant(answer.ensemble.time_s[*k], 6)];
+        let mut row = vec![plain(answer.ensemble.time_s[*k])];
         row.extend((0..3).map(|axis| at(Quantity::Velocity(axis), 1.0)));
         row.extend((0..3).map(|axis| at(Quantity::Attitude(axis), DEGREE)));
         table.row(row);
@@ -138,7 +139,7 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
     let covariance = &answer.covariance;
     let times = answer.report_times_s();
     let mut headings = vec!["source".to_owned()];
-    headings.extend(times.iter().map(|t| format!("{} s", significant(*t, 6))));
+    headings.extend(times.iter().map(|t| moment(*t)));
     headings.extend(["horizontal / m".to_owned(), "down / m".to_owned()]);
     let mut table = Table { headings, rows: Vec::new() };
     let Some(last) = answer.report.last().copied() else { return table };
@@ -146,7 +147,7 @@ pub(crate) fn budget_table(answer: &Answer) -> Table {
     parts.sort_by(|a, b| covariance.horizontal_m2(b, last).total_cmp(&covariance.horizontal_m2(a, last)));
     for part in parts {
         let mut row = vec![part.cause.name().to_owned()];
-        row.extend(answer.report.iter().map(|k| format!("{:.1} %", 100.0 * covariance.fraction(part, *k))));
+        row.extend(answer.report.iter().map(|k| percent(covariance.fraction(part, *k))));
         let down_m = (part.variance[last][2] + part.mean[last][2].powi(2)).sqrt();
         row.extend([covariance.horizontal_m2(part, last).sqrt(), down_m].map(|m| significant(m, 3)));
         table.row(row);

@@ -6,7 +6,7 @@ mod contribution;
 mod distribution;
 mod envelope;
 pub mod jcgm101;
-mod moment;
+pub(crate) mod moment;
 mod sensor;
 mod windows;
 
@@ -192,7 +192,8 @@ pub(crate) fn budget_table(drift: &Drift) -> Table {
     table
 }
 
-fn percent(fraction: f64) -> String {
+/// A fraction as a percentage; what is there and too small for a digit is said to be.
+pub(crate) fn percent(fraction: f64) -> String {
     match 100.0 * fraction {
         p if p >= 10.0 => format!("{p:.0} %"),
         p if p >= 0.1 => format!("{p:.1} %"),

@@ -4,6 +4,7 @@
 use crate::backend::flight::Quantity;
 use crate::numerics::order;
 use crate::report::figure::{Axis, Chart, Ink, Mark};
+use crate::report::study::moment::moment;
 use crate::statistics::Summary;
 use crate::strapdown::answer::{Answer, LINEAR};
 use crate::strapdown::covariance::Part;
@@ -97,7 +98,7 @@ pub(super) fn map(answer: &Answer) -> (Chart, f64) {
         let n = ((time_s / truth.interval_s).round() as usize).min(samples.len() - 1);
         let at = samples[n].position_m;
         let moved = points.iter().map(|(north, east)| (at.y + magnified * east, at.x + magnified * north));
-        drawn.push((format!("{} s", crate::number::significant(time_s, 4)), moved.collect()));
+        drawn.push((moment(time_s), moved.collect()));
     }
     let every = || track.iter().chain(drawn.iter().flat_map(|(_, points)| points));
     let range = |pick: fn(&(f64, f64)) -> f64| {
