@@ -171,11 +171,9 @@ fn simulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var before = forces[0].x;
     for (var block = tile.first_sample >> 4u; block <= (stop - 1u) >> 4u; block++) {
 #terms block
-        for (
-            var counter = max(4u * block, first_counter);
-            counter <= min(4u * block + 3u, last_counter);
-            counter++
-        ) {
+        let first = max(4u * block, first_counter);
+        let last = min(4u * block + 3u, last_counter);
+        for (var counter = first; counter <= last; counter++) {
             if draws_accelerometer() {
                 accelerometer_words = philox(vec4<u32>(counter, member, STREAM_ACCELEROMETER), seed);
             }

@@ -38,7 +38,6 @@ use alignment::Alignment;
 use in_motion::InMotion;
 pub use overrides::{Assignment, Overrides};
 pub use preset::Preset;
-use section::Section;
 pub use source::{StudyText, read_default};
 pub use sweep::Axis;
 use tolerances::Tolerances;
@@ -168,7 +167,12 @@ impl Study {
         }
         let temperature = match in_motion {
             Some(_) => Temperature::default(),
-            None => temperature::read(source, file.temperature.as_ref(), std::slice::from_ref(&tolerances))?,
+            None => {
+                let compared = file.compare.iter().flat_map(|compare| &compare.axis);
+                let all: Vec<Tolerances> =
+                    std::iter::once(tolerances.clone()).chain(compared.map(|axis| axis.over(&tolerances))).collect();
+                temperature::read(source, file.temperature.as_ref(), &all)?
+            }
         };
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
@@ -216,9 +220,7 @@ impl Study {
     pub fn at_rest(&self, axis: &file::Axis, sample_s: f64, samples: u64, members: u64) -> Result<Self> {
         let name = format!("compare.axis {}", axis.column);
         let mut still = self.clone();
-        for (section, numbers) in [(Section::Accelerometer, &axis.accelerometer), (Section::Gyro, &axis.gyro)] {
-            numbers.iter().for_each(|numbers| numbers.replace(section, 0, &mut still.tolerances));
-        }
+        still.tolerances = axis.over(&self.tolerances);
         check::numbers(&name, &still.tolerances)?;
         still.members = members;
         still.alignment = Alignment::Ideal;

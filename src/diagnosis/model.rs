@@ -12,7 +12,7 @@ pub use asked::{Seconds, read_part, read_recording, requested};
 pub use driven::{Driven, DrivenColumns, Start};
 pub use rest::{Noise, Static, StaticColumns};
 pub use split::{Ranges, Split};
-pub use trajectory::{InertialNoise, Reference, Trajectory, TrajectoryColumns};
+pub use trajectory::{Half, InertialNoise, Reference, Trajectory, TrajectoryColumns};
 pub use tumble::{Tumble, TumbleColumns};
 
 use std::path::Path;

@@ -30,7 +30,7 @@ pub struct Repair {
     /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
     /// m/s²".
     pub relation: String,
-    /// Named terms that a study cannot run; written as comments.
+    /// Named terms that the study does not hold; written as comments.
     pub not_expressible: Vec<String>,
     /// As strong as the recording's own excitation, so that the sensor is used where it was
     /// identified.
@@ -139,7 +139,7 @@ pub(super) fn preamble(verdict: &Verdict, relation: &str, not_expressible: &[Str
         }
     }
     for term in not_expressible {
-        comment(&format!("A study cannot run: {term}"));
+        comment(&format!("Not in this study: {term}"));
     }
     text
 }

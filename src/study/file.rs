@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::section::{self, Numbers};
+use super::section::{self, Numbers, Section};
+use super::tolerances::Tolerances;
 use crate::excitation;
 use crate::motion;
 use crate::sensor::Sense;
@@ -275,6 +276,15 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// The study's numbers, with this axis's own in their place.
+    pub fn over(&self, study: &Tolerances) -> Tolerances {
+        let mut all = study.clone();
+        for (section, numbers) in [(Section::Accelerometer, &self.accelerometer), (Section::Gyro, &self.gyro)] {
+            numbers.iter().for_each(|numbers| numbers.replace(section, 0, &mut all));
+        }
+        all
+    }
+
     /// What one unit of the column measures, in SI units.
     pub fn unit(&self) -> (Sense, f64) {
         match (self.scale_mg, self.scale_deg_s) {

@@ -31,11 +31,12 @@ pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tole
     };
     let points = section.profile_s_deg_c.clone();
     let rises = points.windows(2).all(|pair| pair[0][0] < pair[1][0]);
-    let sound = points.iter().all(|[time_s, deg_c]| time_s.is_finite() && POSSIBLE_DEG_C.contains(deg_c));
+    let sound =
+        points.iter().all(|[time_s, deg_c]| *time_s >= 0.0 && time_s.is_finite() && POSSIBLE_DEG_C.contains(deg_c));
     if points.is_empty() || !rises || !sound {
         return Err(refuse(
             name,
-            "`temperature.profile_s_deg_c` needs pairs of time and temperature, times increasing, in °C",
+            "`temperature.profile_s_deg_c` needs pairs of time and temperature: times not below 0 and increasing, in °C",
             "e.g. profile_s_deg_c = [[0.0, 20.0], [600.0, 45.0]]",
         ));
     }

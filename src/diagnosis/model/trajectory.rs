@@ -9,7 +9,6 @@ use serde::Deserialize;
 use super::rest::Noise;
 use super::split::Ranges;
 use crate::motion::file::format::{Format, Order, Up};
-use crate::motion::file::part::Part;
 
 /// model.toml with kind = "trajectory".
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -74,7 +73,16 @@ pub struct Reference {
     pub quaternion: Option<Order>,
     /// The half of each pose that is used, where the file has both and one is not to be trusted.
     #[serde(rename = "use")]
-    pub only: Option<Part>,
+    pub only: Option<Half>,
+}
+
+/// A half of each pose that a reference can be used for alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "cli", derive(JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Half {
+    /// How the body is turned.
+    Attitude,
 }
 
 impl Reference {

@@ -7,9 +7,9 @@ use super::log::{Log, Motion};
 use super::orientation;
 use super::permutation::Permutation;
 use super::start::Start;
-use crate::diagnosis::model::{Reference, Trajectory};
+use crate::diagnosis::model::{Half, Reference, Trajectory};
 use crate::error::{Error, Result};
-use crate::motion::file::part::Wanted;
+use crate::motion::file::part::{Part, Wanted};
 use crate::motion::file::span::Span;
 use crate::motion::file::{self, Poses};
 use crate::number::rounded;
@@ -113,7 +113,7 @@ pub(super) fn motion(
         times: reference.times.as_deref(),
         up: reference.up,
         quaternion: reference.quaternion,
-        wanted: reference.only.map_or(Wanted::Any, Wanted::Only),
+        wanted: reference.only.map_or(Wanted::Any, |Half::Attitude| Wanted::Only(Part::Attitude)),
         span: Span::Log { start, ends_s: [first, last] },
     };
     let Poses { poses, has_position, has_attitude, quaternion, turn, start: began, findings: found } =
@@ -172,11 +172,13 @@ pub(super) fn alike(
     start: &Start,
     gravity_m_s2: f64,
 ) -> Result<()> {
-    if let Some(fault) = orientation::fault(log, motion, start, gravity_m_s2) {
+    let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
+    // What hardly turns does not tell one reading of a quaternion from another.
+    let fault = if turning > TURNS { orientation::fault(log, motion, start, gravity_m_s2) } else { None };
+    if let Some(fault) = fault {
         let (cause, hint) = fault.words();
         return Err(fail(recording, format!("{}: {cause}", reference.file.display()), &hint));
     }
-    let turning = (log.rate.iter().map(Vector3::norm_squared).sum::<f64>() / log.rate.len() as f64).sqrt();
     if turning > TURNS && start.explained < ALIKE {
         let cause = format!(
             "reference and gyro do not turn alike, however its quaternions are read: one explains {} % of the other at the best shift of their clocks",

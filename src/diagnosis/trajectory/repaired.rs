@@ -24,6 +24,9 @@ const LONGEST_S: f64 = 60.0;
 const REPORTED_S: [f64; 3] = [1.0, 10.0, 60.0];
 /// Turns and arms below which none is written, rad and m.
 const NOTHING: f64 = 1e-9;
+/// Largest offset of the clocks that a study states, s: it moves its readings by the first order of
+/// the offset, which holds while the motion is even.
+pub(super) const LATEST_S: f64 = 0.02;
 
 /// A number and its standard error, SI.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -102,7 +105,7 @@ impl Repaired {
         let row = |term: SensorTerm| term.row().keys;
         let one = |key: &Key, value: f64| if value == 0.0 { String::new() } else { line(key, &number(key, value)) };
         text += &self.range_m_s2.map_or(String::new(), |limit| one(&row(SensorTerm::Range)[0], limit));
-        if self.time_offset.mean != 0.0 {
+        if self.time_offset.mean != 0.0 && self.time_offset.mean.abs() <= LATEST_S {
             text += &line(&coupling::TIME_OFFSET, &drawn(&coupling::TIME_OFFSET, self.time_offset));
         }
         text += "\n[accelerometer]\n";

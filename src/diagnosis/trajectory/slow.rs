@@ -12,7 +12,7 @@
 use nalgebra::DVector;
 
 use super::blocks::{Linear, Solved};
-use super::parameters::Point;
+use super::parameters::{COSINES, FORCE_WANDER, GYRO_WANDER, Point};
 use crate::numerics::special::t_quantile;
 
 /// Number of waves: of half a period, a whole one and so on.
@@ -32,7 +32,10 @@ pub(super) fn apart(linear: &Linear, active: &[usize], solved: &Solved) -> Vec<P
         active.iter().enumerate().for_each(|(i, p)| point[*p] += moved[i]);
         point
     };
-    (1..=WAVES).map(wave).collect()
+    // The slowest are the wander itself where that is free, and then add nothing.
+    let wanders = active.iter().any(|p| GYRO_WANDER.contains(p) || FORCE_WANDER.contains(p));
+    let first = 1 + if wanders { COSINES } else { 0 };
+    (first..first + WAVES).map(wave).collect()
 }
 
 /// Standard error of a number that is made of parameters.

@@ -115,8 +115,20 @@ fn structs_have_the_same_members_at_the_same_places() {
     let orbit = || mirror!(OrbitTile { seed, first, points, steps, begin, periods, counted, strobe, padding });
     let report = mirror!(Report { members, stride, number, blocks, counts }
         "padding_0" at 20, "padding_1" at 24, "padding_2" at 28);
-    let flight = mirror!(Flight { members, stride, samples, since, sample_s, free, zero, cosine, sine, first_sample }
-        "padding_0" at 40, "padding_1" at 44);
+    let flight = mirror!(Flight {
+        members,
+        stride,
+        samples,
+        since,
+        sample_s,
+        free,
+        zero,
+        cosine,
+        sine,
+        first_sample,
+        passed,
+        padding
+    });
     let fix = mirror!(Fix { seed, first_member, number, present, sd, gain } "padding_0" at 24, "padding_1" at 28);
     let partial = mirror!(Partial { count, mean, correction, squares, least, greatest });
     for (shader, name, mirror) in [

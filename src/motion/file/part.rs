@@ -1,11 +1,7 @@
 //! What of a pose is wanted: a reference may know attitude alone, or position alone.
 
-use serde::Deserialize;
-
 /// One half of a pose.
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Where the body is.
     Position,

@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use libtest_mimic::Failed;
 
-use super::plant::{walk, white};
+use super::plant::{relaxation, sized, walk, white};
 use super::{check, judged};
 
 const COUNT: usize = 6000;
 
 /// Two channels that drift along the same power of time need no cause in common, and what settles
-/// in two speeds is no walk. Two channels that follow the same walk have one cause (control).
+/// in two speeds is no walk. Two channels that follow the same walk have one cause, and one that
+/// walks alone has a walk (controls).
 pub(super) fn courses() -> Result<(), Failed> {
     let wrong = |seed: u64| -> Vec<String> {
         let mut rng = Philox::new(41, seed, Stream::Host);
@@ -43,7 +44,15 @@ pub(super) fn courses() -> Result<(), Failed> {
         judged(channels, None).is_ok_and(|v| v.effects.iter().any(|e| e.id == "temperature-sensitivity"))
     };
     let found = (0..20).into_par_iter().filter(|s| shared(*s)).count();
-    check(found >= 16, format!("a common cause found in {found} of 20"))
+    check(found >= 16, format!("a common cause found in {found} of 20"))?;
+    let alone = |seed: u64| {
+        let mut rng = Philox::new(44, seed, Stream::Host);
+        let course = sized(walk(COUNT, &mut rng), 2.0);
+        let values = white(COUNT, &mut rng).iter().zip(course).map(|(e, c)| e + c).collect();
+        judged(vec![values], None).is_ok_and(|v| v.effects.iter().any(|e| e.id == "random-walk"))
+    };
+    let found = (0..20).into_par_iter().filter(|s| alone(*s)).count();
+    check(found >= 16, format!("a walk found in {found} of 20"))
 }
 
 /// The same pole twice on the chip is a finding, and beside it no memory of the bias is named.
@@ -62,5 +71,21 @@ pub(super) fn filters() -> Result<(), Failed> {
         said.is_ok_and(|v| v.verdict == Outcome::Adequate && v.findings.iter().any(|f| f.contains("filter")))
     };
     let silent = (0..20).into_par_iter().filter(|s| quiet(*s)).count();
-    check(silent >= 19, format!("{silent} of 20 adequate with a filter found"))
+    check(silent >= 19, format!("{silent} of 20 adequate with a filter found"))?;
+    // Control: a long memory behind the same filter keeps its name.
+    let remembers = |seed: u64| {
+        let mut rng = Philox::new(45, seed, Stream::Host);
+        let (mut first, mut second) = (0.0, 0.0);
+        let mut filtered = |e: f64| {
+            first += 0.6 * (e - first);
+            second += 0.6 * (first - second);
+            second
+        };
+        let noise: Vec<f64> = white(4 * COUNT, &mut rng).into_iter().map(&mut filtered).collect();
+        let slow = sized(relaxation(4 * COUNT, 300.0, &mut rng), 1.0);
+        let values = noise.iter().zip(slow).map(|(e, s)| e + s).collect();
+        judged(vec![values], None).is_ok_and(|v| v.effects.iter().any(|e| e.id == "gauss-markov"))
+    };
+    let found = (0..20).into_par_iter().filter(|s| remembers(*s)).count();
+    check(found >= 16, format!("a long memory behind a filter found in {found} of 20"))
 }

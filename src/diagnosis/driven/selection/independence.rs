@@ -95,11 +95,8 @@ pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option
     if let Some(power) = power(&disturbance) {
         all.extend(asked(&power, &powers, true));
     }
-    // What chance does not account for comes first, and of that the largest part.
-    all.into_iter().min_by(|a, b| {
-        let rank = |e: &Explained| (!e.is_real(), e.p_value);
-        rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal)
-    })
+    // What chance does not account for comes first, and of that the least probable.
+    all.into_iter().min_by(|a, b| (!a.is_real()).cmp(&!b.is_real()).then(a.p_value.total_cmp(&b.p_value)))
 }
 
 /// Squares of a disturbance, clipped, about their mean.

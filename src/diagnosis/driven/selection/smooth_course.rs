@@ -30,17 +30,28 @@ pub(crate) fn is_smooth(data: &Data, without: &Fit, with: &Fit) -> bool {
     }
     let (first, length) = (data.hull.start, data.hull.len() as f64);
     let at: Vec<f64> = data.train.iter().flat_map(Clone::clone).map(|k| ((k - first) as f64 + 0.5) / length).collect();
-    let late = |t: f64| (1.0 + t / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
-    let penalty = 0.5 * (rows as f64).ln();
     let free = (with.free.len() as f64 - without.free.len() as f64).max(1.0);
-    let walk = log_likelihood(rows, with.variance * rows as f64) - free * penalty;
+    let walk = log_likelihood(rows, with.variance * rows as f64) - free * penalty(rows);
+    smooth(&without.linear.residual, &without.linear.columns, &at) > walk + LEAST_LEAD
+}
+
+/// What one number costs.
+fn penalty(rows: usize) -> f64 {
+    0.5 * (rows as f64).ln()
+}
+
+/// Log-likelihood, less the penalty, of the best course of cosines of time or of its logarithm,
+/// beside other columns; `at` is time, from 0 to 1.
+fn smooth(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> f64 {
+    let rows = errors.len();
+    let late = |t: f64| (1.0 + t / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
     let courses: [&dyn Fn(f64) -> f64; 2] = [&|t| t, &late];
     let best = courses.iter().flat_map(|course| {
         let at: Vec<f64> = at.iter().map(|t| course(*t)).collect();
-        let left = left_by(&without.linear.residual, &without.linear.columns, &at);
-        left.into_iter().enumerate().map(move |(i, sum)| log_likelihood(rows, sum) - (i + 1) as f64 * penalty)
+        let left = left_by(errors, columns, &at);
+        left.into_iter().enumerate().map(move |(i, sum)| log_likelihood(rows, sum) - (i + 1) as f64 * penalty(rows))
     });
-    best.fold(f64::NEG_INFINITY, f64::max) > walk + LEAST_LEAD
+    best.fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Gaussian log-likelihood at the best variance, but for a constant.
@@ -80,9 +91,9 @@ mod tests {
 
     const ROWS: usize = 6000;
 
-    /// Log-likelihood, less the penalty, by which the best course of cosines is better than a walk
-    /// of this step: that of the Kalman filter of a walk in white noise of unit variance.
-    fn lead(course: &[f64], step: f64) -> f64 {
+    /// Log-likelihood, less the penalty, of a walk of this step in white noise: that of its Kalman
+    /// filter.
+    fn walk_of(course: &[f64], step: f64) -> f64 {
         let (mut level, mut variance, mut sum, mut log) = (0.0, 1e3, 0.0, 0.0);
         for y in course {
             let innovation = variance + 1.0;
@@ -92,20 +103,15 @@ mod tests {
             level += gain * (y - level);
             variance = variance * (1.0 - gain) + step * step;
         }
-        let walk = -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - 0.5 * (ROWS as f64).ln();
-        let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
-        let ones = vec![vec![1.0; ROWS]];
-        let left = left_by(course, &ones, &at);
-        let penalty = 0.5 * (ROWS as f64).ln();
-        let all = left.into_iter().enumerate().map(|(i, sum)| log_likelihood(ROWS, sum) - (i + 1) as f64 * penalty);
-        all.fold(f64::NEG_INFINITY, f64::max) - walk
+        -0.5 * ROWS as f64 * (sum / ROWS as f64).ln() - 0.5 * log - penalty(ROWS)
     }
 
-    fn best_walk(course: &[f64]) -> f64 {
-        (0..40)
-            .map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)))
-            .map(|step| lead(course, step))
-            .fold(f64::INFINITY, f64::min)
+    /// By how much the best course of cosines is better than the best walk.
+    fn lead(course: &[f64]) -> f64 {
+        let at: Vec<f64> = (0..ROWS).map(|i| (i as f64 + 0.5) / ROWS as f64).collect();
+        let steps = (0..40).map(|i| 10f64.powf(-4.0 + 0.1 * f64::from(i)));
+        let best = steps.map(|step| walk_of(course, step)).fold(f64::NEG_INFINITY, f64::max);
+        smooth(course, &[vec![1.0; ROWS]], &at) - best
     }
 
     #[test]
@@ -113,7 +119,7 @@ mod tests {
         let smooth = |seed: u64| {
             let mut rng = Philox::new(seed, 0, Stream::Host);
             let course = |t: f64| 6.0 * (-t / 0.1).exp() + 5.0 * (-t / 0.6).exp();
-            best_walk(&(0..ROWS).map(|i| course(i as f64 / ROWS as f64) + rng.normal()).collect::<Vec<f64>>())
+            lead(&(0..ROWS).map(|i| course(i as f64 / ROWS as f64) + rng.normal()).collect::<Vec<f64>>())
         };
         let walk = |seed: u64| {
             let (mut rng, mut level) = (Philox::new(seed, 1, Stream::Host), 0.0);
@@ -121,7 +127,7 @@ mod tests {
                 level += 0.03 * rng.normal();
                 level + rng.normal()
             };
-            best_walk(&(0..ROWS).map(|_| next()).collect::<Vec<f64>>())
+            lead(&(0..ROWS).map(|_| next()).collect::<Vec<f64>>())
         };
         assert!((0..20).all(|s| smooth(s) > LEAST_LEAD), "{:?}", (0..20).map(smooth).collect::<Vec<f64>>());
         assert!((0..20).all(|s| walk(s) < LEAST_LEAD), "{:?}", (0..20).map(walk).collect::<Vec<f64>>());

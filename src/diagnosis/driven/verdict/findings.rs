@@ -26,7 +26,10 @@ pub fn dropped(reason: Dropped) -> String {
         }
         Dropped::Twin => "only together with another that it can be confused with".into(),
         Dropped::Series(series) => format!("only in a series: {}", series.words()),
-        Dropped::PushesAlong => "no friction: fitted, it pushes along the velocity instead of opposing it".into(),
+        Dropped::PushesAlong => {
+            "no friction: fitted, it pushes along the velocity instead of opposing it; kept in the model, not named"
+                .into()
+        }
         Dropped::NoSecondResonance => "no second resonance: its peak does not stand apart from the first".into(),
         Dropped::SmoothCourse => {
             "not a walk: a smooth course of time describes it better, so a law of time is missing or not exact".into()

@@ -35,10 +35,6 @@ impl Draft<'_> {
         if matches!(self.term(named.index), Term::ParasiticMode(_)) && !is_beside_the_first(fit) {
             return Some(Dropped::NoSecondResonance);
         }
-        let strength = fit.structure.of(named.index, &fit.point).first();
-        if matches!(self.term(named.index), Term::CoulombFriction(_)) && strength.is_some_and(|f_c| *f_c < 0.0) {
-            return Some(Dropped::PushesAlong);
-        }
         // A law of several strengths is nothing only where each of them may be.
         let (first, spread) = (fit.structure.first[named.index], interval::spread(fit));
         let term = self.term(named.index);

@@ -53,8 +53,8 @@ impl Draft<'_> {
         !all.is_empty()
     }
 
-    /// A walk that is the smooth course of time which a law of time left is none: that law is near
-    /// and not exact. Whether there is one.
+    /// A walk goes where a smooth course of time describes the same errors better: then a law of
+    /// time is missing or not exact. Whether one went.
     pub(super) fn drop_walk_that_is_smooth(&mut self) -> bool {
         let walk = self.named.iter().find(|n| self.term(n.index).noise() == Some(Noise::Walk)).map(|n| n.index);
         let Some(index) = walk.filter(|_| self.data.windows.is_none()) else { return false };
@@ -103,20 +103,34 @@ impl Draft<'_> {
                 let least = (removed * LEAST_PART_OF_NOISE).max(inexactness);
                 return n.growth >= need.max(FAR_ABOVE * r_squared).max(least);
             }
-            n.growth >= need.max(removed * LEAST_PART)
+            !self.pushes_along(n) && n.growth >= need.max(removed * LEAST_PART)
         };
         let (named, carried): (Vec<Named>, Vec<Named>) = self.named.iter().cloned().partition(holds);
         self.named = named;
         for n in &carried {
-            let reason = if n.growth < need { Dropped::SmallerThanTheRest } else { Dropped::WithinInexactness };
+            let reason = if self.pushes_along(n) {
+                Dropped::PushesAlong
+            } else if n.growth < need {
+                Dropped::SmallerThanTheRest
+            } else {
+                Dropped::WithinInexactness
+            };
             self.drop_term(n.index, reason);
         }
         carried.iter().filter(|n| !self.is_noise(n)).map(|n| n.growth).sum()
     }
 
+    /// Whether a term is a friction that pushes along the velocity: it does the work of another law
+    /// beside those named.
+    fn pushes_along(&self, named: &Named) -> bool {
+        let strength = self.model.fit.structure.of(named.index, &self.model.fit.point).first();
+        matches!(self.term(named.index), Term::CoulombFriction(_)) && strength.is_some_and(|f_c| *f_c < 0.0)
+    }
+
     /// What the named laws may leave because they are not quite what their names say, in variances
-    /// of the final model: of what each removes, the square of how far its form may depart, where
-    /// that can be told; zero where no noise would take it up.
+    /// of the final model: of what each removes, the square of how far its form may depart; where
+    /// that cannot be told, the part below which no law beside it would be named. Zero where no
+    /// noise would take it up.
     fn inexactness(&self) -> f64 {
         if self.data.windows.is_some() || !self.named.iter().any(|n| self.is_noise(n)) {
             return 0.0;

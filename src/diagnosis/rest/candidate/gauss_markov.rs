@@ -37,9 +37,16 @@ pub(super) const ROW: Row = Row {
             return Ok(Vec::new());
         }
         let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
-        let best = search::best(memories(to.samples()), MEMORIES, to.control, |m| with(m.exp()))?;
+        // Beside a filter, a shorter memory belongs to its shape.
+        let filtered = to.current.has(Cause::BandLimit);
+        let [shortest, longest] = memories(to.samples());
+        let shortest = if filtered { LONGEST.ln() } else { shortest };
+        if shortest >= longest {
+            return Ok(Vec::new());
+        }
+        let best = search::best([shortest, longest], MEMORIES, to.control, |m| with(m.exp()))?;
         let memory = best.terms.last().map_or(0.0, |t| t.searched);
-        let filters = if to.current.has(Cause::BandLimit) { memory < LONGEST } else { is_one_pole(&best, memory) };
+        let filters = if filtered { memory < 1.01 * LONGEST } else { is_one_pole(&best, memory) };
         Ok(if filters { Vec::new() } else { vec![best] })
     },
     numbers: 2.0,

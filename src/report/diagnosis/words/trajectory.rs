@@ -90,9 +90,8 @@ pub(super) fn findings(account: &Account) -> Vec<String> {
 /// What a reference without positions leaves untold.
 fn untold(account: &Account) -> Option<String> {
     let names: Vec<String> = account.untold.iter().map(|t| t.phrase()).collect();
-    (!names.is_empty()).then(|| {
-        format!("a reference of attitude alone tells nothing of {}; {POSITIONS} would determine it", names.join(" or "))
-    })
+    (!names.is_empty())
+        .then(|| format!("a reference of attitude alone says nothing about {}; {POSITIONS} would", names.join(" or ")))
 }
 
 const POSITIONS: &str = "a reference that also has positions";
@@ -121,7 +120,7 @@ pub(super) fn next_experiment(outcome: Outcome, account: &Account) -> String {
         }
         (_, Some(way)) => format!("Record {way}: it would determine what this motion does not."),
         (_, None) if !account.untold.is_empty() => {
-            format!("Record {POSITIONS}, e.g. motion capture or GNSS: it would determine what attitude alone does not.")
+            format!("Use {POSITIONS}, e.g. motion capture or GNSS: it would determine what attitude alone does not.")
         }
         (Outcome::Explained, None) => {
             "Diagnose another flight of the same sensor: errors of the sensor itself should repeat.".into()
