@@ -28,14 +28,6 @@ pub(super) fn check(name: &str, file: &File, alignment: Alignment) -> Result<()>
     }
     if let Some(windows_s) = &section.windows_s {
         windows(name, windows_s, alignment)?;
-        if file.temperature.is_some() {
-            return Err(refuse(
-                name,
-                "`compare.windows_s` and [temperature] exclude each other: each window would begin at the start of \
-                 the profile",
-                "leave out one of them",
-            ));
-        }
         if let (Some(log_hz), Some(sensor_hz)) = (section.rate_hz, file.sensor.sample_rate_hz)
             && (log_hz / sensor_hz - 1.0).abs() > 0.01
         {

@@ -248,7 +248,8 @@ pub struct Compare {
     /// Heading of its time column, s. Where both are given, they must agree.
     pub time: Option<String>,
     /// Lengths of the windows into which the log is cut, s, each after its own still start; absent:
-    /// only Allan deviations are compared.
+    /// only Allan deviations are compared. With a `[temperature]`, each window is simulated from
+    /// the start of the profile.
     pub windows_s: Option<Vec<f64>>,
     /// Axes, one per column of the log.
     pub axis: Vec<Axis>,
