@@ -18,7 +18,7 @@ pub fn tests() -> Vec<Trial> {
 /// Headings of stamp and attitude.
 const ATTITUDE: [&str; 2] = ["timestamp", "q_RS"];
 const UNTOLD: &str =
-    "a reference of attitude alone tells nothing of lever-arm or accelerometer-bias of the accelerometer";
+    "a reference of attitude alone says nothing about lever-arm or accelerometer-bias of the accelerometer";
 
 fn attitude() -> Result<(), Failed> {
     for seed in [1, 6] {
