@@ -15,8 +15,8 @@ const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
 /// Temperature of a sensor whose axes have these numbers; always the reference without a section.
 ///
 /// # Errors
-/// A key that follows the temperature without a section; a profile that is none; a reference that
-/// no sensor is calibrated at.
+/// A temperature coefficient without a `[temperature]` section; times of the profile that are below
+/// zero or do not increase; temperatures, or a reference, that no sensor sees.
 pub(super) fn read(name: &str, section: Option<&file::Temperature>, axes: &[Tolerances]) -> Result<Temperature> {
     let given = |key: &&Key| axes.iter().any(|axis| axis[key].is_some());
     let Some(section) = section else {

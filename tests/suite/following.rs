@@ -215,7 +215,12 @@ fn refusals() -> Result<(), Failed> {
         (rest.to_owned(), "[gyro]\nbias_temperature_deg_h_k = 1.0\n", "needs a [temperature]"),
         (rest.to_owned(), "[sensor]\ntime_offset_us = [1.0, 2.0, 3.0]\n", "one clock"),
         (rest.to_owned(), "[sensor]\nclock_drift_ppm = [1.0, 2.0, 3.0]\n", "one clock"),
-        (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[5.0, 20.0], [1.0, 30.0]]\n", "times increasing"),
+        (
+            rest.to_owned(),
+            "[temperature]\nprofile_s_deg_c = [[5.0, 20.0], [1.0, 30.0]]\n",
+            "times not below 0 and increasing",
+        ),
+        (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[-5.0, 20.0], [1.0, 30.0]]\n", "times not below 0"),
         (rest.to_owned(), "[temperature]\nprofile_s_deg_c = [[0.0, -300.0]]\n", "in °C"),
     ];
     for (first, text, expected) in cases {

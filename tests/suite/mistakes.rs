@@ -70,6 +70,11 @@ fn models() -> Result<(), Failed> {
             "did you mean `density`?",
         ),
         ("kind = \"tumble\"\ngravity = 9.8\n".into(), "model.toml:2:1: ", "did you mean `gravity_m_s2`?"),
+        (
+            "kind = \"trajectory\"\n[reference]\nfile = \"r.csv\"\nuse = \"position\"\n".into(),
+            "model.toml:4:7: ",
+            "expected `attitude`",
+        ),
     ];
     for (text, place, word) in cases {
         let output = run_on(folder.path(), "model.toml", &text, &["diagnose", "log.csv", "--model", "model.toml"])?;
@@ -96,6 +101,19 @@ fn studies() -> Result<(), Failed> {
         (study("[sensor]\nsample_rate_hz = 1e-300"), "1.0e302 times"),
         ("duration_s = 1e300\nstep_s = 0.01\n".into(), "1e300 s"),
         (study("[accelerometer]\nbias_mg = \"much\""), "study.toml:5:11: "),
+        (
+            study(
+                "[accelerometer]\nbias_temperature_ug_k = 1.0\n[temperature]\nprofile_s_deg_c = [[-10.0, 15.0], [10.0, 40.0]]",
+            ),
+            "times not below 0",
+        ),
+        (
+            study(
+                "[compare]\nfile = \"log.csv\"\n[[compare.axis]]\ncolumn = \"ax\"\n[compare.axis.accelerometer]\n\
+                 bias_temperature_ug_k = 1.0",
+            ),
+            "needs a [temperature]",
+        ),
     ];
     for (text, word) in cases {
         let output = run_on(folder.path(), "study.toml", &text, &["study", "study.toml", "--out", "out"])?;

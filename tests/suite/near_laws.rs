@@ -143,7 +143,11 @@ fn not_noise() -> Result<(), Failed> {
         check(!noise && verdict != "adequate", format!("{what}: {verdict} {names:?}"))?;
     }
     let (verdict, names, _) = diagnosed(&pushed(9)?)?;
-    check(verdict == "explained" && names == ["force-noise"], format!("force noise: {verdict} {names:?}"))
+    check(verdict == "explained" && names == ["force-noise"], format!("force noise: {verdict} {names:?}"))?;
+    // However large a warm-up beside it is.
+    let (verdict, mut names, _) = diagnosed(&read_out(&pushed(9)?, |t, y| y + 3.0 * (-t / 0.2).exp())?)?;
+    names.sort();
+    check(verdict == "explained" && names == ["force-noise", "warm-up"], format!("with warm-up: {verdict} {names:?}"))
 }
 
 /// The linear mass under a force that is half noise of one value per sample.

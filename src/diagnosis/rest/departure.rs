@@ -15,6 +15,7 @@ use super::laws::{SLOW, slow_laws};
 use super::profile::{Profiled, profile};
 use super::spectrum::{self, Law, Part};
 use super::standing::CLOSE;
+use crate::numerics::log_time::log_time;
 
 /// An exponent nearer to a law's than this part of it makes no difference that matters.
 const NEAR: f64 = 0.2;
@@ -32,8 +33,6 @@ const TEMPORAL: [f64; 2] = [0.15, 4.0];
 const MOST: usize = 2048;
 /// Highest degree of a polynomial that stands for a smooth course.
 const DEGREES: usize = 6;
-/// Part of the recording at which the logarithm of time begins.
-const EARLY: f64 = 0.01;
 
 /// What a free exponent says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,8 +185,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         merit(with(curves), 3.0)
     });
     // Of time, and of its logarithm: what settles in several speeds.
-    let late = |u: f64| (1.0 + u / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
-    let clocks: [&dyn Fn(f64) -> f64; 2] = [&|u| u, &late];
+    let clocks: [&dyn Fn(f64) -> f64; 2] = [&|u| u, &log_time];
     let polynomials = clocks.iter().flat_map(|clock| (2..=DEGREES).map(move |degree| (clock, degree)));
     let polynomials = polynomials.map(|(clock, degree)| {
         let curves = (1..=degree).map(|d| course(count, |u| legendre(d, 2.0 * clock(u) - 1.0))).collect();

@@ -1,5 +1,5 @@
-//! Whether the IMU bears out how the reference's attitudes were read: the same numbers are read in
-//! every other way that files are known to have them, and one that fits far better is named.
+//! Checks against the IMU that the reference's quaternions were read in the right convention. Every
+//! other convention in use is tried too; where one fits far better, the error names it.
 //!
 //! The gyro tells the order of a quaternion's numbers and the sense of its rotation; the specific
 //! force tells whether attitudes and positions are of one frame. A reference that is mirrored as a
@@ -29,7 +29,8 @@ pub(super) enum Fault {
 }
 
 /// Unexplained share of the gyro, and square error of the specific force, over those of the reading
-/// at hand, below which another one fits far better.
+/// at hand, below which another one fits far better: a wrong convention leaves most of the error,
+/// the right one noise.
 const FAR_BETTER: f64 = 0.25;
 /// Share of the gyro's variance that the better reading explains.
 const EXPLAINS: f64 = 0.5;
@@ -60,11 +61,7 @@ fn others(motion: &Motion) -> Vec<(Fault, Motion)> {
     let signed = |s: [f64; 3]| read(&|q| Quaternion::new(q.w, s[0] * q.i, s[1] * q.j, s[2] * q.k));
     let mut all: Vec<(Fault, Motion)> = Vec::new();
     if let Some(taken) = motion.quaternion {
-        let moved = read(&|q| match taken {
-            Order::ScalarLast => Quaternion::new(q.i, q.j, q.k, q.w),
-            Order::ScalarFirst => Quaternion::new(q.k, q.w, q.i, q.j),
-        });
-        all.push((Fault::Order { taken }, moved));
+        all.push((Fault::Order { taken }, read(&|q| taken.at_other_end(q))));
     }
     let fault = |n: usize| if n == 0 { Fault::Inverse } else { Fault::LeftHanded };
     all.extend(SIGNS.iter().enumerate().map(|(n, s)| (fault(n), signed(*s))));

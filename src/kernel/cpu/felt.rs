@@ -5,33 +5,28 @@ use super::lanes::{Kernel, LANES, Lane};
 use crate::kernel::fragment::Fragment;
 use crate::numerics::elementary::{Real, fma};
 
+/// A law in the shader that takes a column of the member, and adds this to each reading.
+const fn of_column(add: &'static str) -> Fragment {
+    Fragment { begin: "\n    let $term_share = column(i, $TERM);\n", block: "", draw: "", add, end: "" }
+}
+
 /// What follows the specific force, in the shader.
-pub(crate) const FORCE: Fragment = Fragment {
-    begin: "
-    let $term_share = column(i, $TERM);
-",
-    block: "",
-    draw: "",
-    add: "
+pub(crate) const FORCE: Fragment = of_column(
+    "
                 if HAS_$TERM {
                     $out = fma($term_share, felt, $out);
                 }
 ",
-    end: "",
-};
+);
 
 /// What follows its square, in the shader.
-pub(crate) const FORCE_SQUARED: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
+pub(crate) const FORCE_SQUARED: Fragment = of_column(
+    "
                 if HAS_$TERM {
                     $out = fma($term_share * felt, felt, $out);
                 }
 ",
-    end: "",
-};
+);
 
 /// What follows the specific force or its square.
 pub(super) struct AddForce<'a, T> {
@@ -56,30 +51,22 @@ impl<T: Real> Kernel for AddForce<'_, T> {
 }
 
 /// What follows the temperature, in the shader.
-pub(crate) const WARM: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
+pub(crate) const WARM: Fragment = of_column(
+    "
                 if HAS_$TERM {
                     $out = fma($term_share, warmer[n - tile.first_sample], $out);
                 }
 ",
-    end: "",
-};
+);
 
 /// What follows the temperature and the specific force, in the shader.
-pub(crate) const WARM_FORCE: Fragment = Fragment {
-    begin: FORCE.begin,
-    block: "",
-    draw: "",
-    add: "
+pub(crate) const WARM_FORCE: Fragment = of_column(
+    "
                 if HAS_$TERM {
                     $out = fma($term_share * felt, warmer[n - tile.first_sample], $out);
                 }
 ",
-    end: "",
-};
+);
 
 /// What follows the temperature, with or without the specific force.
 pub(super) struct AddWarm<'a, T> {

@@ -1,6 +1,6 @@
 //! How files of poses are laid out, and which way up they are.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Quaternion};
 use serde::Deserialize;
 
 /// Known layouts of a file of poses.
@@ -42,6 +42,17 @@ pub enum Order {
     ScalarFirst,
     /// x y z w.
     ScalarLast,
+}
+
+impl Order {
+    /// What the same four numbers mean with the scalar at the other end, where they were taken in
+    /// this order.
+    pub(crate) fn at_other_end(self, q: &Quaternion<f64>) -> Quaternion<f64> {
+        match self {
+            Self::ScalarLast => Quaternion::new(q.i, q.j, q.k, q.w),
+            Self::ScalarFirst => Quaternion::new(q.k, q.w, q.i, q.j),
+        }
+    }
 }
 
 /// The axis of the file's reference that points up.

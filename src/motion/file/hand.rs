@@ -5,7 +5,7 @@
 //! Not a proof: it speaks up only where another reading makes the motion far more regular than the
 //! one at hand.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::format::Order;
 use super::refusal::{Refusal, refusal};
@@ -43,11 +43,10 @@ impl Reading {
     fn of(self, pose: &Pose, order: Order) -> Pose {
         let q = pose.attitude;
         let (attitude, mut position_m) = (
-            match (self, order) {
-                (Self::AsSaid | Self::Mirrored, _) => q,
-                (Self::OtherEnd, Order::ScalarLast) => unit(q.i, q.j, q.k, q.w),
-                (Self::OtherEnd, Order::ScalarFirst) => unit(q.k, q.w, q.i, q.j),
-                (Self::Inverse, _) => q.inverse(),
+            match self {
+                Self::AsSaid | Self::Mirrored => q,
+                Self::OtherEnd => UnitQuaternion::from_quaternion(order.at_other_end(&q)),
+                Self::Inverse => q.inverse(),
             },
             pose.position_m,
         );
@@ -56,10 +55,6 @@ impl Reading {
         }
         Pose { attitude, position_m, ..*pose }
     }
-}
-
-fn unit(w: f64, x: f64, y: f64, z: f64) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
 /// How much the direction of the force that carries the body, and that of its travel, wander in its
@@ -141,6 +136,7 @@ pub(super) fn check(poses: &[Pose], order: Order, up: Vector3<f64>, span: &Span)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Quaternion;
 
     /// A car on an eight, z up: nose along the way.
     fn figure_of_eight() -> Vec<Pose> {
@@ -151,6 +147,10 @@ mod tests {
             Pose { time_s: t, position_m, attitude: UnitQuaternion::from_euler_angles(0.0, 0.02, heading) }
         };
         (0..6000).map(pose).collect()
+    }
+
+    fn unit(w: f64, x: f64, y: f64, z: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
     }
 
     const SPAN: Span = Span::Study { from_s: 0.0, duration_s: 60.0 };

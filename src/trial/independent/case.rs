@@ -141,8 +141,8 @@ impl Case {
         Some(case)
     }
 
-    /// Numbers of a trial: this many of its own, and for each fifth of them two that are the same
-    /// written otherwise.
+    /// Case numbers of a trial: `cases` different ones, and for every fifth of them two copies
+    /// (decimated, in other units or of the other sign).
     pub fn numbers(cases: usize) -> Vec<usize> {
         let linked = (0..cases).filter(|n| n % 5 == 2).flat_map(|n| {
             let first = n / 5 % Change::ALL.len();

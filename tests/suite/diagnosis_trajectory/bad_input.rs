@@ -4,7 +4,9 @@
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
+use proofmass::rng::{Philox, Stream};
+use proofmass::units::STANDARD_GRAVITY_M_S2;
 
 use super::super::world::{check, data_test, test};
 use super::flight::{Files, Flight, ids, made_up, real};
@@ -14,6 +16,7 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("trajectory: bad input is refused by name", refused),
         data_test("trajectory: quaternions that are read the wrong way are named", quaternions),
+        test("trajectory: where nothing turns, quaternions are not accused", still),
         test("trajectory: rows without numbers are left out and said", without_numbers),
         test("trajectory: a jump outside the rows that are used does no harm", outside),
         test("trajectory: poses at 2 Hz are said to be few, and no sensor is blamed for it", few),
@@ -95,6 +98,31 @@ fn quaternions(data: &Path) -> Result<(), Failed> {
     let insisted = "file = \"reference.csv\"\nquaternion = \"scalar-first\"";
     let told = ids(&Files { model: first.model.replace("file = \"reference.csv\"", insisted), ..first }.diagnosed()?);
     check(told == untouched, format!("with the scalar first as the model says {told:?}, as it was {untouched:?}"))
+}
+
+/// On a bench every convention fits the gyro's noise as well as any other.
+fn still() -> Result<(), Failed> {
+    let mut random = Philox::new(4, 12, Stream::Host);
+    let attitude = UnitQuaternion::from_euler_angles(0.2, -0.9, 0.0);
+    let up = attitude.inverse() * Vector3::z() * STANDARD_GRAVITY_M_S2;
+    let q = [attitude.w, attitude.i, attitude.j, attitude.k];
+    let mut noise = |about: [f64; 3], size: f64| about.map(|v| v + size * random.normal());
+    let rates: Vec<_> = (0..20_000).map(|_| noise([0.0; 3], 1.7e-3)).collect();
+    let forces: Vec<_> = (0..20_000).map(|_| noise([up.x, up.y, up.z], 2e-2)).collect();
+    let flight = made_up(4)?
+        .with_pose_at(|_, _, _| (Vector3::zeros(), q))
+        .with_rate_at(|k, _| rates[k])
+        .with_force_at(|k, _| forces[k]);
+    let said = match flight.diagnosed() {
+        Ok(answer) => format!("{:?} {:?}", answer.outcome, answer.findings),
+        Err(failed) => failed.message().unwrap_or_default().to_owned(),
+    };
+    let accuses = |said: &str| ["left-handed", "scalar-", "inverse", "conjugate"].iter().any(|w| said.contains(w));
+    check(!accuses(&said), format!("at rest: {said}"))?;
+    // Control: the same words where a moving body's quaternions are wrong.
+    let moving = made_up(4)?.with_pose_at(|_, p, [w, x, y, z]| (p, [w, -x, -y, -z]));
+    let said = refusal("conjugated", &moving.files())?;
+    check(accuses(&said), format!("conjugated: {said}"))
 }
 
 fn without_numbers() -> Result<(), Failed> {

@@ -120,7 +120,12 @@ impl Flight {
 
     /// Every specific force altered.
     pub fn with_force(&self, of: impl Fn(Three) -> Three) -> Self {
-        Self { force: self.force.iter().map(|a| of(*a)).collect(), ..self.clone() }
+        self.with_force_at(|_, a| of(a))
+    }
+
+    /// Every specific force altered, by its place.
+    pub fn with_force_at(&self, of: impl Fn(usize, Three) -> Three) -> Self {
+        Self { force: self.force.iter().enumerate().map(|(k, a)| of(k, *a)).collect(), ..self.clone() }
     }
 
     /// The gyro's x reads so much of the specific force along z, which a drone's thrust changes,

@@ -19,6 +19,8 @@ use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, special};
 use crate::physics::law::Noise;
 
+use super::residual_structure::EVEN;
+
 /// Blocks that are predicted in turn.
 const BLOCKS: usize = 24;
 /// Rows that each regressor needs.
@@ -33,12 +35,12 @@ const COURSES: usize = 4;
 /// other.
 const RIDGE: f64 = 1e-6;
 
-/// Share of a disturbance's variance that may be predicted as a detail of the other laws, and of
-/// the variance of its power.
+/// Share of a disturbance's variance that may be predicted as a detail of the other laws: as much as
+/// of the innovations before they are no longer called white.
 const DETAIL: f64 = 0.02;
-const DETAIL_OF_POWER: f64 = 0.01;
-/// Power is clipped at this many times its median: single readings do not speak for the rest.
-const CLIP: f64 = 20.0;
+/// Power is clipped at this many times its median, so that single readings do not speak for the
+/// rest: three standard deviations of normal noise, whose median square is 0.455 σ².
+const CLIP: f64 = 9.0 / 0.455;
 
 /// Known quantity that an estimated disturbance may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,7 +73,7 @@ pub struct Explained {
 impl Explained {
     /// Whether chance does not account for it, and it is more than a detail.
     pub fn is_real(&self) -> bool {
-        self.p_value < REAL && self.r_squared > if self.is_power { DETAIL_OF_POWER } else { DETAIL }
+        self.p_value < REAL && self.r_squared > if self.is_power { EVEN } else { DETAIL }
     }
 }
 

@@ -12,6 +12,9 @@ use crate::numerics::moments::mean_sd;
 
 use super::noise_scale::{MassMotion, local_scale};
 
+/// Share of the power of noise that may be predicted before it is no longer taken for the sensor's
+/// own.
+pub(crate) const EVEN: f64 = 0.01;
 /// Lags of their own past from which innovations are forecast.
 const OWN_LAGS: usize = 24;
 /// Lags over which one-step errors are taken to be correlated.

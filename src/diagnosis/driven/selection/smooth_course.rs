@@ -10,15 +10,14 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
+use crate::numerics::log_time::log_time;
 
-/// Most cosines.
+/// Most cosines in a course: beyond, a walk has more power than a course that is smooth.
 const MOST: usize = 8;
-/// Log-likelihood by which a smooth course must be better.
+/// Log-likelihood by which a smooth course must be better: odds of twenty to one.
 const LEAST_LEAD: f64 = 3.0;
-/// Part of the recording that the logarithm of time begins at.
-const EARLY: f64 = 0.01;
-/// Part of its own size by which each normal equation is held back: derivatives may repeat the
-/// cosines.
+/// Added to the diagonal of the normal equations, relative to it: a parameter's derivative may be
+/// a sum of the cosines.
 const RIDGE: f64 = 1e-9;
 
 /// Whether a smooth course of time describes what a model leaves better than a walk does; `with` is
@@ -44,8 +43,7 @@ fn penalty(rows: usize) -> f64 {
 /// beside other columns; `at` is time, from 0 to 1.
 fn smooth(errors: &[f64], columns: &[Vec<f64>], at: &[f64]) -> f64 {
     let rows = errors.len();
-    let late = |t: f64| (1.0 + t / EARLY).ln() / (1.0 + 1.0 / EARLY).ln();
-    let courses: [&dyn Fn(f64) -> f64; 2] = [&|t| t, &late];
+    let courses: [&dyn Fn(f64) -> f64; 2] = [&|t| t, &log_time];
     let best = courses.iter().flat_map(|course| {
         let at: Vec<f64> = at.iter().map(|t| course(*t)).collect();
         let left = left_by(errors, columns, &at);

@@ -13,7 +13,7 @@ use crate::diagnosis::driven::selection::noise_character::{
     LoudStretch, NoiseCharacter, disturbance_by_chance, noise_character,
 };
 use crate::diagnosis::driven::selection::noise_scale::MassMotion;
-use crate::diagnosis::driven::selection::residual_structure::{power_structure, residual_structure_evenly};
+use crate::diagnosis::driven::selection::residual_structure::{EVEN, power_structure, residual_structure_evenly};
 use crate::diagnosis::driven::selection::series::Series;
 use crate::diagnosis::driven::selection::term_worth::{Named, rounding};
 use crate::diagnosis::driven::simulation::run::trace;
@@ -33,9 +33,6 @@ pub const WHITE: f64 = 0.02;
 /// A remainder of less than this fraction, with no candidate that earns a name, is too faint to say
 /// that the library fails.
 const FAINT: f64 = 0.05;
-/// Share of the innovations' power that may be predicted before noise is no longer taken for the
-/// sensor's own.
-const EVEN: f64 = 0.01;
 /// Questions that are asked of what is left: structure in the innovations, structure in their
 /// power, a disturbance.
 const QUESTIONS: f64 = 3.0;

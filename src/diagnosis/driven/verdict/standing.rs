@@ -136,6 +136,10 @@ impl Draft<'_> {
             return 0.0;
         }
         let left = |n: &Named| {
+            // What a course of time leaves is one of time, which noise is tested for by itself.
+            if matches!(self.term(n.index), Term::WarmUp(_) | Term::BiasDrift(_)) {
+                return 0.0;
+            }
             let form = form::form(self.data, &self.model, n.index, &self.scales, None);
             n.growth * form.map_or(LEAST_PART, |f| f.ci95[1].min(MOST_DEPARTURE).powi(2))
         };

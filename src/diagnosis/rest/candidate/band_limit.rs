@@ -2,8 +2,8 @@
 //! a candidate.
 //!
 //! The usual ones are offered: means of neighbours, moving averages (once, or twice as Bartlett's),
-//! one pole, the same pole twice, two poles. The shape is chosen on the spectrum as the model so far leaves it; the
-//! model with the best of them is then fitted as a whole.
+//! one pole, the same pole twice, two poles. The shape is chosen on the spectrum as the model so far
+//! leaves it; the model with the best of them is then fitted as a whole.
 
 use std::f64::consts::FRAC_PI_2;
 
