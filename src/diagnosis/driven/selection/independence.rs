@@ -1,15 +1,17 @@
-//! Whether noise that a model names is independent of what is known: the disturbance that its
-//! filter estimates is regressed on flexible functions of the input, the motion, time and the
-//! environment, and its power on functions of the input and the motion. Noise follows none of
-//! them; a law that is missing does, if only by acting where the mass turns or the input reverses.
+//! Whether noise that a model names is independent of what is known. Its innovations are tested
+//! for what the input, the motion, time and the environment would make of them (`score_test`), and
+//! the power of the disturbance that the filter estimates is regressed on functions of the input
+//! and the motion. Noise follows none of them; a law that is missing does, if only by acting where
+//! the mass turns or the input reverses.
 //!
 //! The estimate at a sample uses later innovations alone (the disturbance smoother of de Jong,
 //! Biometrika 76, 1989), the regressors use earlier ones: with the right model the two are
-//! independent. The regression is cross-fitted: each block is predicted from all others, so that
-//! chance makes it worse, not better.
+//! independent. The regression of power is cross-fitted: each block is predicted from all others,
+//! so that chance makes it worse, not better.
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
+use crate::diagnosis::driven::base::OMEGA;
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::driven::simulation::gain;
@@ -19,52 +21,35 @@ use crate::numerics::moments::mean_sd;
 use crate::numerics::{order, special};
 use crate::physics::law::Noise;
 
+use super::known::{Known, Regressors};
 use super::residual_structure::EVEN;
+use super::score_test::{Entry, Filter, Score, score};
 
 /// Blocks that are predicted in turn.
 const BLOCKS: usize = 24;
 /// Rows that each regressor needs.
 const ROWS_PER_REGRESSOR: usize = 10;
-/// Quantiles at which a regressor may bend.
-const KNOTS: [f64; 7] = [0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98];
-/// Cosines of time over the recording.
-const COSINES: usize = 8;
-/// Those along which a law may drift.
-const COURSES: usize = 4;
 /// Part of its own size by which each normal equation is held back: regressors may repeat each
 /// other.
 const RIDGE: f64 = 1e-6;
 
-/// Share of a disturbance's variance that may be predicted as a detail of the other laws: as much as
-/// of the innovations before they are no longer called white.
-const DETAIL: f64 = 0.02;
+/// Share of what a noise takes up that known quantities may explain: beside a tenth the rest is
+/// still noise.
+const DETAIL: f64 = 0.1;
 /// Power is clipped at this many times its median, so that single readings do not speak for the
 /// rest: three standard deviations of normal noise, whose median square is 0.455 σ².
 const CLIP: f64 = 9.0 / 0.455;
 
-/// Known quantity that an estimated disturbance may follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Known {
-    /// The measured input.
-    Input,
-    /// Displacement and velocity of the mass.
-    Motion,
-    /// Time since the recording began.
-    Time,
-    /// A column of the environment.
-    Environment,
-}
-
 /// How much of a disturbance is predicted by what predicts it best.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Explained {
-    /// Share of its variance, or of that of its power, cross-fitted; below zero where chance is
-    /// all there is.
+    /// Share of the degrees of freedom that the noise takes up in the innovations; of the variance
+    /// of its power, cross-fitted. Below zero where chance is all there is.
     pub r_squared: f64,
     /// Whether it is the power that is predicted.
     pub is_power: bool,
-    /// Probability of as much by chance: Student's t of the gain per block, times the number of
-    /// questions.
+    /// Probability of as much by chance, times the number of questions: of the score test, or
+    /// Student's t of the gain per block.
     pub p_value: f64,
     /// Known quantity that explains it best.
     pub by: Known,
@@ -83,22 +68,29 @@ pub(crate) fn explained_by_known(data: &Data, fit: &Fit, noise: Noise) -> Option
     let (innovations, states) = trace(data, &fit.structure, &fit.point, &fit.run(data, true));
     let breaks: Vec<usize> = data.breaks.iter().map(|b| b.saturating_sub(data.hull.start)).collect();
     let disturbance = smoothed(&innovations, fit, data.interval_s(), noise, &breaks)?;
-    let known = Regressors::of(data, &states.x, &states.v);
-    let (means, powers) = (known.of_means(), known.of_powers());
-    let tests = (means.len() + powers.len()) as f64;
-    let asked = |values: &[f64], groups: &[Group], is_power: bool| {
-        let found = groups.iter().filter_map(|(by, columns)| {
-            let (r_squared, p_value) = cross_fitted(values, columns)?;
-            Some(Explained { r_squared, is_power, p_value: (tests * p_value).min(1.0), by: *by })
-        });
-        found.collect::<Vec<Explained>>()
-    };
-    let mut all = asked(&disturbance, &means, false);
-    if let Some(power) = power(&disturbance) {
-        all.extend(asked(&power, &powers, true));
-    }
+    let filter = Filter::of(fit, data.interval_s(), breaks);
+    let known = Regressors::of(data, fit.point[OMEGA], [&states.x, &states.v]);
+    let freedom = filter.freedom(noise) * innovations.len() as f64;
+    let granted = known.between_samples().iter().map(|g| filter.answer(g, Entry::Force)).collect::<Vec<_>>();
+    let means = known.of_means();
+    let asked = means.iter().flat_map(|group| [Entry::Force, Entry::Reading].map(|entry| (group, entry)));
+    let asked = asked.filter_map(|((by, columns), entry)| {
+        let answers: Vec<Vec<f64>> = columns.iter().map(|c| filter.answer(c, entry)).collect();
+        let Score { gain, p_value } = score(&innovations, &answers, &granted)?;
+        Some(Explained { r_squared: gain / freedom, is_power: false, p_value, by: *by })
+    });
+    let mut all: Vec<Explained> = asked.collect();
+    let powers = known.of_powers();
+    all.extend(power(&disturbance).iter().flat_map(|power| {
+        powers.iter().filter_map(|(by, columns)| {
+            let (r_squared, p_value) = cross_fitted(power, columns)?;
+            Some(Explained { r_squared, is_power: true, p_value, by: *by })
+        })
+    }));
+    let tests = (2 * means.len() + powers.len()) as f64;
+    let all = all.into_iter().map(|e| Explained { p_value: (tests * e.p_value).min(1.0), ..e });
     // What chance does not account for comes first, and of that the least probable.
-    all.into_iter().min_by(|a, b| (!a.is_real()).cmp(&!b.is_real()).then(a.p_value.total_cmp(&b.p_value)))
+    all.min_by(|a, b| (!a.is_real()).cmp(&!b.is_real()).then(a.p_value.total_cmp(&b.p_value)))
 }
 
 /// Squares of a disturbance, clipped, about their mean.
@@ -130,123 +122,6 @@ fn smoothed(innovations: &[f64], fit: &Fit, interval_s: f64, noise: Noise, break
         costate = system.sees * innovations[i] + closed.transpose() * costate;
     }
     disturbance.iter().all(|d| d.is_finite()).then_some(disturbance)
-}
-
-/// Without mean, of unit size; `None` for a constant.
-fn standard(values: &[f64]) -> Option<Vec<f64>> {
-    let (mean, sd) = mean_sd(values);
-    (sd > 1e-12 * mean.abs() && sd.is_finite() && sd > 0.0).then(|| values.iter().map(|v| (v - mean) / sd).collect())
-}
-
-/// A variable and what bends at its quantiles.
-fn bent(values: &[f64]) -> Vec<Vec<f64>> {
-    let mut sorted = values.to_vec();
-    order::sort(&mut sorted);
-    let at = |q: f64| sorted[((sorted.len() - 1) as f64 * q) as usize];
-    let bends = KNOTS.iter().map(|q| at(*q)).map(|knot| values.iter().map(|v| (v - knot).max(0.0)).collect());
-    std::iter::once(values.to_vec()).chain(bends).collect()
-}
-
-/// A known quantity and its functions, row by row of the hull.
-type Group = (Known, Vec<Vec<f64>>);
-
-/// Known quantities without mean and of unit size, row by row of the hull.
-struct Regressors {
-    x: Vec<f64>,
-    v: Vec<f64>,
-    /// The input and its change from sample to sample.
-    input: Option<(Vec<f64>, Vec<f64>)>,
-    environment: Vec<Vec<f64>>,
-}
-
-impl Regressors {
-    fn of(data: &Data, x: &[f64], v: &[f64]) -> Self {
-        let or_none = |values: &[f64]| standard(values).unwrap_or_else(|| vec![0.0; values.len()]);
-        let input = data.input.as_ref().and_then(|i| standard(&i.samples()[data.hull.clone()]));
-        let columns = (0..data.environments).filter_map(|j| {
-            let column: Vec<f64> = data.hull.clone().map(|k| data.environment[k * data.environments + j]).collect();
-            standard(&column)
-        });
-        Self {
-            x: or_none(x),
-            v: or_none(v),
-            input: input.map(|u| {
-                let change = or_none(&changes(&u));
-                (u, change)
-            }),
-            environment: columns.collect(),
-        }
-    }
-
-    /// What the disturbance itself may follow. Of the input only the present value and which way
-    /// it goes: what follows linearly from the samples beside it says how the input goes between
-    /// samples, not that a law is missing.
-    fn of_means(&self) -> Vec<Group> {
-        let (x, v, rows) = (&self.x, &self.v, self.x.len());
-        let mut motion: Vec<Vec<f64>> = [bent(x), bent(v)].concat();
-        let tensors: [&dyn Fn(f64, f64) -> f64; 8] = [
-            &|_, v| v.signum(),
-            &|x, v| x * v,
-            &|x, v| x * x * v,
-            &|x, v| x * v * v,
-            &|x, v| x.abs() * v,
-            &|x, v| x * v.abs(),
-            &|x, v| x.abs() * v.signum(),
-            &|x, _| x.powi(3),
-        ];
-        motion.extend(tensors.iter().map(|f| product(x, v, f)));
-        let middle = |i: usize| (i as f64 + 0.5) / rows as f64;
-        let mut time: Vec<Vec<f64>> = (1..=COSINES)
-            .map(|j| (0..rows).map(|i| (std::f64::consts::PI * j as f64 * middle(i)).cos()).collect())
-            .collect();
-        // A stiffness or a damping that drifts, along whatever course.
-        let drifts = time[..COURSES].iter().flat_map(|t| [x, v].map(|s| product(t, s, &|t, s| t * s)));
-        let drifts: Vec<Vec<f64>> = drifts.collect();
-        time.extend(drifts);
-        let mut groups = vec![(Known::Motion, motion), (Known::Time, time)];
-        if let Some((u, change)) = &self.input {
-            let mut all = bent(u);
-            all.extend([x, v].map(|s| product(u, s, &|u, s| u * s)));
-            all.push(product(u, change, &|_, c| c.signum()));
-            all.push(product(u, change, &|u, c| u.abs() * c.signum()));
-            groups.push((Known::Input, all));
-        }
-        let environment: Vec<Vec<f64>> = self.environment.iter().flat_map(|c| bent(c)).collect();
-        if !environment.is_empty() {
-            groups.push((Known::Environment, environment));
-        }
-        groups
-    }
-
-    /// What its power may follow: how large and how fast the motion and the input are, and where
-    /// they turn. Not time: noise may grow.
-    fn of_powers(&self) -> Vec<Group> {
-        let sizes = |values: &[f64]| bent(&values.iter().map(|v| v.abs()).collect::<Vec<f64>>());
-        let both = |values: &[f64], change: &[f64]| {
-            let mut all = [bent(values), sizes(values), sizes(change)].concat();
-            all.extend([turns(change), product(values, change, &|x, v| (x * v).abs())]);
-            all
-        };
-        let mut groups = vec![(Known::Motion, both(&self.x, &self.v))];
-        groups.extend(self.input.as_ref().map(|(u, change)| (Known::Input, both(u, change))));
-        groups
-    }
-}
-
-fn product(a: &[f64], b: &[f64], f: &dyn Fn(f64, f64) -> f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| f(*a, *b)).collect()
-}
-
-/// Half of the change from the sample before to the one after.
-fn changes(values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
-    (0..values.len()).map(|i| 0.5 * (values[(i + 1).min(last)] - values[i.saturating_sub(1)])).collect()
-}
-
-/// One where a velocity changes its sign between a sample and the next.
-fn turns(velocity: &[f64]) -> Vec<f64> {
-    let last = velocity.len() - 1;
-    (0..velocity.len()).map(|i| f64::from(velocity[i] * velocity[(i + 1).min(last)] <= 0.0)).collect()
 }
 
 /// Share of the variance that regressors predict of blocks that they were not fitted to, and the
@@ -309,6 +184,7 @@ fn above_zero(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::known::bent;
     use super::*;
     use crate::rng::{Philox, Stream};
 

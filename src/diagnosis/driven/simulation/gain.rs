@@ -49,8 +49,8 @@ pub(crate) struct System {
     pub sees: Vector4<f64>,
     /// State change over one sample under a constant unit force.
     pub push: Vector4<f64>,
-    /// Covariance of what noise adds over one sample.
-    noise: Matrix4<f64>,
+    /// Covariance of what noise adds over one sample, in variances of readout noise.
+    pub noise: Matrix4<f64>,
 }
 
 /// Solves the filter's Riccati equation by doubling.

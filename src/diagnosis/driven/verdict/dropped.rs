@@ -1,6 +1,6 @@
 //! Why a term has no name, and what was left undone.
 
-use crate::diagnosis::driven::selection::independence::Known;
+use crate::diagnosis::driven::selection::known::Known;
 use crate::diagnosis::driven::selection::series::Series;
 
 /// Why a term that was in the model has no name.

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::driven::identification::chaos::Chaos;
 use crate::diagnosis::driven::selection::identifiability::{FEWEST_CYCLES, Reach};
-use crate::diagnosis::driven::selection::independence::Known;
+use crate::diagnosis::driven::selection::known::Known;
 use crate::diagnosis::driven::selection::noise_character::NoiseCharacter;
 use crate::number::short;
 
@@ -41,8 +41,8 @@ pub fn dropped(reason: Dropped) -> String {
                 Known::Time => "time",
                 Known::Environment => "the environment",
             };
-            let what = if is_power { "the power of its estimate" } else { "its estimate" };
-            format!("not independent: {percent} % of the variance of {what} follows from {by}, so a law is missing")
+            let what = if is_power { "of the variance of its power" } else { "of what it takes up" };
+            format!("not independent: {percent} % {what} follows from {by}, so a law is missing")
         }
         Dropped::StandIn => "an approximation only: it does not bring the residual to the noise".into(),
     }

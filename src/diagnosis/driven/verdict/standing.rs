@@ -42,7 +42,7 @@ impl Draft<'_> {
         let follows = |n: &Named| {
             let noise = self.term(n.index).noise()?;
             let found = explained_by_known(self.data, &lean, noise).filter(Explained::is_real)?;
-            let percent = (100.0 * found.r_squared).round() as u8;
+            let percent = (100.0 * found.r_squared.min(1.0)).round() as u8;
             Some((n.index, Dropped::Dependent { by: found.by, percent, is_power: found.is_power }))
         };
         let all: Vec<(usize, Dropped)> = self.named.iter().filter_map(follows).collect();
