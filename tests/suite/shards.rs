@@ -242,7 +242,8 @@ fn killed() -> Result<(), Failed> {
     let world = World::new(&text, &[])?;
     let whole = world.whole()?;
     world.shard("1/2", "shards")?;
-    let all = done(&world.path("shards/shard-1-of-2.state"));
+    world.shard("2/2", "undisturbed")?;
+    let all = done(&world.path("undisturbed/shard-2-of-2.state"));
     let state = world.path("shards/shard-2-of-2.state");
     let (mut kills, mut seen) = (0, 0);
     for attempt in 0u64.. {
@@ -265,8 +266,7 @@ fn killed() -> Result<(), Failed> {
             let now = done(&state);
             check(now >= seen, format!("from {seen} to {now} members: a resumed shard lost some"))?;
             seen = now;
-            // Halves of one size: this one may have been finished in the instant before it was
-            // killed.
+            // It may have been finished in the instant before it was killed.
             if now == all {
                 break;
             }
