@@ -11,7 +11,8 @@ use crate::numerics::order;
 const KNOTS: [f64; 7] = [0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98];
 /// Cosines of time over the recording.
 const COSINES: usize = 8;
-/// Resonances that remember the input: how many, over which multiples of ω₀, and their quality.
+/// Resonances that remember the input: how many, over which multiples of ω₀, and their quality. Few,
+/// as each takes two columns: what lies between two of them shows in the feet of both.
 const RESONANCES: usize = 12;
 const OVER: [f64; 2] = [0.1, 10.0];
 const QUALITY: f64 = 5.0;

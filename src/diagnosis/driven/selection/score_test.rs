@@ -113,34 +113,57 @@ pub(super) struct Score {
     pub p_value: f64,
 }
 
-/// What the columns explain of the innovations beyond what is granted: `None` where the recording is
-/// too short to say or nothing is left of the columns.
-pub(super) fn score(innovations: &[f64], columns: &[Vec<f64>], granted: &[Vec<f64>]) -> Option<Score> {
-    let rows = innovations.len();
-    let of_unit = |columns: &[Vec<f64>]| columns.iter().filter_map(|c| standard(c)).collect::<Vec<_>>();
-    let (columns, mut granted) = (of_unit(columns), of_unit(granted));
-    granted.push(vec![1.0; rows]);
-    if columns.is_empty() || rows < ROWS_PER_COLUMN * (columns.len() + granted.len()) {
-        return None;
+/// Innovations without what is granted.
+pub(super) struct Tested {
+    errors: DVector<f64>,
+    variance: f64,
+    /// Orthonormal columns of what is granted, a constant among them.
+    granted: DMatrix<f64>,
+}
+
+impl Tested {
+    pub(super) fn of(innovations: &[f64], granted: &[Vec<f64>]) -> Option<Self> {
+        let constant = vec![1.0; innovations.len()];
+        let granted = whitened(&matrix(granted.iter().filter_map(|c| standard(c)).chain([constant]).collect()))?;
+        let mut errors = DVector::from_column_slice(innovations);
+        errors -= &granted * (granted.transpose() * &errors);
+        let variance = errors.norm_squared() / innovations.len() as f64;
+        (variance > 0.0).then_some(Self { errors, variance, granted })
     }
-    let matrix = |columns: &[Vec<f64>]| DMatrix::from_fn(rows, columns.len(), |i, j| columns[j][i]);
-    let granted = whitened(&matrix(&granted))?;
-    let beyond = |m: DMatrix<f64>| &m - &granted * (granted.transpose() * &m);
-    let errors = beyond(DMatrix::from_column_slice(rows, 1, innovations));
-    let directions = whitened(&beyond(matrix(&columns)))?;
-    let variance = errors.norm_squared() / rows as f64;
-    let score: DVector<f64> = (directions.transpose() * &errors).column(0).into_owned();
-    let weighed = DMatrix::from_fn(rows, directions.ncols(), |i, j| directions[(i, j)] * errors[i]);
-    let covariance = weighed.transpose() * &weighed;
-    let statistic = score.dot(&covariance.cholesky()?.solve(&score));
-    let width = directions.ncols() as f64;
-    let gain = score.norm_squared() / variance.max(1e-300) - width;
-    (statistic.is_finite() && gain.is_finite())
-        .then(|| Score { gain, p_value: special::chi_squared_survival(statistic, width) })
+
+    /// What the columns explain beyond what is granted: `None` where the recording is too short to
+    /// say or nothing is left of the columns.
+    pub(super) fn score(&self, columns: impl Iterator<Item = Vec<f64>>) -> Option<Score> {
+        let mut columns = matrix(columns.filter_map(|c| standard(&c)).collect());
+        if columns.nrows() < ROWS_PER_COLUMN * (columns.ncols() + self.granted.ncols()) {
+            return None;
+        }
+        columns -= &self.granted * (self.granted.transpose() * &columns);
+        let mut directions = whitened(&columns)?;
+        let score = directions.transpose() * &self.errors;
+        for mut direction in directions.column_iter_mut() {
+            direction.component_mul_assign(&self.errors);
+        }
+        let covariance = directions.transpose() * &directions;
+        let statistic = score.dot(&covariance.cholesky()?.solve(&score));
+        let width = score.len() as f64;
+        let gain = score.norm_squared() / self.variance - width;
+        (statistic.is_finite() && gain.is_finite())
+            .then(|| Score { gain, p_value: special::chi_squared_survival(statistic, width) })
+    }
+}
+
+/// Side by side; of no rows without a column.
+fn matrix(columns: Vec<Vec<f64>>) -> DMatrix<f64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    DMatrix::from_iterator(rows, columns.len(), columns.into_iter().flatten())
 }
 
 /// Orthonormal columns that span the same; none where they are all nothing.
 fn whitened(columns: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if columns.is_empty() {
+        return None;
+    }
     let found = (columns.transpose() * columns).symmetric_eigen();
     let largest = found.eigenvalues.max();
     let kept: Vec<usize> =
@@ -194,7 +217,8 @@ mod tests {
                     .collect();
                 let square: Vec<f64> = known.iter().map(|k| k * k).collect();
                 let columns = [known, square].map(|c| filter.answer(&c, Entry::Reading));
-                score(&innovations, &columns, &[]).is_some_and(|s| s.p_value < 0.01)
+                let found = Tested::of(&innovations, &[]).and_then(|t| t.score(columns.into_iter()));
+                found.is_some_and(|s| s.p_value < 0.01)
             })
             .count()
     }
@@ -212,8 +236,9 @@ mod tests {
         let known: Vec<f64> = (0..ROWS).map(|_| rng.normal()).collect();
         let innovations: Vec<f64> = known.iter().map(|k| k + rng.normal()).collect();
         let columns = vec![known];
-        assert!(score(&innovations, &columns, &[]).is_some_and(|s| s.gain > 1000.0));
-        assert_eq!(score(&innovations, &columns, &columns), None);
+        let score = |granted: &[Vec<f64>]| Tested::of(&innovations, granted)?.score(columns.iter().cloned());
+        assert!(score(&[]).is_some_and(|s| s.gain > 1000.0));
+        assert_eq!(score(&columns), None);
         // A constant error of the reading is taken for the level: (1 − K)^k of it is left.
         let left = local_level().answer(&[1.0; 20], Entry::Reading);
         let p: f64 = 0.5 * (0.09 + (0.09f64 * 0.09 + 0.36).sqrt());

@@ -17,12 +17,12 @@ pub enum Dropped {
     NoSecondResonance,
     /// It is a friction that would push the mass along.
     PushesAlong,
-    /// It is a noise term, but known signals predict its estimate, or the power of that:
-    /// percentage of the variance, cross-fitted.
+    /// It is a noise term, but known signals explain part of what it takes up in the innovations, or
+    /// predict its power.
     Dependent {
         /// Known quantity that predicts it.
         by: Known,
-        /// Fraction of the variance, %.
+        /// Part of its degrees of freedom, or of the variance of its power, %.
         percent: u8,
         /// Whether it is the variance of its power.
         is_power: bool,
