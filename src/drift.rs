@@ -7,6 +7,7 @@
 pub mod budget;
 pub(crate) mod carried;
 pub mod compare;
+mod course;
 pub mod disturbance;
 pub mod divided;
 pub mod document;

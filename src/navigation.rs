@@ -4,4 +4,5 @@ pub mod closed_form;
 pub mod dead_reckoning;
 pub mod kalman;
 pub mod power_law;
+pub mod slow;
 pub mod tilt;

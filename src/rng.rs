@@ -68,6 +68,10 @@ pub enum Stream {
     Fix = 11,
     /// Time-stamp jitter of each reading.
     Jitter = 12,
+    /// Gauss–Markov process of the accelerometer's bias.
+    AccelerometerMarkov = 13,
+    /// Gauss–Markov process of the gyro's bias.
+    GyroMarkov = 14,
 }
 
 /// A stream of random numbers for one member, usable wherever `rand` asks for a generator.

@@ -9,6 +9,7 @@ use super::rectification;
 use super::repair::{Cost, Repair, Row, Vibration};
 use crate::control::{Control, Stopped};
 use crate::navigation::closed_form::Process;
+use crate::navigation::slow;
 use crate::number::short;
 use crate::sensor::error_law::{ErrorLaw, Growth};
 use crate::sensor::{Sense, Sensor, SensorTerm};
@@ -89,10 +90,22 @@ impl Drift {
 /// minute it is one.
 fn random_variance(sensor: &Sensor, time_s: f64) -> f64 {
     let force_noise = sensor.proof_mass.map_or(0.0, |p| p.force_noise_m_s_rts);
+    let shape = |term: SensorTerm| term.shapes().next().map_or(0.0, |shape| sensor.error(shape));
     let variance = |term: SensorTerm| {
         let coefficient = sensor.error(term);
+        if coefficient == term.law().neutral() {
+            return 0.0;
+        }
         let (process, integrals) = match (term.law(), term.law().growth()) {
             (ErrorLaw::Flicker(_), _) => (Process::Constant(coefficient), 0),
+            (ErrorLaw::Markov(_), _) => (Process::Markov { sigma: coefficient, tau_s: shape(term) }, 0),
+            (ErrorLaw::Sine, _) => (Process::Sine { amplitude: coefficient, omega_rad_s: shape(term) }, 0),
+            (ErrorLaw::Settling, _) => {
+                let integrals = if term.sense() == Sense::Gyro { 3 } else { 2 };
+                let grown = |time_s: f64| slow::settled(shape(term), integrals, time_s);
+                let unit = Process::Constant(1.0).variance(integrals, time_s).sqrt();
+                (Process::Constant(coefficient * grown(time_s) / unit), 0)
+            }
             (_, Growth::OfAConstant(integrals)) => (Process::Constant(coefficient), integrals),
             (_, Growth::OfWhiteNoise(integrals)) => (Process::White(coefficient), integrals),
             (_, Growth::Other) => return 0.0,

@@ -198,6 +198,25 @@ mod tests {
     }
 
     #[test]
+    fn slow_laws_are_written_so_that_a_study_draws_them_again() {
+        let mut sensor = Sensor::default();
+        let a = &mut sensor.accelerometer;
+        (a.markov_m_s2, a.markov_time_s) = (1e-3, 60.0);
+        (a.warm_up_m_s2, a.warm_up_time_s) = (-2e-3, 20.0);
+        (a.sinusoid_m_s2, a.sinusoid_frequency_rad_s) = (3e-3, 0.5);
+        let mut text = "members = 2\nduration_s = 1.0\n".to_owned();
+        section(&mut text, "accelerometer", &term_keys(&sensor, "accelerometer"));
+        let study = crate::study::parse("repaired", &text, Path::new("")).expect("it is a study");
+        let drawn = [0, 1].map(|member| study.member(member).sensor.accelerometer);
+        for term in SensorTerm::ALL.into_iter().filter(|t| *t != SensorTerm::AccelerometerSinusoidPhase) {
+            let (got, want) = (term.of(&drawn[0], &sensor.gyro), sensor.error(term));
+            assert!(got == want || (got / want - 1.0).abs() < 1e-12, "{term:?}: {got} {want}");
+        }
+        // The phase is the recording's own: each member draws one.
+        assert_ne!(drawn[0].sinusoid_phase_rad, drawn[1].sinusoid_phase_rad);
+    }
+
+    #[test]
     fn densities_are_written_as_one_sided() {
         let mut sensor = Sensor::default();
         sensor.accelerometer.velocity_random_walk_m_s_rts = 60.0 * MICRO_G * DENSITY_TO_RANDOM_WALK;

@@ -5,11 +5,12 @@
 //! without noise, a scale error on a sine drawn per member) is left out and said. See
 //! `navigation::closed_form` for the laws.
 
+use super::course::{Course, CourseIntegrals, Known};
+use crate::excitation;
 use crate::excitation::plan::Variation;
-use crate::excitation::{self, Waveform};
 use crate::kernel::flicker;
 use crate::navigation::closed_form::Process;
-use crate::sensor::error_law::{ErrorLaw, Growth};
+use crate::sensor::error_law::{ErrorLaw, Growth, Shape};
 use crate::sensor::source::ErrorSource;
 use crate::sensor::{SensorTerm, mechanics};
 use crate::statistics::quantity;
@@ -57,12 +58,12 @@ impl Expected {
             match law {
                 Law::Absent => {}
                 Law::None(why) => left_out.push(format!("{}: {why}", source.name())),
-                Law::Constant { mean, variance, integrals } => {
+                Law::Constant { mean, variance, course } => {
                     let moment = |t: f64, n: u32| {
-                        let unit = grown(integrals, still_s, n, t);
+                        let unit = course.grown(still_s, n, t);
                         Moment { mean: mean * unit, variance: variance * unit * unit }
                     };
-                    let found = if still_s > 0.0 { mean_of_still_start(integrals, still_s) } else { 0.0 };
+                    let found = if still_s > 0.0 { course.mean_of_still_start(still_s) } else { 0.0 };
                     let levelled = Moment { mean: mean * found, variance: variance * found * found };
                     let mut rows = chain(source, &time_s, moment, levelled);
                     if source == ErrorSource::Term(SensorTerm::InitialTilt) {
@@ -147,36 +148,16 @@ fn chain(
     time_s.iter().map(row).collect()
 }
 
-fn power(n: u32, time_s: f64) -> f64 {
-    Process::Constant(1.0).variance(n, time_s).sqrt()
-}
-
-/// A constant 1 that has been integrated `integrals` times since the beginning of the run, after
-/// `n` more from the end of the still start, which has taken off its mean: (T + t)ᵏ/k! less that
-/// mean, by powers of t.
-fn grown(integrals: u32, still_s: f64, n: u32, time_s: f64) -> f64 {
-    if still_s == 0.0 {
-        return power(n + integrals, time_s);
-    }
-    let whole: f64 = (0..=integrals).map(|i| power(integrals - i, still_s) * power(i + n, time_s)).sum();
-    whole - mean_of_still_start(integrals, still_s) * power(n, time_s)
-}
-
-/// Its mean over the still start.
-fn mean_of_still_start(integrals: u32, still_s: f64) -> f64 {
-    power(integrals, still_s) / f64::from(integrals + 1)
-}
-
 /// What kind of error a source is in this study.
 enum Law {
     Absent,
     /// There, without a closed form.
     None(&'static str),
-    /// A constant per member, integrated so often.
+    /// A constant per member times a known course.
     Constant {
         mean: f64,
         variance: f64,
-        integrals: u32,
+        course: Known,
     },
     Random(Vec<Process>),
     /// A constant per member times what all members share.
@@ -186,22 +167,6 @@ enum Law {
         variance: f64,
     },
 }
-
-/// What all members share over time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Course {
-    /// The specific force.
-    Force,
-    /// Its square.
-    Square,
-    /// How much warmer than its reference the sensor is, less what a still start takes off.
-    Warmer,
-    /// That times the specific force.
-    WarmerForce,
-}
-
-/// How many courses there are.
-const COURSES: usize = 4;
 
 fn law(study: &Study, source: ErrorSource) -> Law {
     match source {
@@ -243,6 +208,23 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),
+        ErrorLaw::Markov(_) => match shape(study, term, Shape::Memory) {
+            Some(tau_s) => Law::Random(vec![Process::Markov { sigma: level_si, tau_s }]),
+            None => Law::None("its correlation time is drawn per member"),
+        },
+        ErrorLaw::Settling => match shape(study, term, Shape::Settling) {
+            Some(tau_s) => {
+                let (mean, variance) = study.tolerances.moments(key);
+                Law::Constant { mean, variance, course: Known::Settling(tau_s) }
+            }
+            None => Law::None("its time constant is drawn per member"),
+        },
+        ErrorLaw::Sine => match shape(study, term, Shape::Frequency) {
+            Some(omega_rad_s) if has_any_phase(study, term) => {
+                Law::Random(vec![Process::Sine { amplitude: level_si, omega_rad_s }])
+            }
+            _ => Law::None("there is one for a single frequency and all phases"),
+        },
         ErrorLaw::Rounding => {
             let white = |other: &SensorTerm| matches!(other.law(), ErrorLaw::White(_)) && other.sense() == term.sense();
             let noise = SensorTerm::ALL.into_iter().find(white).and_then(|t| study.tolerances.given(t));
@@ -258,11 +240,24 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
         law => match law.growth() {
             Growth::OfAConstant(integrals) => {
                 let (mean, variance) = study.tolerances.moments(key);
-                Law::Constant { mean, variance, integrals }
+                Law::Constant { mean, variance, course: Known::Power(integrals) }
             }
             Growth::OfWhiteNoise(_) | Growth::Other => Law::None("theory has no closed form for it"),
         },
     }
+}
+
+/// A number of a term's shape, SI, where it is the same for all members.
+fn shape(study: &Study, term: SensorTerm, wanted: Shape) -> Option<f64> {
+    let shape = term.shapes().find(|shape| shape.law() == ErrorLaw::Shape(wanted))?;
+    let (value, variance) = study.tolerances.moments(study.tolerances.given(shape)?);
+    (variance == 0.0).then_some(value)
+}
+
+/// Whether the phases of a sine are drawn around the circle.
+fn has_any_phase(study: &Study, term: SensorTerm) -> bool {
+    let phase = term.shapes().find(|shape| shape.law() == ErrorLaw::Shape(Shape::Phase));
+    phase.is_none_or(|phase| study.tolerances.given(phase).is_none())
 }
 
 /// Places in the schedule of a flicker term over which its variance is averaged, at most.
@@ -304,96 +299,5 @@ fn motion(study: &Study, key: &Key, course: Course) -> Law {
                 variance: (mean * mean + variance) * second - (mean * first).powi(2),
             }
         }
-    }
-}
-
-/// A course at a time, and its integrals up to there.
-#[derive(Clone, Copy)]
-struct Integrals {
-    now: f64,
-    once: f64,
-    twice: f64,
-    three_times: f64,
-}
-
-impl Integrals {
-    /// Position, velocity and acceleration of an accelerometer's error, and no tilt.
-    fn direct(self) -> [f64; 4] {
-        [self.twice, self.once, self.now, 0.0]
-    }
-
-    /// The same of a gyro's: tilt is its integral, and gravity makes an acceleration of that.
-    fn through_tilt(self) -> [f64; 4] {
-        let g = STANDARD_GRAVITY_M_S2;
-        [g * self.three_times, g * self.twice, g * self.once, self.once]
-    }
-}
-
-/// Integrals of the courses.
-#[derive(Default)]
-struct CourseIntegrals {
-    /// Per course, per time.
-    integrals: [Vec<Integrals>; COURSES],
-    /// How much warmer the sensor is during a still start, K; 0 without one.
-    taken_k: f64,
-}
-
-impl CourseIntegrals {
-    /// By the trapezoidal rule on the integration steps, or on ten million of them where there are
-    /// more.
-    fn of(study: &Study, time_s: &[f64]) -> Self {
-        let waveform: &dyn Waveform = study.excitation.waveform.as_ref();
-        let warmer_k = |t: f64| study.temperature.above_reference_k(t);
-        let taken_k = if study.still_s() > 0.0 { warmer_k(0.0) } else { 0.0 };
-        let mut integrals = [const { Vec::new() }; COURSES];
-        let steps = (study.duration_s() / study.clock.step_s).min(1e7);
-        let step_s = study.duration_s() / steps;
-        let course = |t: f64| {
-            let (f, warmer) = (waveform.specific_force_m_s2(t), warmer_k(t));
-            [f, f * f, warmer - taken_k, warmer * f]
-        };
-        let none = [0.0; COURSES];
-        let (mut velocity, mut position, mut area, mut now_s) = (none, none, none, 0.0);
-        let mut before = course(0.0);
-        for time_s in time_s {
-            let parts = ((time_s - now_s) / step_s).round().max(1.0);
-            let h = (time_s - now_s) / parts;
-            for part in 1..=parts as u64 {
-                let after = course(now_s + h * part as f64);
-                for p in 0..COURSES {
-                    // Exact for one that is linear over the step.
-                    let third = h * h * h * (before[p] / 8.0 + after[p] / 24.0);
-                    area[p] += h * position[p] + 0.5 * h * h * velocity[p] + third;
-                    position[p] += h * velocity[p] + h * h * (before[p] / 3.0 + after[p] / 6.0);
-                    velocity[p] += 0.5 * h * (before[p] + after[p]);
-                }
-                before = after;
-            }
-            now_s = *time_s;
-            for p in 0..COURSES {
-                let (once, twice, three_times) = (velocity[p], position[p], area[p]);
-                integrals[p].push(Integrals { now: before[p], once, twice, three_times });
-            }
-        }
-        Self { integrals, taken_k }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A ramp from the beginning of a still start of T is T/2 + t from its end on, less what it was
-    /// in the mean.
-    #[test]
-    fn a_ramp_after_a_still_start_is_what_the_start_has_not_taken_off() {
-        let (still_s, t) = (10.0, 7.0f64);
-        for (n, want) in [(0, 5.0 + t), (1, 5.0 * t + t * t / 2.0), (2, 2.5 * t * t + t.powi(3) / 6.0)] {
-            assert!((grown(1, still_s, n, t) / want - 1.0).abs() < 1e-12, "{n}");
-            // Without a start it is the ramp alone; a constant is taken off whole.
-            assert!((grown(1, 0.0, n, t) / power(n + 1, t) - 1.0).abs() < 1e-12);
-            assert_eq!(grown(0, still_s, n, t), 0.0);
-        }
-        assert_eq!((mean_of_still_start(0, still_s), mean_of_still_start(1, still_s)), (1.0, 5.0));
     }
 }

@@ -214,7 +214,15 @@ fn errors(numbers: &Tolerances, sense: Sense) -> Errors {
             ErrorLaw::Constant => errors.bias = value,
             ErrorLaw::Rounding => errors.step = value.mean,
             ErrorLaw::FullScale => errors.range = value.mean,
-            ErrorLaw::Proportional(_) | ErrorLaw::Ramp | ErrorLaw::Offset | ErrorLaw::Force(_) | ErrorLaw::Warm(_) => {}
+            ErrorLaw::Proportional(_)
+            | ErrorLaw::Ramp
+            | ErrorLaw::Offset
+            | ErrorLaw::Force(_)
+            | ErrorLaw::Warm(_)
+            | ErrorLaw::Markov(_)
+            | ErrorLaw::Settling
+            | ErrorLaw::Sine
+            | ErrorLaw::Shape(_) => {}
         }
     }
     errors

@@ -24,6 +24,7 @@ pub mod poincare;
 pub mod reading;
 pub mod reduce;
 pub mod simulate;
+mod slow;
 pub(crate) mod small;
 pub mod stretch;
 pub mod sums;

@@ -48,8 +48,12 @@ pub mod state {
     pub const WALKS: usize = 14;
     /// How many random walks there are.
     pub const WALK_COUNT: usize = alike(ErrorLaw::Walk(Stream::Host), SensorTerm::COUNT);
+    /// Gauss–Markov processes, one for each term that is one.
+    pub const MARKOVS: usize = WALKS + WALK_COUNT;
+    /// How many Gauss–Markov processes there are.
+    pub const MARKOV_COUNT: usize = alike(ErrorLaw::Markov(Stream::Host), SensorTerm::COUNT);
     /// Flicker terms follow here, a set for each sensor term that is switched on.
-    pub const TERMS: usize = WALKS + WALK_COUNT;
+    pub const TERMS: usize = MARKOVS + MARKOV_COUNT;
     /// Indices by the names that the shader uses.
     pub const NAMED: [(&str, usize); 12] = [
         ("E", E),

@@ -4,12 +4,16 @@
 //! of time and the reading a = ω₀²x is the unknown: a″ + Ca′ + W(a + γa³) = W(f + w) with W =
 //! (ω₀h)², C = 2ζω₀h, γ = β/ω₀⁶.
 
+use std::f64::consts::TAU;
+
 use super::flicker;
 use super::integrator::{Integrator, Reach};
 use super::job::{Clock, Member};
 use crate::physics::coefficients;
 use crate::physics::dimension::Units;
 use crate::physics::free_oscillator::transition;
+use crate::sensor::error_law::{ErrorLaw, Shape};
+use crate::sensor::terms::alike;
 use crate::sensor::{ProofMass, SensorTerm};
 
 /// Numbers of one member.
@@ -63,7 +67,12 @@ pub struct Column {
     pub laws: [f64; coefficients::MOST],
     /// Phase of its own sine at t = 0 and per half substep, in 2⁻³² turns.
     pub turns: [u32; 2],
+    /// The same of each sinusoid of its readings, per half sample.
+    pub waves: [u32; WAVES],
 }
+
+/// Numbers of the sinusoids of the readings: a phase and a step each.
+pub(crate) const WAVES: usize = 2 * alike(ErrorLaw::Sine, SensorTerm::COUNT);
 
 impl Column {
     /// Derives the numbers of a member.
@@ -87,19 +96,29 @@ impl Column {
             values[column::of(term)] = term.law().per_sample(sensor.error(term), sample_s);
         }
         values[column::STEPS] = steps_per_m_s2(values[column::QUANTISATION]);
+        // Turns wrap, as the kernels' arithmetic on them does.
+        let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
+        let mut waves = [0; WAVES];
+        for term in SensorTerm::ALL.into_iter().filter(|term| term.law() == ErrorLaw::Sine) {
+            for shape in term.shapes() {
+                let turns = sensor.error(shape) / TAU;
+                match shape.law() {
+                    ErrorLaw::Shape(Shape::Phase) => waves[2 * term.rank()] = fixed(turns),
+                    _ => waves[2 * term.rank() + 1] = fixed(0.5 * sample_s * turns),
+                }
+            }
+        }
         let mut turns = [0; 2];
         if let Some(sine) = &member.sine {
             values[column::SINE] = sine.amplitude_m_s2;
-            let fixed = |turn: f64| ((turn.rem_euclid(1.0)) * 4_294_967_296.0).round() as u64 as u32;
             let step = fixed(sine.frequency_hz * 0.5 * substep_s);
-            // Its phase is that at the end of a still start. Turns wrap, as the kernels' arithmetic
-            // on them does.
+            // Its phase is that at the end of a still start.
             let substeps = u64::from(clock.steps_per_sample) * u64::from(integrator.substeps());
             let before = (2 * clock.still_samples * substeps) as u32;
-            let phase = fixed(sine.phase_rad / std::f64::consts::TAU);
+            let phase = fixed(sine.phase_rad / TAU);
             turns = [phase.wrapping_sub(before.wrapping_mul(step)), step];
         }
-        Self { values, laws, turns }
+        Self { values, laws, turns, waves }
     }
 
     /// Whether the member has this term.

@@ -17,6 +17,8 @@
 //! - a held process is correlated across the end: its values are summed with their weights before
 //!   and after it.
 
+use super::slow;
+
 /// An error process in the unit of what is integrated (m/s², rad/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Process {
@@ -36,6 +38,20 @@ pub enum Process {
     },
     /// Random walk with coefficient K, unit/√s, from zero.
     Walk(f64),
+    /// A first-order Gauss–Markov process from its stationary law.
+    Markov {
+        /// Standard deviation, unit.
+        sigma: f64,
+        /// Correlation time, s.
+        tau_s: f64,
+    },
+    /// A sine with a phase drawn around the circle.
+    Sine {
+        /// Amplitude, unit.
+        amplitude: f64,
+        /// Frequency, rad/s.
+        omega_rad_s: f64,
+    },
 }
 
 impl Process {
@@ -51,6 +67,10 @@ impl Process {
                 density.powi(2) * time_s.powf(2.0 * n - 1.0) / ((2.0 * n - 1.0) * factorial(integrations - 1).powi(2))
             }
             Self::Walk(density) => Self::White(density).variance(integrations + 1, time_s),
+            Self::Markov { sigma, tau_s } => sigma * sigma * slow::markov(tau_s, integrations, time_s),
+            Self::Sine { amplitude, omega_rad_s } => {
+                amplitude * amplitude * slow::sine(omega_rad_s, 0.0, integrations, time_s)
+            }
             Self::Held { sigma, .. } if integrations == 0 => sigma * sigma,
             Self::Held { sigma, first_s, hold_s } => {
                 let held = Held { first_s, hold_s };
@@ -66,6 +86,12 @@ impl Process {
         match self {
             _ if still_s <= 0.0 => self.variance(integrations, time_s),
             Self::Constant(_) => 0.0,
+            Self::Markov { sigma, tau_s } => {
+                sigma * sigma * slow::markov_after_still_start(tau_s, still_s, integrations, time_s)
+            }
+            Self::Sine { amplitude, omega_rad_s } => {
+                amplitude * amplitude * slow::sine(omega_rad_s, still_s, integrations, time_s)
+            }
             Self::White(_) | Self::Walk(_) => {
                 self.variance(integrations, time_s)
                     + self.bias_left(still_s) * Self::Constant(1.0).variance(integrations, time_s)
@@ -78,11 +104,12 @@ impl Process {
     }
 
     /// Variance of the constant error that a still start of `still_s` leaves from its end on: what
-    /// its mean misses of the process. Zero for a held process, whose error is none that stays.
+    /// its mean misses of the process. Zero for one that forgets or comes back, whose error is none that
+    /// stays.
     pub fn bias_left(self, still_s: f64) -> f64 {
         match self {
             _ if still_s <= 0.0 => 0.0,
-            Self::Constant(_) | Self::Held { .. } => 0.0,
+            Self::Constant(_) | Self::Held { .. } | Self::Markov { .. } | Self::Sine { .. } => 0.0,
             Self::White(density) => density * density / still_s,
             Self::Walk(density) => density * density * still_s / 3.0,
         }

@@ -31,10 +31,34 @@ pub enum ErrorLaw {
     Walk(Stream),
     /// A straight line in time with slope R (IEEE 952), unit/s, from zero.
     Ramp,
+    /// A first-order Gauss–Markov process of this standard deviation from its stationary law, unit;
+    /// its correlation time is the next row.
+    Markov(Stream),
+    /// What dies out exponentially from the beginning of the run on: its first value, unit; its time
+    /// constant is the next row.
+    Settling,
+    /// A sine of this amplitude, unit; frequency and phase are the next rows.
+    Sine,
+    /// No error by itself: a number of the term before it.
+    Shape(Shape),
     /// Rounding to steps of this size, unit.
     Rounding,
     /// Full scale: the largest magnitude of a reading, unit.
     FullScale,
+}
+
+/// A number by which a term is more than its strength.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Correlation time of a Gauss–Markov process, s; 0 for one that never forgets.
+    Memory,
+    /// Time constant of what dies out, s; 0 for what stays.
+    Settling,
+    /// Frequency of a sine, rad/s.
+    Frequency,
+    /// Phase of a sine at the beginning of the run, rad; drawn around the circle where it is not
+    /// given.
+    Phase,
 }
 
 /// How an error follows from the simplest ones, by integrals over time.
@@ -74,6 +98,10 @@ impl ErrorLaw {
             Self::Offset => 8,
             Self::Force(_) => 9,
             Self::Warm(_) => 10,
+            Self::Markov(_) => 11,
+            Self::Settling => 12,
+            Self::Sine => 13,
+            Self::Shape(_) => 14,
         }
     }
 
@@ -88,6 +116,10 @@ impl ErrorLaw {
             | Self::Warm(_)
             | Self::Proportional(_)
             | Self::Flicker(_)
+            | Self::Markov(_)
+            | Self::Settling
+            | Self::Sine
+            | Self::Shape(_)
             | Self::Rounding
             | Self::FullScale => Growth::Other,
         }
@@ -110,20 +142,27 @@ impl ErrorLaw {
         matches!(self, Self::Rounding | Self::FullScale)
     }
 
-    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, the others as they
-    /// are.
+    /// What a kernel multiplies its unit noise by at each sample: N/√T, K√T, RT, times of a shape in
+    /// samples, the others as they are.
     pub fn per_sample(self, coefficient: f64, sample_s: f64) -> f64 {
         match self {
             Self::White(_) => coefficient / sample_s.sqrt(),
             Self::Walk(_) => coefficient * sample_s.sqrt(),
             Self::Ramp => coefficient * sample_s,
             Self::FullScale => coefficient.min(NO_LIMIT),
+            // Exact: the part of itself that a process loses over a sample, 1 − e^(−T/τ).
+            Self::Shape(Shape::Memory) if coefficient > 0.0 => -(-sample_s / coefficient).exp_m1(),
+            Self::Shape(Shape::Settling) if coefficient > 0.0 => sample_s / coefficient,
             Self::Constant
             | Self::Offset
             | Self::Force(_)
             | Self::Warm(_)
             | Self::Proportional(_)
             | Self::Flicker(_)
+            | Self::Markov(_)
+            | Self::Settling
+            | Self::Sine
+            | Self::Shape(_)
             | Self::Rounding => coefficient,
         }
     }
@@ -131,7 +170,7 @@ impl ErrorLaw {
     /// The random numbers it draws, if it draws any.
     pub const fn stream(self) -> Option<Stream> {
         match self {
-            Self::White(stream) | Self::Flicker(stream) | Self::Walk(stream) => Some(stream),
+            Self::White(stream) | Self::Flicker(stream) | Self::Walk(stream) | Self::Markov(stream) => Some(stream),
             _ => None,
         }
     }

@@ -3,7 +3,12 @@
 //!
 //! For error budgets. What a source does to position over time is `navigation::closed_form`.
 
+use super::error_law::{ErrorLaw, Shape};
+use super::terms::alike;
 use super::{Sense, Sensor, SensorTerm};
+
+/// Terms that are errors by themselves.
+const ERRORS: usize = SensorTerm::COUNT - alike(ErrorLaw::Shape(Shape::Memory), SensorTerm::COUNT);
 
 /// A source of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -18,12 +23,15 @@ pub enum ErrorSource {
 
 impl ErrorSource {
     /// All of them: the proof mass, then the terms of the table.
-    pub const ALL: [Self; 2 + SensorTerm::COUNT] = {
-        let mut all = [Self::Mechanics; 2 + SensorTerm::COUNT];
+    pub const ALL: [Self; 2 + ERRORS] = {
+        let mut all = [Self::Mechanics; 2 + ERRORS];
         all[1] = Self::ForceNoise;
-        let mut term = 0;
+        let (mut term, mut place) = (0, 2);
         while term < SensorTerm::COUNT {
-            all[2 + term] = Self::Term(SensorTerm::ALL[term]);
+            if !SensorTerm::ALL[term].is_shape() {
+                all[place] = Self::Term(SensorTerm::ALL[term]);
+                place += 1;
+            }
             term += 1;
         }
         all

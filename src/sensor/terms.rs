@@ -4,15 +4,18 @@
 //! 1. A row below: the field of the sensor with its SI unit, the term's name, its law, and its keys
 //!    in study.toml, each with a slot that no other key has.
 //! 2. If it draws random numbers: a variant of `rng::Stream`.
-//! 3. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in
+//! 3. If it is more than a strength, a row for each number of its shape, next to it.
+//! 4. If its law is new: a variant of [`ErrorLaw`] and how it is added to a reading, in
 //!    `kernel::reading`.
 //!
 //! From the row follow the field and its default, reading, checking and drawing the keys, the
 //! kernels' columns, states and switches on both backends, the error budget, the closed form, the
 //! sensor table and the repaired sensor.
 
+use std::f64::consts::TAU;
+
 use super::coupling::{ACCELEROMETER_BIAS_PER_K, ACCELEROMETER_SCALE_PER_K, G_SENSITIVITY, GYRO_BIAS_PER_K};
-use super::error_law::ErrorLaw;
+use super::error_law::{ErrorLaw, Shape};
 use crate::rng::Stream;
 use crate::units::key::Key;
 use crate::units::key::Sign::{Any, NotNegative, Positive};
@@ -121,6 +124,16 @@ impl SensorTerm {
         self.row().law
     }
 
+    /// Whether it is no error but a number of the term before it.
+    pub const fn is_shape(self) -> bool {
+        matches!(self.law(), ErrorLaw::Shape(_))
+    }
+
+    /// The numbers that stand behind it in the table as its shape.
+    pub fn shapes(self) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().skip(self as usize + 1).take_while(|term| term.is_shape())
+    }
+
     /// How many earlier terms follow a law of the same kind: its place among their states.
     pub const fn rank(self) -> usize {
         alike(self.law(), self as usize)
@@ -222,6 +235,48 @@ sensor_terms! {
             law: ErrorLaw::Warm(1),
             keys: &[ACCELEROMETER_SCALE_PER_K],
         };
+        /// Standard deviation σ of a Gauss–Markov process, m/s².
+        markov_m_s2: AccelerometerMarkov = Row {
+            name: "accelerometer Gauss–Markov bias",
+            law: ErrorLaw::Markov(Stream::AccelerometerMarkov),
+            keys: &[Key::new(54, "accelerometer.gauss_markov_ug", "Gauss–Markov bias σ", "µg", MICRO_G, NotNegative)],
+        };
+        /// Its correlation time, s.
+        markov_time_s: AccelerometerMarkovTime = Row {
+            name: "accelerometer Gauss–Markov correlation time",
+            law: ErrorLaw::Shape(Shape::Memory),
+            keys: &[Key::new(55, "accelerometer.gauss_markov_time_s", "its correlation time", "s", 1.0, Positive)],
+        };
+        /// Error at switch-on that dies out, m/s².
+        warm_up_m_s2: AccelerometerWarmUp = Row {
+            name: "accelerometer warm-up",
+            law: ErrorLaw::Settling,
+            keys: &[Key::new(56, "accelerometer.warm_up_mg", "warm-up", "mg", MILLI_G, Any)],
+        };
+        /// Its time constant, s.
+        warm_up_time_s: AccelerometerWarmUpTime = Row {
+            name: "accelerometer warm-up time constant",
+            law: ErrorLaw::Shape(Shape::Settling),
+            keys: &[Key::new(57, "accelerometer.warm_up_time_s", "its time constant", "s", 1.0, Positive)],
+        };
+        /// Amplitude of a sine that is picked up, m/s².
+        sinusoid_m_s2: AccelerometerSinusoid = Row {
+            name: "accelerometer sinusoid",
+            law: ErrorLaw::Sine,
+            keys: &[Key::new(58, "accelerometer.sinusoid_mg", "sinusoid", "mg", MILLI_G, NotNegative)],
+        };
+        /// Its frequency, rad/s.
+        sinusoid_frequency_rad_s: AccelerometerSinusoidFrequency = Row {
+            name: "accelerometer sinusoid frequency",
+            law: ErrorLaw::Shape(Shape::Frequency),
+            keys: &[Key::new(59, "accelerometer.sinusoid_hz", "its frequency", "Hz", TAU, Positive)],
+        };
+        /// Its phase at the beginning of the run, rad.
+        sinusoid_phase_rad: AccelerometerSinusoidPhase = Row {
+            name: "accelerometer sinusoid phase",
+            law: ErrorLaw::Shape(Shape::Phase),
+            keys: &[Key::new(60, "accelerometer.sinusoid_phase_deg", "its phase", "°", DEGREE, Any)],
+        };
         /// Quantisation step of the reading, m/s².
         quantisation_m_s2: Quantisation = Row {
             name: "quantisation",
@@ -283,6 +338,48 @@ sensor_terms! {
             name: "gyro bias over temperature",
             law: ErrorLaw::Warm(0),
             keys: &[GYRO_BIAS_PER_K],
+        };
+        /// Standard deviation σ of a Gauss–Markov process, rad/s.
+        markov_rad_s: GyroMarkov = Row {
+            name: "gyro Gauss–Markov bias",
+            law: ErrorLaw::Markov(Stream::GyroMarkov),
+            keys: &[Key::new(61, "gyro.gauss_markov_deg_h", "Gauss–Markov bias σ", "°/h", DEGREE_PER_HOUR, NotNegative)],
+        };
+        /// Its correlation time, s.
+        markov_time_s: GyroMarkovTime = Row {
+            name: "gyro Gauss–Markov correlation time",
+            law: ErrorLaw::Shape(Shape::Memory),
+            keys: &[Key::new(62, "gyro.gauss_markov_time_s", "its correlation time", "s", 1.0, Positive)],
+        };
+        /// Error at switch-on that dies out, rad/s.
+        warm_up_rad_s: GyroWarmUp = Row {
+            name: "gyro warm-up",
+            law: ErrorLaw::Settling,
+            keys: &[Key::new(63, "gyro.warm_up_deg_h", "warm-up", "°/h", DEGREE_PER_HOUR, Any)],
+        };
+        /// Its time constant, s.
+        warm_up_time_s: GyroWarmUpTime = Row {
+            name: "gyro warm-up time constant",
+            law: ErrorLaw::Shape(Shape::Settling),
+            keys: &[Key::new(64, "gyro.warm_up_time_s", "its time constant", "s", 1.0, Positive)],
+        };
+        /// Amplitude of a sine that is picked up, rad/s.
+        sinusoid_rate_rad_s: GyroSinusoid = Row {
+            name: "gyro sinusoid",
+            law: ErrorLaw::Sine,
+            keys: &[Key::new(65, "gyro.sinusoid_deg_h", "sinusoid", "°/h", DEGREE_PER_HOUR, NotNegative)],
+        };
+        /// Its frequency, rad/s.
+        sinusoid_frequency_rad_s: GyroSinusoidFrequency = Row {
+            name: "gyro sinusoid frequency",
+            law: ErrorLaw::Shape(Shape::Frequency),
+            keys: &[Key::new(66, "gyro.sinusoid_hz", "its frequency", "Hz", TAU, Positive)],
+        };
+        /// Its phase at the beginning of the run, rad.
+        sinusoid_phase_rad: GyroSinusoidPhase = Row {
+            name: "gyro sinusoid phase",
+            law: ErrorLaw::Shape(Shape::Phase),
+            keys: &[Key::new(67, "gyro.sinusoid_phase_deg", "its phase", "°", DEGREE, Any)],
         };
         /// Rate ramp R, rad/s².
         ramp_rad_s2: RateRamp = Row {

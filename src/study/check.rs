@@ -5,6 +5,7 @@ use super::section::Section;
 use super::tolerances::{Tolerances, keys};
 use crate::error::{Error, Result};
 use crate::kernel::job::Clock;
+use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{SensorTerm, mechanics};
 use crate::units::key::{Key, Sign};
 use crate::units::number::Number;
@@ -38,6 +39,7 @@ pub(super) fn tolerances(name: &str, file: &File, axis: usize) -> Result<Toleran
 /// Whether each number makes sense for its key, and none is given twice.
 pub(super) fn numbers(name: &str, all: &Tolerances) -> Result<()> {
     SensorTerm::ALL.into_iter().try_for_each(|term| given_once(name, all, term))?;
+    SensorTerm::ALL.into_iter().filter(|term| !term.is_shape()).try_for_each(|term| given_whole(name, all, term))?;
     sizes(name, all)?;
     signs(name, all)
 }
@@ -51,6 +53,22 @@ fn given_once(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
         format!("both `{}` and `{}` are given; they are two names of one {}", a.path, b.path, term.row().name),
         "keep one: a one-sided density n (datasheets) is a random walk N = n/√2 (IEEE 952)",
     ))
+}
+
+/// Refuses a term without its shape, and a shape without its term; a phase may be left out.
+fn given_whole(name: &str, all: &Tolerances, term: SensorTerm) -> Result<()> {
+    let strength = &term.row().keys[0];
+    for shape in term.shapes() {
+        let key = &shape.row().keys[0];
+        let (has, lacks) = match (all[strength].is_some(), all[key].is_some()) {
+            (true, false) if shape.law() != ErrorLaw::Shape(Shape::Phase) => (strength, key),
+            (false, true) => (key, strength),
+            _ => continue,
+        };
+        let cause = format!("`{}` is given without `{}`", has.path, lacks.path);
+        return Err(refuse(name, cause, format!("add `{}`, or remove both", lacks.path)));
+    }
+    Ok(())
 }
 
 fn mechanics(name: &str, all: &Tolerances) -> Result<()> {

@@ -5,8 +5,10 @@ use crate::excitation::plan::Variation;
 use crate::excitation::{self, MemberSine};
 use crate::kernel::job::Member;
 use crate::physics::coefficients::{self, Coefficients};
+use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{ProofMass, Sensor, SensorTerm, mechanics};
 use crate::units::key::Key;
+use crate::units::number::Number;
 
 /// Draws a member; a pure function of seed and index.
 pub(super) fn member(all: &Tolerances, variation: Variation, seed: u64, member: u64) -> Member {
@@ -16,6 +18,11 @@ pub(super) fn member(all: &Tolerances, variation: Variation, seed: u64, member: 
     for term in SensorTerm::ALL {
         if let Some(key) = all.given(term) {
             sensor = sensor.with_error(term, draw(key));
+            for phase in term.shapes().filter(|shape| shape.law() == ErrorLaw::Shape(Shape::Phase)) {
+                let anywhere = Number::Uniform { min: 0.0, max: 360.0 };
+                let key = &phase.row().keys[0];
+                sensor = sensor.with_error(phase, all.draw_or(key, anywhere, seed, member));
+            }
         }
     }
     let sine = (variation == Variation::Sine).then(|| MemberSine {

@@ -61,10 +61,14 @@ impl Tolerances {
 
     /// The SI value of a key for one member; zero if it was left out.
     pub fn draw(&self, key: &Key, seed: u64, member: u64) -> f64 {
-        let value = match self[key] {
-            None => 0.0,
-            Some(Number::Fixed(value)) => value,
-            Some(number) => {
+        self.draw_or(key, Number::Fixed(0.0), seed, member)
+    }
+
+    /// The SI value of a key for one member; what `absent` draws if it was left out.
+    pub fn draw_or(&self, key: &Key, absent: Number, seed: u64, member: u64) -> f64 {
+        let value = match self[key].unwrap_or(absent) {
+            Number::Fixed(value) => value,
+            number => {
                 let words = [seed as u32, (seed >> 32) as u32];
                 let counter = [key.slot as u32, member as u32, (member >> 32) as u32, Stream::Tolerance as u32];
                 let bits = philox4x32_10(counter, words);

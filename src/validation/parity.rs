@@ -60,6 +60,9 @@ pub fn everything() -> Sensor {
     a.initial_tilt_m_s2 = 0.5 * MILLI_G;
     a.bias_m_s2_per_k = 20.0 * MICRO_G;
     a.scale_factor_per_k = 1e-4;
+    (a.markov_m_s2, a.markov_time_s) = (40.0 * MICRO_G, 0.7);
+    (a.warm_up_m_s2, a.warm_up_time_s) = (MILLI_G, 0.9);
+    (a.sinusoid_m_s2, a.sinusoid_frequency_rad_s, a.sinusoid_phase_rad) = (MILLI_G, 4.0, 1.0);
     let g = &mut sensor.gyro;
     g.bias_rad_s = 5.0 * DEGREE_PER_HOUR;
     g.angle_random_walk_rad_rts = 1e-4;
@@ -68,6 +71,9 @@ pub fn everything() -> Sensor {
     g.g_sensitivity_rad_s_per_m_s2 = DEGREE_PER_HOUR;
     g.g2_sensitivity_rad_s_per_m2_s4 = DEGREE_PER_HOUR;
     g.bias_rad_s_per_k = DEGREE_PER_HOUR;
+    (g.markov_rad_s, g.markov_time_s) = (10.0 * DEGREE_PER_HOUR, 1.3);
+    (g.warm_up_rad_s, g.warm_up_time_s) = (5.0 * DEGREE_PER_HOUR, 1.1);
+    (g.sinusoid_rate_rad_s, g.sinusoid_frequency_rad_s, g.sinusoid_phase_rad) = (5.0 * DEGREE_PER_HOUR, 5.0, 2.0);
     sensor
 }
 

@@ -94,6 +94,41 @@ const CASES: &[Case] = &[
         "[gyro]\nbias_temperature_deg_h_k = { mean = 0.0, sd = 10.0 }\n[temperature]\nprofile_s_deg_c = [[0.0, 20.0], [20.0, 40.0]]",
         |t| G * 4.848_136_8e-5 * t.powi(4) / 24.0,
     ),
+    // σ τ² √(2T³/3 − T² + 2 − 2 (1 + T) e^(−T)), T = t/τ: ∬ p q e^(−|p−q|) dp dq
+    (
+        "accelerometer Gauss–Markov process",
+        "[accelerometer]\ngauss_markov_ug = 100.0\ngauss_markov_time_s = 5.0",
+        |t| {
+            let x = t / 5.0;
+            100e-6 * G * 25.0 * (x.powi(3) / 1.5 - x * x + 2.0 - 2.0 * (1.0 + x) * (-x).exp()).sqrt()
+        },
+    ),
+    // g σ τ³ √(T⁵/10 − T⁴/4 + T³/3 − 2 + (T² + 2T + 2) e^(−T))
+    ("gyro Gauss–Markov process", "[gyro]\ngauss_markov_deg_h = 20.0\ngauss_markov_time_s = 5.0", |t| {
+        let x = t / 5.0;
+        let square = x.powi(5) / 10.0 - x.powi(4) / 4.0 + x.powi(3) / 3.0 - 2.0 + (x * x + 2.0 * x + 2.0) * (-x).exp();
+        G * 20.0 * 4.848_136_8e-6 * 125.0 * square.sqrt()
+    }),
+    // b τ² (T − 1 + e^(−T))
+    ("accelerometer warm-up", "[accelerometer]\nwarm_up_mg = { mean = 0.0, sd = 2.0 }\nwarm_up_time_s = 5.0", |t| {
+        2e-3 * G * 25.0 * (t / 5.0 - 1.0 + (-t / 5.0).exp())
+    }),
+    // g b τ³ (T²/2 − T + 1 − e^(−T))
+    ("gyro warm-up", "[gyro]\nwarm_up_deg_h = { mean = 0.0, sd = 20.0 }\nwarm_up_time_s = 5.0", |t| {
+        let x = t / 5.0;
+        G * 20.0 * 4.848_136_8e-6 * 125.0 * (x * x / 2.0 - x + 1.0 - (-x).exp())
+    }),
+    // Any phase: A/(√2 ω²) |e^(iθ) − 1 − iθ|, θ = ωt
+    ("accelerometer sinusoid", "[accelerometer]\nsinusoid_mg = 2.0\nsinusoid_hz = 0.11", |t| {
+        let (omega, theta) = (std::f64::consts::TAU * 0.11, std::f64::consts::TAU * 0.11 * t);
+        2e-3 * G * (theta.cos() - 1.0).hypot(theta.sin() - theta) / (2f64.sqrt() * omega * omega)
+    }),
+    // g A/(√2 ω³) |e^(iθ) − 1 − iθ + θ²/2|
+    ("gyro sinusoid", "[gyro]\nsinusoid_deg_h = 20.0\nsinusoid_hz = 0.11", |t| {
+        let (omega, theta) = (std::f64::consts::TAU * 0.11, std::f64::consts::TAU * 0.11 * t);
+        let size = (theta.cos() - 1.0 + theta * theta / 2.0).hypot(theta.sin() - theta);
+        G * 20.0 * 4.848_136_8e-6 * size / (2f64.sqrt() * omega.powi(3))
+    }),
     // Rounding with noise well above half a step: white, q/√12 per sample at 100 Hz, beside the
     // noise itself.
     ("quantisation over noise", "[accelerometer]\nquantisation_mg = 5.0\nnoise_density_ug_rthz = 400.0", |t| {

@@ -5,6 +5,7 @@
 //! samples they have some 4000 degrees of freedom together, a deviation known to 1.1 %; 5 % is more
 //! than four standard errors.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
@@ -73,7 +74,36 @@ const CASES: &[Case] = &[
     ("rate random walk rises as τ^+1/2", "[gyro]\nrate_random_walk_deg_h_rth = 60.0", true, |t| {
         DEG_H * (t / 3.0 * held(t)).sqrt()
     }),
+    // σ = 100 µg that forgets in 0.5 s
+    (
+        "a Gauss–Markov process has a hump at 1.89 times its memory",
+        "[accelerometer]\ngauss_markov_ug = 100.0\ngauss_markov_time_s = 0.5",
+        false,
+        |t| 100e-6 * G * markov(t, 0.5),
+    ),
+    (
+        "the gyro's Gauss–Markov process as well",
+        "[gyro]\ngauss_markov_deg_h = 20.0\ngauss_markov_time_s = 2.0",
+        true,
+        |t| 20.0 * DEG_H * markov(t, 2.0),
+    ),
+    // A sin²(πfτ)/(πfτ) (IEEE 952), of a sine that is held over samples: over sin(πfτ₀)/(πfτ₀).
+    ("a sinusoid is A sin²(πfτ)/(πfτ)", "[accelerometer]\nsinusoid_mg = 1.0\nsinusoid_hz = 0.7", false, |t| {
+        let turn = |t: f64| PI * 0.7 * t;
+        1e-3 * G * turn(t).sin().powi(2) / turn(t) * turn(1.0 / RATE_HZ) / turn(1.0 / RATE_HZ).sin()
+    }),
 ];
+
+/// Allan deviation of a Gauss–Markov sequence of deviation one: half the mean square of the
+/// difference of two neighbouring means of m values whose covariance is φ^|i−j|, φ = e^(−τ₀/T), by
+/// summing the covariances. For τ₀ ≪ T that is IEEE 952's curve.
+fn markov(tau_s: f64, memory_s: f64) -> f64 {
+    let (m, kept) = (tau_s * RATE_HZ, (-1.0 / (memory_s * RATE_HZ)).exp());
+    let (lost, kept_m) = (1.0 - kept, kept.powf(m));
+    let within = m * (1.0 + kept) / lost - 2.0 * kept * (1.0 - kept_m) / (lost * lost);
+    let across = kept * (1.0 - kept_m).powi(2) / (lost * lost);
+    (within - across).sqrt() / m
+}
 
 /// What holding a random walk over a sample adds to its Allan variance.
 fn held(tau_s: f64) -> f64 {
@@ -89,6 +119,10 @@ pub fn tests() -> Vec<Trial> {
     all.push(test("noise law: the check sees a one-sided density taken for N", || {
         let wrong = obeys(CASES[0].1, false, |t| 100e-6 * G / t.sqrt());
         check(wrong.is_err(), "a level that is √2 off passed")
+    }));
+    all.push(test("noise law: the check sees another memory of a Gauss–Markov process", || {
+        let wrong = obeys(CASES[8].1, false, |t| 100e-6 * G * markov(t, 0.6));
+        check(wrong.is_err(), "a memory that is a fifth off passed")
     }));
     all.push(test("noise law: switching one term on does not change another", independent));
     all.push(test("noise law: terms of one reading are uncorrelated", uncorrelated));

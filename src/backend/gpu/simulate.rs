@@ -9,6 +9,7 @@
 //! reports of a million members.
 
 mod needed;
+mod tables;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,10 +20,9 @@ use super::{Buffer, Dispatch, Gpu, Kernel, Submission};
 use crate::backend::cpu::column;
 use crate::backend::{Backend, Batch, Partial, Ran, Unfinished, tile};
 use crate::error::{Error, Result};
-use crate::kernel::force;
 use crate::kernel::job::Job;
 use crate::kernel::layout::{self, BLOCK, SIMULATE_WORKGROUP, state};
-use crate::kernel::member::{COLUMNS, Column, flicker_amplitudes};
+use crate::kernel::member::{COLUMNS, Column, WAVES, flicker_amplitudes};
 use crate::kernel::source;
 use crate::parallel;
 use crate::physics::coefficients;
@@ -30,6 +30,7 @@ use crate::sensor::SensorTerm;
 use crate::sensor::error_law::ErrorLaw;
 use crate::statistics::histogram::BINS;
 use crate::statistics::{Bins, Histogram, Machine, Moments};
+pub(super) use tables::{forces, warmer};
 
 /// Seconds a submission should take.
 const TARGET_S: f64 = 0.08;
@@ -162,8 +163,10 @@ impl Plan {
             place(number).into_iter().for_each(|part: Vec<f32>| columns.extend(part));
             columns.extend(std::iter::repeat_n(0.0, pad));
         }
-        let turns: Vec<u32> =
-            (0..2).flat_map(|t| drawn.iter().map(move |d| d.turns[t]).chain(std::iter::repeat_n(0, pad))).collect();
+        let of = |d: &Column, place: usize| *d.turns.get(place).unwrap_or(&d.waves[place.saturating_sub(2)]);
+        let turns: Vec<u32> = (0..2 + WAVES)
+            .flat_map(|t| drawn.iter().map(move |d| of(d, t)).chain(std::iter::repeat_n(0, pad)))
+            .collect();
         let constants = needed::constants(job, &drawn)?;
         let named: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let amplitudes = flicker_amplitudes(&job.clock);
@@ -366,22 +369,6 @@ impl Number {
             Self::Law(place) => column.laws[place],
         }
     }
-}
-
-/// The force over some samples as the kernel reads it.
-pub(super) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
-    let table = force::table::<f32>(job, first, count);
-    let begin = table.first().map(|f| [f.begin, 0.0, 0.0, 0.0]);
-    let rest = table.iter().map(|f| [f.end, f.middle, f.to_middle, f.to_end]);
-    let mut entries: Vec<[f32; 4]> = begin.into_iter().chain(rest).collect();
-    entries.resize(layout::FORCES, [0.0; 4]);
-    entries
-}
-
-/// How much warmer the sensor is in some samples as the kernel reads it: a buffer is never empty.
-pub(super) fn warmer(job: &Job, first: u64, count: u64) -> Vec<f32> {
-    let warmer = job.warmer_k(first, count);
-    if warmer.is_empty() { vec![0.0] } else { warmer }
 }
 
 /// The moments behind what a workgroup summed: its rounded mean put right.

@@ -1,6 +1,8 @@
 //! The still sensor as a study runs it: the noise of the channel with most to gain, as its
 //! datasheet promised it (without one, as white noise) and as it was found.
 
+use std::f64::consts::TAU;
+
 use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Channel, Fitted};
@@ -9,7 +11,7 @@ use super::effects::Found;
 use crate::diagnosis::model;
 use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
 use crate::recording::unit::{Quantity, Unit};
-use crate::sensor::Sensor;
+use crate::sensor::{Sensor, SensorTerm};
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
 /// What a study can run of the first channel, where its unit is one of acceleration or rate.
@@ -70,15 +72,101 @@ pub(super) fn repair(
             basis: "R t³/6".into(),
         }
     });
+    let mut after = sensor([white, flicker, walk], found_ramp);
+    for effect in effects.iter().filter(|e| is_first(e, effects, worst)) {
+        after = with_slow(after, effect, unit.quantity, unit.si);
+    }
     Some(Repair {
         before: sensor(promised, 0.0),
-        after: sensor([white, flicker, walk], found_ramp),
+        after,
         relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
         own_cost: own_cost.collect(),
         not_expressible: entries
-            .filter(|(e, _)| !expressible(e.cause))
-            .map(|(_, entry)| format!("{}: {}", entry.id, entry.statement))
+            .filter(|(e, _)| !expressible(e.cause) && !(is_slow(e.cause) && is_first(e, effects, worst)))
+            .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause)))
             .collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
     })
+}
+
+/// Whether it has a law of time that a study has a term for.
+fn is_slow(cause: Cause) -> bool {
+    matches!(cause, Cause::GaussMarkov | Cause::WarmUp | Cause::Sinusoid)
+}
+
+/// Whether it is the strongest of its cause in the channel that stands for the sensor: a study has
+/// one term of each law.
+fn is_first(effect: &Found, effects: &[Found], worst: usize) -> bool {
+    let first = effects.iter().find(|e| e.is(effect.cause, worst));
+    first.is_some_and(|first| std::ptr::eq(first, effect))
+}
+
+/// With a law of time: its strength, and the time or the frequency that belongs to it. The phase of
+/// a sine belongs to the recording and is drawn.
+fn with_slow(sensor: Sensor, effect: &Found, quantity: Quantity, si: f64) -> Sensor {
+    use SensorTerm::*;
+    let gyro = quantity == Quantity::Gyro;
+    let (term, per_shape) = match effect.cause {
+        Cause::GaussMarkov => (if gyro { GyroMarkov } else { AccelerometerMarkov }, 1.0),
+        Cause::WarmUp => (if gyro { GyroWarmUp } else { AccelerometerWarmUp }, 1.0),
+        Cause::Sinusoid => (if gyro { GyroSinusoid } else { AccelerometerSinusoid }, TAU),
+        _ => return sensor,
+    };
+    let [strength, shape] = [0, 1].map(|i| effect.parameters.get(i).map_or(0.0, |p| p.value));
+    let sensor = sensor.with_error(term, strength * si);
+    term.shapes().next().map_or(sensor, |place| sensor.with_error(place, shape * per_shape))
+}
+
+/// What a study takes in its place.
+fn instead(cause: Cause) -> &'static str {
+    match cause {
+        Cause::TemperatureSensitivity => {
+            " Given the temperature as [temperature], a study runs it as bias_temperature_ug_k or \
+             bias_temperature_deg_h_k."
+        }
+        Cause::Sinusoid | Cause::WarmUp | Cause::GaussMarkov => {
+            " The study has the strongest of its kind, in the channel that stands for the sensor."
+        }
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::rest::effects::Basis;
+    use crate::diagnosis::verdict::{Estimate, Evidence};
+
+    fn found(cause: Cause, values: [f64; 2]) -> Found {
+        let estimate = |value: f64| Estimate { name: String::new(), value, unit: String::new(), ci95: [value; 2] };
+        Found {
+            cause,
+            channels: vec![0],
+            parameters: values.map(estimate).to_vec(),
+            evidence: Evidence { held_out_gain: 0.5, p_value: 1e-9 },
+            rivals: Vec::new(),
+            basis: Basis::Shape,
+        }
+    }
+
+    #[test]
+    fn laws_of_time_become_terms_and_the_strongest_of_each_stands_for_it() {
+        let effects = [
+            found(Cause::Sinusoid, [3.0, 0.5]),
+            found(Cause::Sinusoid, [2.0, 4.0]),
+            found(Cause::GaussMarkov, [5.0, 60.0]),
+            found(Cause::WarmUp, [-7.0, 20.0]),
+        ];
+        let firsts: Vec<bool> = effects.iter().map(|e| is_first(e, &effects, 0)).collect();
+        assert_eq!(firsts, [true, false, true, true]);
+        assert!(!is_first(&effects[0], &effects, 1), "another channel has none");
+        let kept = effects.iter().filter(|e| is_first(e, &effects, 0));
+        let sensor = kept.fold(Sensor::default(), |s, e| with_slow(s, e, Quantity::Gyro, 0.1));
+        let g = sensor.gyro;
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(near(g.sinusoid_rate_rad_s, 0.3) && near(g.sinusoid_frequency_rad_s, TAU * 0.5));
+        assert!(near(g.markov_rad_s, 0.5) && near(g.markov_time_s, 60.0));
+        assert!(near(g.warm_up_rad_s, -0.7) && near(g.warm_up_time_s, 20.0));
+        assert_eq!(sensor.accelerometer, Sensor::default().accelerometer);
+    }
 }

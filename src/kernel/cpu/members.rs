@@ -11,7 +11,7 @@ use super::reading::State;
 use super::sums::{BOUND_M_S2, CHUNK, Sums};
 use crate::kernel::integrator::Integrator;
 use crate::kernel::job::Job;
-use crate::kernel::member::{COLUMNS, Column, absent, column, flicker_amplitudes};
+use crate::kernel::member::{COLUMNS, Column, WAVES, absent, column, flicker_amplitudes};
 use crate::numerics::elementary::Real;
 use crate::physics::coefficients;
 use crate::sensor::error_law::ErrorLaw;
@@ -54,7 +54,7 @@ impl<T: Real> Shared<T> {
 }
 
 /// Error terms and forces that some of these members have.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Active {
     pub(super) force: bool,
     pub(super) sine: bool,
@@ -63,6 +63,8 @@ pub(super) struct Active {
 }
 
 impl Active {
+    const NONE: Self = Self { force: false, sine: false, gain: false, terms: [false; SensorTerm::COUNT] };
+
     /// What some column says is there.
     fn of<T: Real>(columns: &[Lane<T>; COLUMNS]) -> Self {
         // All lanes, not until the first: that is vector code.
@@ -94,6 +96,7 @@ pub struct Members<T> {
     pub(super) active: Active,
     pub(super) columns: [Lane<T>; COLUMNS],
     pub(super) turns: [Lane<u32>; 2],
+    pub(super) waves: [Lane<u32>; WAVES],
     /// Laws that some of these members follow beside the linear one, where the integrator takes
     /// them one by one.
     pub(super) laws: Vec<Acting<T>>,
@@ -140,6 +143,7 @@ impl<T: Real> Members<T> {
             let Some(member) = &last else { break };
             (0..COLUMNS).for_each(|c| members.columns[c][l] = T::of(member.values[c]));
             (0..2).for_each(|i| members.turns[i][l] = member.turns[i]);
+            (0..WAVES).for_each(|i| members.waves[i][l] = member.waves[i]);
             (0..coefficients::MOST).for_each(|c| laws[c][l] = T::of(member.laws[c]));
         }
         members.laws = Acting::of(&laws);
@@ -156,9 +160,10 @@ impl<T: Real> Members<T> {
         let zero = Lane::splat(T::of(0.0));
         Self {
             draw,
-            active: Active::default(),
+            active: Active::NONE,
             columns: [zero; COLUMNS],
             turns: [Lane::splat(0); 2],
+            waves: [Lane::splat(0); WAVES],
             laws: Vec::new(),
             e: zero,
             q: zero,
@@ -180,6 +185,7 @@ impl<T: Real> Members<T> {
             active: _,
             columns: _,
             turns: _,
+            waves: _,
             laws: _,
             e,
             q,

@@ -2,16 +2,18 @@
 //! range and the size of its steps. Beside each law that the shader takes from here stands its
 //! WGSL.
 //!
-//! Each is added to consecutive samples of 64 members; bias instability has a file of its own.
+//! Each is added to consecutive samples of 64 members; bias instability has a file of its own, and
+//! so have the laws that take more than a strength (`slow`).
 
 use super::felt::{AddForce, AddWarm, FORCE, FORCE_SQUARED, WARM, WARM_FORCE};
 use super::flicker::{self, Flicker};
 use super::lanes::{Kernel, LANES, Lane};
+use super::slow::{self, AddSettling, AddSine, Markov};
 use super::small;
 use super::stretch::Numbers;
 use crate::kernel::fragment::Fragment;
 use crate::kernel::layout::state;
-use crate::kernel::member::{COLUMNS, column};
+use crate::kernel::member::{COLUMNS, WAVES, column};
 use crate::numerics::elementary::{Real, fma};
 use crate::rng::Stream;
 use crate::sensor::error_law::ErrorLaw;
@@ -26,6 +28,8 @@ const FLICKERS: usize = alike(ErrorLaw::Flicker(Stream::Host), SensorTerm::COUNT
 pub(super) struct State<T> {
     /// Where each random walk has got to.
     pub walks: [Lane<T>; state::WALK_COUNT],
+    /// Each Gauss–Markov process.
+    pub markovs: [Lane<T>; state::MARKOV_COUNT],
     /// The Gauss–Markov terms of each bias instability.
     pub flickers: [Flicker<T>; FLICKERS],
 }
@@ -34,13 +38,14 @@ impl<T: Real> State<T> {
     /// At the beginning, without any flicker terms.
     pub(super) fn new() -> Self {
         let zero = Lane::splat(T::of(0.0));
-        Self { walks: [zero; state::WALK_COUNT], flickers: std::array::from_fn(|_| Flicker::new(0)) }
+        let flickers = std::array::from_fn(|_| Flicker::new(0));
+        Self { walks: [zero; state::WALK_COUNT], markovs: [zero; state::MARKOV_COUNT], flickers }
     }
 
     /// All that changes from sample to sample.
     pub(super) fn lanes(&mut self) -> impl Iterator<Item = &mut Lane<T>> {
-        let Self { walks, flickers } = self;
-        walks.iter_mut().chain(flickers.iter_mut().flat_map(Flicker::lanes))
+        let Self { walks, markovs, flickers } = self;
+        walks.iter_mut().chain(markovs).chain(flickers.iter_mut().flat_map(Flicker::lanes))
     }
 }
 
@@ -57,7 +62,14 @@ pub(crate) fn fragment(law: ErrorLaw) -> Option<&'static Fragment> {
         ErrorLaw::Warm(_) => Some(&WARM_FORCE),
         ErrorLaw::Force(1) => Some(&FORCE),
         ErrorLaw::Force(_) => Some(&FORCE_SQUARED),
-        ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => None,
+        ErrorLaw::Markov(_) => Some(&slow::MARKOV),
+        ErrorLaw::Settling => Some(&slow::SETTLING),
+        ErrorLaw::Sine => Some(&slow::SINE),
+        ErrorLaw::Constant
+        | ErrorLaw::Proportional(_)
+        | ErrorLaw::Shape(_)
+        | ErrorLaw::Rounding
+        | ErrorLaw::FullScale => None,
     }
 }
 
@@ -84,6 +96,7 @@ pub(super) fn add<T: Real>(
     term: SensorTerm,
     numbers: &mut Numbers<'_, T>,
     columns: &[Lane<T>; COLUMNS],
+    waves: &[Lane<u32>; WAVES],
     state: &mut State<T>,
     amplitudes: &[T],
     samples: Samples<'_, T>,
@@ -105,8 +118,23 @@ pub(super) fn add<T: Real>(
         ErrorLaw::Offset => level.run(AddOffset { scale, out }),
         ErrorLaw::Force(power) => level.run(AddForce { scale, felt, squared: power == 2, out }),
         ErrorLaw::Warm(power) => level.run(AddWarm { scale, felt: (power == 1).then_some(felt), warmer, out }),
-        // In `oscillator` with the reading itself, and in `Limit`.
-        ErrorLaw::Constant | ErrorLaw::Proportional(_) | ErrorLaw::Rounding | ErrorLaw::FullScale => {}
+        ErrorLaw::Markov(stream) => {
+            let terms = Markov { sigma: scale, memory: &columns[column::of(term) + 1] };
+            slow::add_markov(terms, stream, numbers, &mut state.markovs[term.rank()], out);
+        }
+        ErrorLaw::Settling => {
+            level.run(AddSettling { start: scale, rate: &columns[column::of(term) + 1], first: numbers.from, out });
+        }
+        ErrorLaw::Sine => {
+            let [phase, step] = [0, 1].map(|i| &waves[2 * term.rank() + i]);
+            level.run(AddSine { amplitude: scale, phase, step, first: numbers.from, out });
+        }
+        // In `oscillator` with the reading itself, and in `Limit`; a shape is none.
+        ErrorLaw::Constant
+        | ErrorLaw::Proportional(_)
+        | ErrorLaw::Shape(_)
+        | ErrorLaw::Rounding
+        | ErrorLaw::FullScale => {}
     }
 }
 

@@ -167,7 +167,7 @@ impl<T: Real> Simulate<'_, T> {
         for term in SensorTerm::ALL.into_iter().filter(|t| on.has(*t)) {
             let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
             let samples = Samples { felt, warmer: self.warmer.get(tile_samples.clone()).unwrap_or_default(), out };
-            reading::add(term, &mut numbers, k, &mut m.reading, &shared.flicker, samples);
+            reading::add(term, &mut numbers, k, &m.waves, &mut m.reading, &shared.flicker, samples);
         }
         let (range, rounded) = (on.has(SensorTerm::Range), on.has(SensorTerm::Quantisation));
         if range || rounded {

@@ -1,9 +1,9 @@
 //! The parts of the ensemble shader that follow from the table of sensor terms.
 //!
 //! `shaders/simulate.wgsl` has lines `#terms WHERE`; each is replaced by what the law of every term
-//! has to say there. The text of a law stands beside its CPU code, in `cpu::reading`, `cpu::felt` and
-//! `cpu::flicker`. Laws that act on the reading as a whole (constants, proportional errors,
-//! rounding, full scale) are written in the shader itself.
+//! has to say there. The text of a law stands beside its CPU code, in `cpu::reading`, `cpu::felt`,
+//! `cpu::slow` and `cpu::flicker`. Laws that act on the reading as a whole (constants, proportional
+//! errors, rounding, full scale) are written in the shader itself.
 
 use crate::kernel::cpu::reading;
 use crate::kernel::fragment::Fragment;
@@ -38,13 +38,20 @@ pub(super) fn declarations() -> String {
         if let Some(stream) = term.law().stream() {
             text += &format!("const STREAM_{name} = {}u;\n", stream as u32);
         }
-        if let ErrorLaw::Walk(_) = term.law() {
-            text += &format!("const STATE_{name} = {}u;\n", state::WALKS + term.rank());
-        }
+        let place = match term.law() {
+            ErrorLaw::Walk(_) => format!("const STATE_{name} = {}u;\n", state::WALKS + term.rank()),
+            ErrorLaw::Markov(_) => format!("const STATE_{name} = {}u;\n", state::MARKOVS + term.rank()),
+            // Behind the phase and the step of the excitation.
+            ErrorLaw::Sine => format!("const TURNS_{name} = {}u;\n", 2 + 2 * term.rank()),
+            _ => String::new(),
+        };
+        text += &place;
     }
     for sense in [Sense::Accelerometer, Sense::Gyro] {
         let name = sense.name().to_uppercase();
-        let drawn = SensorTerm::ALL.into_iter().filter(|t| t.sense() == sense && t.law().stream().is_some());
+        // A Gauss–Markov process draws for itself.
+        let of_samples = |t: &SensorTerm| t.law().stream().is_some() && !matches!(t.law(), ErrorLaw::Markov(_));
+        let drawn = SensorTerm::ALL.into_iter().filter(|t| t.sense() == sense && of_samples(t));
         let switches: Vec<String> = drawn.map(switch).collect();
         let stream = reading::sample_stream(sense) as u32;
         text += &format!("const STREAM_{name} = {stream}u;\n");

@@ -121,7 +121,13 @@ impl Given {
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {
             // What follows the temperature is given between the axes.
-            ErrorLaw::Rounding | ErrorLaw::FullScale | ErrorLaw::Warm(_) => return None,
+            ErrorLaw::Rounding
+            | ErrorLaw::FullScale
+            | ErrorLaw::Warm(_)
+            | ErrorLaw::Markov(_)
+            | ErrorLaw::Settling
+            | ErrorLaw::Sine
+            | ErrorLaw::Shape(_) => return None,
             ErrorLaw::Constant | ErrorLaw::Offset => constants(&|axis| Gain::One(first + axis)),
             ErrorLaw::Proportional(power) => constants(&|axis| match sense {
                 Sense::Accelerometer => Gain::Force(axis, axis, power as i32),

@@ -1,6 +1,6 @@
 //! The loop closed: the fitted model as a sensor that a study can run.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{SQRT_2, TAU};
 
 use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
@@ -86,8 +86,7 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
                 accelerometer.acceleration_random_walk_m_s2_rts =
                     p[0] * readout * to_acceleration / data.interval_s().sqrt();
             }
-            // The offset of the displacement, as acceleration with its sign.
-            None if matches!(term, Term::BiasDrift(_)) => accelerometer.ramp_m_s3 = p[0] * omega * omega / gain,
+            None if at_the_readout(&mut accelerometer, term, p, omega * omega / gain) => {}
             None => {
                 if let Some(list) = not_expressible.as_deref_mut() {
                     list.push(format!("{}: {}", term.id(), term.candidate().equation));
@@ -96,6 +95,31 @@ fn sensor(data: &Data, fit: &Fit, mut not_expressible: Option<&mut Vec<String>>)
         }
     }
     Sensor { proof_mass: Some(mass), accelerometer, ..Sensor::default() }
+}
+
+/// Ends of a range that differ by more than this fraction of it are no one range.
+const LOPSIDED: f64 = 0.05;
+
+/// Gives the accelerometer what was added at the readout of the displacement, one unit of which is
+/// so much acceleration with its sign; `false` where no term of a study is that.
+fn at_the_readout(accelerometer: &mut Accelerometer, term: &Term, p: &[f64], per_unit: f64) -> bool {
+    match term {
+        Term::BiasDrift(_) => accelerometer.ramp_m_s3 = p[0] * per_unit,
+        Term::WarmUp(_) => {
+            (accelerometer.warm_up_m_s2, accelerometer.warm_up_time_s) = (p[0] * per_unit, p[1]);
+        }
+        // Its phase belongs to the recording.
+        Term::PeriodicDisturbance(_) => {
+            accelerometer.sinusoid_m_s2 = p[0].hypot(p[1]) * per_unit.abs();
+            accelerometer.sinusoid_frequency_rad_s = TAU * p[2];
+        }
+        Term::ReadoutQuantisation(_) => accelerometer.quantisation_m_s2 = p[0] * per_unit.abs(),
+        Term::ReadoutSaturation(_) if (p[0] + p[1]).abs() < LOPSIDED * (p[1] - p[0]) => {
+            accelerometer.range_m_s2 = 0.5 * (p[1] - p[0]) * per_unit.abs();
+        }
+        _ => return false,
+    }
+    true
 }
 
 /// Within its interval a damping may come out below zero; a study takes none that drives.
@@ -126,6 +150,26 @@ mod tests {
     fn friction_below_zero_drives_and_a_softening_spring_does_not() {
         assert!(is_refused(law("coulomb-friction"), &[-1.0]) && !is_refused(law("coulomb-friction"), &[1.0]));
         assert!(!is_refused(law("cubic-stiffness"), &[-1.0]));
+    }
+
+    // A unit of displacement is −3 m/s²: what is added keeps its sign where it has one.
+    #[test]
+    fn what_is_added_at_the_readout_is_acceleration() {
+        let given = |id: &str, p: &[f64]| {
+            let mut accelerometer = Accelerometer::default();
+            let term = *Term::all().iter().find(|term| term.id() == id).expect("it is listed");
+            let taken = at_the_readout(&mut accelerometer, &term, p, -3.0);
+            (taken, accelerometer)
+        };
+        let bare = Accelerometer::default();
+        let warm = Accelerometer { warm_up_m_s2: -6.0, warm_up_time_s: 5.0, ..bare };
+        assert_eq!(given("warm-up", &[2.0, 5.0]), (true, warm));
+        let sine = Accelerometer { sinusoid_m_s2: 15.0, sinusoid_frequency_rad_s: TAU * 7.0, ..bare };
+        assert_eq!(given("periodic-disturbance", &[3.0, -4.0, 7.0]), (true, sine));
+        assert_eq!(given("readout-quantisation", &[0.5]), (true, Accelerometer { quantisation_m_s2: 1.5, ..bare }));
+        assert_eq!(given("readout-saturation", &[-2.0, 2.0]), (true, Accelerometer { range_m_s2: 6.0, ..bare }));
+        // Control: a range that lies on one side of zero is no range of a study.
+        assert_eq!(given("readout-saturation", &[-1.0, 2.0]), (false, bare));
     }
 
     // y = G·x with G = −2: β in 1/(y² s²) is 4β in 1/(m² s²), α in 1/(y s²) is −2α, friction in

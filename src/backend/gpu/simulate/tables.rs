@@ -1,0 +1,21 @@
+//! What the members of a tile share, as the kernel reads it.
+
+use crate::kernel::force;
+use crate::kernel::job::Job;
+use crate::kernel::layout;
+
+/// The force over some samples as the kernel reads it.
+pub(in crate::backend::gpu) fn forces(job: &Job, first: u64, count: u64) -> Vec<[f32; 4]> {
+    let table = force::table::<f32>(job, first, count);
+    let begin = table.first().map(|f| [f.begin, 0.0, 0.0, 0.0]);
+    let rest = table.iter().map(|f| [f.end, f.middle, f.to_middle, f.to_end]);
+    let mut entries: Vec<[f32; 4]> = begin.into_iter().chain(rest).collect();
+    entries.resize(layout::FORCES, [0.0; 4]);
+    entries
+}
+
+/// How much warmer the sensor is in some samples as the kernel reads it: a buffer is never empty.
+pub(in crate::backend::gpu) fn warmer(job: &Job, first: u64, count: u64) -> Vec<f32> {
+    let warmer = job.warmer_k(first, count);
+    if warmer.is_empty() { vec![0.0] } else { warmer }
+}
