@@ -82,7 +82,7 @@ pub(super) fn repair(
         relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
         own_cost: own_cost.collect(),
         not_expressible: entries
-            .filter(|(e, _)| !expressible(e.cause) && !(is_slow(e.cause) && is_first(e, effects, worst)))
+            .filter(|(e, _)| !(expressible(e.cause) || is_slow(e.cause) && is_first(e, effects, worst)))
             .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause)))
             .collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
