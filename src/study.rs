@@ -167,12 +167,11 @@ impl Study {
         }
         let temperature = match in_motion {
             Some(_) => Temperature::default(),
-            None => {
-                let compared = file.compare.iter().flat_map(|compare| &compare.axis);
-                let all: Vec<Tolerances> =
-                    std::iter::once(tolerances.clone()).chain(compared.map(|axis| axis.over(&tolerances))).collect();
-                temperature::read(source, file.temperature.as_ref(), &all)?
-            }
+            None => temperature::read(
+                source,
+                file.temperature.as_ref(),
+                &with_compared(&tolerances, file.compare.as_ref()),
+            )?,
         };
         compare::check(source, &file, alignment)?;
         let compared = file.compare.as_ref().map(|c| c.file.as_path());
@@ -228,6 +227,14 @@ impl Study {
             Clock { step_s: sample_s, steps_per_sample: 1, samples, report_samples: vec![samples], still_samples: 0 };
         still.excitation = excitation::rest::plan();
         Ok(still)
+    }
+
+    /// Whether it has a `[temperature]` that no coefficient of its sensor follows.
+    pub fn temperature_is_idle(&self) -> bool {
+        match &self.in_motion {
+            Some(motion) => temperature::is_idle(motion.course.temperature(), &motion.between),
+            None => temperature::is_idle(&self.temperature, &with_compared(&self.tolerances, self.compare.as_ref())),
+        }
     }
 
     /// Length of the run, s, from the end of the still start.
@@ -301,6 +308,12 @@ impl Study {
             gravity_m_s2: STANDARD_GRAVITY_M_S2,
         }
     }
+}
+
+/// The sensor's numbers, and those of each axis that a log is compared with.
+fn with_compared(tolerances: &Tolerances, compare: Option<&file::Compare>) -> Vec<Tolerances> {
+    let axes = compare.into_iter().flat_map(|compare| &compare.axis);
+    std::iter::once(tolerances.clone()).chain(axes.map(|axis| axis.over(tolerances))).collect()
 }
 
 /// Longest name of a study, bytes: a folder's, with room for what a file system adds.

@@ -7,6 +7,7 @@ mod suite {
     pub mod architecture;
     pub mod bench;
     pub mod benchmarks;
+    pub mod carried_over;
     pub mod cli;
     pub mod clock;
     pub mod closed_form;
@@ -133,6 +134,8 @@ fn main() {
         suite::diagnosis_rest::tests(),
         // diagnose_rest_cli: a sensor at rest at the command line; every kind's repaired model runs in a study.
         suite::diagnose_rest_cli::tests(),
+        // carried_over: what a diagnosis at rest names, a study of its repaired sensor runs.
+        suite::carried_over::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // paper: twenty figures, every check holds and can fail.

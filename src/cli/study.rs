@@ -15,6 +15,7 @@ use super::changed::Changed;
 use super::launched;
 use super::numbers;
 use super::samples;
+use super::say::remark;
 use super::sweep;
 use crate::decision::digits;
 use crate::decision::statistic::Limit;
@@ -23,6 +24,7 @@ use crate::ensemble::{Backends, Choice, Keeper, Options};
 use crate::error::{Error, Result};
 use crate::output::{self, Folder};
 use crate::progress;
+use crate::report::study as report;
 use crate::shard::{MOST as MOST_SHARDS, Shard};
 use crate::study::{Axis, Study, StudyText};
 
@@ -125,6 +127,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     }
     if let Some(shard) = arguments.shard {
         let study = of_one_value(study)?;
+        say_what_has_no_effect(&study);
         let Arguments { backend, force, resume, .. } = *arguments;
         let request = shard::Request { shard, input: arguments.study.as_deref(), out: &path, backend, force, resume };
         return match &study.in_motion {
@@ -146,6 +149,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
     if let (None, Some(plan)) = (arguments.digits, sweep::plan(&asked, &study)?) {
         return sweep::run(&asked, &source, &study, &plan, json);
     }
+    say_what_has_no_effect(&study);
     let control = progress::terminal();
     let study = match arguments.digits {
         Some(digits) => digits::sized(&source, digits, &control)?,
@@ -177,6 +181,12 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<()> {
         answer::point_to(&path)?;
     }
     keeper.forget()
+}
+
+fn say_what_has_no_effect(study: &Study) {
+    if let Some(words) = report::without_effect(study) {
+        remark!("note: {words}");
+    }
 }
 
 /// The text of the study that the arguments ask for.

@@ -97,6 +97,11 @@ impl Course {
         Self { temperature, ..self }
     }
 
+    /// How warm it is on the way.
+    pub fn temperature(&self) -> &Temperature {
+        &self.temperature
+    }
+
     /// How much warmer than the reference the sensor is at the start, K.
     pub fn standing_warmer_k(&self) -> f64 {
         self.temperature.above_reference_k(0.0)

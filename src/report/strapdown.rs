@@ -60,6 +60,7 @@ pub(crate) fn page(study: &Study, answer: &Answer, stated: Option<&Stated>) -> P
     );
     page.table(&budget_table(answer));
     page.section("How this was made");
+    super::study::note(&mut page, study);
     page.table(&provenance(study, answer));
     page
 }

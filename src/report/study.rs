@@ -79,9 +79,22 @@ pub fn page(study: &Study, drift: &Drift) -> Page {
     page.paragraph(sensor::CONVENTION);
     page.table(&sensor::table(study));
     page.paragraph(&format!("Excitation: {}.", study.excitation.words));
+    note(&mut page, study);
     page.section("How this was made");
     page.table(&provenance(study, drift));
     page
+}
+
+/// Says on the page what has no effect.
+pub(super) fn note(page: &mut Page, study: &Study) {
+    if let Some(words) = without_effect(study) {
+        page.paragraph(&format!("Note: {words}."));
+    }
+}
+
+/// What a study gives that changes nothing; `None` where all of it does.
+pub(crate) fn without_effect(study: &Study) -> Option<&'static str> {
+    study.temperature_is_idle().then_some("[temperature] has no effect: no temperature coefficient is set")
 }
 
 /// The answer in two sentences.

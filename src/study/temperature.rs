@@ -12,6 +12,12 @@ use crate::units::key::Key;
 /// Temperatures that a sensor may have, °C.
 const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
 
+/// Whether a sensor whose axes have these numbers is warmed or cooled and none of them follows it.
+pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {
+    let follows = |axis: &Tolerances| coupling::OVER_TEMPERATURE.into_iter().any(|key| axis.moments(key) != (0.0, 0.0));
+    !temperature.points.is_empty() && !axes.iter().any(follows)
+}
+
 /// Temperature of a sensor whose axes have these numbers; always the reference without a section.
 ///
 /// # Errors

@@ -329,5 +329,21 @@ fn control() -> Result<(), Failed> {
     // The classic mistake: the one-sided density taken for the random walk, a factor √2.
     let statistics = simulate(&study(CASES[1].1)?, Choice::Cpu)?;
     let wrong = compare(&statistics, |t| 2f64.sqrt() * (CASES[1].2)(t));
-    check(wrong.is_err(), "a law that is √2 off passed")
+    check(wrong.is_err(), "a law that is √2 off passed")?;
+    // Laws with a time of their own: a time that is a quarter off.
+    for (name, time) in [
+        ("accelerometer Gauss–Markov process", "time_s = 6.25"),
+        ("gyro Gauss–Markov process", "time_s = 6.25"),
+        ("accelerometer warm-up", "time_s = 6.25"),
+        ("gyro warm-up", "time_s = 6.25"),
+        ("accelerometer sinusoid", "sinusoid_hz = 0.1375"),
+        ("gyro sinusoid", "sinusoid_hz = 0.1375"),
+    ] {
+        let (_, sections, law) = *CASES.iter().find(|case| case.0 == name).ok_or("no such case")?;
+        let other = sections.replace("time_s = 5.0", time).replace("sinusoid_hz = 0.11", time);
+        check(other != sections, "the control changes nothing")?;
+        let wrong = compare(&simulate(&study(&other)?, Choice::Cpu)?, law);
+        check(wrong.is_err(), format!("{name}: a time that is a quarter off passed"))?;
+    }
+    Ok(())
 }

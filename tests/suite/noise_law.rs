@@ -124,6 +124,13 @@ pub fn tests() -> Vec<Trial> {
         let wrong = obeys(CASES[8].1, false, |t| 100e-6 * G * markov(t, 0.6));
         check(wrong.is_err(), "a memory that is a fifth off passed")
     }));
+    all.push(test("noise law: the check sees another frequency of a sinusoid", || {
+        let wrong = obeys(CASES[10].1, false, |t| {
+            let turn = PI * 0.75 * t;
+            1e-3 * G * turn.sin().powi(2) / turn
+        });
+        check(wrong.is_err(), "a frequency that is 7 % off passed")
+    }));
     all.push(test("noise law: switching one term on does not change another", independent));
     all.push(test("noise law: terms of one reading are uncorrelated", uncorrelated));
     all

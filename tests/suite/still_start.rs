@@ -152,6 +152,12 @@ fn mixed() -> Result<(), Failed> {
         "[accelerometer]\nbias_mg = { min = -1.0, max = 1.0 }\nnoise_density_ug_rthz = 300.0\nquantisation_mg = 1.0\n\
          acceleration_random_walk_ug_rts = 30.0\n\
          [gyro]\nbias_deg_h = { mean = 3.0, sd = 8.0 }\nangle_random_walk_deg_rth = 0.4\nrate_random_walk_deg_h_rth = 40.0",
+        "[accelerometer]\ngauss_markov_ug = 100.0\ngauss_markov_time_s = 3.0",
+        "[gyro]\ngauss_markov_deg_h = 20.0\ngauss_markov_time_s = 3.0",
+        "[accelerometer]\nwarm_up_mg = { mean = 0.0, sd = 2.0 }\nwarm_up_time_s = 3.0",
+        "[gyro]\nwarm_up_deg_h = { mean = 0.0, sd = 20.0 }\nwarm_up_time_s = 3.0",
+        "[accelerometer]\nsinusoid_mg = 2.0\nsinusoid_hz = 0.11",
+        "[gyro]\nsinusoid_deg_h = 20.0\nsinusoid_hz = 0.11",
     ] {
         let study = study(sections)?;
         let statistics = simulate(&study, Choice::Cpu)?;

@@ -17,6 +17,7 @@ pub fn tests() -> Vec<Trial> {
         test("study command: same seed, same answer; another seed, another", seeds),
         test("study command: --set changes a key, also in a draw, as the file would", set),
         test("study command: --preset gives a grade's sensor, under what the study says itself", preset),
+        test("study command: a temperature that no coefficient follows is said, and one that is followed is not", idle),
         test("study command: a folder that cannot be written is refused before the work", unwritable),
         test("study command: --resume without an interrupted run is refused", nothing_to_resume),
     ];
@@ -163,6 +164,30 @@ fn refused(command: &mut Command, word: &str) -> Result<(), Failed> {
     check(message.contains(word), format!("no '{word}' in: {message}"))?;
     check(!message.contains("panicked"), message.clone())?;
     check(output.stdout.is_empty(), "something was printed as a result")
+}
+
+/// Along one axis and along a trajectory, on stderr and on the page.
+fn idle() -> Result<(), Failed> {
+    let warm = "[temperature]\nprofile_s_deg_c = [[0.0, 20.0], [2.0, 40.0]]\n";
+    let still = "members = 64\nduration_s = 2.0\n[gyro]\nbias_deg_h = 1.0\n[trajectory]\nkind = \"rest\"\n";
+    let words = "[temperature] has no effect: no temperature coefficient is set";
+    for (text, coefficient, expected) in [
+        (format!("{SMALL}{warm}"), "gyro.angle_random_walk_deg_rth=0.1", true),
+        (format!("{SMALL}{warm}"), "accelerometer.bias_temperature_ug_k=0.0", true),
+        (format!("{SMALL}{warm}"), "accelerometer.bias_temperature_ug_k=5.0", false),
+        (format!("{still}{warm}"), "gyro.bias_deg_h=2.0", true),
+        (format!("{still}{warm}"), "gyro.scale_temperature_ppm_k={ mean = 0.0, sd = 1.0 }", false),
+        (SMALL.to_owned(), "gyro.bias_deg_h=2.0", false),
+    ] {
+        let folder = tempfile::tempdir()?;
+        let output = study(folder.path(), &text)?.args(["--set", coefficient]).output()?;
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        check(output.status.success(), said.clone())?;
+        check(said.contains(words) == expected, format!("{coefficient}: {said}"))?;
+        let page = std::fs::read_to_string(folder.path().join("out/report.html"))?;
+        check(page.contains(words) == expected, format!("{coefficient}: the page"))?;
+    }
+    Ok(())
 }
 
 fn unwritable() -> Result<(), Failed> {

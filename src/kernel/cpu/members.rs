@@ -59,11 +59,14 @@ pub(super) struct Active {
     pub(super) force: bool,
     pub(super) sine: bool,
     pub(super) gain: bool,
-    terms: [bool; SensorTerm::COUNT],
+    /// A bit for each term, so that those they do not have cost nothing.
+    terms: u64,
 }
 
+const _: () = assert!(SensorTerm::COUNT <= u64::BITS as usize, "there are more terms than bits");
+
 impl Active {
-    const NONE: Self = Self { force: false, sine: false, gain: false, terms: [false; SensorTerm::COUNT] };
+    const NONE: Self = Self { force: false, sine: false, gain: false, terms: 0 };
 
     /// What some column says is there.
     fn of<T: Real>(columns: &[Lane<T>; COLUMNS]) -> Self {
@@ -74,18 +77,30 @@ impl Active {
             force: any(column::FORCE),
             sine: any(column::SINE),
             gain: differs(column::GAIN, 1.0),
-            terms: SensorTerm::ALL.map(|term| differs(column::of(term), absent(term))),
+            terms: SensorTerm::ALL
+                .into_iter()
+                .fold(0, |terms, term| terms | u64::from(differs(column::of(term), absent(term))) << term as u32),
         }
     }
 
     /// Whether some of these members have the term.
     pub(super) fn has(&self, term: SensorTerm) -> bool {
-        self.terms[term as usize]
+        self.terms >> term as u32 & 1 == 1
+    }
+
+    /// The terms that some of them have, in the order of the table.
+    pub(super) fn terms(&self) -> impl Iterator<Item = SensorTerm> {
+        let mut left = self.terms;
+        std::iter::from_fn(move || {
+            let term = SensorTerm::ALL.get(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(*term)
+        })
     }
 
     /// Whether some of them have a term of this sense that `wanted` picks by its law.
     pub(super) fn any(&self, sense: Sense, wanted: impl Fn(ErrorLaw) -> bool) -> bool {
-        SensorTerm::ALL.into_iter().any(|t| t.sense() == sense && wanted(t.law()) && self.has(t))
+        self.terms().any(|t| t.sense() == sense && wanted(t.law()))
     }
 }
 

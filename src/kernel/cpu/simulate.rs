@@ -164,7 +164,7 @@ impl<T: Real> Simulate<'_, T> {
         }
 
         let k = &m.columns;
-        for term in SensorTerm::ALL.into_iter().filter(|t| on.has(*t)) {
+        for term in on.terms() {
             let out = if term.sense() == Sense::Gyro { &mut *turn } else { &mut *error };
             let samples = Samples { felt, warmer: self.warmer.get(tile_samples.clone()).unwrap_or_default(), out };
             reading::add(term, &mut numbers, k, &m.waves, &mut m.reading, &shared.flicker, samples);
