@@ -33,6 +33,8 @@ pub fn tests() -> Vec<Trial> {
         test("static: a filter in the sensor is a finding, not an effect, and hides none", band_limit),
         test("static: the same pole twice is a filter, and no memory of the bias", near::filters),
         test("static: powers of time have no cause in common, what settles in two speeds is no walk", near::courses),
+        test("static: a density near 1/f has one name, with its exponent", near::exponents),
+        test("static: a pickup whose frequency wanders is no rounding", near::wandering_pickup),
         test("static: what one channel cannot describe leaves the names of another alone", channel_by_channel),
         test("static: rounding coarser than the noise is named alone, wherever the value lies", coarse),
         test("static: noise as real sensors have it is adequate and said", noisy),

@@ -16,7 +16,7 @@ mod temperature_sensitivity;
 mod warm_up;
 mod white_noise;
 
-pub(super) use gauss_markov::{MEMORIES, memories};
+pub(super) use gauss_markov::{MEMORIES, is_filter, memories};
 pub(super) use row::{MOST_LAWS, Offer, Placed, Row};
 
 use super::cause::Cause;

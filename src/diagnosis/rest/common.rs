@@ -8,6 +8,7 @@
 use super::candidate::MOST_LAWS;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::course::is_course;
 use super::departure;
 use super::selection::Selection;
 use super::slow::is_slow;
@@ -34,6 +35,9 @@ pub(super) struct Common {
     /// The leader, following the best of its followers.
     pub(super) leader_fit: Fitted,
     pub(super) followers: Vec<Follower>,
+    /// Courses that every one of these channels would have without the others: they may share no
+    /// more than the moment at which they were switched on.
+    pub(super) rivals: Vec<Cause>,
 }
 
 /// Whether a channel drifts in a way that neither a single curve of the library nor a power of time
@@ -94,7 +98,10 @@ pub(super) fn find(channels: &[Channel], selected: &[Selection]) -> Option<Commo
     let best = followers.iter().max_by(|a, b| a.r_squared.total_cmp(&b.r_squared))?.channel;
     let best = drifting.iter().position(|i| *i == best)?;
     let leader_fit = following(drifting[leader], &slow[best]);
-    Some(Common { leader: drifting[leader], leader_fit, followers })
+    let members = followers.iter().map(|f| f.channel).chain([drifting[leader]]);
+    let courses = selected[drifting[leader]].chosen.terms.iter().map(|t| t.cause).filter(|c| is_course(*c));
+    let rivals = courses.filter(|c| members.clone().all(|i| selected[i].chosen.has(*c))).collect();
+    Some(Common { leader: drifting[leader], leader_fit, followers, rivals })
 }
 
 /// Power of the coefficients beyond white noise.

@@ -6,13 +6,15 @@ use super::channel::{Channel, Fitted};
 use super::common::Common;
 use super::departure::{self, Departure, Ruling};
 use super::detail::{self, ChannelDetail, Detail};
-use super::effects::{self, Found};
+use super::effects::{self, Basis, Found};
 use super::findings;
 use super::jump;
 use super::level::{self, Levels};
+use super::near_law::{self, Judged};
 use super::residual::{Residual, TOLERANCE, residual};
+use super::score::{fit, ranking};
 use super::selection::Selection;
-use super::spectrum::{self, Law, Part};
+use super::spectrum::{self, Law};
 use super::standing::correction;
 use super::statement::Statement;
 use super::{describe, location, place, plausible, sensor, statements, telegraph};
@@ -21,8 +23,7 @@ use crate::diagnosis::candidate::Kind;
 use crate::diagnosis::model;
 use crate::diagnosis::remainder::{REAL, Remainder, Size, Test};
 use crate::diagnosis::ruling::{Evidence, rule};
-use crate::diagnosis::standing::{Gain, Note, Ranked};
-use crate::diagnosis::verdict::{Effect, Estimate, Fit, LogScore, RecordingInfo, Score};
+use crate::diagnosis::verdict::{Effect, Estimate, RecordingInfo};
 use crate::numerics::order;
 use crate::parallel;
 use crate::recording::Recording;
@@ -41,6 +42,7 @@ pub(super) fn conclude(material: Material<'_>) -> Answer {
     let mut draft = Draft::of(material);
     draft.find_effects();
     draft.test_residuals();
+    draft.name_near_laws();
     draft.drop_passing_levels();
     draft.drop_stand_ins();
     draft.mention();
@@ -131,10 +133,23 @@ impl<'a> Draft<'a> {
             self.leaps[i] = true;
         }
         let steady: Vec<usize> = alone.into_iter().filter(|i| !self.leaps[*i]).collect();
-        for (i, found) in
-            parallel::map(&steady, |i| (*i, departure::judge(&self.channels[*i], &self.selected[*i].chosen)))
-        {
+        for (i, found) in parallel::map(&steady, |i| {
+            (*i, departure::judge(&self.channels[*i], &self.selected[*i].chosen, correction(self.channels.len())))
+        }) {
             self.departures[i] = found;
+        }
+    }
+
+    /// One name for the slow laws of a channel whose drift has an exponent of its own.
+    fn name_near_laws(&mut self) {
+        let count = self.channels.len();
+        for place in 0..count {
+            let Some(departure) = self.departures[place] else { continue };
+            let (channel, selection) = (&self.channels[place], &self.selected[place]);
+            let judged = Judged { place, channel, selection, departure: &departure, count, unit: self.unit };
+            let Some(one) = near_law::one_for_all(&judged) else { continue };
+            self.effects.retain(|e| !(e.channels == [place] && departure.concerns(e.cause)));
+            self.effects.push(one);
         }
     }
 
@@ -208,7 +223,8 @@ impl<'a> Draft<'a> {
             // What one jump, or hops between two levels, describe better is no drift.
             let leaps = row(found.cause).is_drift && at.clone().any(|i| self.leaps[*i]);
             let holds = |i: &usize| found.stands(&self.channels[*i], &self.finals[*i], &self.residuals[*i]);
-            let refuted = at.clone().any(|i| self.is(Ruling::Refuted, found.cause, *i));
+            let whole = found.basis != Basis::Exponent;
+            let refuted = whole && at.clone().any(|i| self.is(Ruling::Refuted, found.cause, *i));
             !leaps && !refuted && (at.clone().all(|i| self.fits(*i)) || at.any(holds))
         };
         let standing: Vec<Found> = self.effects.iter().filter(|f| stands(f)).cloned().collect();
@@ -260,10 +276,15 @@ impl<'a> Draft<'a> {
             let departure = departure.as_ref()?;
             let chosen = self.selected[i].chosen.terms.iter().filter(|t| departure.concerns(t.cause));
             let refuted = departure.ruling == Ruling::Refuted;
-            let stands = |cause: Cause| refuted || self.effects.iter().any(|e| e.is(cause, i));
+            let by_exponent = |e: &Found| e.basis == Basis::Exponent && e.channels.contains(&i);
+            let one = self.effects.iter().any(by_exponent);
+            let stands = |cause: Cause| refuted || one || self.effects.iter().any(|e| e.is(cause, i));
             let ids: Vec<&str> =
                 chosen.filter(|t| stands(t.cause)).filter_map(|t| Some(row(t.cause).entry?.id)).collect();
+            let near =
+                self.effects.iter().find(|e| by_exponent(e)).and_then(|e| Some(row(e.cause).entry?.id.to_owned()));
             (!ids.is_empty()).then(|| detail::Departure {
+                near,
                 channel: self.channels[i].name.clone(),
                 ids: ids.into_iter().map(str::to_owned).collect(),
                 refuted,
@@ -333,57 +354,4 @@ fn base_variances(channel: &Channel, selection: &Selection, model: &model::Stati
             spectrum::variances(&selection.base.bins, &[Law::White], &[white], &channel.promised)
         }
     }
-}
-
-fn fit(channels: &[Channel], selected: &[Selection], finals: &[Fitted], before: &[Vec<f64>], unit: &str) -> Fit {
-    let count: f64 = channels.iter().map(|c| c.values.len() as f64).sum();
-    let power = |values: &dyn Fn(usize) -> f64| -> f64 {
-        ((0..channels.len()).map(|i| values(i) * channels[i].scale.powi(2)).sum::<f64>() / count).sqrt()
-    };
-    let noise_floor = power(&|i| finals[i].floor() * channels[i].values.len() as f64);
-    let squares: Vec<[[f64; 2]; 2]> = channels.iter().zip(finals).map(|(c, f)| c.held_out_squares(f)).collect();
-    // Each part is half of the recording.
-    let part = |part: usize| Score {
-        rmse_before: power(&|i| 2.0 * squares[i][part][0]),
-        rmse_after: Some(power(&|i| 2.0 * squares[i][part][1])),
-        ratio_ci95: None,
-    };
-    let scale: f64 = channels.iter().map(|c| c.values.len() as f64 * c.scale.ln()).sum();
-    let constant = -0.5 * count * std::f64::consts::TAU.ln() - scale;
-    let score = |per_channel: f64| (per_channel + constant) / count;
-    let before =
-        (0..channels.len()).map(|i| spectrum::log_likelihood(&selected[i].base.bins, &before[i], Part::All)).sum();
-    let after = (0..channels.len()).map(|i| finals[i].held_out(&channels[i].promised)).sum();
-    Fit {
-        unit: unit.into(),
-        noise_floor,
-        noise: None,
-        train: part(0),
-        test: part(1),
-        test_ranges: Vec::new(),
-        recordings: Vec::new(),
-        log_score: Some(LogScore { before: score(before), after: score(after) }),
-        one_step_rmse: None,
-    }
-}
-
-/// Every candidate's standing alone, channel by channel; those named first.
-fn ranking(channels: &[Channel], selected: &[Selection], effects: &[Found]) -> Vec<Ranked> {
-    let correction = correction(channels.len());
-    let mut out: Vec<Ranked> = Vec::new();
-    for (i, (channel, selection)) in channels.iter().zip(selected).enumerate() {
-        let possible = selection.possible(channel);
-        let entries = selection.alone.iter().filter_map(|s| Some((s, row(s.cause).entry?)));
-        out.extend(entries.map(|(standing, entry)| Ranked {
-            id: entry.id,
-            channels: vec![channel.name.clone()],
-            gain: Gain::HeldOut { value: standing.held_out.share_of(possible), ci95: None },
-            p_value: (standing.p_value * correction).min(1.0),
-            named: effects.iter().any(|e| e.is(standing.cause, i)),
-            note: Note::AloneByLikelihood { gain: standing.gain / 2.0, held_out_better: standing.held_out.is_better() },
-        }));
-    }
-    order::sort_by_key(&mut out, |r| -r.gain.value());
-    order::sort_by_key(&mut out, |r| if r.named { 0.0 } else { 1.0 });
-    out
 }

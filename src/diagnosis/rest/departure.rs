@@ -11,14 +11,14 @@ use super::blocks;
 use super::candidate::row;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Fitted, Term};
+use super::course::{EXPONENTS, course, is_course, smooth};
 use super::laws::{SLOW, slow_laws};
 use super::profile::{Profiled, profile};
-use super::spectrum::{self, Law, Part};
-use super::standing::CLOSE;
-use crate::numerics::log_time::log_time;
+use super::spectrum::{self, Bin, Law, Part};
+use super::standing::{ALPHA, CLOSE, probability};
 
 /// An exponent nearer to a law's than this part of it makes no difference that matters.
-const NEAR: f64 = 0.2;
+const NEAR: f64 = 0.1;
 /// Twice the log-likelihood by which a free exponent leaves the 95 % interval of a whole one, so
 /// that this one is in doubt.
 const DOUBTED: f64 = 3.84;
@@ -27,12 +27,8 @@ const DOUBTED: f64 = 3.84;
 const REFUTED: f64 = 10.8;
 /// Exponents of a spectrum that are tried. A smooth course has a spectrum steeper than any noise's.
 const SPECTRAL: [f64; 2] = [0.2, 4.4];
-/// Exponents of a drift in time that are tried.
-const TEMPORAL: [f64; 2] = [0.15, 4.0];
 /// Values that a drift in time is judged on, at most.
 const MOST: usize = 2048;
-/// Highest degree of a polynomial that stands for a smooth course.
-const DEGREES: usize = 6;
 
 /// What a free exponent says.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +37,11 @@ pub(super) struct Departure {
     pub(super) of: Of,
     /// The free exponent; `None` where a smooth course of no such form does best.
     pub(super) exponent: Option<Profiled>,
+    /// By how much it is better than what was chosen, twice the log-likelihood less what the
+    /// numbers cost.
+    pub(super) better_by: f64,
+    /// Whether a spectrum of that exponent takes up the straight or settling courses too.
+    pub(super) takes_courses: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,20 +65,17 @@ impl Departure {
     pub(super) fn concerns(&self, cause: Cause) -> bool {
         let is_slow = SLOW.contains(&cause);
         match (self.of, self.ruling) {
-            (Of::Spectrum, _) => is_slow,
+            (Of::Spectrum, _) => is_slow || self.takes_courses && is_course(cause),
             (Of::Time, Ruling::Refuted) => is_slow || is_course(cause),
             (Of::Time, Ruling::Open) => is_course(cause),
         }
     }
 }
 
-fn is_course(cause: Cause) -> bool {
-    matches!(cause, Cause::RateRamp | Cause::WarmUp)
-}
-
 /// What free exponents say of a channel's drift; `None` where its laws hold or it has none.
-pub(super) fn judge(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
-    let both = [in_time(channel, chosen), in_spectrum(channel, chosen)];
+/// `correction` as in `standing`.
+pub(super) fn judge(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<Departure> {
+    let both = [in_time(channel, chosen), in_spectrum(channel, chosen, correction)];
     let refuted = both.iter().flatten().find(|d| d.ruling == Ruling::Refuted).copied();
     refuted.or_else(|| both.into_iter().flatten().next())
 }
@@ -113,37 +111,62 @@ fn rival(better_by: f64) -> Option<Ruling> {
 
 /// The slow laws of noise against one of free exponent, on the spectrum that the model's curves
 /// leave.
-fn in_spectrum(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
+fn in_spectrum(channel: &Channel, chosen: &Fitted, correction: f64) -> Option<Departure> {
     let slow = slow_laws(chosen);
     if slow.is_empty() {
         return None;
     }
+    let (free, best) = free_exponent(channel, chosen, &chosen.bins);
+    let gain = 2.0 * (best - chosen.log_likelihood());
+    let of = |ruling, free, better_by, takes_courses| {
+        Some(Departure { ruling, of: Of::Spectrum, exponent: Some(free), better_by, takes_courses })
+    };
+    // A free exponent has one number more than a whole one.
+    let of_whole = |law: f64| of(whole(law, free, gain)?, free, gain - 2.0, false);
+    match slow[..] {
+        [Cause::FlickerNoise] => of_whole(1.0),
+        [Cause::RandomWalk] => of_whole(2.0),
+        // A memory or a sum has as many numbers as a free exponent, or more.
+        _ => {
+            let numbers = |of: &dyn Fn(Cause) -> bool| -> f64 {
+                chosen.terms.iter().filter(|t| of(t.cause)).map(|t| row(t.cause).numbers).sum()
+            };
+            let spared = 2.0 * (numbers(&|c| SLOW.contains(&c)) - 2.0);
+            let kept = (gain + spared, free, false);
+            // A course that was taken from the lowest frequencies before the law was settled bends
+            // the law's exponent: the free one may have them back.
+            let taken = chosen.terms.iter().any(|t| is_course(t.cause)).then(|| {
+                let own = |t: &&Term| !SLOW.contains(&t.cause) && !is_course(t.cause);
+                let law = |(cause, law)| Term { cause, addition: Addition::Law(law), searched: 0.0, column: None };
+                let noise = [(Cause::FlickerNoise, Law::Flicker), (Cause::RandomWalk, Law::Walk)].map(law);
+                let without = channel.fit(chosen.terms.iter().filter(own).cloned().chain(noise).collect());
+                let (free, best) = free_exponent(channel, chosen, &without.bins);
+                let gain = 2.0 * (best - chosen.log_likelihood());
+                (gain + spared + 2.0 * numbers(&is_course), free, true)
+            });
+            // A course that gains no more than chance beside a law of free exponent is not there.
+            let course = chosen.terms.iter().find(|t| is_course(t.cause));
+            let needed = |t: &(f64, Profiled, bool)| {
+                let gain = kept.0 - t.0 + 2.0 * numbers(&is_course);
+                course.is_some_and(|c| probability(c.cause, gain, channel) * correction < ALPHA)
+            };
+            let (better_by, free, takes_courses) = taken.filter(|t| !needed(t)).unwrap_or(kept);
+            of(rival(better_by)?, free, better_by, takes_courses)
+        }
+    }
+}
+
+/// The best exponent of one law in place of all slow ones on this spectrum, and its log-likelihood.
+fn free_exponent(channel: &Channel, chosen: &Fitted, bins: &[Bin]) -> (Profiled, f64) {
     let kept = chosen.terms.iter().filter(|t| !SLOW.contains(&t.cause)).filter_map(|t| match t.addition {
         Addition::Law(law) => Some(law),
         Addition::Curves(_) => None,
     });
     let laws: Vec<Law> = std::iter::once(Law::White).chain(kept).collect();
-    let with = |exponent: f64| {
+    profile(SPECTRAL, 22, |exponent: f64| {
         let all: Vec<Law> = laws.iter().copied().chain([Law::Power(exponent)]).collect();
-        spectrum::fit(&chosen.bins, &all, &channel.promised, Part::All).log_likelihood
-    };
-    let (free, best) = profile(SPECTRAL, 22, with);
-    let gain = 2.0 * (best - chosen.log_likelihood());
-    let ruling = match slow[..] {
-        [Cause::FlickerNoise] => whole(1.0, free, gain)?,
-        [Cause::RandomWalk] => whole(2.0, free, gain)?,
-        // A memory or a sum has as many numbers as a free exponent, or more.
-        _ => {
-            let numbers: f64 = slow.iter().map(|c| row(*c).numbers).sum();
-            rival(gain + 2.0 * (numbers - 2.0))?
-        }
-    };
-    Some(Departure { ruling, of: Of::Spectrum, exponent: Some(free) })
-}
-
-/// A curve over the recording, from 0 to 1.
-fn course(count: usize, at: impl Fn(f64) -> f64) -> Curve {
-    Curve::new((0..count).map(|n| at((n as f64 + 0.5) / count as f64)).collect())
+        spectrum::fit(bins, &all, &channel.promised, Part::All).log_likelihood
+    })
 }
 
 fn term(cause: Cause, curves: Vec<Curve>) -> Term {
@@ -173,25 +196,15 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
     let merit = |log_likelihood: f64, numbers: f64| 2.0 * log_likelihood - penalty * numbers;
     let numbers: f64 = drift.iter().map(|c| row(*c).numbers).sum();
     let held = merit(before.log_likelihood(), numbers);
-    let (free, best) = profile(TEMPORAL.map(f64::ln), 12, |p: f64| with(vec![course(count, |u| u.powf(p.exp()))]));
+    let (free, best) = profile(EXPONENTS.map(f64::ln), 12, |p: f64| with(vec![course(count, |u| u.powf(p.exp()))]));
     let free = free.map(f64::exp);
     if drift[..] == [Cause::RateRamp] {
         let ruling = whole(1.0, free, 2.0 * (best - before.log_likelihood()))?;
-        return Some(Departure { ruling, of: Of::Time, exponent: Some(free) });
+        let better_by = 2.0 * (best - before.log_likelihood()) - penalty;
+        return Some(Departure { ruling, of: Of::Time, exponent: Some(free), better_by, takes_courses: true });
     }
     let power = merit(best, 2.0);
-    let kinked = (1..16).map(|k| f64::from(k) / 16.0).map(|place| {
-        let curves = vec![course(count, |u| u), course(count, |u| (u - place).max(0.0))];
-        merit(with(curves), 3.0)
-    });
-    // Of time, and of its logarithm: what settles in several speeds.
-    let clocks: [&dyn Fn(f64) -> f64; 2] = [&|u| u, &log_time];
-    let polynomials = clocks.iter().flat_map(|clock| (2..=DEGREES).map(move |degree| (clock, degree)));
-    let polynomials = polynomials.map(|(clock, degree)| {
-        let curves = (1..=degree).map(|d| course(count, |u| legendre(d, 2.0 * clock(u) - 1.0))).collect();
-        merit(with(curves), degree as f64)
-    });
-    let smooth = kinked.chain(polynomials).fold(f64::NEG_INFINITY, f64::max);
+    let smooth = smooth(count).map(|(curves, numbers)| merit(with(curves), numbers)).fold(f64::NEG_INFINITY, f64::max);
     let exponent = (power >= smooth).then_some(free);
     let better_by = power.max(smooth) - held;
     let ruling = match drift[..] {
@@ -199,17 +212,7 @@ fn in_time(channel: &Channel, chosen: &Fitted) -> Option<Departure> {
         // That a course does as well as noise is what noise looks like.
         _ => rival(better_by).filter(|r| *r == Ruling::Refuted)?,
     };
-    Some(Departure { ruling, of: Of::Time, exponent })
-}
-
-/// Legendre's polynomial of a degree: nearly orthogonal over the recording.
-fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut before, mut now) = (1.0, x);
-    for k in 1..degree {
-        let k = k as f64;
-        (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
-    }
-    if degree == 0 { 1.0 } else { now }
+    Some(Departure { ruling, of: Of::Time, exponent, better_by, takes_courses: true })
 }
 
 #[cfg(test)]
@@ -231,7 +234,7 @@ mod tests {
     fn ruling(values: &[f64], cause: Cause, law: Law) -> Option<Departure> {
         let channel = Channel::new("x", values, 1.0);
         let fitted = channel.fit(vec![Term { cause, addition: Addition::Law(law), searched: 0.0, column: None }]);
-        in_spectrum(&channel, &fitted)
+        in_spectrum(&channel, &fitted, 9.0)
     }
 
     #[test]

@@ -47,6 +47,8 @@ pub struct Departure {
     pub channel: String,
     /// Library laws that describe it best.
     pub ids: Vec<String>,
+    /// The law named for it, whose exponent is nearest.
+    pub near: Option<String>,
     /// Whether they are refuted; else the recording cannot tell.
     pub refuted: bool,
     /// Whether the exponent is that of the course in time, t^p; else of the spectrum, f^−α.

@@ -29,6 +29,8 @@ pub(super) enum Basis {
     Shape,
     /// More than that: a column, a common cause, a grid, a promise.
     Witness,
+    /// A spectrum of an exponent of its own, which leaves noise.
+    Exponent,
 }
 
 /// An effect that was found, before it is made public.
@@ -70,7 +72,7 @@ impl Found {
     pub(super) fn stands(&self, channel: &Channel, fitted: &Fitted, residual: &Residual) -> bool {
         match self.cause {
             Cause::Sinusoid => self.is_a_line(channel, residual),
-            cause => self.basis == Basis::Witness || holds_where_it_rules(cause, fitted, residual),
+            cause => self.basis != Basis::Shape || holds_where_it_rules(cause, fitted, residual),
         }
     }
 
@@ -80,7 +82,8 @@ impl Found {
         let frequency_hz = self.parameters.iter().find(|p| p.name == "frequency").map_or(0.0, |p| p.value);
         let theta = std::f64::consts::PI * frequency_hz / channel.rate_hz;
         // Bands are a third wide: this one and its neighbours.
-        !residual.failing.iter().any(|centre| (theta / centre).ln().abs() < 0.5)
+        let is_near = |centre: &f64, within: f64| (theta / centre).ln().abs() < within;
+        !residual.failing.iter().any(|c| is_near(c, 0.5)) && !residual.humps.iter().any(|c| is_near(c, 0.05))
     }
 }
 
@@ -142,7 +145,7 @@ pub(super) fn of_common(common: &Common, channels: &[Channel], finals: &mut [Fit
         channels: places,
         parameters,
         evidence: Evidence { held_out_gain: r_squared, p_value },
-        rivals: Vec::new(),
+        rivals: common.rivals.clone(),
         basis: Basis::Witness,
     }
 }

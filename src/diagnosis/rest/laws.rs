@@ -3,13 +3,15 @@
 //! Selection goes forward one law at a time, and what it took first may since be better told by
 //! others: a walk beside a short memory resembles flicker over the decades of one log. So the sums
 //! are compared as wholes: of those that do as well the simplest is taken, and those as simple are
-//! tied with it.
+//! tied with it. A walk looks like a line with a memory about it too: each law alone is also held
+//! against the sum without its straight or settling courses.
 
 use crate::control::{Control, Stopped};
 
-use super::candidate::{MEMORIES, MOST_LAWS, memories, row};
+use super::candidate::{MEMORIES, MOST_LAWS, is_filter, memories, row};
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Fitted, Term};
+use super::course::is_course;
 use super::search;
 use super::spectrum::Law;
 use super::standing::{CLOSE, contains, needs_all};
@@ -54,7 +56,7 @@ pub(super) fn settle(
     let laws = rest.iter().filter(|t| matches!(t.addition, Addition::Law(_))).count();
     let sums = (1..1usize << SLOW.len())
         .map(|set| (0..SLOW.len()).filter(|i| set >> i & 1 == 1).map(|i| SLOW[i]).collect::<Vec<Cause>>());
-    let fit = |causes: &Vec<Cause>| {
+    let fit_beside = |rest: &[Term], causes: &[Cause]| {
         let with = |memory: f64| {
             let term = |cause| {
                 let (law, searched) = match cause {
@@ -66,11 +68,13 @@ pub(super) fn settle(
             };
             channel.fit(rest.iter().cloned().chain(causes.iter().map(|c| term(*c))).collect())
         };
-        match causes.contains(&Cause::GaussMarkov) {
-            true => search::best(memories(channel.values.len()), MEMORIES, control, |m| with(m.exp())),
-            false => Ok(with(1.0)),
+        let filtered = rest.iter().any(|t| t.cause == Cause::BandLimit);
+        match memories(channel.values.len(), filtered).filter(|_| causes.contains(&Cause::GaussMarkov)) {
+            Some(range) => search::best(range, MEMORIES, control, |m| with(m.exp())),
+            None => Ok(with(1.0)),
         }
     };
+    let fit = |causes: &Vec<Cause>| fit_beside(&rest, causes);
     // A memory was searched for when it was taken, beside fewer terms than there are now.
     let again = fit(&chosen)?;
     let selected = if again.log_likelihood() > selected.log_likelihood() { again } else { selected };
@@ -79,11 +83,19 @@ pub(super) fn settle(
         laws + causes.len() <= MOST_LAWS && !(causes.len() == chosen.len() && causes.iter().all(|c| chosen.contains(c)))
     };
     let mut all: Vec<Fitted> = sums.filter(open).map(|causes| fit(&causes)).collect::<Result<_, _>>()?;
-    all.retain(|f| merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
+    let (courses, bare): (Vec<Term>, Vec<Term>) = rest.iter().cloned().partition(|t| is_course(t.cause));
+    if !courses.is_empty() {
+        for law in SLOW {
+            all.push(fit_beside(&bare, &[law])?);
+        }
+    }
+    all.retain(|f| !is_filter(f) && merit(f) > merit(&selected) - CLOSE && needs_all(channel, f, correction));
     all.push(selected);
     let most = all.iter().map(merit).fold(f64::NEG_INFINITY, f64::max);
     // Of those as good as the best the simplest; all of its size are tied with it.
     all.retain(|f| merit(f) > most - CLOSE);
+    let with_courses = all.iter().filter(|f| f.terms.iter().any(|t| is_course(t.cause)));
+    let best_with_courses = with_courses.map(merit).fold(f64::NEG_INFINITY, f64::max);
     let fewest = all.iter().map(|f| f.terms.len()).min().unwrap_or(0);
     all.retain(|f| f.terms.len() == fewest);
     let Some(best) = (0..all.len()).max_by(|a, b| merit(&all[*a]).total_cmp(&merit(&all[*b]))) else {
@@ -98,6 +110,10 @@ pub(super) fn settle(
             let of = ties.iter().filter(|t| !t.contains(cause)).flatten();
             let mut found: Vec<Cause> = of.copied().filter(|r| !causes.contains(r) && !contains(*r, *cause)).collect();
             found.dedup();
+            // A course given up for a law that does no better is a rival of that law.
+            if !best.terms.iter().any(|t| is_course(t.cause)) && merit(&best) < best_with_courses {
+                found.extend(courses.iter().map(|t| t.cause));
+            }
             (*cause, found)
         })
         .collect();

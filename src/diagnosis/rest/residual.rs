@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use super::channel::{Channel, Fitted};
+use super::hump;
 use super::jump;
 pub(super) use super::jump::TOLERANCE;
 use super::telegraph::Telegraph;
@@ -25,6 +26,8 @@ pub(super) struct Residual {
     pub(super) p_value_in_time: f64,
     /// Angles θ = πk/(2N) of the bands whose corrected probability is below the level of a verdict.
     pub(super) failing: Vec<f64>,
+    /// The same of humps too narrow for a band.
+    pub(super) humps: Vec<f64>,
     pub(super) time_s: Vec<Stretch>,
     pub(super) frequency_hz: Vec<Stretch>,
     /// Least and most power over that modelled among the stretches of time.
@@ -52,7 +55,7 @@ pub(super) struct Residual {
 
 /// Judges a fitted model. With `tolerance` zero even the smallest deviation counts.
 pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Residual {
-    let (mut of_bands, mut centres, frequency_hz) = bands(channel, fitted, tolerance);
+    let (mut of_bands, mut centres, mut frequency_hz) = bands(channel, fitted, tolerance);
     let slowest = from_below(fitted, tolerance);
     of_bands.extend(slowest.iter().map(|s| s.p_value));
     centres.extend(slowest.iter().map(|s| 0.5 * s.below));
@@ -64,6 +67,11 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
     let innovations = cosine::invert(&white);
     let squares = Squares::of(&innovations);
     let Stretches { p_values: of_time, powers, shown: time_s, abrupt } = stretches(channel, &squares, tolerance);
+    let humps = hump::find(channel, fitted, squares.spread(), tolerance);
+    let p_hump = QUESTIONS * humps.p_value;
+    if p_hump < REAL && frequency_hz.is_empty() {
+        frequency_hz = humps.at_hz;
+    }
     // A step in standard deviations: coarse readings leap by whole steps anyway.
     let unaveraged = channel.step.filter(|_| channel.together == 1);
     let step = unaveraged.map_or(0.0, |q| q / fitted.white().0.max(f64::MIN_POSITIVE).sqrt());
@@ -79,7 +87,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
     // noise at all.
     let disturbed = uneven && abrupt && step <= 1.0;
     let in_time = if disturbed { p_uneven.min(p_jump) } else { p_jump };
-    let smallest = most(&of_bands).min(in_time);
+    let smallest = most(&of_bands).min(in_time).min(p_hump);
     let tests = QUESTIONS * of_bands.len() as f64;
     let failing: Vec<f64> =
         centres.iter().zip(&of_bands).filter(|(_, p)| **p * tests < REAL).map(|(c, _)| *c).collect();
@@ -93,7 +101,11 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
         telegraph: None,
         fading: fading.map(|s| [s.below * channel.rate_hz / PI, s.power_ratio]),
         creep: (p_creep < REAL).then_some(creeping.0),
-        only_there: failing.is_empty() && p_jump.min(p_creep) >= REAL && 4 * mismatched <= of_time.len(),
+        humps: if p_hump < REAL { humps.centres } else { Vec::new() },
+        only_there: failing.is_empty()
+            && p_hump >= REAL
+            && p_jump.min(p_creep) >= REAL
+            && 4 * mismatched <= of_time.len(),
         failing,
         time_s,
         frequency_hz,
@@ -105,7 +117,7 @@ pub(super) fn residual(channel: &Channel, fitted: &Fitted, tolerance: f64) -> Re
 }
 
 /// Questions that are asked of what is left.
-const QUESTIONS: f64 = 4.0;
+const QUESTIONS: f64 = 5.0;
 
 /// Squares of innovations, clipped where noise of heavy tails would decide by a few readings, over
 /// their mean.
@@ -142,6 +154,15 @@ impl Squares {
             variance: variance.max(0.05),
             kurtosis: count * fourth_moment / (second_moment * second_moment).max(f64::MIN_POSITIVE),
         }
+    }
+
+    /// Mean square of the power of 64 stretches over their squared mean: noise that grows makes
+    /// neighbouring coefficients alike, so that fewer of them are independent.
+    fn spread(&self) -> f64 {
+        let length = self.clipped.len().div_ceil(64).max(1);
+        let powers: Vec<f64> = self.clipped.chunks(length).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+        let (sum, squares) = powers.iter().fold((0.0, 0.0), |(s, q), p| (s + p, q + p * p));
+        (powers.len() as f64 * squares / (sum * sum).max(f64::MIN_POSITIVE)).max(1.0)
     }
 }
 

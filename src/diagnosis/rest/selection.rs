@@ -3,11 +3,11 @@
 
 use super::candidate::row;
 use super::cause::Cause;
-use super::channel::{Addition, Channel, Environment, Fitted, Term};
+use super::channel::{Addition, Channel, Curve, Environment, Fitted, Term};
 use super::jump;
 use super::laws::{self, Rivals};
 use super::round::{Tried, try_all};
-use super::shape;
+use super::shape::{self, Following};
 use super::standing::{self, CLOSE, Standing, contains, others, prune, worth};
 use crate::control::{Control, Stopped};
 use crate::numerics::order;
@@ -72,13 +72,27 @@ pub(super) fn select(
 }
 
 /// The shapes in which a channel follows environment columns, beside other terms: before any noise
-/// is offered.
-fn followed(channel: &Channel, environment: &Environment, mut terms: Vec<Term>, correction: f64) -> Fitted {
+/// is offered. And the columns that may still be offered: those that tell more than time does.
+fn followed(
+    channel: &Channel,
+    environment: &Environment,
+    mut terms: Vec<Term>,
+    correction: f64,
+) -> (Fitted, Vec<(String, Curve)>) {
     let before = terms.clone();
-    terms.extend(environment.iter().filter_map(|(name, column)| shape::find(channel, name, column, correction)));
+    let mut offered = Vec::new();
+    for (name, column) in environment {
+        match shape::find(channel, name, column, correction) {
+            Following::By(term) => terms.push(term),
+            Following::Not => {}
+            Following::NoBetterThanTime => continue,
+        }
+        offered.push((name.clone(), column.clone()));
+    }
     let fitted = channel.fit(terms);
     let serves = |index: usize| channel.held_out_share(&fitted, index) > 0.0;
-    if (before.len()..fitted.terms.len()).all(serves) { fitted } else { channel.fit(before) }
+    let serve = (before.len()..fitted.terms.len()).all(serves);
+    (if serve { fitted } else { channel.fit(before) }, offered)
 }
 
 /// Selects beside steps of the bias.
@@ -91,7 +105,8 @@ fn beside(
 ) -> Result<Selection, Stopped> {
     let correction = standing::correction(channels);
     let base = channel.fit(Vec::new());
-    let mut current = followed(channel, environment, steps, correction);
+    let (mut current, offered) = followed(channel, environment, steps, correction);
+    let environment = &offered[..];
     let mut alone = match current.terms.is_empty() {
         true => Vec::new(),
         false => try_all(channel, &base, environment, control, |_| false)?.standings,

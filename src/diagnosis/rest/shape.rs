@@ -3,11 +3,14 @@
 //!
 //! They are offered before any noise is, and beside a walk and flicker whose strengths are free: a
 //! column that only looks like the drift gains nothing there. What a column explains in some shape
-//! is then left to no law of noise. Searched on means of neighbours, fitted on all values.
+//! is then left to no law of noise. A column that is itself smooth can be bent to any smooth drift:
+//! it is a witness only where it tells more than a smooth course in time does. Searched on means of
+//! neighbours, fitted on all values.
 
 use super::blocks;
 use super::cause::Cause;
 use super::channel::{Addition, Channel, Curve, Term};
+use super::course::{EXPONENTS, course, smooth};
 use super::followed::{Delay, Followed};
 use super::profile::profile;
 use super::spectrum::Law;
@@ -25,6 +28,8 @@ const LAGS: [f64; 2] = [0.002, 0.3];
 const PLAYS: [f64; 2] = [0.01, 0.4];
 /// Powers of the column that are tried together: a square or a cube only where it is needed.
 const POWERS: [&[i32]; 4] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3]];
+/// Time constants of a settling that are tried, as parts of the recording.
+const SETTLING: [f64; 2] = [0.01, 2.0];
 /// Shapes that differ by more than chance, for the correction of a probability.
 const SHAPES: f64 = 10.0;
 
@@ -56,15 +61,25 @@ fn powers(values: &[f64], unit: f64, of: &[i32]) -> Vec<Curve> {
     of.iter().map(power).collect()
 }
 
+/// How a channel follows a column.
+pub(super) enum Following {
+    /// By this term.
+    By(Term),
+    /// Not beyond chance.
+    Not,
+    /// A smooth course in time does as well without it: the column is no witness.
+    NoBetterThanTime,
+}
+
 /// The term in which a channel follows a column, where it does beyond chance (`correction` for all
 /// that is tried).
-pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f64) -> Option<Term> {
+pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f64) -> Following {
     let together = channel.values.len().div_ceil(MOST);
     let own = blocks::channel(channel, &channel.values, together);
     let environment = blocks::means(&column.values, together);
     let (_, unit) = mean_sd(&environment);
     if unit.is_nan() || unit <= 0.0 {
-        return None;
+        return Following::Not;
     }
     let range = environment.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(*v), h.max(*v)]);
     let noise = [(Cause::RandomWalk, Law::Walk), (Cause::FlickerNoise, Law::Flicker)].map(|(cause, law)| Term {
@@ -101,10 +116,19 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
             }
         }
     }
-    let (_, log_likelihood, delay, of, numbers) = best?;
+    let Some((merit, log_likelihood, delay, of, numbers)) = best else { return Following::Not };
     let gain = 2.0 * (log_likelihood - own.fit(noise.to_vec()).log_likelihood());
     if SHAPES * chi_squared_survival(gain.max(0.0), numbers) * correction >= ALPHA {
-        return None;
+        return Following::Not;
+    }
+    let (in_time, course) = best_in_time(environment.len(), &following);
+    if in_time > merit {
+        // Both may act: then the column still tells what no course of time does.
+        let curves = powers(&delayed(delay), unit, of).into_iter().chain(course.0).collect();
+        let both = 2.0 * following(curves) - PENALTY * (numbers + course.1);
+        if both < in_time + PENALTY {
+            return Following::NoBetterThanTime;
+        }
     }
     let samples = together as f64;
     let delay = match delay {
@@ -116,12 +140,30 @@ pub(super) fn find(channel: &Channel, name: &str, column: &Curve, correction: f6
         Delay::Lag(lag) => lagged(&column.values, lag.value),
         Delay::Play(play) => played(&column.values, play.value),
     };
-    Some(Term {
+    Following::By(Term {
         cause: Cause::TemperatureSensitivity,
         addition: Addition::Curves(powers(&full, unit, of)),
         searched: 0.0,
         column: Some(Followed { column: name.into(), delay, unit, powers: of }),
     })
+}
+
+/// A course in time with its numbers.
+type Course = (Vec<Curve>, f64);
+
+/// The smooth course in time of most merit: a power of time, a settling, a kinked line, a
+/// polynomial of time or of its logarithm.
+fn best_in_time(count: usize, following: &dyn Fn(Vec<Curve>) -> f64) -> (f64, Course) {
+    let power = |p: f64| vec![course(count, |u| u.powf(p.exp()))];
+    let settling = |part: f64| vec![course(count, |u| (-u / part.exp()).exp())];
+    let (p, _) = profile(EXPONENTS.map(f64::ln), 12, |p| following(power(p)));
+    let (part, _) = profile(SETTLING.map(f64::ln), 12, |part| following(settling(part)));
+    let all = [(vec![course(count, |u| u)], 1.0), (power(p.value), 2.0), (settling(part.value), 2.0)];
+    let judged = all
+        .into_iter()
+        .chain(smooth(count))
+        .map(|(curves, numbers)| (2.0 * following(curves.clone()) - PENALTY * numbers, (curves, numbers)));
+    judged.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NEG_INFINITY, (Vec::new(), 0.0)))
 }
 
 #[cfg(test)]
@@ -140,7 +182,8 @@ mod tests {
         let mut rng = Philox::new(33, member, Stream::Host);
         let column: Vec<f64> = (0..COUNT).map(day).collect();
         let values: Vec<f64> = at(&column).into_iter().map(|v| v + rng.normal()).collect();
-        let term = find(&Channel::new("x", &values, 1.0), "t", &Curve::new(column), 9.0)?;
+        let found = find(&Channel::new("x", &values, 1.0), "t", &Curve::new(column), 9.0);
+        let Following::By(term) = found else { return None };
         let Addition::Curves(curves) = &term.addition else { return None };
         Some((term.column?.delay, curves.len()))
     }
@@ -166,6 +209,24 @@ mod tests {
                 })
                 .collect();
             assert_eq!(found(|_| walk.clone(), member), None, "a walk");
+        }
+    }
+
+    #[test]
+    fn a_smooth_column_is_no_witness_of_a_course_in_time_and_is_one_of_itself() {
+        let part = |n: usize| n as f64 / COUNT as f64;
+        let column: Vec<f64> =
+            (0..COUNT).map(|n| 25.0 - 5.0 * (-3.0 * part(n)).exp() + (4.0 * part(n)).sin()).collect();
+        let following = |at: &dyn Fn(usize) -> f64, member: u64| {
+            let mut rng = Philox::new(35, member, Stream::Host);
+            let values: Vec<f64> = (0..COUNT).map(|n| at(n) + rng.normal()).collect();
+            find(&Channel::new("x", &values, 1.0), "t", &Curve::new(column.clone()), 9.0)
+        };
+        for member in 0..3 {
+            let power = following(&|n| 40.0 * part(n).powf(1.5), member);
+            assert!(matches!(power, Following::NoBetterThanTime), "{member}: a power of time");
+            assert!(matches!(following(&|n| column[n], member), Following::By(_)), "{member}: the column");
+            assert!(matches!(following(&|_| 0.0, member), Following::Not), "{member}: noise");
         }
     }
 }

@@ -12,7 +12,7 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     kind: Kind::Static,
     statement: "The bias flickers: its noise density rises as 1/f towards low frequencies.",
     equation: "S(f) = B²/(πf)",
-    parameters: &[size("B", "y")],
+    parameters: &[size("B", "y"), size("exponent", "1")],
     acts: "readout",
     signature: "The Allan deviation has a floor at 0.664 B.",
     confusable_with: &["gauss-markov", "random-walk"],

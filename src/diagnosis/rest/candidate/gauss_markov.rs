@@ -4,7 +4,7 @@ use super::band_limit::{LONGEST, is_one_pole};
 use super::row::{IEEE, Row, size};
 use crate::diagnosis::candidate::{Candidate, Kind};
 use crate::diagnosis::rest::cause::Cause;
-use crate::diagnosis::rest::channel::Addition;
+use crate::diagnosis::rest::channel::{Addition, Fitted};
 use crate::diagnosis::rest::estimate::{root, searched};
 use crate::diagnosis::rest::search;
 use crate::diagnosis::rest::spectrum::Law;
@@ -25,9 +25,20 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 /// Grid points at which a memory is searched for.
 pub(in crate::diagnosis::rest) const MEMORIES: usize = 14;
 
-/// Logarithms of the memories, in samples, between which one is searched for.
-pub(in crate::diagnosis::rest) fn memories(samples: usize) -> [f64; 2] {
-    [1.5f64.ln(), (samples as f64 / 4.0).ln()]
+/// Logarithms of the memories, in samples, between which one is searched for; `None` where there
+/// are none. Beside a filter, a shorter memory belongs to its shape.
+pub(in crate::diagnosis::rest) fn memories(samples: usize, filtered: bool) -> Option<[f64; 2]> {
+    let range = [if filtered { LONGEST } else { 1.5 }.ln(), (samples as f64 / 4.0).ln()];
+    (range[0] < range[1]).then_some(range)
+}
+
+/// Whether the memory found is a filter's.
+pub(in crate::diagnosis::rest) fn is_filter(fitted: &Fitted) -> bool {
+    let memory = fitted.terms.iter().find(|t| t.cause == Cause::GaussMarkov).map(|t| t.searched);
+    memory.is_some_and(|memory| match fitted.has(Cause::BandLimit) {
+        true => memory < 1.01 * LONGEST,
+        false => is_one_pole(fitted, memory),
+    })
 }
 
 pub(super) const ROW: Row = Row {
@@ -37,17 +48,9 @@ pub(super) const ROW: Row = Row {
             return Ok(Vec::new());
         }
         let with = |memory: f64| to.with_law(Cause::GaussMarkov, Law::Markov(memory), memory);
-        // Beside a filter, a shorter memory belongs to its shape.
-        let filtered = to.current.has(Cause::BandLimit);
-        let [shortest, longest] = memories(to.samples());
-        let shortest = if filtered { LONGEST.ln() } else { shortest };
-        if shortest >= longest {
-            return Ok(Vec::new());
-        }
-        let best = search::best([shortest, longest], MEMORIES, to.control, |m| with(m.exp()))?;
-        let memory = best.terms.last().map_or(0.0, |t| t.searched);
-        let filters = if filtered { memory < 1.01 * LONGEST } else { is_one_pole(&best, memory) };
-        Ok(if filters { Vec::new() } else { vec![best] })
+        let Some(range) = memories(to.samples(), to.current.has(Cause::BandLimit)) else { return Ok(Vec::new()) };
+        let best = search::best(range, MEMORIES, to.control, |m| with(m.exp()))?;
+        Ok(if is_filter(&best) { Vec::new() } else { vec![best] })
     },
     numbers: 2.0,
     chance: |gain, _| 4.0 * chi_squared_survival(gain, 2.0),

@@ -21,7 +21,18 @@ pub(super) const CANDIDATE: Candidate = Candidate {
 
 pub(super) const ROW: Row = Row {
     entry: Some(&CANDIDATE),
-    offer: |to| to.law(Cause::QuantisationNoise, Law::Differenced),
+    // Noise that rises with f² is the rounding of an integral that is differenced only where the
+    // readings lie on the grid that this rounding makes; a filter, or a hump near the top of the
+    // band, rises too.
+    offer: |to| {
+        let Some(step) = to.channel.step.filter(|_| to.channel.together == 1) else { return Ok(Vec::new()) };
+        let mut found = to.law(Cause::QuantisationNoise, Law::Differenced)?;
+        found.retain(|f| {
+            let rounding = 12.0 * f.strength_of(f.terms.len() - 1).0;
+            (0.5..2.0).contains(&(rounding / (step * step)))
+        });
+        Ok(found)
+    },
     numbers: 1.0,
     chance: |gain, _| 0.5 * chi_squared_survival(gain, 1.0),
     imitates: &[],

@@ -12,7 +12,7 @@ pub(super) const CANDIDATE: Candidate = Candidate {
     kind: Kind::Static,
     statement: "The bias wanders as a random walk.",
     equation: "db = K dW",
-    parameters: &[size("K", "y/√s")],
+    parameters: &[size("K", "y/√s"), size("exponent", "1")],
     acts: "readout",
     signature: "The Allan deviation rises as √τ; the density as 1/f².",
     confusable_with: &["flicker-noise", "temperature-sensitivity", "rate-ramp"],

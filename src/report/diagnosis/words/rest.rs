@@ -65,7 +65,7 @@ fn open(detail: &Detail) -> String {
 
 /// A drift with an exponent of its own.
 fn departure(of: &Departure) -> String {
-    let Departure { channel, ids, refuted, in_time, exponent, ci95 } = of;
+    let Departure { channel, ids, near, refuted, in_time, exponent, ci95 } = of;
     let ids = ids.join(" and ");
     let law = |value: f64| {
         let value = short(value);
@@ -74,7 +74,9 @@ fn departure(of: &Departure) -> String {
     match (exponent, ci95) {
         (Some(value), Some([low, high])) => {
             let interval = format!("exponent {} to {}", short(*low), short(*high));
-            if *refuted {
+            if let (true, Some(near)) = (*refuted, near) {
+                format!("{channel}: it drifts {} ({interval}), near {near} and not as its law says.", law(*value))
+            } else if *refuted {
                 format!("{channel}: it drifts {} ({interval}), not as {ids}.", law(*value))
             } else {
                 format!("{channel}: {} ({interval}) fits as well as {ids}.", law(*value))

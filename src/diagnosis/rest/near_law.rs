@@ -1,0 +1,93 @@
+//! A drift with an exponent of its own is named for the nearest law, and for that one alone.
+//!
+//! A sum of flicker, a walk and a memory takes up what one law near 1/f or 1/f² leaves: the second
+//! and third names would be given for the freedom of the first. Where one law of free exponent does
+//! as well as the sum with fewer numbers, it stands for all of it, if it leaves noise; its name
+//! carries the exponent. Whether the exponent is the library's is for `departure`.
+
+use super::candidate::{Placed, row};
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Fitted, Term};
+use super::departure::{Departure, Of, Ruling};
+use super::effects::{Basis, Found};
+use super::laws::slow_laws;
+use super::residual::{TOLERANCE, residual};
+use super::selection::Selection;
+use super::spectrum::Law;
+use super::standing::{correction, worth};
+use crate::diagnosis::remainder::REAL;
+use crate::diagnosis::verdict::{Estimate, Evidence};
+
+/// How far from a whole exponent a law may be and still have its name: half way to the next.
+const HALF_WAY: f64 = 0.5;
+
+/// The law whose whole exponent is nearest.
+fn nearest(exponent: f64) -> Option<(Cause, Law)> {
+    let near = |whole: f64| (exponent - whole).abs() <= HALF_WAY;
+    if near(1.0) {
+        Some((Cause::FlickerNoise, Law::Flicker))
+    } else if near(2.0) {
+        Some((Cause::RandomWalk, Law::Walk))
+    } else {
+        None
+    }
+}
+
+/// One channel among those judged.
+pub(super) struct Judged<'a> {
+    pub(super) place: usize,
+    pub(super) channel: &'a Channel,
+    pub(super) selection: &'a Selection,
+    pub(super) departure: &'a Departure,
+    /// Of all channels.
+    pub(super) count: usize,
+    pub(super) unit: &'a str,
+}
+
+/// The one effect that stands for all slow laws of a channel; `None` where they stand as they are.
+pub(super) fn one_for_all(of: &Judged<'_>) -> Option<Found> {
+    let Judged { place, channel, selection, departure, count, unit } = *of;
+    let chosen = &selection.chosen;
+    let exponent = departure.exponent.filter(|_| departure.of == Of::Spectrum)?;
+    let (cause, law) = nearest(exponent.value)?;
+    let slow = slow_laws(chosen);
+    let open = departure.ruling == Ruling::Open;
+    // One whole law that may hold keeps its name as it is; so does a memory that does better.
+    if open
+        && !departure.takes_courses
+        && slow.len() == 1
+        && (slow[0] != Cause::GaussMarkov || departure.better_by < 0.0)
+    {
+        return None;
+    }
+    let rest: Vec<Term> = chosen.terms.iter().filter(|t| !departure.concerns(t.cause)).cloned().collect();
+    let with = |law: Law| -> Fitted {
+        let term = Term { cause, addition: Addition::Law(law), searched: 0.0, column: None };
+        channel.fit(rest.iter().cloned().chain([term]).collect())
+    };
+    let free = with(Law::Power(exponent.value));
+    if residual(channel, &free, TOLERANCE).p_value * (count as f64) < REAL {
+        return None;
+    }
+    let index = rest.len();
+    let without = channel.fit(rest.clone());
+    let whole = with(law);
+    let mut parameters = (row(cause).parameters)(&Placed { channel, fitted: &whole, index, unit });
+    let ci95 = exponent.ci95;
+    parameters.push(Estimate { name: "exponent".into(), value: exponent.value, unit: "1".into(), ci95 });
+    let all = free.held_out(&channel.promised);
+    let possible = all - selection.base.held_out(&channel.promised);
+    let own = all - without.held_out(&channel.promised);
+    let rivals = chosen.terms.iter().map(|t| t.cause).filter(|c| departure.concerns(*c) && *c != cause);
+    Some(Found {
+        cause,
+        channels: vec![place],
+        parameters,
+        evidence: Evidence {
+            held_out_gain: (own / possible.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0),
+            p_value: worth(channel, &free, &without, index, correction(count)).min(1.0),
+        },
+        rivals: if open { rivals.collect() } else { Vec::new() },
+        basis: Basis::Exponent,
+    })
+}
