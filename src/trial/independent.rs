@@ -7,7 +7,7 @@
 //! with events; how much of an effect can be seen is found by an oracle of its own.
 //!
 //! Imports run `draw` → `wave` → `law` → `readout` → `oscillator` → `motion` → `simulate` →
-//! `driven` → `stage` → `piece` → `letter` → `near` → `case` → `judge` → `run` → `score`.
+//! `driven` → `stage` → `piece` → `letter` → `near` → `case` → `stated` → `judge` → `run` → `score`.
 
 pub mod case;
 pub mod columns;
@@ -30,6 +30,7 @@ pub mod run;
 pub mod score;
 pub mod simulate;
 pub mod stage;
+mod stated;
 pub mod still;
 pub mod truth;
 pub mod tumble;

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
+use super::stated;
 use super::truth::{Family, SEEN};
 use crate::trial::said::{Ending, Said};
 
@@ -129,7 +130,8 @@ fn overclaims(case: &Case, said: &Said) -> bool {
         let excess = (said.rmse[1] / sigma).powi(2) - 1.0;
         excess > SEEN / rows && excess > 4.0 * (2.0 / (rows / 3.0)).sqrt()
     });
-    worse || case.truth.departure.is_some_and(|d| d >= SEEN)
+    // What the statement leaves where the verdict gives its shape, else what its straight form does.
+    worse || stated::left(case, said).or(case.truth.departure).is_some_and(|d| d >= SEEN)
 }
 
 /// One interval against the truth.
