@@ -59,6 +59,7 @@ mod suite {
     pub mod shards_in_motion;
     pub mod shards_map_trial;
     pub mod single_sine;
+    pub mod slow_in_motion;
     pub mod start_search;
     pub mod still_start;
     pub mod strapdown;
@@ -156,6 +157,8 @@ fn main() {
         suite::benchmarks::tests(),
         // strapdown: six axes drift as theory says, at rest and over the Earth.
         suite::strapdown::tests(),
+        // slow_in_motion: errors with a time of their own along a trajectory, ensemble against covariance.
+        suite::slow_in_motion::tests(),
         // aiding: outages, zero-velocity updates, filter and reset.
         suite::aiding::tests(),
         // following: errors that follow temperature and late stamps.

@@ -115,7 +115,7 @@ impl Known {
     pub(super) fn mean_of_still_start(self, still_s: f64) -> f64 {
         match self {
             Self::Power(integrals) => mean_of_still_start(integrals, still_s),
-            Self::Settling(tau_s) => slow::mean_of_still_start(tau_s, still_s),
+            Self::Settling(tau_s) => slow::mean_settling(tau_s, still_s),
         }
     }
 }

@@ -208,19 +208,19 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
         ErrorLaw::White(_) => Law::Random(vec![Process::White(level_si)]),
         ErrorLaw::Flicker(_) => Law::Random(flicker_processes(study, level_si)),
         ErrorLaw::Walk(_) => Law::Random(vec![Process::Walk(level_si)]),
-        ErrorLaw::Markov(_) => match shape(study, term, Shape::Memory) {
+        ErrorLaw::Markov(_) => match study.tolerances.shape(term, Shape::Memory) {
             Some(tau_s) => Law::Random(vec![Process::Markov { sigma: level_si, tau_s }]),
             None => Law::None("its correlation time is drawn per member"),
         },
-        ErrorLaw::Settling => match shape(study, term, Shape::Settling) {
+        ErrorLaw::Settling => match study.tolerances.shape(term, Shape::Settling) {
             Some(tau_s) => {
                 let (mean, variance) = study.tolerances.moments(key);
                 Law::Constant { mean, variance, course: Known::Settling(tau_s) }
             }
             None => Law::None("its time constant is drawn per member"),
         },
-        ErrorLaw::Sine => match shape(study, term, Shape::Frequency) {
-            Some(omega_rad_s) if has_any_phase(study, term) => {
+        ErrorLaw::Sine => match study.tolerances.shape(term, Shape::Frequency) {
+            Some(omega_rad_s) if study.tolerances.has_any_phase(term) => {
                 Law::Random(vec![Process::Sine { amplitude: level_si, omega_rad_s }])
             }
             _ => Law::None("there is one for a single frequency and all phases"),
@@ -245,19 +245,6 @@ fn law_of_term(study: &Study, term: SensorTerm, key: &Key) -> Law {
             Growth::OfWhiteNoise(_) | Growth::Other => Law::None("theory has no closed form for it"),
         },
     }
-}
-
-/// A number of a term's shape, SI, where it is the same for all members.
-fn shape(study: &Study, term: SensorTerm, wanted: Shape) -> Option<f64> {
-    let shape = term.shapes().find(|shape| shape.law() == ErrorLaw::Shape(wanted))?;
-    let (value, variance) = study.tolerances.moments(study.tolerances.given(shape)?);
-    (variance == 0.0).then_some(value)
-}
-
-/// Whether the phases of a sine are drawn around the circle.
-fn has_any_phase(study: &Study, term: SensorTerm) -> bool {
-    let phase = term.shapes().find(|shape| shape.law() == ErrorLaw::Shape(Shape::Phase));
-    phase.is_none_or(|phase| study.tolerances.given(phase).is_none())
 }
 
 /// Places in the schedule of a flicker term over which its variance is averaged, at most.

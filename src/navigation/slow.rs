@@ -69,12 +69,19 @@ pub fn markov_after_still_start(tau_s: f64, still_s: f64, integrations: u32, tim
 /// whose mean is taken off.
 pub fn settled_after_still_start(tau_s: f64, still_s: f64, integrations: u32, time_s: f64) -> f64 {
     let taken = time_s.powi(integrations as i32) / factorial(integrations);
-    (-still_s / tau_s).exp() * settled(tau_s, integrations, time_s) - taken * mean_of_still_start(tau_s, still_s)
+    let mean = if still_s > 0.0 { mean_settling(tau_s, still_s) } else { 0.0 };
+    (-still_s / tau_s).exp() * settled(tau_s, integrations, time_s) - taken * mean
 }
 
-/// Mean of e^(−t/τ) over a still start; 0 without one.
-pub fn mean_of_still_start(tau_s: f64, still_s: f64) -> f64 {
-    if still_s > 0.0 { settled(tau_s, 1, still_s) / still_s } else { 0.0 }
+/// Mean of e^(−t/τ) over so many seconds from t = 0 on.
+pub fn mean_settling(tau_s: f64, seconds: f64) -> f64 {
+    if seconds > 0.0 { settled(tau_s, 1, seconds) / seconds } else { 1.0 }
+}
+
+/// Mean of a sine over so many seconds, over its value in their middle: sin(ωs/2)/(ωs/2).
+pub fn mean_turning(omega_rad_s: f64, seconds: f64) -> f64 {
+    let half = 0.5 * omega_rad_s * seconds;
+    if half > 0.0 { half.sin() / half } else { 1.0 }
 }
 
 /// Mean square over all phases of what `integrations` until `time_s` make of a sine of amplitude

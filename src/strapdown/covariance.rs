@@ -2,10 +2,11 @@
 //! must be as long as errors are small, and where it comes from.
 //!
 //! Left out, and said: rounding, saturation and the proof mass' own lag and springs, which no
-//! linear model has.
+//! linear model has, and what is slow by a time that is drawn per member.
 
 pub mod found;
 pub mod given;
+mod slow;
 pub mod steps;
 
 use super::family::{Column, Family, Process};

@@ -8,6 +8,7 @@ use nalgebra::SMatrix;
 
 use super::gains::Gains;
 use super::linear::{Drive, Felt, Square, Step};
+use crate::navigation::slow;
 
 type Inputs = SMatrix<f64, 6, 6>;
 
@@ -39,6 +40,26 @@ pub enum Gain {
     Rate(usize, usize),
     /// Time from the beginning of the run, on this input; the still start lasted so long, s.
     Time(usize, f64),
+    /// What dies out from the beginning of the run on, on this input.
+    Settling {
+        /// The input.
+        input: usize,
+        /// The still start lasted so long, s.
+        still_s: f64,
+        /// Time constant, s.
+        tau_s: f64,
+    },
+    /// A sine from the beginning of the run on, on this input.
+    Sine {
+        /// The input.
+        input: usize,
+        /// The still start lasted so long, s.
+        still_s: f64,
+        /// Frequency, rad/s.
+        omega_rad_s: f64,
+        /// Phase at the beginning of the run, rad.
+        phase_rad: f64,
+    },
     /// Kelvins above the reference, on this input.
     Warmer(usize),
     /// The same times what an axis of the input's own instrument feels.
@@ -60,6 +81,7 @@ impl Gain {
             Self::Force(input, axis, power) => inputs[input] = felt.force[axis].powi(power),
             Self::Rate(input, axis) => inputs[input] = felt.rate[axis],
             Self::Time(input, still_s) => inputs[input] = still_s + time_s,
+            Self::Settling { .. } | Self::Sine { .. } => return self.mean(felt, time_s, 0.0),
             Self::Warmer(input) => inputs[input] = felt.warmer_k,
             Self::WarmerFelt(input) => {
                 let own = if input < 3 { felt.force[input] } else { felt.rate[input - 3] };
@@ -73,12 +95,29 @@ impl Gain {
         }
         inputs
     }
+
+    /// The mean of the inputs over so many seconds from a time after the end of the still start on,
+    /// when this is felt: that of their middle but for a course of time that is no straight line.
+    pub fn mean(self, felt: &Felt, begin_s: f64, seconds: f64) -> SMatrix<f64, 6, 1> {
+        let mut inputs = SMatrix::zeros();
+        match self {
+            Self::Settling { input, still_s, tau_s } => {
+                inputs[input] = (-(still_s + begin_s) / tau_s).exp() * slow::mean_settling(tau_s, seconds);
+            }
+            Self::Sine { input, still_s, omega_rad_s, phase_rad } => {
+                let middle = omega_rad_s * (still_s + begin_s + 0.5 * seconds) + phase_rad;
+                inputs[input] = middle.sin() * slow::mean_turning(omega_rad_s, seconds);
+            }
+            _ => inputs = self.inputs(felt, begin_s + 0.5 * seconds),
+        }
+        inputs
+    }
 }
 
 impl Column {
     /// Takes it through a step that begins `time_s` after the end of the still start.
     pub fn advance(&mut self, step: &Step, time_s: f64) {
-        let inputs = self.gain.inputs(step.felt(), time_s + 0.5 * step.seconds) - self.taken;
+        let inputs = self.gain.mean(step.felt(), time_s, step.seconds) - self.taken;
         self.state = step.transition * self.state + step.response * inputs;
     }
 
@@ -103,6 +142,13 @@ pub enum Process {
         every: u64,
         /// Steps before the first.
         first: u64,
+        /// Variance of each input.
+        variance: [f64; 6],
+    },
+    /// First-order Gauss–Markov processes.
+    Markov {
+        /// Correlation time of each input, s.
+        tau_s: [f64; 6],
         /// Variance of each input.
         variance: [f64; 6],
     },
@@ -132,7 +178,9 @@ impl Family {
     /// Without errors, before anything was found.
     pub fn new(process: Process, share: f64) -> Self {
         let process_process = match &process {
-            Process::Held { variance, .. } => Inputs::from_diagonal(&(*variance).into()),
+            Process::Held { variance, .. } | Process::Markov { variance, .. } => {
+                Inputs::from_diagonal(&(*variance).into())
+            }
             _ => Inputs::zeros(),
         };
         Self {
@@ -180,8 +228,8 @@ impl Family {
 
     /// Takes it through a step.
     pub fn advance(&mut self, step: &Step) {
-        // A walk grows half before and half after.
-        self.walk(0.5 * step.seconds);
+        // A walk grows half before and half after, and a Gauss–Markov process forgets so.
+        self.go_on(0.5 * step.seconds);
         let (phi, gamma) = (&step.transition, &step.response);
         let net = self.with_process - self.with_taken;
         let half = phi * self.errors + gamma * net.transpose();
@@ -195,7 +243,7 @@ impl Family {
             }
             _ => {}
         }
-        self.walk(0.5 * step.seconds);
+        self.go_on(0.5 * step.seconds);
     }
 
     /// Corrects it by what a fix sees of it: x becomes (1 − K H) x, c becomes c + G H x, and both
@@ -215,9 +263,21 @@ impl Family {
         }
     }
 
-    fn walk(&mut self, seconds: f64) {
-        if let Process::Walk(k) = &self.process {
-            (0..6).for_each(|i| self.process_process[(i, i)] += k[i] * seconds);
+    /// What a process that is not held becomes over a time.
+    fn go_on(&mut self, seconds: f64) {
+        match &self.process {
+            Process::Walk(k) => (0..6).for_each(|i| self.process_process[(i, i)] += k[i] * seconds),
+            Process::Markov { tau_s, variance } => {
+                for i in 0..6 {
+                    let kept = (-seconds / tau_s[i]).exp();
+                    self.with_process.column_mut(i).scale_mut(kept);
+                    self.process_taken.row_mut(i).scale_mut(kept);
+                    // Inputs are independent: nothing beside the diagonal.
+                    self.process_process[(i, i)] *= kept * kept;
+                    self.process_process[(i, i)] += variance[i] * (1.0 - kept * kept);
+                }
+            }
+            _ => {}
         }
     }
 }

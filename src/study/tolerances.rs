@@ -7,6 +7,7 @@ use std::ops::{Index, IndexMut};
 
 use crate::excitation;
 use crate::rng::{Stream, philox4x32_10};
+use crate::sensor::error_law::{ErrorLaw, Shape};
 use crate::sensor::{SensorTerm, coupling, mechanics};
 use crate::units::key::{Key, SLOTS};
 use crate::units::number::Number;
@@ -81,11 +82,26 @@ impl Tolerances {
         value * key.factor
     }
 
+    /// A number of a term's shape, SI, where it is given and the same for all members.
+    pub fn shape(&self, term: SensorTerm, wanted: Shape) -> Option<f64> {
+        let (value, variance) = self.moments(self.given(shape(term, wanted)?)?);
+        (variance == 0.0).then_some(value)
+    }
+
+    /// Whether the phases of a sine are drawn around the circle.
+    pub fn has_any_phase(&self, term: SensorTerm) -> bool {
+        shape(term, Shape::Phase).is_none_or(|phase| self.given(phase).is_none())
+    }
+
     /// Mean and variance over members, SI.
     pub fn moments(&self, key: &Key) -> (f64, f64) {
         let (mean, variance) = self[key].map_or((0.0, 0.0), |n| n.moments(key.is_cut_at_zero()));
         (mean * key.factor, variance * key.factor * key.factor)
     }
+}
+
+fn shape(term: SensorTerm, wanted: Shape) -> Option<SensorTerm> {
+    term.shapes().find(|shape| shape.law() == ErrorLaw::Shape(wanted))
 }
 
 #[cfg(test)]

@@ -164,7 +164,7 @@ const SPREADS: &str = "members = 4096\nduration_s = 60.0\n[sensor]\nsample_rate_
     [earth]\nlatitude_deg = 47.4\nheight_m = 400.0\n[report]\ntimes_s = [1.0, 10.0, 60.0]\n";
 
 /// Every spread of an ensemble over that of the linear model.
-fn ratios(answer: &Answer) -> Vec<(Quantity, f64)> {
+pub(super) fn ratios(answer: &Answer) -> Vec<(Quantity, f64)> {
     let ratio = |k: usize, place: usize| {
         answer.ensemble.summary(k, LINEAR[place]).sd / answer.covariance.variance(k, place).sqrt()
     };

@@ -45,8 +45,7 @@ pub fn found(flight: &Flight) -> Found {
 pub fn column(gain: Gain, (mean, variance): (f64, f64), found: Option<&Found>, flight: &Flight) -> Column {
     let mut column = Column { state: SMatrix::zeros(), taken: SMatrix::zeros(), gain, mean, variance };
     if let Some(found) = found {
-        // Over the still start a straight line has the value of its middle.
-        let inputs = gain.inputs(&Felt::standing(&flight.course), -0.5 * found.seconds);
+        let inputs = gain.mean(&Felt::standing(&flight.course), -found.seconds, found.seconds);
         column.state = found.state * inputs;
         column.taken = found.taken * inputs;
     }

@@ -9,6 +9,7 @@ use crate::sensor::{Sense, SensorTerm, coupling, mechanics};
 use crate::strapdown::family::{Column, Family, Gain, Process};
 use crate::strapdown::held;
 use crate::study::in_motion::InMotion;
+use crate::study::tolerances::Tolerances;
 use crate::units::key::Key;
 
 /// Phases over which a held process is averaged.
@@ -73,14 +74,15 @@ fn between_axes(key: &'static Key, motion: &InMotion, found: Option<&Found>, fli
 }
 
 /// What the axes have of one source: moments of its coefficient, SI.
-pub struct Given {
+pub struct Given<'a> {
     source: ErrorSource,
-    moments: [(f64, f64); 3],
+    pub(super) moments: [(f64, f64); 3],
+    pub(super) tolerances: &'a [Tolerances; 3],
 }
 
-impl Given {
+impl<'a> Given<'a> {
     /// Its moments; `None` where no axis has it.
-    pub fn of(source: ErrorSource, motion: &InMotion) -> Option<Self> {
+    pub fn of(source: ErrorSource, motion: &'a InMotion) -> Option<Self> {
         let moments = motion.tolerances.each_ref().map(|all| match source {
             ErrorSource::Mechanics => {
                 (if all[&mechanics::RESONANCE].is_some() || all[&mechanics::MASS].is_some() { 1.0 } else { 0.0 }, 0.0)
@@ -88,7 +90,8 @@ impl Given {
             ErrorSource::ForceNoise => all.moments(&mechanics::FORCE_NOISE),
             ErrorSource::Term(term) => all.given(term).map_or((0.0, 0.0), |key| all.moments(key)),
         });
-        moments.iter().any(|m| *m != (0.0, 0.0)).then_some(Self { source, moments })
+        let tolerances = &motion.tolerances;
+        moments.iter().any(|m| *m != (0.0, 0.0)).then_some(Self { source, moments, tolerances })
     }
 
     /// Mean squares of the coefficients at the inputs of a sense.
@@ -121,13 +124,10 @@ impl Given {
         let first = if sense == Sense::Gyro { 3 } else { 0 };
         Some(match term.law() {
             // What follows the temperature is given between the axes.
-            ErrorLaw::Rounding
-            | ErrorLaw::FullScale
-            | ErrorLaw::Warm(_)
-            | ErrorLaw::Markov(_)
-            | ErrorLaw::Settling
-            | ErrorLaw::Sine
-            | ErrorLaw::Shape(_) => return None,
+            ErrorLaw::Rounding | ErrorLaw::FullScale | ErrorLaw::Warm(_) | ErrorLaw::Shape(_) => return None,
+            ErrorLaw::Markov(_) => (Vec::new(), vec![self.markov(term, found, step_s)?]),
+            ErrorLaw::Settling => (self.settling(term, flight, found)?, Vec::new()),
+            ErrorLaw::Sine => (self.sines(term, flight, found)?, Vec::new()),
             ErrorLaw::Constant | ErrorLaw::Offset => constants(&|axis| Gain::One(first + axis)),
             ErrorLaw::Proportional(power) => constants(&|axis| match sense {
                 Sense::Accelerometer => Gain::Force(axis, axis, power as i32),

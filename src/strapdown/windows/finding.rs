@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::number::rounded;
+use crate::sensor::source::ErrorSource;
 
 /// One thing that a person should know.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +64,11 @@ pub enum Finding {
         /// Its length, s.
         seconds: f64,
     },
+    /// The sensor has a slow error that the bands of the windows do not have.
+    SinceSwitchOn {
+        /// What makes it.
+        source: ErrorSource,
+    },
 }
 
 impl fmt::Display for Finding {
@@ -111,6 +117,9 @@ impl fmt::Display for Finding {
                     "the biases are the mean of the quietest {seconds} s, from {} s of the reference on",
                     rounded(from_s, 4)
                 )
+            }
+            Self::SinceSwitchOn { source } => {
+                write!(f, "the bands leave out the {}: no window tells how long the sensor has been on", source.name())
             }
         }
     }

@@ -107,7 +107,7 @@ impl Linear {
         let (causes, left_out) = covariance::causes(sensor, &self.flight, self.stride);
         let mut parts = Vec::new();
         for Carried { cause, columns, families, squares } in causes {
-            if cause == Cause::Alignment {
+            if cause == Cause::Alignment || is_since_switch_on(cause) {
                 continue;
             }
             let ends = steps::responses(&self.steps, columns.clone());
@@ -161,6 +161,18 @@ impl Linear {
         let all = steps::propagated(&self.steps, &[], Vec::new(), families);
         all.last().map_or_else(Square::zeros, |errors| errors.covariance)
     }
+}
+
+/// Whether an error has a time of its own since switch-on, which no window tells of.
+fn is_since_switch_on(cause: Cause) -> bool {
+    let Cause::Sensor(ErrorSource::Term(term)) = cause else { return false };
+    matches!(term.law(), ErrorLaw::Markov(_) | ErrorLaw::Settling | ErrorLaw::Sine)
+}
+
+/// Those that a sensor has.
+pub fn since_switch_on(sensor: &InMotion) -> impl Iterator<Item = ErrorSource> {
+    let has = |source: &ErrorSource| is_since_switch_on(Cause::Sensor(*source)) && Given::of(*source, sensor).is_some();
+    ErrorSource::ALL.into_iter().filter(has)
 }
 
 fn kind(cause: Cause) -> Kind {
