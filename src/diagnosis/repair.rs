@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::document::toml_string;
 use crate::escape;
+use crate::motion::temperature::Temperature;
 use crate::physics::coefficients;
 use crate::sensor::{Sensor, SensorTerm, mechanics};
 use crate::study::name_for;
@@ -27,6 +28,8 @@ pub struct Repair {
     pub before: Sensor,
     /// The sensor with the named physics, all fitted together.
     pub after: Sensor,
+    /// Temperature that the repaired sensor follows; without points none.
+    pub temperature: Temperature,
     /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
     /// m/s²".
     pub relation: String,
@@ -87,6 +90,7 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
     section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
     section(&mut text, "accelerometer", &term_keys(&repair.after, "accelerometer"));
     section(&mut text, "gyro", &term_keys(&repair.after, "gyro"));
+    text += &temperature_section(&repair.temperature);
     let v = &repair.vibration;
     let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;
     if v.amplitude_m_s2 > 0.0 && seen && repair.after.proof_mass.is_some() {
@@ -162,6 +166,18 @@ fn section(text: &mut String, name: &str, keys: &[(&str, f64)]) {
     for (key, value) in used {
         let _ = writeln!(text, "{key} = {value:?}");
     }
+}
+
+/// `[temperature]`, to a ten-thousandth of its range; empty without points.
+fn temperature_section(temperature: &Temperature) -> String {
+    let Temperature { points, reference_deg_c } = temperature;
+    let [low, high] = points.iter().fold([f64::MAX, f64::MIN], |[l, h], [_, deg_c]| [l.min(*deg_c), h.max(*deg_c)]);
+    if points.is_empty() {
+        return String::new();
+    }
+    let digits = (4.0 - (high - low).max(1e-9).log10().floor()).max(1.0) as usize;
+    let lines: String = points.iter().map(|[time_s, deg_c]| format!("  [{time_s:?}, {deg_c:.digits$}],\n")).collect();
+    format!("\n[temperature]\nprofile_s_deg_c = [\n{lines}]\nreference_deg_c = {reference_deg_c:.digits$}\n")
 }
 
 fn sensor_keys(sensor: &Sensor, rate_hz: f64) -> Vec<(&'static str, f64)> {

@@ -45,6 +45,7 @@ mod standing;
 pub mod statement;
 mod statements;
 mod telegraph;
+mod warmth;
 
 pub use candidate::CANDIDATES;
 pub use detail::{ChannelDetail, Detail};

@@ -1,5 +1,8 @@
 //! Temperature of the sensor along a run: points with straight lines between them.
 
+/// Temperatures that a sensor may have, °C.
+pub(crate) const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
+
 /// A profile, and the temperature at which the sensor's stated errors hold.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Temperature {

@@ -5,12 +5,9 @@ use super::check::refuse;
 use super::file;
 use super::tolerances::Tolerances;
 use crate::error::Result;
-use crate::motion::temperature::Temperature;
+use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
 use crate::sensor::coupling;
 use crate::units::key::Key;
-
-/// Temperatures that a sensor may have, °C.
-const POSSIBLE_DEG_C: std::ops::Range<f64> = -273.15..1000.0;
 
 /// Whether a sensor whose axes have these numbers is warmed or cooled and none of them follows it.
 pub(super) fn is_idle(temperature: &Temperature, axes: &[Tolerances]) -> bool {

@@ -31,6 +31,8 @@ pub fn tests() -> Vec<Trial> {
     vec![
         test("carried over: a named Gauss–Markov process has the planted Allan deviation in a study", markov),
         test("carried over: a named sinusoid has the planted Allan deviation in a study", sinusoid),
+        test("carried over: a named temperature sensitivity follows the recorded temperature in a study", temperature),
+        test("carried over: a sensitivity that no study can run is said, with the reason", not_carried),
         test("carried over: a named warm-up takes the planted course in a study", warm_up),
     ]
 }
@@ -45,18 +47,31 @@ fn recording(seed: u64, mut more: impl FnMut(usize, f64) -> f64) -> String {
     format!("x\n{}", (0..ROWS).map(&mut row).collect::<String>())
 }
 
-/// The repaired sensor of a recording in which this effect alone must be named.
+/// The repaired sensor of a recording in which this effect alone must be named, with all of it.
 fn repaired(recording: &str, id: &str) -> Result<String, Failed> {
+    let text = diagnosed(recording, id)?;
+    check(!text.contains("Not in this study"), format!("a study is said not to run it:\n{text}"))?;
+    Ok(text)
+}
+
+/// The repaired sensor of a recording in which this effect alone must be named.
+fn diagnosed(recording: &str, id: &str) -> Result<String, Failed> {
     let bench = Bench::new()?;
     let out = bench.path("out");
-    let model = "kind = \"static\"\nrate_hz = 100.0\nunit = \"mg\"\n[columns]\nchannels = [\"x\"]\n";
-    let verdict = bench.diagnose(recording, model, &["--json", "--out", &out.display().to_string()])?.json()?;
+    let mut model = "kind = \"static\"\nrate_hz = 100.0\nunit = \"mg\"\n[columns]\nchannels = [\"x\"]\n".to_owned();
+    if recording.starts_with("x,temp") {
+        model += "environment = [\"temp\"]\n";
+    }
+    let verdict = bench.diagnose(recording, &model, &["--json", "--out", &out.display().to_string()])?.json()?;
     let named: Vec<&str> =
         verdict["effects"].as_array().into_iter().flatten().filter_map(|e| e["id"].as_str()).collect();
     check(named == [id], format!("named {named:?}: {}", verdict["sentence"]))?;
-    let text = std::fs::read_to_string(out.join("repaired.toml"))?;
-    check(!text.contains("Not in this study"), format!("a study is said not to run it:\n{text}"))?;
-    Ok(text)
+    Ok(std::fs::read_to_string(out.join("repaired.toml"))?)
+}
+
+/// Its comments, unbroken.
+fn said(text: &str) -> String {
+    text.replace("\n#   ", " ")
 }
 
 /// Readings of 64 sensors at rest, member by member, m/s².
@@ -134,6 +149,63 @@ fn sinusoid() -> Result<(), Failed> {
     obeys(&members, law(frequency_hz))?;
     check(obeys(&members, law(1.3 * frequency_hz)).is_err(), "another frequency passes")?;
     check(obeys(&readings(&without(&text, "sinusoid"))?, law(frequency_hz)).is_err(), "white noise alone passes")
+}
+
+/// How warm the sensor was, °C: it warms by 12 K and back by 3, and the room swings by 1 K.
+fn deg_c(second: f64) -> f64 {
+    24.0 + 12.0 * (PI * (second / 200.0).powf(0.7) * 1.2).sin() + (second / 17.0).sin()
+}
+
+/// White noise of 1 mg, what follows the temperature, and a column that holds it.
+fn warmed(seed: u64, follows: impl Fn(f64) -> f64, column: impl Fn(f64) -> f64) -> String {
+    let mut rng = Philox::new(seed, 0, Stream::Host);
+    let mut row = |n: usize| {
+        let second = n as f64 / RATE_HZ;
+        format!("{:.6},{:.5}\n", WHITE_MG * rng.normal() + follows(deg_c(second)), column(deg_c(second)))
+    };
+    format!("x,temp\n{}", (0..ROWS).map(&mut row).collect::<String>())
+}
+
+fn temperature() -> Result<(), Failed> {
+    let slope = 0.4;
+    let text = repaired(&warmed(44, |deg_c| slope * deg_c, |deg_c| deg_c), "temperature-sensitivity")?;
+    check(said(&text).contains("the column `temp`"), format!("the column is not named:\n{text}"))?;
+    // b = s (θ − θ̄), θ̄ the mean over the recording; straight lines between sixty points miss 0.03 K,
+    // the slope is known to a fiftieth of itself.
+    let mean = (0..ROWS).map(|n| deg_c(n as f64 / RATE_HZ)).sum::<f64>() / ROWS as f64;
+    let follows = |members: &[Vec<f64>], slope: f64| -> Result<(), Failed> {
+        for second in [0, 20, 50, 90, 140, 199] {
+            let part = 100 * second..100 * (second + 1);
+            let reading = members.iter().flat_map(|m| &m[part.clone()]).sum::<f64>() / (100 * members.len()) as f64;
+            let law = slope * (deg_c(second as f64 + 0.5) - mean);
+            near(&format!("mean reading in second {second}, mg"), reading / MG, law, 0.2)?;
+        }
+        Ok(())
+    };
+    let members = readings(&text)?;
+    follows(&members, slope)?;
+    check(follows(&members, 1.3 * slope).is_err(), "another slope passes")?;
+    check(follows(&readings(&without(&text, "bias_temperature"))?, slope).is_err(), "white noise alone passes")
+}
+
+fn not_carried() -> Result<(), Failed> {
+    let curved = warmed(45, |deg_c| 0.05 * (deg_c - 22.0).powi(2), |deg_c| deg_c);
+    let text = diagnosed(&curved, "temperature-sensitivity")?;
+    check(
+        said(&text).contains("Not in this study: temperature-sensitivity"),
+        format!("a square is not said:\n{text}"),
+    )?;
+    check(
+        said(&text).contains("straight line") && !text.contains("[temperature]\n"),
+        format!("a square as a line:\n{text}"),
+    )?;
+    // A column of counts that no thermometer shows as °C.
+    let counts = warmed(46, |deg_c| 0.4 * deg_c, |deg_c| 20_000.0 + 300.0 * deg_c);
+    let text = diagnosed(&counts, "temperature-sensitivity")?;
+    check(
+        said(&text).contains("no temperature in °C") && !text.contains("\n[temperature]"),
+        format!("counts as °C:\n{text}"),
+    )
 }
 
 fn warm_up() -> Result<(), Failed> {

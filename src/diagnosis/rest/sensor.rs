@@ -8,14 +8,18 @@ use super::cause::Cause;
 use super::channel::{Channel, Fitted};
 use super::describe;
 use super::effects::Found;
+use super::warmth::{self, Unfit};
 use crate::diagnosis::model;
 use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
+use crate::motion::temperature::Temperature;
+use crate::recording::Recording;
 use crate::recording::unit::{Quantity, Unit};
 use crate::sensor::{Sensor, SensorTerm};
 use crate::units::DENSITY_TO_RANDOM_WALK;
 
 /// What a study can run of the first channel, where its unit is one of acceleration or rate.
 pub(super) fn repair(
+    recording: &Recording,
     channels: &[Channel],
     finals: &[Fitted],
     effects: &[Found],
@@ -76,14 +80,31 @@ pub(super) fn repair(
     for effect in effects.iter().filter(|e| is_first(e, effects, worst)) {
         after = with_slow(after, effect, unit.quantity, unit.si);
     }
+    let is_warm = effects.iter().any(|e| e.is(Cause::TemperatureSensitivity, worst));
+    let warmth = if is_warm { warmth::of(channel, fitted, recording) } else { Err(Unfit::Unlogged) };
+    let mut relation = format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si);
+    if let Ok(warmth) = &warmth {
+        let gyro = unit.quantity == Quantity::Gyro;
+        let term = if gyro { SensorTerm::GyroBiasPerKelvin } else { SensorTerm::AccelerometerBiasPerKelvin };
+        after = after.with_error(term, warmth.slope * unit.si);
+        let late = if warmth.is_late { ", as late as the reading follows it" } else { "" };
+        relation += &format!("; [temperature] is the column `{}`, one of its units taken as 1 °C{late}", warmth.column);
+    }
+    let is_held = |e: &Found| match e.cause {
+        cause if is_slow(cause) => is_first(e, effects, worst),
+        Cause::TemperatureSensitivity => warmth.is_ok() && e.channels.contains(&worst),
+        cause => expressible(cause),
+    };
+    let unfit = warmth.as_ref().err().copied();
     Some(Repair {
         before: sensor(promised, 0.0),
         after,
-        relation: format!("one {} of {} is {} in SI", unit.name, channel.name, unit.si),
+        temperature: warmth.as_ref().map_or_else(|_| Temperature::default(), |warmth| warmth.temperature.clone()),
+        relation,
         own_cost: own_cost.collect(),
         not_expressible: entries
-            .filter(|(e, _)| !(expressible(e.cause) || is_slow(e.cause) && is_first(e, effects, worst)))
-            .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause)))
+            .filter(|(e, _)| !is_held(e))
+            .map(|(e, entry)| format!("{}: {}{}", entry.id, entry.statement, instead(e.cause, unfit)))
             .collect(),
         vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 1.0 },
     })
@@ -117,17 +138,14 @@ fn with_slow(sensor: Sensor, effect: &Found, quantity: Quantity, si: f64) -> Sen
     term.shapes().next().map_or(sensor, |place| sensor.with_error(place, shape * per_shape))
 }
 
-/// What a study takes in its place.
-fn instead(cause: Cause) -> &'static str {
-    match cause {
-        Cause::TemperatureSensitivity => {
-            " Given the temperature as [temperature], a study runs it as bias_temperature_ug_k or \
-             bias_temperature_deg_h_k."
+/// What a study takes in its place: a sentence behind another one, empty for nothing.
+fn instead(cause: Cause, unfit: Option<Unfit>) -> String {
+    match (cause, unfit) {
+        (Cause::TemperatureSensitivity, Some(unfit)) => format!(" {}", unfit.words()),
+        (Cause::Sinusoid | Cause::WarmUp | Cause::GaussMarkov | Cause::TemperatureSensitivity, _) => {
+            " The study has the strongest of its kind, in the channel that stands for the sensor.".into()
         }
-        Cause::Sinusoid | Cause::WarmUp | Cause::GaussMarkov => {
-            " The study has the strongest of its kind, in the channel that stands for the sensor."
-        }
-        _ => "",
+        _ => String::new(),
     }
 }
 

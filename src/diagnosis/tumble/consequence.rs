@@ -10,6 +10,7 @@ use super::candidate::Term;
 use super::conclusion::Case;
 use super::selection::Selection;
 use crate::diagnosis::repair::{Cost, Repair, Row, Vibration};
+use crate::motion::temperature::Temperature;
 use crate::navigation::closed_form::Process;
 use crate::number::short;
 use crate::sensor::{Sense, Sensor};
@@ -64,6 +65,7 @@ impl Case<'_> {
         Repair {
             before,
             after,
+            temperature: Temperature::default(),
             relation: format!(
                 "Counts became m/s² and rad/s by the calibration found here ({} counts per m/s², {} per rad/s). Without \
                  the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \

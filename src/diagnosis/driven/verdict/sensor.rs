@@ -6,6 +6,7 @@ use crate::diagnosis::driven::base::{GAIN, OMEGA, ZETA};
 use crate::diagnosis::driven::identification::fit::Fit;
 use crate::diagnosis::driven::intake::data::Data;
 use crate::diagnosis::repair::{Repair, Vibration};
+use crate::motion::temperature::Temperature;
 use crate::numerics::moments::mean_sd;
 use crate::numerics::spectrum;
 use crate::physics::coefficients::{Coefficients, StudyLaw, laws};
@@ -44,6 +45,7 @@ pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>
     Repair {
         before: sensor(data, before, None),
         after: repaired,
+        temperature: Temperature::default(),
         relation,
         not_expressible,
         vibration,

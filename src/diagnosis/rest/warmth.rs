@@ -1,0 +1,106 @@
+//! The temperature that a sensor at rest was found to follow, as a study takes it: a profile over
+//! time, and a slope.
+
+use super::cause::Cause;
+use super::channel::{Addition, Channel, Fitted, Term};
+use super::followed::{Delay, Followed};
+use crate::motion::temperature::{POSSIBLE_DEG_C, Temperature};
+use crate::recording::Recording;
+
+/// Points of a profile, at most.
+const POINTS: usize = 60;
+
+/// What a study takes of a named sensitivity.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Warmth {
+    /// Change of the reading per unit of the column, file units.
+    pub(super) slope: f64,
+    /// The column as it acts; the reference is its mean, about which the model is fitted.
+    pub(super) temperature: Temperature,
+    /// Heading of the column.
+    pub(super) column: String,
+    /// Whether it acts late, and the profile is as late.
+    pub(super) is_late: bool,
+}
+
+/// Why a study cannot take it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unfit {
+    /// No column shows it.
+    Unlogged,
+    /// Several columns do.
+    Several,
+    /// The reading does not follow along a straight line.
+    Curved,
+    /// The column holds what is no temperature in °C.
+    NoTemperature,
+}
+
+impl Unfit {
+    /// What stands in its place, a sentence.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Unlogged => {
+                "Given the temperature as [temperature], a study runs it as bias_temperature_ug_k or \
+                 bias_temperature_deg_h_k."
+            }
+            Self::Several => "A study has one temperature, and the reading follows several columns.",
+            Self::Curved => "In a study a bias follows the temperature along a straight line.",
+            Self::NoTemperature => "The column holds values that are no temperature in °C.",
+        }
+    }
+}
+
+/// The temperature that a channel follows by its model.
+pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> Result<Warmth, Unfit> {
+    let follows = |(_, term): &(usize, &Term)| term.cause == Cause::TemperatureSensitivity;
+    let mut terms = fitted.terms.iter().enumerate().filter(follows);
+    let (index, term) = terms.next().ok_or(Unfit::Unlogged)?;
+    if terms.next().is_some() {
+        return Err(Unfit::Several);
+    }
+    let Followed { column, delay, unit, powers } = term.column.as_ref().ok_or(Unfit::Unlogged)?;
+    let Addition::Curves(curves) = &term.addition else { return Err(Unfit::Unlogged) };
+    let (&[1], [curve], [(amplitude, _)]) = (*powers, curves.as_slice(), fitted.amplitudes_of(index)) else {
+        return Err(Unfit::Curved);
+    };
+    let logged = recording.columns.iter().find(|c| c.name == *column).ok_or(Unfit::Unlogged)?;
+    let mean = logged.values.iter().sum::<f64>() / logged.values.len().max(1) as f64;
+    let points = profile(&curve.values, channel.rate_hz, |value| mean + unit * value);
+    if !points.iter().all(|[_, deg_c]| POSSIBLE_DEG_C.contains(deg_c)) {
+        return Err(Unfit::NoTemperature);
+    }
+    Ok(Warmth {
+        slope: amplitude * channel.scale / unit,
+        temperature: Temperature { points, reference_deg_c: mean },
+        column: column.clone(),
+        is_late: *delay != Delay::None,
+    })
+}
+
+/// Points at equal times from the first sample to the last, each the mean of half the way to its
+/// neighbours.
+fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let parts = POINTS.min(values.len().saturating_sub(1)).max(1);
+    let point = |k: usize| {
+        let at = |halves: usize| (halves * values.len() / (2 * parts)).min(values.len());
+        let around = &values[at((2 * k).saturating_sub(1))..at(2 * k + 1)];
+        let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
+        [k as f64 * values.len() as f64 / parts as f64 / rate_hz, to(mean)]
+    };
+    (0..=parts).map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::profile;
+
+    #[test]
+    fn a_profile_goes_through_a_straight_line_and_ends_where_the_recording_does() {
+        let points = profile(&(0..600).map(f64::from).collect::<Vec<_>>(), 10.0, |v| 20.0 + 0.1 * v);
+        assert_eq!((points.len(), points[0][0], points[60][0]), (61, 0.0, 60.0));
+        for [time_s, deg_c] in &points[1..60] {
+            assert!((deg_c - (20.0 + time_s)).abs() < 0.06, "{time_s}: {deg_c}");
+        }
+    }
+}
