@@ -34,6 +34,7 @@
 //! ```
 
 pub mod answer;
+pub mod by_axis;
 pub use crate::physics::candidate;
 pub mod consequence;
 pub mod consistency;

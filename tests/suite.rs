@@ -8,6 +8,7 @@ mod suite {
     pub mod bench;
     pub mod benchmarks;
     pub mod carried_over;
+    pub mod carried_over_tumble;
     pub mod cli;
     pub mod clock;
     pub mod closed_form;
@@ -137,6 +138,8 @@ fn main() {
         suite::diagnose_rest_cli::tests(),
         // carried_over: what a diagnosis at rest names, a study of its repaired sensor runs.
         suite::carried_over::tests(),
+        // carried_over_tumble: what is named of poses, axis by axis.
+        suite::carried_over_tumble::tests(),
         // dynamics: Duffing orbits match analysis, print and each other.
         suite::dynamics::tests(),
         // paper: twenty figures, every check holds and can fail.

@@ -9,7 +9,9 @@ use crate::motion::temperature::Temperature;
 use crate::physics::coefficients;
 use crate::sensor::{Sensor, SensorTerm, mechanics};
 use crate::study::name_for;
+use crate::units::key::Key;
 
+use super::by_axis::{Drawn, three};
 use super::verdict::Verdict;
 
 /// A sine that the cost is stated under.
@@ -30,6 +32,8 @@ pub struct Repair {
     pub after: Sensor,
     /// Temperature that the repaired sensor follows; without points none.
     pub temperature: Temperature,
+    /// Keys with a number for each axis, SI: with any, the study has six axes.
+    pub by_axis: Vec<(&'static Key, [Drawn; 3])>,
     /// How the recording's units became metres and m/s², in a sentence: "1 V of input is taken as 1
     /// m/s²".
     pub relation: String,
@@ -88,8 +92,16 @@ pub(super) fn study_document(repair: &Repair, verdict: &Verdict) -> String {
         1.0 / rate_hz
     );
     section(&mut text, "sensor", &sensor_keys(&repair.after, rate_hz));
-    section(&mut text, "accelerometer", &term_keys(&repair.after, "accelerometer"));
-    section(&mut text, "gyro", &term_keys(&repair.after, "gyro"));
+    for name in ["accelerometer", "gyro"] {
+        section(&mut text, name, &term_keys(&repair.after, name));
+        let of_axes = repair.by_axis.iter().filter(|(key, _)| key.section() == name);
+        let lines: String = of_axes.map(|(key, axes)| three(key, *axes)).collect();
+        let header = if text.contains(&format!("\n[{name}]\n")) { String::new() } else { format!("\n[{name}]\n") };
+        text += &if lines.is_empty() { lines } else { header + &lines };
+    }
+    if !repair.by_axis.is_empty() {
+        text += "\n[trajectory]\nkind = \"rest\"\n";
+    }
     text += &temperature_section(&repair.temperature);
     let v = &repair.vibration;
     let seen = v.frequency_hz > 0.0 && v.frequency_hz < 0.5 * rate_hz;

@@ -5,6 +5,7 @@
 //! axes orthogonal and shared by both sensors. Not for motion beside a reference trajectory.
 
 pub mod account;
+mod by_axis;
 mod by_pose;
 pub mod calibration;
 mod candidate;

@@ -153,7 +153,7 @@ fn sinusoid() -> Result<(), Failed> {
 
 /// How warm the sensor was, °C: it warms by 12 K and back by 3, and the room swings by 1 K.
 fn deg_c(second: f64) -> f64 {
-    24.0 + 12.0 * (PI * (second / 200.0).powf(0.7) * 1.2).sin() + (second / 17.0).sin()
+    24.0 + 12.0 * (PI * second / 200.0 * 1.2).sin() + (second / 17.0).sin()
 }
 
 /// White noise of 1 mg, what follows the temperature, and a column that holds it.

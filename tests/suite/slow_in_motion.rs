@@ -62,7 +62,7 @@ const CASES: &[Case] = &[
     (
         "a gyro's sinusoid of one phase",
         "",
-        "sinusoid_deg_h = { min = 0.0, max = 16.0 }\nsinusoid_hz = 0.037\nsinusoid_phase_deg = 30.0\n",
+        "sinusoid_deg_h = { min = 0.0, max = 4.0 }\nsinusoid_hz = 0.037\nsinusoid_phase_deg = 30.0\n",
         ["phase_deg = 30.0", "phase_deg = 70.0"],
     ),
 ];

@@ -99,6 +99,7 @@ pub(super) fn repair(
     Some(Repair {
         before: sensor(promised, 0.0),
         after,
+        by_axis: Vec::new(),
         temperature: warmth.as_ref().map_or_else(|_| Temperature::default(), |warmth| warmth.temperature.clone()),
         relation,
         own_cost: own_cost.collect(),

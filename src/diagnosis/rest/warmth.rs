@@ -79,14 +79,23 @@ pub(super) fn of(channel: &Channel, fitted: &Fitted, recording: &Recording) -> R
 }
 
 /// Points at equal times from the first sample to the last, each the mean of half the way to its
-/// neighbours.
+/// neighbours; the ends are where a straight line through the means of their two quarters ends.
 fn profile(values: &[f64], rate_hz: f64, to: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
-    let parts = POINTS.min(values.len().saturating_sub(1)).max(1);
+    let parts = POINTS.min(values.len() / 4).max(1);
+    let at = |quarters: usize| quarters * values.len() / (4 * parts);
+    let mean = |from: usize, to: usize| {
+        let around = &values[at(from)..at(to)];
+        around.iter().sum::<f64>() / around.len().max(1) as f64
+    };
+    let end = |outer: f64, inner: f64| outer + 0.5 * (outer - inner);
+    let last = 4 * parts;
     let point = |k: usize| {
-        let at = |halves: usize| (halves * values.len() / (2 * parts)).min(values.len());
-        let around = &values[at((2 * k).saturating_sub(1))..at(2 * k + 1)];
-        let mean = around.iter().sum::<f64>() / around.len().max(1) as f64;
-        [k as f64 * values.len() as f64 / parts as f64 / rate_hz, to(mean)]
+        let value = match k {
+            0 => end(mean(0, 1), mean(1, 2)),
+            k if k == parts => end(mean(last - 1, last), mean(last - 2, last - 1)),
+            k => mean(4 * k - 2, 4 * k + 2),
+        };
+        [k as f64 * values.len() as f64 / parts as f64 / rate_hz, to(value)]
     };
     (0..=parts).map(point).collect()
 }
@@ -99,7 +108,7 @@ mod tests {
     fn a_profile_goes_through_a_straight_line_and_ends_where_the_recording_does() {
         let points = profile(&(0..600).map(f64::from).collect::<Vec<_>>(), 10.0, |v| 20.0 + 0.1 * v);
         assert_eq!((points.len(), points[0][0], points[60][0]), (61, 0.0, 60.0));
-        for [time_s, deg_c] in &points[1..60] {
+        for [time_s, deg_c] in points {
             assert!((deg_c - (20.0 + time_s)).abs() < 0.06, "{time_s}: {deg_c}");
         }
     }

@@ -10,8 +10,8 @@ use super::parameters::{
     DRIFT, FORCE_BIAS, GYRO_BIAS, GYRO_MISALIGNMENT, GYRO_SCALE, LEVER_ARM, MOUNTING, OFFSET, Point, TILT,
 };
 use super::permutation::Permutation;
-use super::repaired::Drawn;
 use super::slow::{self, deviation, half_width};
+use crate::diagnosis::by_axis::Drawn;
 use crate::diagnosis::verdict::{Estimate, SensorCalibration, Triads};
 use crate::units::DEGREE;
 

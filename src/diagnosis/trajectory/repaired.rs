@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf, absolute};
 
 use nalgebra::UnitQuaternion;
 
+use crate::diagnosis::by_axis::{Drawn, drawn, line, number, over, three};
 use crate::diagnosis::model::Reference;
 use crate::diagnosis::repair::{name, preamble, round_rate};
 use crate::diagnosis::verdict::Verdict;
@@ -27,15 +28,6 @@ const NOTHING: f64 = 1e-9;
 /// Largest offset of the clocks that a study states, s: it moves its readings by the first order of
 /// the offset, which holds while the motion is even.
 pub(super) const LATEST_S: f64 = 0.02;
-
-/// A number and its standard error, SI.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Drawn {
-    /// The value.
-    pub mean: f64,
-    /// Its standard error.
-    pub sd: f64,
-}
 
 /// Where the study goes: a stretch of the reference.
 #[derive(Debug, Clone, PartialEq)]
@@ -190,32 +182,4 @@ fn order_key(order: Order) -> &'static str {
         Order::ScalarFirst => "scalar-first",
         Order::ScalarLast => "scalar-last",
     }
-}
-
-/// Mean and spread of elements that a study draws apart.
-fn over(elements: &[f64]) -> Drawn {
-    let count = elements.len().max(1) as f64;
-    let mean = elements.iter().sum::<f64>() / count;
-    let variance = elements.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / count;
-    Drawn { mean, sd: variance.sqrt() }
-}
-
-fn number(key: &Key, value: f64) -> String {
-    format!("{:?}", value / key.factor)
-}
-
-fn drawn(key: &Key, Drawn { mean, sd }: Drawn) -> String {
-    format!("{{ mean = {}, sd = {} }}", number(key, mean), number(key, sd))
-}
-
-fn line(key: &Key, value: &str) -> String {
-    format!("{} = {value}\n", key.key())
-}
-
-/// A number for each axis; nothing where all are zero.
-fn three(key: &Key, axes: [Drawn; 3]) -> String {
-    if axes.iter().all(|axis| *axis == Drawn::default()) {
-        return String::new();
-    }
-    line(key, &format!("[\n    {},\n]", axes.map(|axis| drawn(key, axis)).join(",\n    ")))
 }

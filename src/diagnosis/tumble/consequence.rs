@@ -1,10 +1,11 @@
 //! The loop closed for a tumble recording: the sensor with its measured noise, and what the
 //! omission costs.
 //!
-//! A study has one axis and one attitude, so misalignment and g-sensitivity enter it as the
-//! constant errors that they are while a sensor keeps one attitude.
+//! The cost is stated along one axis and in one attitude, where misalignment and g-sensitivity are
+//! constant errors; the study has them axis by axis (`by_axis`).
 
 use super::Detail;
+use super::by_axis::{self, Lacking};
 use super::calibration::Calibration;
 use super::candidate::Term;
 use super::conclusion::Case;
@@ -62,23 +63,36 @@ impl Case<'_> {
                 }
             });
         }
+        let named: Vec<_> = selection.named_terms().map(|t| (t, by_axis::of(t, &detail.calibration))).collect();
+        let not_expressible = named.iter().filter_map(|(t, (_, lacking))| {
+            let why = match lacking {
+                Lacking::Nothing => return None,
+                Lacking::Cubic => "a study has no key for its third-order part",
+                Lacking::Temperature => "given a [temperature], a study runs it as a bias over temperature",
+                Lacking::All => "a study has no key for it",
+            };
+            Some(format!("{} ({}): {why}", t.phrase(), t.candidate.equation))
+        });
+        let moving = if named.iter().any(|(_, (numbers, _))| numbers.is_some()) {
+            " The study lies still; give it a [trajectory] of your own motion."
+        } else {
+            ""
+        };
         Repair {
             before,
             after,
+            by_axis: named.iter().filter_map(|(_, (numbers, _))| *numbers).collect(),
+            not_expressible: not_expressible.collect(),
             temperature: Temperature::default(),
             relation: format!(
                 "Counts became m/s² and rad/s by the calibration found here ({} counts per m/s², {} per rad/s). Without \
                  the named physics a sensor at rest errs by {} mm/s² and {} °/h (rms over axes and recorded attitudes); \
-                 that is the constant bias of the first row.",
+                 that is the constant bias of the first row.{moving}",
                 short(detail.calibration.accelerometer.scale.mean()),
                 short(detail.calibration.gyro.scale.mean()),
                 short(force * 1e3),
                 short(rate / DEGREE_PER_HOUR)
             ),
-            not_expressible: selection
-                .named_terms()
-                .map(|t| format!("{} ({}): a study has one axis and one attitude", t.phrase(), t.candidate.equation))
-                .collect(),
             vibration: Vibration { amplitude_m_s2: 0.0, frequency_hz: 0.0 },
             own_cost,
         }

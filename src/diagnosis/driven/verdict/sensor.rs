@@ -45,6 +45,7 @@ pub(super) fn repair(data: &Data, before: &Fit, after: &Fit, input: Option<&str>
     Repair {
         before: sensor(data, before, None),
         after: repaired,
+        by_axis: Vec::new(),
         temperature: Temperature::default(),
         relation,
         not_expressible,

@@ -1,0 +1,99 @@
+//! What was named of the axes, by the keys that a study of six axes has for it.
+
+use super::calibration::{Calibration, Triad, accelerometer, gyro};
+use super::candidate::Term;
+use crate::diagnosis::by_axis::{Drawn, over};
+use crate::sensor::{SensorTerm, coupling};
+use crate::units::key::Key;
+
+/// What a study does not hold of a term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lacking {
+    /// It holds all of it.
+    Nothing,
+    /// Its third-order part.
+    Cubic,
+    /// The temperature over time.
+    Temperature,
+    /// The term as a whole.
+    All,
+}
+
+/// Numbers of a key for x, y and z, SI.
+pub(super) type Numbers = (&'static Key, [Drawn; 3]);
+
+/// A named term by its key, and what that leaves out.
+pub(super) fn of(term: &Term, calibration: &Calibration) -> (Option<Numbers>, Lacking) {
+    let [force, rate] = [&calibration.accelerometer, &calibration.gyro];
+    let row = |term: SensorTerm| &term.row().keys[0];
+    let first = term.parameters.first().cloned().unwrap_or_default();
+    let (key, numbers) = match first {
+        r if r == accelerometer::AXIS_SCALE => (row(SensorTerm::ScaleFactor), scales(force)),
+        r if r == accelerometer::MISALIGNMENT => (&coupling::ACCELEROMETER_MISALIGNMENT, across(force)),
+        r if r == accelerometer::QUADRATIC => {
+            let fixed = |axis: usize| Drawn { mean: force.quadratic[axis], sd: 0.0 };
+            return (Some((row(SensorTerm::Nonlinearity), [0, 1, 2].map(fixed))), Lacking::Cubic);
+        }
+        r if r == gyro::AXIS_SCALE => (&coupling::GYRO_SCALE_FACTOR, scales(rate)),
+        r if r == gyro::MISALIGNMENT => (&coupling::GYRO_MISALIGNMENT, gyro_rows(calibration)),
+        r if r == gyro::G_SENSITIVITY => {
+            let row = |i: usize| over(&[0, 1, 2].map(|j| calibration.g_sensitivity[(i, j)]));
+            (&coupling::G_SENSITIVITY, [0, 1, 2].map(row))
+        }
+        r if r == accelerometer::TEMPERATURE || r == gyro::TEMPERATURE => return (None, Lacking::Temperature),
+        _ => return (None, Lacking::All),
+    };
+    (Some((key, numbers)), Lacking::Nothing)
+}
+
+/// Scales of the axes over their mean, less one: the common scale is calibrated.
+fn scales(triad: &Triad) -> [Drawn; 3] {
+    let mean = triad.scale.mean();
+    [0, 1, 2].map(|axis| Drawn { mean: triad.scale[axis] / mean - 1.0, sd: 0.0 })
+}
+
+/// The accelerometer's misalignment in a study's axes, of which x is exact; here it is z. To first
+/// order the one goes over into the other by a turn, and what x reads of y, y reads of x.
+fn across(triad: &Triad) -> [Drawn; 3] {
+    let m = &triad.alignment;
+    [Drawn::default(), over(&[m[(0, 1)]]), over(&[m[(0, 2)], m[(1, 2)]])]
+}
+
+/// The gyro's misalignment in the same axes.
+fn gyro_rows(calibration: &Calibration) -> [Drawn; 3] {
+    let (turned, m) = (&calibration.accelerometer.alignment, &calibration.gyro.alignment);
+    let element = |i: usize, j: usize| m[(i, j)] + if i < j { -turned[(i, j)] } else { turned[(j, i)] };
+    [0, 1, 2].map(|i| over(&[element(i, (i + 1) % 3), element(i, (i + 2) % 3)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::calibration::PARAMETERS;
+    use super::*;
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+
+    /// Readings of one force by the fitted calibration and by what a study is given of it differ by
+    /// a turn of the axes alone, to second order.
+    #[test]
+    fn a_study_reads_what_the_calibration_reads_in_turned_axes() {
+        let mut p = [0.0; PARAMETERS];
+        (p[accelerometer::SCALE.start], p[gyro::SCALE.start]) = (1.0, 1.0);
+        p[accelerometer::MISALIGNMENT].copy_from_slice(&[2e-3, -1e-3, 3e-3]);
+        p[gyro::MISALIGNMENT].copy_from_slice(&[1e-3, 4e-3, -2e-3, 5e-4, 3e-3, -1e-3]);
+        let c = Calibration::from_point(&p);
+        let turn = Rotation3::new(Vector3::new(-3e-3, -1e-3, -2e-3)).into_inner();
+        let lower = c.accelerometer.alignment * turn.transpose();
+        let lower = if lower[(0, 1)].abs() < 1e-5 { lower } else { c.accelerometer.alignment * turn };
+        assert!([(0, 1), (0, 2), (1, 2)].iter().all(|place| lower[*place].abs() < 2e-5), "{lower}");
+        let [x, y, z] = across(&c.accelerometer);
+        assert_eq!((x, y.sd), (Drawn::default(), 0.0));
+        assert!((y.mean - lower[(1, 0)]).abs() < 2e-5);
+        assert!((z.mean - 0.5 * (lower[(2, 0)] + lower[(2, 1)])).abs() < 2e-5);
+        let rates: Matrix3<f64> =
+            c.gyro.alignment * c.accelerometer.alignment.try_inverse().expect("it has one") * lower;
+        for (i, row) in gyro_rows(&c).iter().enumerate() {
+            let elements = [rates[(i, (i + 1) % 3)], rates[(i, (i + 2) % 3)]];
+            assert!((row.mean - over(&elements).mean).abs() < 3e-5 && (row.sd - over(&elements).sd).abs() < 3e-5);
+        }
+    }
+}
