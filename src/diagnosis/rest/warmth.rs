@@ -106,10 +106,10 @@ mod tests {
 
     #[test]
     fn a_profile_goes_through_a_straight_line_and_ends_where_the_recording_does() {
-        let points = profile(&(0..600).map(f64::from).collect::<Vec<_>>(), 10.0, |v| 20.0 + 0.1 * v);
+        let points = profile(&(0..2400).map(f64::from).collect::<Vec<_>>(), 40.0, |v| 20.0 + v / 40.0);
         assert_eq!((points.len(), points[0][0], points[60][0]), (61, 0.0, 60.0));
         for [time_s, deg_c] in points {
-            assert!((deg_c - (20.0 + time_s)).abs() < 0.06, "{time_s}: {deg_c}");
+            assert!((deg_c - (20.0 + time_s)).abs() < 0.02, "{time_s}: {deg_c}");
         }
     }
 }

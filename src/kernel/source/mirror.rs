@@ -10,6 +10,7 @@ use crate::kernel::layout::{self, Bins, Fix, Flight, OrbitTile, Partial, Report,
 use crate::kernel::source;
 use crate::physics::coefficients::laws;
 use crate::sensor::SensorTerm;
+use crate::sensor::error_law::{ErrorLaw, Shape};
 
 /// A shader that parses and validates.
 fn parsed(shader: &Shader) -> naga::Module {
@@ -214,7 +215,7 @@ fn uses(shader: &Shader, name: &str) -> bool {
 }
 
 /// Each term's column and switch are declared once and used, so that a row that no law takes up is
-/// noticed.
+/// noticed; a number of a term's shape by its place behind the term's, or as turns.
 #[test]
 fn every_sensor_term_is_taken_up_by_the_shader() {
     let simulate = source::simulate(false, laws());
@@ -224,7 +225,16 @@ fn every_sensor_term_is_taken_up_by_the_shader() {
     for term in SensorTerm::ALL {
         let switch = source::terms::switch(term);
         assert!(module.overrides.iter().any(|(_, o)| o.name.as_deref() == Some(&switch)), "{switch}");
-        assert!(uses(&simulate, &source::terms::name(term)), "{term:?} is in no one's hands");
+        let before = SensorTerm::ALL.into_iter().take(term as usize).rfind(|other| !other.is_shape());
+        let of = source::terms::name(before.filter(|_| term.is_shape()).unwrap_or(term));
+        let taken_up = match term.law() {
+            ErrorLaw::Shape(Shape::Memory | Shape::Settling) => {
+                simulate.text.contains(&format!("column(i, {of} + 1u)"))
+            }
+            ErrorLaw::Shape(Shape::Frequency | Shape::Phase) => uses(&simulate, &format!("TURNS_{of}")),
+            _ => uses(&simulate, &of),
+        };
+        assert!(taken_up, "{term:?} is in no one's hands");
     }
     let without = Shader { name: "without", text: simulate.text.replace("column(i, GYRO_BIAS)", "0.0") };
     assert!(!uses(&without, "GYRO_BIAS"));
